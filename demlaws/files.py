@@ -1,0 +1,32 @@
+"""Files are written whole or not at all."""
+
+import os
+import tempfile
+from pathlib import Path
+
+from demlaws.errors import DemlawsError
+
+
+def write_atomically(path, content):
+    """Write text or bytes to `path`: first to a temporary name in the same folder, then rename.
+
+    A failure leaves an older file of that name as it was. The folder is made if it is missing.
+    """
+    path = Path(path)
+    data = content.encode() if isinstance(content, str) else content
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+    except OSError as error:
+        raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(data)
+        umask = os.umask(0)
+        os.umask(umask)
+        os.chmod(temporary, 0o666 & ~umask)
+        os.replace(temporary, path)
+    except OSError as error:
+        os.unlink(temporary)
+        raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
+    return path
