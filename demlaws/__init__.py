@@ -1,0 +1,9 @@
+"""demlaws: contact laws of rough and yielding grains for the discrete element method."""
+
+from demlaws.contact import Contact, Material, Surface
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.law import Law, law, laws
+
+__version__ = "0.1.0"
+
+__all__ = ["Contact", "DemlawsError", "Law", "Material", "Surface", "ValidityWarning", "law", "laws"]

@@ -1,0 +1,46 @@
+"""What a law declares besides its compiled kernels."""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from demlaws.errors import DemlawsError
+
+
+class Limit(NamedTuple):
+    """A range of force [N] outside which a law is not supported by its source, and why."""
+
+    minimum_force: float
+    maximum_force: float
+    reason: str
+
+
+def no_limits(contact, **options):
+    return []
+
+
+class Definition(NamedTuple):
+    """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
+
+    name: str
+    prepare: Callable
+    equation: str
+    source: str
+    description: str
+    limits: Callable = no_limits
+    example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
+    needs: tuple = ()  # names of Contact fields that must be given
+    implicit: bool = False  # force is the root of an equation or comes from a solver, not a closed form
+    length: Callable | None = None  # Shape, Params → length [m] in which the law's curve is dimensionless
+
+
+def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
+    """`value` as a float above `low` (or from it) and up to `high`, or an error that names it."""
+    try:
+        result = float(value)
+    except (TypeError, ValueError):
+        raise DemlawsError(f"{name} must be one number, got {value!r}") from None
+    if math.isfinite(result) and (low < result or (allow_low and low == result)) and result <= high:
+        return result
+    end = "" if high == math.inf else f" and at most {high:g}"
+    raise DemlawsError(f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}")

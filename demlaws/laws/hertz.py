@@ -1,0 +1,64 @@
+"""Hertz 1882: smooth elastic spheres."""
+
+import math
+from typing import NamedTuple
+
+from demlaws.dispatch import bind
+from demlaws.fastmath import cbrt, kernel
+from demlaws.laws.definition import Definition
+
+
+class Shape(NamedTuple):
+    """Nothing distinguishes one Hertz law from another."""
+
+
+class Params(NamedTuple):
+    """One smooth contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+
+
+@kernel
+def hertz_coefficient(radius, modulus):
+    """(4/3) E* √R [N/m^1.5]."""
+    return 4.0 * modulus * math.sqrt(radius) / 3.0
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    return Params(hertz_coefficient(radius, modulus))
+
+
+@kernel
+def _virgin(p, overlap):
+    stiffness = p.hertz_coefficient * math.sqrt(overlap)
+    return stiffness * overlap, 1.5 * stiffness, overlap, overlap
+
+
+@kernel
+def hertz_overlap(p, force):
+    """δ_H(P) = (9 P²/(16 R E*²))^(1/3) [m] of any law's params."""
+    root = cbrt(force / p.hertz_coefficient)
+    return root * root
+
+
+@kernel
+def _energy(p, overlap):
+    return 0.4 * p.hertz_coefficient * overlap * overlap * math.sqrt(overlap)
+
+
+bind(Shape, scale=_scale)
+bind(Params, virgin=_virgin, inverse=hertz_overlap, energy=_energy)
+
+
+def _prepare(contact):
+    return Shape()
+
+
+LAW = Definition(
+    name="hertz",
+    prepare=_prepare,
+    equation="P = (4/3) E* √R δ^1.5",
+    source="Hertz 1882; Johnson, Contact Mechanics, 1985, ch. 4",
+    description="smooth elastic spheres",
+)

@@ -1,0 +1,142 @@
+"""Unloading rules. A rule joins any law of first loading for which it is passive (never returns more work than it took).
+
+A rule is a tag type, the names of its state, and pure compiled functions over one contact. The state is a tuple of
+floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
+"""
+
+import math
+from typing import NamedTuple
+
+from demlaws.dispatch import bind, energy, inverse, virgin
+from demlaws.fastmath import cbrt, kernel
+
+
+class Elastic(NamedTuple):
+    """Back along the loading curve: no state."""
+
+
+class Hertz(NamedTuple):
+    """Back along the Hertz curve of the original radius through (δmax, Pmax): P = (4/3) E* √R (δ - δp)^1.5.
+
+    δp = δmax - δ_H(Pmax) is the plastic overlap. Reloading follows the same curve to (δmax, Pmax), then first loading.
+    For 0 < δ < δp the bodies overlap and carry no force. Source: Tolomeo & McDowell after Altuhafi et al. 2023.
+    """
+
+
+class Thornton(NamedTuple):
+    """As `Hertz`, with the larger radius R_p = (4 E*/(3 Pmax)) a_max³ that yielding left (Thornton 1997).
+
+    Where the bulk has not yielded a_max is the Hertz radius, R_p = R, and the rule is `Hertz`.
+    """
+
+
+RULES = {"elastic": Elastic(), "hertz": Hertz(), "thornton": Thornton()}
+STATE_NAMES = {
+    "elastic": (),
+    "hertz": ("maximum_overlap", "plastic_overlap"),
+    "thornton": ("maximum_overlap", "plastic_overlap", "radius_ratio"),
+}
+
+
+@kernel
+def _elastic_step(rule, p, overlap, state):
+    if overlap <= 0.0:
+        return 0.0, 0.0, state
+    force, stiffness, _, _ = virgin(p, overlap)
+    return force, stiffness, state
+
+
+@kernel
+def _elastic_stored_and_dissipated(rule, p, overlap, state):
+    return (energy(p, overlap) if overlap > 0.0 else 0.0), 0.0
+
+
+@kernel
+def _elastic_unloaded(rule, p, force, state):
+    return inverse(p, force) if force > 0.0 else 0.0
+
+
+@kernel
+def _hertz_step(rule, p, overlap, state):
+    if overlap <= 0.0:
+        return 0.0, 0.0, (0.0, 0.0)
+    if overlap >= state[0]:
+        force, stiffness, hertz_overlap, _ = virgin(p, overlap)
+        return force, stiffness, (overlap, overlap - hertz_overlap)
+    elastic = overlap - state[1]
+    if elastic <= 0.0:
+        return 0.0, 0.0, state
+    stiffness = p.hertz_coefficient * math.sqrt(elastic)
+    return stiffness * elastic, 1.5 * stiffness, state
+
+
+@kernel
+def _hertz_energy(coefficient, elastic):
+    return 0.4 * coefficient * elastic * elastic * math.sqrt(elastic) if elastic > 0.0 else 0.0
+
+
+@kernel
+def _balance(p, coefficient, overlap, state):
+    """Stored and dissipated work where unloading follows coefficient (δ - δp)^1.5.
+
+    With a seating load δp may be negative: what that curve holds below δ = 0 is never returned, so it is not stored.
+    """
+    if state[0] <= 0.0:
+        return 0.0, 0.0
+    lost = _hertz_energy(coefficient, -state[1])
+    stored = _hertz_energy(coefficient, overlap - state[1]) - lost if overlap > 0.0 else 0.0
+    return max(stored, 0.0), energy(p, state[0]) - (_hertz_energy(coefficient, state[0] - state[1]) - lost)
+
+
+@kernel
+def _hertz_stored_and_dissipated(rule, p, overlap, state):
+    return _balance(p, p.hertz_coefficient, overlap, state)
+
+
+@kernel
+def _hertz_unloaded(rule, p, force, state):
+    root = cbrt(force / p.hertz_coefficient)
+    return state[1] + root * root
+
+
+@kernel
+def _thornton_step(rule, p, overlap, state):
+    if overlap <= 0.0:
+        return 0.0, 0.0, (0.0, 0.0, 0.0)
+    if overlap >= state[0]:
+        force, stiffness, hertz_overlap, area = virgin(p, overlap)
+        # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
+        growth = area / hertz_overlap
+        ratio = growth * math.sqrt(growth)
+        return force, stiffness, (overlap, overlap - area / ratio, ratio)
+    elastic = overlap - state[1]
+    if elastic <= 0.0:
+        return 0.0, 0.0, state
+    stiffness = p.hertz_coefficient * math.sqrt(state[2] * elastic)
+    return stiffness * elastic, 1.5 * stiffness, state
+
+
+@kernel
+def _thornton_stored_and_dissipated(rule, p, overlap, state):
+    return _balance(p, p.hertz_coefficient * math.sqrt(state[2]), overlap, state)
+
+
+@kernel
+def _thornton_unloaded(rule, p, force, state):
+    root = cbrt(force / (p.hertz_coefficient * math.sqrt(state[2])))
+    return state[1] + root * root
+
+
+bind(
+    Elastic,
+    step=_elastic_step,
+    stored_and_dissipated=_elastic_stored_and_dissipated,
+    unloaded=_elastic_unloaded,
+)
+bind(Hertz, step=_hertz_step, stored_and_dissipated=_hertz_stored_and_dissipated, unloaded=_hertz_unloaded)
+bind(
+    Thornton,
+    step=_thornton_step,
+    stored_and_dissipated=_thornton_stored_and_dissipated,
+    unloaded=_thornton_unloaded,
+)
