@@ -2,7 +2,8 @@
 
 A law hands its kernels to `bind`; any compiled code may then call `scale`, `virgin`, `inverse`, `energy` with that law's
 `Shape` or `Params` and LLVM sees one straight function. Dispatch on a type rather than on a function keeps numba's
-on-disk cache valid from one process to the next.
+on-disk cache valid from one process to the next. The names of these types go into the symbols of the machine code, so
+each is unique in the package.
 """
 
 from typing import NamedTuple
@@ -24,6 +25,8 @@ _KERNELS = {}
 
 def bind(cls, **functions):
     """Make `functions` (name of a generic function → kernel) answer for arguments whose type is the NamedTuple `cls`."""
+    if any(other.__name__ == cls.__name__ and other is not cls for other in _KERNELS):
+        raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
     _KERNELS.setdefault(cls, Kernels({})).functions.update(functions)
 
 

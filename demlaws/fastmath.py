@@ -5,6 +5,7 @@ per element. The functions here cost about as much as a square root in a vectori
 bit tricks; errors quoted are measured by tests/test_fastmath.py in units of ε = 2.2e-16.
 """
 
+from hashlib import sha1
 from pathlib import Path
 
 import numba
@@ -23,26 +24,35 @@ def kernel(function):
     return numba.njit(forceinline=True, **_OPTIONS)(function)
 
 
-def _core_stamp():
-    """Modification time and size of everything a cached loop may have inlined."""
+def _core_tag():
+    """Digest of modification time and size of everything that a cached loop may have inlined."""
     folder = Path(__file__).parent
     files = sorted([*folder.glob("*.py"), *folder.glob("laws/*.py")])
-    return tuple((file.name, (stat := file.stat()).st_mtime_ns, stat.st_size) for file in files)
+    return sha1(repr([(f.name, (s := f.stat()).st_mtime_ns, s.st_size) for f in files]).encode()).hexdigest()[:12]
 
 
-_STAMP = _core_stamp()
+_TAG = _core_tag()
 
 
 def loop(function):
     """Compile a loop over arrays and keep its machine code on disk.
 
-    numba's cache looks only at the file that holds the loop; a law that the loop inlines lives in another one. The
-    stamp of the whole core stands in for it, so that editing or upgrading a law never runs yesterday's code.
+    numba's cache looks only at the file that holds the loop; a law that the loop inlines lives in another one. A
+    digest of the whole core in the cache's file name stands in for it, so that editing or upgrading a law never runs
+    yesterday's code. Files of older digests are removed.
     """
     dispatcher = numba.njit(cache=True, **_OPTIONS)(function)
-    cache_file = getattr(dispatcher._cache, "_cache_file", None)
-    if cache_file is not None:  # None where numba found no folder that it may write to
-        cache_file._source_stamp = _STAMP
+    file = getattr(dispatcher._cache, "_cache_file", None)
+    if file is not None:  # None where numba found no folder that it may write to
+        base = file._index_name.removesuffix(".nbi")
+        folder = Path(file._cache_path)
+        dispatcher._cache._cache_file = type(file)(
+            cache_path=file._cache_path, filename_base=f"{base}-{_TAG}", source_stamp=file._source_stamp
+        )
+        if not (folder / f"{base}-{_TAG}.nbi").exists():
+            name, _, interpreter = base.partition("-")  # the rest is the line number and the interpreter's tag
+            for stale in folder.glob(f"{name}-*.{interpreter.rpartition('.')[2]}-*.nb?"):
+                stale.unlink(missing_ok=True)
     return dispatcher
 
 
@@ -64,6 +74,18 @@ def from_bits(typing_context, pattern):
         return builder.bitcast(arguments[0], ir.DoubleType())
 
     return types.float64(types.int64), generate
+
+
+@intrinsic
+def sqrt(typing_context, x):
+    """Square root of a double as LLVM's own operation: math.sqrt calls a function that may set errno, which forbids
+    vectorisation under a condition."""
+
+    def generate(context, builder, signature, arguments):
+        function = builder.module.declare_intrinsic("llvm.sqrt", [ir.DoubleType()])
+        return builder.call(function, arguments)
+
+    return types.float64(types.float64), generate
 
 
 _SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
@@ -92,8 +114,8 @@ def log2(x):
 
 @kernel
 def exp2(x):
-    """2^x; error ≤ 1 ε for |x| ≤ 1020, to which x is clamped."""
-    x = min(max(x, -1020.0), 1020.0)
+    """2^x; error ≤ 1 ε for -1020 ≤ x < 1023. Below, x counts as -1020."""
+    x = x if x > -1020.0 else -1020.0
     rounded = x + _ROUND
     fraction = x - (rounded - _ROUND)
     y = 7.074194297288521e-09 + fraction * 4.4558179083360645e-10
@@ -107,11 +129,11 @@ def exp2(x):
 
 @kernel
 def power(x, exponent):
-    """x^exponent for x ≥ 0, exponent > 0; error ≤ (1 + |exponent ln x|) ε.
+    """x^exponent for 0 ≤ x ≤ 1e300 and 0 < exponent < 3.4; error ≤ (1 + |exponent ln x|) ε.
 
-    Below 1e-300, x counts as 1e-300; NaN gives NaN, infinity gives infinity.
+    Below 1e-300, x counts as 1e-300. The result for NaN or infinity is not defined: the caller sorts those out.
     """
-    return exp2(exponent * log2(max(x, 1e-300))) if x - x == 0.0 else x
+    return exp2(exponent * log2(x if x > 1e-300 else 1e-300))
 
 
 @kernel

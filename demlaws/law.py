@@ -136,7 +136,8 @@ def bind_params(shape, contact):
     if contact.size is None:
         return scale_one(shape, contact.radius, contact.modulus, float(roughness))
     columns = [
-        np.ascontiguousarray(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)
+        np.ascontiguousarray(np.broadcast_to(v, contact.size), float)
+        for v in (contact.radius, contact.modulus, roughness)
     ]
     if contact.size == 0:
         raise DemlawsError("the contact's arrays are empty: give at least one contact")
@@ -188,7 +189,9 @@ class Law:
             try:
                 array = np.broadcast_to(array, (size,))
             except ValueError:
-                raise DemlawsError(f"{name} has shape {array.shape}, but the law holds {size} contacts: one entry each") from None
+                raise DemlawsError(
+                    f"{name} has shape {array.shape}, but the law holds {size} contacts: one entry each"
+                ) from None
         return np.ascontiguousarray(array), array.shape
 
     def _both(self, overlap):
@@ -247,7 +250,9 @@ class Law:
         """
         overlap = np.asarray(overlap)
         if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
-            raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
+            raise DemlawsError(
+                f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}"
+            )
         n = overlap.size
         if self.contact.size not in (None, n):
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
@@ -258,7 +263,9 @@ class Law:
             raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
         force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else out
         if force.shape != overlap.shape or stiffness.shape != overlap.shape:
-            raise DemlawsError(f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}")
+            raise DemlawsError(
+                f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}"
+            )
 
         def part(piece):
             params = _map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)

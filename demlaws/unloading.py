@@ -4,11 +4,10 @@ A rule is a tag type, the names of its state, and pure compiled functions over o
 floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
 """
 
-import math
 from typing import NamedTuple
 
 from demlaws.dispatch import bind, energy, inverse, virgin
-from demlaws.fastmath import cbrt, kernel
+from demlaws.fastmath import cbrt, kernel, sqrt
 
 
 class Elastic(NamedTuple):
@@ -40,9 +39,9 @@ STATE_NAMES = {
 
 @kernel
 def _elastic_step(rule, p, overlap, state):
+    force, stiffness, _, _ = virgin(p, 0.0 if overlap <= 0.0 else overlap)
     if overlap <= 0.0:
-        return 0.0, 0.0, state
-    force, stiffness, _, _ = virgin(p, overlap)
+        force, stiffness = 0.0, 0.0
     return force, stiffness, state
 
 
@@ -58,21 +57,25 @@ def _elastic_unloaded(rule, p, force, state):
 
 @kernel
 def _hertz_step(rule, p, overlap, state):
-    if overlap <= 0.0:
-        return 0.0, 0.0, (0.0, 0.0)
+    # Flat rather than nested conditions: LLVM then vectorises the loop around this.
+    positive = 0.0 if overlap <= 0.0 else overlap
     if overlap >= state[0]:
-        force, stiffness, hertz_overlap, _ = virgin(p, overlap)
-        return force, stiffness, (overlap, overlap - hertz_overlap)
-    elastic = overlap - state[1]
-    if elastic <= 0.0:
-        return 0.0, 0.0, state
-    stiffness = p.hertz_coefficient * math.sqrt(elastic)
-    return stiffness * elastic, 1.5 * stiffness, state
+        force, stiffness, hertz_overlap, _ = virgin(p, positive)
+        maximum, plastic = overlap, overlap - hertz_overlap
+    else:
+        maximum, plastic = state
+        elastic = positive - plastic
+        elastic = 0.0 if elastic <= 0.0 else elastic
+        root = p.hertz_coefficient * sqrt(elastic)
+        force, stiffness = root * elastic, 1.5 * root
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic)
 
 
 @kernel
 def _hertz_energy(coefficient, elastic):
-    return 0.4 * coefficient * elastic * elastic * math.sqrt(elastic) if elastic > 0.0 else 0.0
+    return 0.4 * coefficient * elastic * elastic * sqrt(elastic) if elastic > 0.0 else 0.0
 
 
 @kernel
@@ -101,29 +104,32 @@ def _hertz_unloaded(rule, p, force, state):
 
 @kernel
 def _thornton_step(rule, p, overlap, state):
-    if overlap <= 0.0:
-        return 0.0, 0.0, (0.0, 0.0, 0.0)
+    positive = 0.0 if overlap <= 0.0 else overlap
     if overlap >= state[0]:
-        force, stiffness, hertz_overlap, area = virgin(p, overlap)
+        force, stiffness, hertz_overlap, area = virgin(p, positive)
         # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
         growth = area / hertz_overlap
-        ratio = growth * math.sqrt(growth)
-        return force, stiffness, (overlap, overlap - area / ratio, ratio)
-    elastic = overlap - state[1]
-    if elastic <= 0.0:
-        return 0.0, 0.0, state
-    stiffness = p.hertz_coefficient * math.sqrt(state[2] * elastic)
-    return stiffness * elastic, 1.5 * stiffness, state
+        ratio = growth * sqrt(growth)
+        maximum, plastic = overlap, overlap - area / ratio
+    else:
+        maximum, plastic, ratio = state
+        elastic = positive - plastic
+        elastic = 0.0 if elastic <= 0.0 else elastic
+        root = p.hertz_coefficient * sqrt(ratio * elastic)
+        force, stiffness = root * elastic, 1.5 * root
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic, ratio = 0.0, 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic, ratio)
 
 
 @kernel
 def _thornton_stored_and_dissipated(rule, p, overlap, state):
-    return _balance(p, p.hertz_coefficient * math.sqrt(state[2]), overlap, state)
+    return _balance(p, p.hertz_coefficient * sqrt(state[2]), overlap, state)
 
 
 @kernel
 def _thornton_unloaded(rule, p, force, state):
-    root = cbrt(force / (p.hertz_coefficient * math.sqrt(state[2])))
+    root = cbrt(force / (p.hertz_coefficient * sqrt(state[2])))
     return state[1] + root * root
 
 

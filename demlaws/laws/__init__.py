@@ -2,5 +2,9 @@
 
 MODULES = (
     "hertz",
+    "rms",
     "pohrt_popov",
+    "goddard",
+    "rough_plastic",
+    "bahrami",
 )

@@ -19,6 +19,10 @@ def no_limits(contact, **options):
     return []
 
 
+def no_kinks(params):
+    return []
+
+
 class Definition(NamedTuple):
     """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
 
@@ -27,11 +31,13 @@ class Definition(NamedTuple):
     equation: str
     source: str
     description: str
-    limits: Callable = no_limits
-    example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
-    needs: tuple = ()  # names of Contact fields that must be given
+    limits: Callable = no_limits  # contact, **options → [Limit]
+    kinks: Callable = no_kinks  # params → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
+    collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation or comes from a solver, not a closed form
-    length: Callable | None = None  # Shape, Params → length [m] in which the law's curve is dimensionless
+    needs: tuple = ()  # names of Contact fields that must be given
+    example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
 
 
 def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
@@ -43,4 +49,6 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
     if math.isfinite(result) and (low < result or (allow_low and low == result)) and result <= high:
         return result
     end = "" if high == math.inf else f" and at most {high:g}"
-    raise DemlawsError(f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}")
+    raise DemlawsError(
+        f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
+    )

@@ -1,18 +1,17 @@
 """Hertz 1882: smooth elastic spheres."""
 
-import math
 from typing import NamedTuple
 
 from demlaws.dispatch import bind
-from demlaws.fastmath import cbrt, kernel
+from demlaws.fastmath import cbrt, kernel, sqrt
 from demlaws.laws.definition import Definition
 
 
-class Shape(NamedTuple):
+class HertzShape(NamedTuple):
     """Nothing distinguishes one Hertz law from another."""
 
 
-class Params(NamedTuple):
+class HertzParams(NamedTuple):
     """One smooth contact."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
@@ -21,17 +20,17 @@ class Params(NamedTuple):
 @kernel
 def hertz_coefficient(radius, modulus):
     """(4/3) E* √R [N/m^1.5]."""
-    return 4.0 * modulus * math.sqrt(radius) / 3.0
+    return 4.0 * modulus * sqrt(radius) / 3.0
 
 
 @kernel
 def _scale(shape, radius, modulus, roughness):
-    return Params(hertz_coefficient(radius, modulus))
+    return HertzParams(hertz_coefficient(radius, modulus))
 
 
 @kernel
 def _virgin(p, overlap):
-    stiffness = p.hertz_coefficient * math.sqrt(overlap)
+    stiffness = p.hertz_coefficient * sqrt(overlap)
     return stiffness * overlap, 1.5 * stiffness, overlap, overlap
 
 
@@ -44,15 +43,15 @@ def hertz_overlap(p, force):
 
 @kernel
 def _energy(p, overlap):
-    return 0.4 * p.hertz_coefficient * overlap * overlap * math.sqrt(overlap)
+    return 0.4 * p.hertz_coefficient * overlap * overlap * sqrt(overlap)
 
 
-bind(Shape, scale=_scale)
-bind(Params, virgin=_virgin, inverse=hertz_overlap, energy=_energy)
+bind(HertzShape, scale=_scale)
+bind(HertzParams, virgin=_virgin, inverse=hertz_overlap, energy=_energy)
 
 
 def _prepare(contact):
-    return Shape()
+    return HertzShape()
 
 
 LAW = Definition(
@@ -61,4 +60,5 @@ LAW = Definition(
     equation="P = (4/3) E* √R δ^1.5",
     source="Hertz 1882; Johnson, Contact Mechanics, 1985, ch. 4",
     description="smooth elastic spheres",
+    length="radius",
 )

@@ -6,69 +6,88 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.dispatch import bind
-from demlaws.fastmath import cbrt, kernel, power
+from demlaws.fastmath import kernel, power, sqrt
 from demlaws.laws.definition import Definition, Limit
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 
 
-class Shape(NamedTuple):
+class PohrtPopovShape(NamedTuple):
     """Depends on the fractal dimension only."""
 
     ratio: float  # r = δ(F)/δ_H(F) = (2/3)/(1 - m): overlap over Hertz overlap at the threshold force F
     kappa: float  # δ_H(F)/σ = A0/(π R σ)
 
 
-class Params(NamedTuple):
-    """One contact."""
+class PohrtPopovParams(NamedTuple):
+    """One contact. With r = shape.ratio, h = δ_H(F): δ(F) = r h."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    threshold: float  # h = δ_H(F) [m]
+    inverse_threshold: float  # 1/δ(F) [1/m]
+    offset: float  # δ(F) - δ_H(F) = (r - 1) h [m]: what the overlap exceeds the Hertz overlap by above F
     ratio: float  # r
+    inverse_ratio: float
 
 
 @kernel
 def _scale(shape, radius, modulus, roughness):
-    return Params(hertz_coefficient(radius, modulus), shape.kappa * roughness, shape.ratio)
+    threshold = shape.kappa * roughness
+    return PohrtPopovParams(
+        hertz_coefficient(radius, modulus),
+        1.0 / (threshold * shape.ratio),
+        threshold * (shape.ratio - 1.0),
+        shape.ratio,
+        1.0 / shape.ratio,
+    )
+
+
+@kernel
+def _equivalent(p, overlap):
+    """Hertz-equivalent overlap and its slope: h t^r and t^(r-1) with t = δ/δ(F) = δ/(r h), then parallel to Hertz."""
+    relative = overlap * p.inverse_threshold
+    slope = power(relative, p.ratio - 1.0)
+    if relative < 1.0:
+        return overlap * slope * p.inverse_ratio, slope
+    return overlap - p.offset, 1.0
 
 
 @kernel
 def _virgin(p, overlap):
-    relative = overlap / (p.threshold * p.ratio)
-    if relative < 1.0:
-        equivalent = p.threshold * power(relative, p.ratio)
-        force = p.hertz_coefficient * equivalent * math.sqrt(equivalent)
-        return force, 1.5 * p.ratio * force / overlap, equivalent, equivalent
-    equivalent = overlap - p.threshold * (p.ratio - 1.0)
-    stiffness = p.hertz_coefficient * math.sqrt(equivalent)
-    return stiffness * equivalent, 1.5 * stiffness, equivalent, equivalent
+    equivalent, slope = _equivalent(p, overlap)
+    root = p.hertz_coefficient * sqrt(equivalent)
+    return root * equivalent, 1.5 * root * slope, equivalent, equivalent
 
 
 @kernel
 def _inverse(p, force):
     equivalent = hertz_overlap(p, force)
-    if equivalent < p.threshold:
-        return p.threshold * p.ratio * power(equivalent / p.threshold, 1.0 / p.ratio)
-    return equivalent + p.threshold * (p.ratio - 1.0)
+    relative = equivalent * (p.inverse_threshold * p.ratio)
+    if relative < 1.0:
+        return power(relative, p.inverse_ratio) / p.inverse_threshold
+    return equivalent + p.offset
 
 
 @kernel
-def transition_energy(p, overlap, force, equivalent):
-    """∫P dδ of a power law δ^(3r/2) up to the threshold and the shifted Hertz curve above it."""
-    if equivalent < p.threshold:
-        return force * overlap / (1.5 * p.ratio + 1.0)
-    coefficient, h = p.hertz_coefficient, p.threshold
-    below = coefficient * h * h * math.sqrt(h) * (p.ratio / (1.5 * p.ratio + 1.0) - 0.4)
-    return below + 0.4 * force * equivalent
+def transition_energy(p, ratio, overlap, force, equivalent):
+    """∫P dδ of a power law δ^(3 ratio/2) up to the threshold and the shifted Hertz curve above it."""
+    exponent = 1.5 * ratio + 1.0
+    if overlap * p.inverse_threshold < 1.0:
+        return force * overlap / exponent
+    h = 1.0 / (p.inverse_threshold * ratio)
+    return p.hertz_coefficient * h * h * sqrt(h) * (ratio / exponent - 0.4) + 0.4 * force * equivalent
 
 
 @kernel
 def _energy(p, overlap):
     force, _, equivalent, _ = _virgin(p, overlap)
-    return transition_energy(p, overlap, force, equivalent)
+    return transition_energy(p, p.ratio, overlap, force, equivalent)
 
 
-bind(Shape, scale=_scale)
-bind(Params, virgin=_virgin, inverse=_inverse, energy=_energy)
+def _kinks(p):
+    return [1.0 / p.inverse_threshold]
+
+
+bind(PohrtPopovShape, scale=_scale)
+bind(PohrtPopovParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 def stiffness_exponent(fractal_dimension):
@@ -82,7 +101,7 @@ def _prepare(contact):
     m = np.longdouble("0.2567") * dimension
     root_pi = np.sqrt(np.longdouble("3.14159265358979323846264338327950288"))
     kappa = np.longdouble(3) / 4 * root_pi * (20 / (root_pi**3 * dimension)) ** (1 / m)
-    return Shape(float(2 / (3 * (1 - m))), float(kappa))
+    return PohrtPopovShape(float(2 / (3 * (1 - m))), float(kappa))
 
 
 def _limits(contact):
@@ -110,5 +129,6 @@ LAW = Definition(
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
     limits=_limits,
+    kinks=_kinks,
     needs=("fractal_dimension",),
 )

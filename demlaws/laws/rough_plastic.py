@@ -1,0 +1,127 @@
+"""Bulk yield of a rough contact: any rough law of loading, then constant stiffness after gross yield."""
+
+import math
+from typing import NamedTuple
+
+from demlaws.dispatch import bind, energy, inverse, scale, virgin
+from demlaws.errors import DemlawsError
+from demlaws.fastmath import bits, from_bits, kernel
+from demlaws.laws.definition import Definition, number
+from demlaws.laws.hertz import hertz_overlap
+
+
+class RoughPlasticShape(NamedTuple):
+    """The rough law's shape and the pressure at which the bulk yields."""
+
+    loading: tuple  # the rough law's own RoughPlasticShape
+    yield_pressure: float  # p_y [Pa]
+
+
+class RoughPlasticParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    loading: tuple  # the rough law's own RoughPlasticParams
+    yield_overlap: float  # δ_y [m]
+    yield_force: float  # P_y [N]
+    yield_stiffness: float  # K_y = π R p_y [N/m]
+    yield_area: float  # a_y²/R = δ_H(P_y) [m]
+    area_slope: float  # d(a²/R)/dP = 1/K_y [m/N]
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    loading = scale(shape.loading, radius, modulus, roughness)
+    stiffness = math.pi * radius * shape.yield_pressure
+    # Bisection over bit patterns: the stiffness of every rough law rises with overlap, and 62 halvings are exact.
+    low = bits(1e-30 * radius)
+    high = bits(1e3 * radius)
+    while high - low > 1:
+        middle = (low + high) >> 1
+        if virgin(loading, from_bits(middle))[1] < stiffness:
+            low = middle
+        else:
+            high = middle
+    overlap = from_bits(low)
+    force, _, equivalent, _ = virgin(loading, overlap)
+    return RoughPlasticParams(
+        loading.hertz_coefficient, loading, overlap, force, stiffness, equivalent, 1.0 / stiffness
+    )
+
+
+@kernel
+def _virgin(p, overlap):
+    rough = overlap if overlap <= p.yield_overlap else p.yield_overlap
+    force, stiffness, equivalent, area = virgin(p.loading, rough)
+    yielded = p.yield_force + p.yield_stiffness * (overlap - p.yield_overlap)
+    yielded_equivalent = hertz_overlap(p, yielded)
+    if overlap <= p.yield_overlap:
+        return force, stiffness, equivalent, area
+    # [our derivation] a² = a_y² + (P - P_y)/(π p_y), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
+    return yielded, p.yield_stiffness, yielded_equivalent, p.yield_area + p.area_slope * (yielded - p.yield_force)
+
+
+@kernel
+def _inverse(p, force):
+    if force <= p.yield_force:
+        return inverse(p.loading, force)
+    return p.yield_overlap + (force - p.yield_force) / p.yield_stiffness
+
+
+@kernel
+def _energy(p, overlap):
+    if overlap <= p.yield_overlap:
+        return energy(p.loading, overlap)
+    more = overlap - p.yield_overlap
+    return energy(p.loading, p.yield_overlap) + more * (p.yield_force + 0.5 * p.yield_stiffness * more)
+
+
+bind(RoughPlasticShape, scale=_scale)
+bind(RoughPlasticParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+
+
+def _loading_definition(loading):
+    from demlaws.law import find  # the registry imports this module
+
+    definition = find(loading)
+    if definition.name == LAW.name:
+        raise DemlawsError(
+            f"loading={loading!r}: give the rough law that holds before yield, for instance 'pohrt-popov'"
+        )
+    return definition
+
+
+def _prepare(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
+    if yield_pressure is None:
+        raise DemlawsError(
+            "law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: 1.66e9, that is 0.265 times its hardness)"
+        )
+    definition = _loading_definition(loading)
+    for field in definition.needs:
+        if getattr(contact, field) is None:
+            raise DemlawsError(f"loading {loading!r} needs the contact's {field}: give Contact(..., {field}=...)")
+    pressure = number(yield_pressure, "yield_pressure", "Pa")
+    return RoughPlasticShape(definition.prepare(contact, **loading_options), pressure)
+
+
+def _kinks(p, loading_kinks):
+    return sorted({*(k for k in loading_kinks if k < p.yield_overlap), p.yield_overlap})
+
+
+def _limits(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
+    # The rough law's upper limits say that the bulk yields; here it does.
+    limits = _loading_definition(loading).limits(contact, **loading_options)
+    return [limit._replace(maximum_force=math.inf) for limit in limits if limit.minimum_force > 0.0]
+
+
+LAW = Definition(
+    name="rough-plastic",
+    prepare=_prepare,
+    equation="K = min(K_rough(P), π R p_y)",
+    source="Thornton 1997 (limit pressure); Altuhafi, Baudet & Coop 2023 (constant stiffness after yield)",
+    description="any rough law, then bulk yield",
+    limits=_limits,
+    kinks=_kinks,
+    collapses=False,
+    example={"yield_pressure": 1.66e9},
+)
