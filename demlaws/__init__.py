@@ -3,7 +3,8 @@
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law, law, laws
+from demlaws.table import Table
 
 __version__ = "0.1.0"
 
-__all__ = ["Contact", "DemlawsError", "Law", "Material", "Surface", "ValidityWarning", "law", "laws"]
+__all__ = ["Contact", "DemlawsError", "Law", "Material", "Surface", "Table", "ValidityWarning", "law", "laws"]

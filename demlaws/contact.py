@@ -18,9 +18,7 @@ def _check(owner, name, unit, remedy, *, low=0.0, high=math.inf, allow_low=False
     except (TypeError, ValueError):
         raise DemlawsError(f"{name} must be a number in {unit or 'plain units'}, got {value!r}") from None
     if array.ndim > (0 if scalar else 1):
-        raise DemlawsError(
-            f"{name} must be {'one number' if scalar else 'a number or a 1-D array'}, got shape {array.shape}"
-        )
+        raise DemlawsError(f"{name} must be {'one number' if scalar else 'a number or a 1-D array'}, got shape {array.shape}")
     bad = ~((array >= low) if allow_low else (array > low)) | (array > high) | np.isnan(array)
     if not allow_infinite:
         bad |= np.isinf(array)
@@ -104,9 +102,7 @@ class Contact:
     hardness: float | None = None
 
     def __post_init__(self):
-        _check(
-            self, "radius", "m", "the effective radius must be positive (two flats have no Hertz contact)", scalar=False
-        )
+        _check(self, "radius", "m", "the effective radius must be positive (two flats have no Hertz contact)", scalar=False)
         _check(self, "modulus", "Pa", "the effective modulus E* must be positive", scalar=False)
         remedy = "rms roughness cannot be negative"
         _check(self, "roughness", "m", remedy, allow_low=True, scalar=False)
@@ -119,12 +115,8 @@ class Contact:
             raise DemlawsError(f"one entry a contact is needed, got {sizes}; give arrays of one length") from None
         rougher = np.asarray(self.roughness > np.asarray(self.radius))
         if np.any(rougher):
-            worst = float(
-                np.broadcast_to(self.roughness, rougher.shape)[rougher].max() if rougher.ndim else self.roughness
-            )
-            raise DemlawsError(
-                f"roughness = {worst:g} m exceeds the effective radius: check the units (σ is usually micrometres, R millimetres)"
-            )
+            worst = float(np.broadcast_to(self.roughness, rougher.shape)[rougher].max() if rougher.ndim else self.roughness)
+            raise DemlawsError(f"roughness = {worst:g} m exceeds the effective radius: check the units (σ is usually µm, R mm)")
 
     @classmethod
     def between(
@@ -150,9 +142,7 @@ class Contact:
             if not np.all(np.asarray(roughness) >= 0):
                 raise DemlawsError(f"{name} = {roughness} m: rms roughness Sq cannot be negative")
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
-            raise DemlawsError(
-                "radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m"
-            )
+            raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
         hardnesses = [m.hardness for m in (material1, material2) if m.hardness is not None]
         if hardness is None and hardnesses:
             hardness = min(hardnesses)
@@ -181,6 +171,4 @@ class Contact:
 
     def roughness_parameter(self, force):
         """α = σ (16 R E*²/(9 P²))^(1/3): roughness over Hertz overlap at `force` [N] (Greenwood, Johnson & Matsubara 1984)."""
-        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * np.asarray(force, float) ** 2)) ** (
-            1 / 3
-        )
+        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * np.asarray(force, float) ** 2)) ** (1 / 3)

@@ -136,8 +136,7 @@ def bind_params(shape, contact):
     if contact.size is None:
         return scale_one(shape, contact.radius, contact.modulus, float(roughness))
     columns = [
-        np.ascontiguousarray(np.broadcast_to(v, contact.size), float)
-        for v in (contact.radius, contact.modulus, roughness)
+        np.ascontiguousarray(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)
     ]
     if contact.size == 0:
         raise DemlawsError("the contact's arrays are empty: give at least one contact")
@@ -204,7 +203,8 @@ class Law:
         return force.reshape(shape), stiffness.reshape(shape)
 
     def _out_of_range(self, overlap):
-        return f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {np.max(self.contact.radius):g} m"
+        radius = float(np.max(self.contact.radius))
+        return f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
 
     def force(self, overlap):
         """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
@@ -250,9 +250,7 @@ class Law:
         """
         overlap = np.asarray(overlap)
         if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
-            raise DemlawsError(
-                f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}"
-            )
+            raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
         n = overlap.size
         if self.contact.size not in (None, n):
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
@@ -263,9 +261,7 @@ class Law:
             raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
         force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else out
         if force.shape != overlap.shape or stiffness.shape != overlap.shape:
-            raise DemlawsError(
-                f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}"
-            )
+            raise DemlawsError(f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}")
 
         def part(piece):
             params = _map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
@@ -412,15 +408,14 @@ def _refuse_unless_passive(law):
 
 def largest_stiffness_ratio(law, points=2000):
     """Largest K(P)/K_H(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs."""
-    worst, where = 0.0, 0.0
-    sizes = range(law.contact.size) if law.contact.size is not None and law.contact.size <= 8 else [None]
-    if law.contact.size is not None and law.contact.size > 8:
-        # extremes of what varies stand for the rest
-        order = np.argsort(np.broadcast_to(law.contact.roughness, law.contact.size) / law.contact.radius)
-        sizes = [order[0], order[len(order) // 2], order[-1]]
-    for index in sizes:
-        p = law.params if index is None else _map_leaves(lambda v: _entry(v, index), law.params)
-        radius = float(np.broadcast_to(law.contact.radius, law.contact.size or 1)[index or 0])
+    contact, worst, where = law.contact, 0.0, 0.0
+    chosen = [0]
+    if contact.size is not None:  # the extremes of relative roughness and the middle stand for the rest
+        order = np.argsort(np.broadcast_to(contact.roughness, contact.size) / contact.radius)
+        chosen = {int(order[0]), int(order[order.size // 2]), int(order[-1])}
+    for index in chosen:
+        p = one_of(law.params, index)
+        radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
         force, stiffness = np.empty(points), np.empty(points)
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
@@ -432,5 +427,6 @@ def largest_stiffness_ratio(law, points=2000):
     return worst, where
 
 
-def _entry(value, index):
-    return float(value[index]) if isinstance(value, np.ndarray) and value.ndim == 1 else value
+def one_of(params, index):
+    """Params of contact `index` of an array of contacts (of a single one: its own)."""
+    return _map_leaves(lambda v: float(v[index]) if isinstance(v, np.ndarray) and v.ndim == 1 else v, params)

@@ -149,7 +149,7 @@ def _energy(p, overlap):
     return 0.75 * p.hertz_coefficient * p.roughness * p.roughness * math.sqrt(p.roughness) * scaled
 
 
-def _kinks(p):
+def _kinks(p, **_):
     return [p.joint_overlap * p.roughness]
 
 

@@ -19,7 +19,7 @@ def no_limits(contact, **options):
     return []
 
 
-def no_kinks(params):
+def no_kinks(params, **options):
     return []
 
 
@@ -32,7 +32,7 @@ class Definition(NamedTuple):
     source: str
     description: str
     limits: Callable = no_limits  # contact, **options → [Limit]
-    kinks: Callable = no_kinks  # params → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation or comes from a solver, not a closed form

@@ -82,7 +82,7 @@ def _energy(p, overlap):
     return transition_energy(p, p.ratio, overlap, force, equivalent)
 
 
-def _kinks(p):
+def _kinks(p, **_):
     return [1.0 / p.inverse_threshold]
 
 

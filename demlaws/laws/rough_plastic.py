@@ -44,9 +44,7 @@ def _scale(shape, radius, modulus, roughness):
             high = middle
     overlap = from_bits(low)
     force, _, equivalent, _ = virgin(loading, overlap)
-    return RoughPlasticParams(
-        loading.hertz_coefficient, loading, overlap, force, stiffness, equivalent, 1.0 / stiffness
-    )
+    return RoughPlasticParams(loading.hertz_coefficient, loading, overlap, force, stiffness, equivalent, 1.0 / stiffness)
 
 
 @kernel
@@ -85,9 +83,7 @@ def _loading_definition(loading):
 
     definition = find(loading)
     if definition.name == LAW.name:
-        raise DemlawsError(
-            f"loading={loading!r}: give the rough law that holds before yield, for instance 'pohrt-popov'"
-        )
+        raise DemlawsError(f"loading={loading!r}: give the rough law that holds before yield, for instance 'pohrt-popov'")
     return definition
 
 
@@ -104,8 +100,9 @@ def _prepare(contact, yield_pressure=None, loading="pohrt-popov", **loading_opti
     return RoughPlasticShape(definition.prepare(contact, **loading_options), pressure)
 
 
-def _kinks(p, loading_kinks):
-    return sorted({*(k for k in loading_kinks if k < p.yield_overlap), p.yield_overlap})
+def _kinks(p, yield_pressure=None, loading="pohrt-popov", **loading_options):
+    kinks = _loading_definition(loading).kinks(p.loading, **loading_options)
+    return [*(k for k in kinks if k < p.yield_overlap), p.yield_overlap]
 
 
 def _limits(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):

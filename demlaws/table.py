@@ -1,0 +1,566 @@
+"""Tables: a law's dimensionless curve on a bit-indexed semi-logarithmic grid, certified, saved as readable text.
+
+With u = δ/length and f = P/(E* √R length^1.5) a table holds s(u) = (3f/4)^(2/3), the Hertz-equivalent overlap, as one
+cubic a cell. Then f = (4/3) s^1.5, df/du = 2 √s ds/du and the plastic overlap of Hertz unloading is u - s: no power, no
+cube root. Each octave of u is cut into 2^bits equal cells, whose number stands in the exponent and the top mantissa
+bits of u. A cell with a kink is split there, and all cells right of it move up by one.
+"""
+
+import json
+import math
+import zlib
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.dispatch import bind
+from demlaws.errors import DemlawsError
+from demlaws.fastmath import bits, from_bits, kernel, power, sqrt
+from demlaws.files import write_atomically
+from demlaws.law import SMOOTHEST, Law, bind_params, evaluate_loop
+from demlaws.law import law as bind_law
+from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
+from demlaws.unloading import RULES, Elastic
+
+FORMAT = "# demlaws-table 1"
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
+_MOST_BITS = 12
+
+
+class TableShape(NamedTuple):
+    """One dimensionless curve."""
+
+    cells: np.ndarray  # (cells, 4): s as a cubic in t, the place in the grid cell from 0 to 1
+    starts: np.ndarray  # (cells, 5): t, s and ∫f du where the cell (or its part after a kink) begins; grid cell's u, width
+    shift: int  # 52 - bits
+    first: int  # number of the first cell
+    kink1: float  # u of the kinks, infinity where there is none
+    kink2: float
+    lowest: float  # u of the first node
+    highest: float  # u of the last node
+    exponent: float  # of the power law below the first node
+    length_over_roughness: float  # length = this σ + the next R
+    length_over_radius: float
+    offset: float  # added to u before the curve is read [used by laws with a seating load]
+
+
+class TableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    length: float  # [m]
+    inverse_length: float  # [1/m]
+    offset: float
+    cells: np.ndarray
+    starts: np.ndarray
+    shift: int
+    first: int
+    kink1: float
+    kink2: float
+    lowest: float
+    highest: float
+    exponent: float
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
+    return TableParams(
+        hertz_coefficient(radius, modulus),
+        length,
+        1.0 / length,
+        shape.offset,
+        shape.cells,
+        shape.starts,
+        shape.shift,
+        shape.first,
+        shape.kink1,
+        shape.kink2,
+        shape.lowest,
+        shape.highest,
+        shape.exponent,
+    )
+
+
+@kernel
+def _cell_and_place(p, u):
+    """Number of the cell that holds u, the place t in it, and the reciprocal of the grid cell's width."""
+    pattern = bits(u)
+    cell = (pattern >> p.shift) - p.first
+    cell += (1 if u >= p.kink1 else 0) + (1 if u >= p.kink2 else 0)
+    last = p.cells.shape[0] - 1
+    cell = 0 if cell < 0 else (last if cell > last else cell)
+    # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
+    t = from_bits(((pattern << (52 - p.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
+    inverse_width = from_bits(((2046 + 52 - p.shift) << 52) - (pattern & 0x7FF0000000000000))
+    return cell, t, inverse_width
+
+
+@kernel
+def read_curve(p, u):
+    """s(u) and ds/du; a power law below the first node, NaN above the last."""
+    cell, t, inverse_width = _cell_and_place(p, u)
+    c0 = p.cells[cell, 0]
+    c1 = p.cells[cell, 1]
+    c2 = p.cells[cell, 2]
+    c3 = p.cells[cell, 3]
+    s = c0 + t * (c1 + t * (c2 + t * c3))
+    slope = (c1 + t * (2.0 * c2 + t * (3.0 * c3))) * inverse_width
+    if u < p.lowest:
+        relative = u / p.lowest
+        s = p.cells[0, 0] * power(relative, p.exponent)
+        slope = p.exponent * s / (relative * p.lowest) if u > 0.0 else 0.0
+    if not (u <= p.highest):
+        s, slope = math.nan, math.nan
+    return s, slope
+
+
+@kernel
+def _virgin(p, overlap):
+    s, slope = read_curve(p, overlap * p.inverse_length + p.offset)
+    equivalent = s * p.length
+    root = p.hertz_coefficient * sqrt(equivalent)
+    return root * equivalent, 1.5 * root * slope, equivalent, equivalent
+
+
+@kernel
+def invert_curve(p, s):
+    """u at which the curve reaches s: bisection over cells, then Newton inside the cell; NaN above the last node."""
+    starts = p.starts
+    if s < starts[0, 1]:
+        return p.lowest * (s / starts[0, 1]) ** (1.0 / p.exponent)
+    low = 0
+    high = starts.shape[0]
+    while high - low > 1:
+        middle = (low + high) // 2
+        if starts[middle, 1] <= s:
+            low = middle
+        else:
+            high = middle
+    c0, c1, c2, c3 = p.cells[low, 0], p.cells[low, 1], p.cells[low, 2], p.cells[low, 3]
+    t_low = starts[low, 0]
+    t_high = 1.0
+    t = 0.5 * (t_low + t_high)
+    for _ in range(80):
+        value = c0 + t * (c1 + t * (c2 + t * c3)) - s
+        if value > 0.0:
+            t_high = t
+        else:
+            t_low = t
+        slope = c1 + t * (2.0 * c2 + t * (3.0 * c3))
+        new = t - value / slope if slope > 0.0 else 0.5 * (t_low + t_high)
+        if not (t_low <= new <= t_high):
+            new = 0.5 * (t_low + t_high)
+        if abs(new - t) <= 1e-17 or t_high - t_low <= 1e-16:
+            t = new
+            break
+        t = new
+    u = starts[low, 3] + starts[low, 4] * t
+    return u if u <= p.highest * (1.0 + 1e-12) else math.nan
+
+
+@kernel
+def _inverse(p, force):
+    u = invert_curve(p, hertz_overlap(p, force) * p.inverse_length)
+    return max((u - p.offset) * p.length, 0.0) if u == u else u
+
+
+@kernel
+def integrate_curve(p, u):
+    """∫f du from 0 to u."""
+    if u <= 0.0:
+        return 0.0
+    s, _ = read_curve(p, u)
+    if u < p.lowest:
+        return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * p.exponent + 1.0)
+    cell, t, inverse_width = _cell_and_place(p, u)
+    start = p.starts[cell, 0]
+    half = 0.5 * (t - start)
+    total = 0.0
+    for k in range(_NODES.size):
+        x = start + half * (1.0 + _NODES[k])
+        y = p.cells[cell, 0] + x * (p.cells[cell, 1] + x * (p.cells[cell, 2] + x * p.cells[cell, 3]))
+        total += _WEIGHTS[k] * y * sqrt(y)
+    return p.starts[cell, 2] + 4.0 / 3.0 * total * half / inverse_width
+
+
+@kernel
+def _energy(p, overlap):
+    scaled = integrate_curve(p, overlap * p.inverse_length + p.offset) - integrate_curve(p, p.offset)
+    return 0.75 * p.hertz_coefficient * p.length * p.length * sqrt(p.length) * scaled
+
+
+bind(TableShape, scale=_scale)
+bind(TableParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+
+
+# --- building
+
+
+def node_number(u, bits_per_octave):
+    """Number of the grid cell that holds u."""
+    return int(np.float64(u).view(np.int64)) >> (52 - bits_per_octave)
+
+
+def node(number, bits_per_octave):
+    """u at which the grid cell of this number begins."""
+    return np.asarray(np.asarray(number, dtype=np.int64) << (52 - bits_per_octave)).view(np.float64)
+
+
+class Nodes(NamedTuple):
+    """Rows of a table: u, f, df/du; a kink is two rows with one u, left and right stiffness."""
+
+    u: np.ndarray
+    force: np.ndarray
+    stiffness: np.ndarray
+
+    @classmethod
+    def from_curve(cls, u, s, slope):
+        """From the Hertz-equivalent overlap s(u) and its slope."""
+        return cls(u, 4.0 / 3.0 * s * np.sqrt(s), 2.0 * np.sqrt(s) * slope)
+
+    def curve(self):
+        """u, s, ds/du: what the cells interpolate."""
+        s = np.cbrt(0.75 * self.force) ** 2
+        return self.u, s, self.stiffness / (2.0 * np.sqrt(s))
+
+
+def grid(lowest, highest, kinks, bits_per_octave):
+    """Node positions from the grid cell that holds `lowest` to the end of the one that holds `highest`; kinks twice."""
+    first, last = node_number(lowest, bits_per_octave), node_number(highest, bits_per_octave) + 1
+    u = node(np.arange(first, last + 1), bits_per_octave)
+    inside = [k for k in kinks if u[0] < k < u[-1]]
+    extra = [k for k in inside if k not in u]
+    u = np.sort(np.concatenate([u, inside, extra]))
+    return u, inside
+
+
+def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius, offset=0.0):
+    """Cubic Hermite cells through the rows of a table."""
+    u, s, slope = nodes.curve()
+    shift = 52 - bits_per_octave
+    kinks = u[:-1][np.diff(u) == 0.0]
+    keep = np.diff(u) > 0.0
+    left, right = np.flatnonzero(keep), np.flatnonzero(keep) + 1
+    numbers = u[left].view(np.int64) >> shift
+    base = (numbers << shift).view(np.float64)
+    width = ((numbers + 1) << shift).view(np.float64) - base
+    t0, t1 = (u[left] - base) / width, (u[right] - base) / width
+    # Hermite on [t0, t1] in r = (t - t0)/h, then expanded in t
+    h = t1 - t0
+    a, b = s[left], slope[left] * width * h
+    rise = s[right] - s[left]
+    end = slope[right] * width * h
+    c, d = 3.0 * rise - 2.0 * b - end, b + end - 2.0 * rise
+    b, c, d = b / h, c / h**2, d / h**3
+    cells = np.column_stack([a - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
+    exponent = float(u[0] * slope[0] / s[0])
+    x = 0.5 * (t0 + t1)[:, None] + 0.5 * h[:, None] * _NODES
+    y = cells[:, :1] + x * (cells[:, 1:2] + x * (cells[:, 2:3] + x * cells[:, 3:4]))
+    pieces = 4.0 / 3.0 * (np.maximum(y, 0.0) ** 1.5 @ _WEIGHTS) * 0.5 * h * width
+    below = 4.0 / 3.0 * s[0] ** 1.5 * u[0] / (1.5 * exponent + 1.0)
+    energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
+    pair = [*map(float, kinks), math.inf, math.inf]
+    return TableShape(
+        np.ascontiguousarray(cells),
+        np.ascontiguousarray(np.column_stack([t0, s[left], energy, base, width])),
+        shift,
+        int(numbers[0]),
+        pair[0],
+        pair[1],
+        float(u[0]),
+        float(u[-1]),
+        exponent,
+        float(length_over_roughness),
+        float(length_over_radius),
+        float(offset),
+    )
+
+
+def _law_nodes(law, length, lowest, highest, kinks, bits_per_octave):
+    u, kinks = grid(lowest, highest, kinks, bits_per_octave)
+    place = u.copy()
+    for kink in kinks:  # one-sided stiffness: just left and just right of the kink
+        first, second = np.flatnonzero(u == kink)
+        place[first] = kink * (1.0 - 1e-14)
+        place[second] = kink * (1.0 + 1e-14)
+    s, slope = curve_of(law, place, length)
+    for kink in kinks:
+        second = np.flatnonzero(u == kink)[1]
+        if abs(s[second] / s[second - 1] - 1.0) < 1e-10:  # no jump of force: one value for both sides
+            s[second] = s[second - 1]
+    return Nodes.from_curve(u, s, slope)
+
+
+def curve_of(law, u, length):
+    """s(u) and ds/du of a law of one contact, `length` in m."""
+    force, stiffness = np.empty(u.size), np.empty(u.size)
+    evaluate_loop(Elastic(), law.params, u * length, (), force, stiffness)
+    coefficient = law.params.hertz_coefficient
+    equivalent = np.cbrt(force / coefficient) ** 2
+    return equivalent / length, stiffness / (1.5 * coefficient * np.sqrt(equivalent))
+
+
+class Certificate(NamedTuple):
+    """Largest relative errors measured between the nodes against the law itself."""
+
+    force_error: float
+    stiffness_error: float
+
+
+def _certify(shape, law, contact, length):
+    table = bind_params(shape, contact)
+    u = np.append(shape.starts[:, 3] + shape.starts[:, 4] * shape.starts[:, 0], shape.highest)
+    fractions = np.array([0.04, 0.2113, 0.35, 0.5, 0.65, 0.7887, 0.96])
+    width = np.diff(u)
+    points = (u[:-1, None] + width[:, None] * fractions).ravel()
+    force, stiffness, exact_force, exact_stiffness = (np.empty(points.size) for _ in range(4))
+    evaluate_loop(Elastic(), table, points * length, (), force, stiffness)
+    evaluate_loop(Elastic(), law.params, points * length, (), exact_force, exact_stiffness)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
+    return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
+
+
+def _length(definition, contact):
+    """Dimensionless length of a law's table: multiples of σ and of R."""
+    smooth = np.all(np.asarray(contact.roughness) <= SMOOTHEST * np.asarray(contact.radius))
+    return (0.0, 1.0) if definition.length == "radius" or smooth else (1.0, 0.0)
+
+
+def tabulate(law, rtol=1e-5, max_force=None):
+    """The smallest `Table` of `law` whose force and stiffness lie within `rtol`, measured between the nodes.
+
+    The range ends at the overlap of `max_force` [N] or at a tenth of the radius, and goes down to where the law is a
+    power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness.
+    """
+    try:
+        rtol = float(rtol)
+    except (TypeError, ValueError):
+        rtol = math.nan
+    if not 1e-12 <= rtol <= 0.1:
+        raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
+    definition, contact = law.definition, law.contact
+    if contact.size is not None and not definition.collapses:
+        raise DemlawsError(
+            f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"
+        )
+    one = contact
+    largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
+    if contact.size is not None:
+        pick = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
+        one = contact.with_values(
+            **{
+                name: float(np.broadcast_to(getattr(contact, name), contact.size)[pick])
+                for name in ("radius", "modulus", "roughness")
+            }
+        )
+    source = Law(definition, one, "elastic", law.options, law.shape)
+    over_roughness, over_radius = _length(definition, one)
+    roughness = max(one.roughness, SMOOTHEST * one.radius)
+    length = over_roughness * roughness + over_radius * one.radius
+    if max_force is not None:
+        from demlaws.laws.definition import number
+
+        force = number(max_force, "max_force", "N")
+        largest = float(np.max(law.overlap(np.broadcast_to(force, contact.size or ()))) / length) * (1.0 + 1e-9)
+    kinks = [k / length for k in definition.kinks(source.params, **law.options)]
+    smallest = min(_lowest(source, length, rtol), largest / 64.0)
+    for bits_per_octave in range(1, _MOST_BITS + 1):
+        nodes = _law_nodes(source, length, smallest, largest, kinks, bits_per_octave)
+        shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius)
+        certificate = _certify(shape, source, one, length)
+        if max(certificate) <= rtol:
+            break
+    else:
+        raise DemlawsError(
+            f"rtol = {rtol:g} is out of reach: with {2**_MOST_BITS} cells an octave the table of {law.name!r} errs by "
+            f"{max(certificate):.2g}; ask for more than that"
+        )
+    return Table(law, shape, nodes, certificate, rtol)
+
+
+def _lengths(definition, contact):
+    if _length(definition, contact)[1]:
+        return np.asarray(contact.radius)
+    return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+
+
+def _lowest(law, length, rtol):
+    """Largest u, but at least 2^-30, below which the law is its own power law within a small part of rtol."""
+    u = 2.0 ** np.arange(-30.0, 1.0)
+    s, slope = curve_of(law, u, length)
+    exponent = u * slope / s
+    with np.errstate(all="ignore"):
+        bend = np.abs(exponent - exponent[0])
+    good = np.flatnonzero(bend <= 0.02 * rtol)
+    return float(u[good[-1]]) if good.size else float(u[0])
+
+
+# --- the table as a law, and its file
+
+
+class Table(Law):
+    """A law read from its certified table: all methods of `Law`, and `force_error`, `stiffness_error`, `save`, `load`."""
+
+    def __init__(self, law, shape, nodes, certificate, rtol, contact=None):
+        super().__init__(law.definition, contact or law.contact, law.unloading, law.options, shape)
+        self.nodes = nodes
+        self.force_error, self.stiffness_error = certificate
+        self.rtol = rtol
+
+    def __repr__(self):
+        return (
+            f"demlaws.Table of {self.name!r}: {self.nodes.u.size} rows, force within {self.force_error:.1e}, "
+            f"stiffness within {self.stiffness_error:.1e}"
+        )
+
+    @property
+    def length(self):
+        """Length [m] that makes overlaps dimensionless, one a contact."""
+        return self.params.length
+
+    @property
+    def largest_overlap(self):
+        """End of the table [m]."""
+        return (self.shape.highest - self.shape.offset) * np.min(self.params.length)
+
+    @property
+    def largest_force(self):
+        """Force [N] at the end of the table."""
+        scale = 0.75 * np.min(self.params.hertz_coefficient * np.asarray(self.params.length) ** 1.5)
+        return float(scale * self.nodes.force[-1])
+
+    def _out_of_range(self, overlap):
+        return (
+            f"overlap {overlap:g} m is beyond the table, which ends at {self.largest_overlap:g} m ({self.largest_force:g} N): "
+            "make it with a larger max_force"
+        )
+
+    def _force_out_of_range(self, force):
+        return f"force {force:g} N is beyond the table, which ends at {self.largest_force:g} N: make it with a larger max_force"
+
+    def bound_to(self, contact):
+        """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
+        if not self.definition.collapses:
+            raise DemlawsError(
+                f"the table of {self.name!r} holds for the contact it was made for only: make one for this contact"
+            )
+        if self.shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
+            raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
+        return Table(self, self.shape, self.nodes, (self.force_error, self.stiffness_error), self.rtol, contact)
+
+    def save(self, path):
+        """Write the table as text with its certificate; see `Table.load`."""
+        contact = self.contact
+        if contact.size is not None:  # one curve for all of them; the file names the first
+            contact = contact.with_values(
+                **{n: float(np.ravel(getattr(contact, n))[0]) for n in ("radius", "modulus", "roughness")}
+            )
+        u, force, stiffness = self.nodes
+        from demlaws import __version__
+
+        length = float(np.ravel(self.params.length)[0])
+        kinks = [float(k) for k in u[:-1][np.diff(u) == 0.0]]
+        header = {
+            "law": self.name,
+            "description": f"{self.definition.description}; {self.definition.equation}",
+            "source": self.definition.source,
+            "unloading": self.unloading,
+            "options": json.dumps(self.options),
+            "contact": json.dumps(contact.as_dict()),
+            "collapses": "yes" if self.definition.collapses else "no",
+            "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
+            "length": repr(length),
+            "length_over_roughness": repr(self.shape.length_over_roughness),
+            "length_over_radius": repr(self.shape.length_over_radius),
+            "bits": str(52 - self.shape.shift),
+            "kinks": " ".join(map(repr, kinks)),
+            "range_overlap": f"{u[0]!r} {u[-1]!r}",
+            "range_force": f"{float(force[0])!r} {float(force[-1])!r}",
+            "rtol": repr(self.rtol),
+            "force_error": repr(self.force_error),
+            "stiffness_error": repr(self.stiffness_error),
+            "demlaws": __version__,
+            "rows": str(u.size),
+        }
+        header.update(self._yield_header(length))
+        rows = [f"{a:.17g} {f:.17g} {k:.17g}" for a, f, k in zip(u, force, stiffness, strict=True)]
+        lines = [*(f"{key}: {value}".rstrip() for key, value in header.items()), "overlap force stiffness", *rows]
+        lines.append(f"end: {u.size} rows")
+        text, check = FORMAT + "\n", zlib.crc32((FORMAT + "\n").encode())
+        parts = [text]
+        for line in lines:
+            check = zlib.crc32(line.encode(), check)
+            tail = f" {check:08x}\n"
+            check = zlib.crc32(tail.encode(), check)
+            parts.append(line + tail)
+        return write_atomically(path, "".join(parts))
+
+    def _yield_header(self, length):
+        """What Thornton's rule needs of a law whose bulk yields: f at yield, and d(a²/(R length))/df after it."""
+        source = bind_law(self.name, self.contact, **self.options).params if self.name == "rough-plastic" else None
+        if source is None:
+            return {}
+        scale = 0.75 * source.hertz_coefficient * length**1.5
+        return {
+            "yield_overlap": repr(source.yield_overlap / length),
+            "yield_force": repr(source.yield_force / scale),
+            "yield_area_slope": repr(source.area_slope * scale / length),
+        }
+
+    @classmethod
+    def load(cls, path):
+        """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number."""
+        path = Path(path)
+        try:
+            lines = path.read_bytes().split(b"\n")
+        except OSError as error:
+            raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
+
+        def refuse(number, why):
+            raise DemlawsError(f"{path}, line {number}: {why}")
+
+        if lines[0].decode(errors="replace") != FORMAT:
+            refuse(1, f"not a demlaws table (the first line must be {FORMAT!r})")
+        check = zlib.crc32(lines[0] + b"\n")
+        header, rows, in_rows, ended = {}, [], False, None
+        for number, raw in enumerate(lines[1:], start=2):
+            if ended is not None:
+                if raw:
+                    refuse(number, f"text after the last line ({ended})")
+                continue
+            body, separator, mark = raw.rpartition(b" ")
+            check = zlib.crc32(body, check)
+            if not separator or mark != b"%08x" % check:
+                what = "the file ends here: it was cut short" if number >= len(lines) - 1 else "this line was changed"
+                refuse(number, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
+            check = zlib.crc32(b" " + mark + b"\n", check)
+            line = body.decode()
+            if line.startswith("end: "):
+                ended = line
+                if line != f"end: {len(rows)} rows" or header.get("rows") != str(len(rows)):
+                    refuse(number, f"{len(rows)} rows were read, {header.get('rows')} were promised")
+            elif in_rows:
+                rows.append([float(v) for v in line.split()])
+            elif line == "overlap force stiffness":
+                in_rows = True
+            else:
+                key, _, value = line.partition(": ")
+                header[key.rstrip(":")] = value
+        if ended is None:
+            refuse(len(lines), "the file ends without its 'end:' line: it was cut short")
+        nodes = Nodes(*np.array(rows).T)
+        contact = Contact(**json.loads(header["contact"]))
+        options = json.loads(header["options"])
+        unloading = header["unloading"]
+        if unloading not in RULES:
+            raise DemlawsError(f"{path}: unknown unloading rule {unloading!r}: this demlaws knows {', '.join(RULES)}")
+        source = bind_law(header["law"], contact, unloading, **options)
+        shape = shape_from_nodes(
+            nodes, int(header["bits"]), float(header["length_over_roughness"]), float(header["length_over_radius"])
+        )
+        certificate = Certificate(float(header["force_error"]), float(header["stiffness_error"]))
+        return cls(source, shape, nodes, certificate, float(header["rtol"]))
