@@ -1,0 +1,761 @@
+"""Rough sphere on an elastic half-space: the implicit axisymmetric models and their master curves.
+
+Both models squeeze a thin layer of Gaussian asperities between a smooth sphere and an elastic bulk. With the radius
+r* = r / sqrt(2 R sigma), heights in units of sigma and pressure q = 2 p sqrt(2 R / sigma) / E* they are one problem,
+
+    s(r*) = r*^2 - U + w(r*),          w(r*) = (2/pi) int_0^inf t/(t + r*) K(k) q(t) dt,   k^2 = 4 r* t / (r* + t)^2,
+    q = A g(s),                        f = P / (E* sqrt(R) sigma^1.5) = pi sqrt(2) int_0^inf q r* dr*,
+
+with U = w(0) - s(0) the approach of the bodies in units of sigma, counted from the position where the undeformed sphere
+touches the mean plane of the roughness. They differ in the law of the layer only:
+
+    Yip & Venart (1971), plastic asperities    A = N_H = (H_m / E*) sqrt(8 R / sigma),  g = erfc(s / sqrt 2) / 2
+    Greenwood & Tripp (1967), elastic ones     A = mu = (8/3) eta sigma sqrt(2 R beta), g = int_s^inf (z - s)^1.5 phi dz
+
+N_L = 2 P / (sigma E* sqrt(2 R sigma)) of Yip & Venart is sqrt(2) f. Hertz is f = (4/3) U^1.5, contact radius
+a* = sqrt(U/2), central pressure q0 = 8 a*/pi. One number (A) fixes the whole curve f(U).
+
+K is below Hertz's at the same force at every load, for both models and every A from 0.05 to 1e5 (measured), so Hertz
+unloading is passive. A Gaussian has no highest peak, so there is no contact of zero load: the overlap of a grain is
+U - U(f_seat) with a declared seating load. Above p(0) = 0.6 H_m the bulk yields (Jamari & Schipper) and Yip-Venart
+no longer applies: `Curve.bulk_yield_force`.
+
+Sources: F. C. Yip and J. E. S. Venart, J. Phys. D: Appl. Phys. 4 (1971) 1470; J. A. Greenwood and J. H. Tripp, J. Appl.
+Mech. 34 (1967) 153. The common form, the discretisation, the exact tangent and the far tail are our derivation.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from demlaws.errors import DemlawsError
+
+LOWEST_FORCE = 1e-9  # below it the elastic bulk moves by less than 1e-8 sigma and the closed form of the tail is exact
+HIGHEST_FORCE = 1e7
+
+_ORDER = 10  # Gauss-Legendre nodes per panel
+_INNER = 9  # panels from the axis to the flank of the pressure
+_OUTER = 4  # panels from the flank to the end of the tail
+_FLANK = math.log(1e-3)  # pressure over central pressure where the inner panels end
+_END = math.log(1e-14)  # and where the outer ones do
+_STEP = 0.5  # nodes of a curve, in ln f
+_RANGE = (0.05, 1e5)  # of N_H and of mu
+
+
+class MasterCurve(NamedTuple):
+    """Points of a dimensionless master curve; arrays, one entry per force."""
+
+    approach: np.ndarray  # U = w(0) - s(0), in units of sigma
+    force: np.ndarray  # f = P / (E* sqrt(R) sigma^1.5)
+    stiffness: np.ndarray  # df/dU, exact tangent of the discrete system
+    central_pressure: np.ndarray  # p(0) / p0 of Hertz at the same force
+    effective_radius: np.ndarray  # a* / a_H, a* = 3 pi int r p dr / (4 int p dr)
+    alpha: np.ndarray  # sigma R / a_H^2 = (3 f / 4)^(-2/3)
+    curvature: np.ndarray  # d2f/dU2, exact as well
+
+
+# ---- the two asperity layers ---------------------------------------------------------------------
+
+
+class _YipVenart:
+    name = "yip-venart"
+    parameter = "hardness number N_H = (H_m / E*) sqrt(8 R / sigma)"
+
+    @staticmethod
+    def flat(s):
+        """Positive where the asperities are crushed: p(0) > 0.9974 H_m."""
+        return -2.8 - s
+
+    @staticmethod
+    def layer(s):
+        """g, g', g'' of g = erfc(s / sqrt 2) / 2."""
+        from scipy.special import erfc
+
+        phi = np.exp(-0.5 * s * s) / math.sqrt(2 * math.pi)
+        return 0.5 * erfc(s / math.sqrt(2)), -phi, s * phi
+
+    @staticmethod
+    def tail(d):
+        """int_d^inf g ds = phi(d) - d Q(d), and g(d), g'(d); for d >= 0."""
+        from scipy.special import erfcx
+
+        phi = np.exp(-0.5 * d * d) / math.sqrt(2 * math.pi)
+        mills = math.sqrt(math.pi / 2) * erfcx(d / math.sqrt(2))
+        return phi * (1 - d * mills), phi * mills, -phi
+
+
+class _GreenwoodTripp:
+    name = "greenwood-tripp"
+    parameter = "mu = (8/3) eta sigma sqrt(2 R beta)"
+
+    @staticmethod
+    def flat(s):
+        return -math.inf
+
+    @staticmethod
+    def layer(s):
+        """g, g', g'' of g = F_{3/2}(s); F_n' = -n F_{n-1}."""
+        f32, f12, fm12 = half_moments(s, (1.5, 0.5, -0.5))
+        return f32, -1.5 * f12, 0.75 * fm12
+
+    @staticmethod
+    def tail(d):
+        f52, f32, f12 = half_moments(d, (2.5, 1.5, 0.5))
+        return 0.4 * f52, f32, -1.5 * f12
+
+
+_MODELS = {m.name: m for m in (_YipVenart, _GreenwoodTripp)}
+
+
+def half_moments(s, orders):
+    """F_n(s) = int_0^inf x^n phi(s + x) dx for half-integer n >= -1/2, to about 1e-14 relative, s from -1e8 to 38.
+
+    With x = y^2 the integrand is entire and even in y, so the trapezoidal rule converges geometrically; below s = -12
+    the moment expansion |s|^n sum_k binom(n, 2k) (2k-1)!! / s^2k has reached rounding (our derivation).
+    """
+    s = np.asarray(s, float)
+    if s.ndim == 0:
+        return [values[0] for values in half_moments(s[None], orders)]
+    y2 = (0.1 * np.arange(47)) ** 2
+    x = np.maximum(s, -12.0)[..., None] + y2
+    phi = np.exp(-0.5 * x * x) * (0.2 / math.sqrt(2 * math.pi))
+    phi[..., 0] *= 0.5
+    result = [_apply(phi, y2 ** (n + 0.5)) for n in orders]
+    deep = s < -12
+    if deep.any():
+        depth = -s[deep]
+        for n, values in zip(orders, result, strict=True):
+            total, term = np.ones_like(depth), np.ones_like(depth)
+            for k in range(10):
+                term = term * ((n - 2 * k) * (n - 2 * k - 1) / (2 * k + 2) / depth**2)
+                total = total + term
+            values[deep] = depth**n * total
+    return result
+
+
+# ---- influence matrix ----------------------------------------------------------------------------
+
+
+@lru_cache
+def _reference(order):
+    """Rules on [0, 1] for one panel: nodes and weights, and per target the singular and near-singular rules, each with
+    the values of the panel's Lagrange polynomials at its points."""
+    x, weights = np.polynomial.legendre.leggauss(order)
+    x, weights = 0.5 * (x + 1), 0.5 * weights
+    v, dv = np.polynomial.legendre.leggauss(3 * order)
+    v, dv = 0.5 * (v + 1), 0.5 * dv
+    # t = v^5 turns the logarithm at v = 0 into v^4 log v, which Gauss-Legendre integrates to 1e-12
+    t, dt = v**5, 5 * v**4 * dv
+    barycentric = 1 / np.prod(x[:, None] - x + np.eye(order), axis=1)
+
+    def lagrange(points):
+        difference = points[..., None] - x
+        ratio = barycentric / difference
+        return ratio / ratio.sum(axis=-1, keepdims=True)
+
+    own = np.concatenate([x[:, None] * (1 - t), x[:, None] + (1 - x[:, None]) * t], axis=1)
+    own_weights = np.concatenate([x[:, None] * dt, (1 - x[:, None]) * dt], axis=1)
+    own_distance = np.concatenate([-x[:, None] * t, (1 - x[:, None]) * t], axis=1)
+    at_left, at_right = lagrange(np.array([0.0]))[0], lagrange(np.array([1.0]))[0]
+    return {
+        "x": x,
+        "weights": weights,
+        "own_distance": own_distance,
+        "own": own_weights[..., None] * lagrange(own),
+        "t": t,
+        "from_left": dt[:, None] * lagrange(t),
+        "from_right": dt[:, None] * lagrange(1 - t),
+        "at_left": at_left,
+        "at_right": at_right,
+    }
+
+
+def _kernel(r, t, difference):
+    """(2/pi) t/(t + r) K(k) = (2/pi) (t / hi) K(lo / hi), difference = t - r (Landen)."""
+    from scipy.special import ellipkm1
+
+    hi = np.maximum(r, t)
+    return (2 / math.pi) * (t / hi) * ellipkm1(np.abs(difference) * (r + t) / (hi * hi))
+
+
+def influence_matrix(edges, order=_ORDER):
+    """Nodes r, weights dr and the matrix W of w(r_i) = sum_j W_ij q(r_j) for panels between edges (edges[0] = 0).
+
+    The pressure is a polynomial of degree order - 1 on each panel; its product with the complete elliptic kernel is
+    integrated with the logarithmic singularity resolved on the target's own panel and on both neighbours.
+    """
+    ref = _reference(order)
+    edges = np.asarray(edges, float)
+    left, width = edges[:-1], np.diff(edges)
+    panels = width.size
+    nodes = left[:, None] + width[:, None] * ref["x"]
+    weights = width[:, None] * ref["weights"]
+    r = nodes.ravel()
+    same = np.eye(panels * order, dtype=bool)
+    difference = r - r[:, None] + same  # the diagonal is overwritten below
+    matrix = _kernel(r[:, None], r, difference) * weights.ravel()
+    blocks = matrix.reshape(panels, order, panels, order)
+    distance = width[:, None, None] * ref["own_distance"]
+    target = nodes[:, :, None]
+    own = np.einsum("ijq,jqk->ijk", _kernel(target, target + distance, distance), ref["own"])
+    i = np.arange(panels)
+    blocks[i, :, i, :] = own * width[:, None, None]
+    t = width[:, None] * ref["t"]
+    # source panels 1.. seen from targets in the panel to their left, then 0.. from their right
+    point = (left[1:, None] + t[1:])[:, None, :]
+    target = nodes[:-1, :, None]
+    blocks[i[:-1], :, i[1:], :] = (
+        np.einsum("ijq,qk->ijk", _kernel(target, point, point - target), ref["from_left"]) * width[1:, None, None]
+    )
+    point = (edges[1:-1, None] - t[:-1])[:, None, :]
+    target = nodes[1:, :, None]
+    blocks[i[1:], :, i[:-1], :] = (
+        np.einsum("ijq,qk->ijk", _kernel(target, point, point - target), ref["from_right"]) * width[:-1, None, None]
+    )
+    return r, weights.ravel(), matrix
+
+
+def _nodes(edges):
+    return (edges[:-1, None] + np.diff(edges)[:, None] * _reference(_ORDER)["x"]).ravel()
+
+
+def _graded(length, smallest, panels):
+    """Widths in geometric progression, the first equal to smallest, that add up to length."""
+    smallest = min(smallest, length / panels)
+    low, high, ratio = 1.0, 50.0, length / smallest
+    for _ in range(60):
+        g = 0.5 * (low + high)
+        total = panels if abs(g - 1) < 1e-9 else (g**panels - 1) / (g - 1)
+        low, high = (g, high) if total < ratio else (low, g)
+    widths = smallest * g ** np.arange(panels)
+    return widths * (length / widths.sum())
+
+
+def _panel_edges(levels, inner, outer):
+    """Equal panels from the flank of the pressure to its end (levels: their ln r), growing ones back to the axis."""
+    flank, end = np.exp(levels)
+    h = (end - flank) / outer
+    widths = np.concatenate([_graded(flank, h, inner)[::-1], np.full(outer, h)])
+    return np.concatenate([[0.0], np.cumsum(widths)])
+
+
+# ---- Newton and continuation ---------------------------------------------------------------------
+
+
+@njit(cache=True, error_model="numpy")
+def _eliminate(matrix, pivots):
+    """LU with row exchanges, in place. LAPACK's threads stall for milliseconds at this size on a busy machine."""
+    n = matrix.shape[0]
+    for j in range(n):
+        best = j
+        for i in range(j + 1, n):
+            if abs(matrix[i, j]) > abs(matrix[best, j]):
+                best = i
+        pivots[j] = best
+        if best != j:
+            for k in range(n):
+                matrix[j, k], matrix[best, k] = matrix[best, k], matrix[j, k]
+        inverse = 1.0 / matrix[j, j]
+        for i in range(j + 1, n):
+            factor = matrix[i, j] * inverse
+            matrix[i, j] = factor
+            for k in range(j + 1, n):
+                matrix[i, k] -= factor * matrix[j, k]
+
+
+@njit(cache=True, error_model="numpy")
+def _back_substitute(matrix, pivots, right):
+    """Solve in place for the vector right with the result of _eliminate."""
+    n = matrix.shape[0]
+    for j in range(n):
+        right[j], right[pivots[j]] = right[pivots[j]], right[j]
+    for i in range(1, n):
+        total = right[i]
+        for k in range(i):
+            total -= matrix[i, k] * right[k]
+        right[i] = total
+    for i in range(n - 1, -1, -1):
+        total = right[i]
+        for k in range(i + 1, n):
+            total -= matrix[i, k] * right[k]
+        right[i] = total / matrix[i, i]
+
+
+def _apply(matrix, vector):
+    """matrix @ vector without BLAS: its threads cost ten times the arithmetic at this size on a busy machine."""
+    return np.einsum("ij,j->i", matrix, vector)
+
+
+class _State(NamedTuple):
+    log_force: float
+    approach: float
+    separation: np.ndarray  # at the nodes
+    nodes: np.ndarray
+    levels: np.ndarray  # ln r where the pressure has dropped to _FLANK and to _END
+
+
+class _Solver:
+    """Marches along one curve with ln f; Newton on (s, U) at given load, polynomial predictor on moving nodes."""
+
+    def __init__(self, model, parameter, refine=1.0):
+        self.model, self.parameter = _MODELS[model], float(parameter)
+        self.inner, self.outer = round(_INNER * refine), round(_OUTER * refine)
+        self.history = []
+        self.newton_steps = 0
+        self.retries = 0
+        self.points = []
+        self.flat = False
+
+    def _tail_separation(self, log_force):
+        """d of the undeformed bulk: f = (pi/sqrt 2) A int_d^inf g ds."""
+        target = log_force - math.log(math.pi / math.sqrt(2) * self.parameter)
+        d = math.sqrt(max(1.0, -2 * target))
+        for _ in range(50):
+            total, g, _ = self.model.tail(np.float64(d))
+            step = (math.log(total) - target) * total / g
+            d += step
+            if abs(step) < 1e-13 * d:
+                break
+        return d
+
+    def _edges(self, levels):
+        return _panel_edges(levels, self.inner, self.outer)
+
+    def _guess(self, log_force):
+        """Separation, approach and panel edges to start Newton from: the tail, or past states extrapolated in ln f.
+
+        Nodes keep their place relative to the flank and the tail of the pressure, so s at a node varies slowly."""
+        if not self.history:
+            d = self._tail_separation(log_force)
+            s = np.linspace(d, d + 60, 60001)
+            log_g = np.log(np.maximum(self.model.layer(s)[0], 1e-300))
+            level = np.interp([-_FLANK, -_END], log_g[0] - log_g, s)
+            edges = self._edges(0.5 * np.log(level - d))
+            r = _nodes(edges)
+            return d + r * r, -d, edges
+        past = self.history[-4:]
+        x = np.array([state.log_force for state in past])
+        weights = [np.prod((log_force - np.delete(x, i)) / (x[i] - np.delete(x, i))) for i in range(x.size)]
+        _, approach, s, r, levels = (
+            sum(w * item for w, item in zip(weights, items, strict=True)) for items in zip(*past, strict=True)
+        )
+        edges = self._edges(levels)
+        return s + np.gradient(s, r) * (_nodes(edges) - r), approach, edges
+
+    def _newton(self, log_force, s, approach, edges):
+        """Solve at one load; (state, point) or None when Newton does not converge."""
+        r, dr, influence = influence_matrix(edges)
+        load = math.pi * math.sqrt(2) * r * dr
+        diagonal = np.arange(r.size)
+        pivots = np.empty(r.size, np.int64)
+        for _ in range(30):
+            self.newton_steps += 1
+            g, g1, g2 = (self.parameter * x for x in self.model.layer(s))
+            force = load @ g
+            if not force > 0:
+                return None
+            jacobian = influence * -g1
+            jacobian[diagonal, diagonal] += 1
+            correction = r * r + _apply(influence, g) - s - approach
+            sinking = np.ones_like(r)  # minus ds/dU
+            _eliminate(jacobian, pivots)
+            _back_substitute(jacobian, pivots, correction)
+            _back_substitute(jacobian, pivots, sinking)
+            load_slope = load * g1
+            d_approach = (force * (log_force - math.log(force)) - load_slope @ correction) / -(load_slope @ sinking)
+            ds = correction - d_approach * sinking
+            size = np.abs(ds[s > -6]).max(initial=0.0)
+            if not np.isfinite(ds).all():
+                return None
+            limit = 1.0 / max(1.0, size)
+            s = s + limit * ds
+            approach = approach + limit * d_approach
+            if size < 3e-8:
+                break
+        else:
+            return None
+        g, g1, g2 = (self.parameter * x for x in self.model.layer(s))
+        ds = -sinking
+        stiffness = (load * g1) @ ds
+        bend = _apply(influence, g2 * ds * ds)
+        _back_substitute(jacobian, pivots, bend)
+        curvature = load @ (g2 * ds * ds + g1 * bend)
+        central = self.parameter * self.model.layer(_reference(_ORDER)["at_left"] @ s[:_ORDER])[0]
+        force = load @ g
+        hertz_radius = (3 * force / (8 * math.sqrt(2))) ** (1 / 3)
+        radius = 3 * math.pi * (r * dr @ g) / (4 * (dr @ g))
+        point = (
+            approach,
+            force,
+            stiffness,
+            float(central) / (8 * hertz_radius / math.pi),
+            radius / hertz_radius,
+            1 / (2 * hertz_radius**2),
+            curvature,
+        )
+        drop = np.log(float(central)) - np.log(np.maximum(g, 1e-300))
+        keep = np.concatenate([[True], np.diff(np.maximum.accumulate(drop)) > 0])
+        drop, radii = drop[keep], r[keep]
+        levels = np.array([-_FLANK, -_END])
+        found = np.interp(levels, drop, radii)
+        if drop[-1] < levels[1]:
+            found[1] = radii[-1] + (levels[1] - drop[-1]) * (radii[-1] - radii[-3]) / (drop[-1] - drop[-3])
+        return _State(log_force, approach, s, r, np.log(found)), point
+
+    def reach(self, log_force):
+        """March to log_force; all accepted points are appended to self.points. Stops short where the core is flat."""
+        while not self.flat and (not self.history or self.history[-1].log_force < log_force - 1e-12):
+            here = self.history[-1].log_force if self.history else log_force
+            # the rim of a flattening core is the one feature sharper than the lattice
+            flattening = self.history and self.model.flat(self.history[-1].separation[0]) > -3
+            pieces = max(1, math.ceil((log_force - here) / (_STEP / 3 if flattening else _STEP) - 1e-9))
+            step = (log_force - here) / pieces
+            for _ in range(12):
+                result = self._newton(here + step, *self._guess(here + step))
+                if result is not None and self.model.flat(result[0].separation[0]) <= 0:
+                    break
+                step *= 0.5
+                self.retries += 1
+            else:
+                raise ArithmeticError(f"{self.model.name} {self.parameter:g}: no solution at f = {math.exp(here):g}")
+            state, point = result
+            self.history.append(state)
+            self.points.append(point)
+            self.flat = self.model.flat(state.separation[0]) > -0.5
+        return self.points[-1]
+
+
+# ---- whole curves --------------------------------------------------------------------------------
+
+
+class Curve(NamedTuple):
+    """One master curve f(U), twice differentiable, for every U.
+
+    Between the solved points V = U - (3f/4)^(2/3) is a quintic in ln f through exact values, slopes and curvatures, so
+    that the Hertz part of the approach carries no interpolation error. Below `points.force[0]` the bulk is as good as
+    rigid and f = (pi/sqrt 2) A int_{-U}^inf g ds. Above the last point ds/dU = K/K_Hertz keeps its value; for
+    Yip-Venart, whose pressure cannot exceed H_m, a flat-topped contact of radius a, f = pi A a^2 / sqrt 2,
+    U = a^2 + 2 A a / pi + c(f), where c fades and makes value and slope continuous (our derivation; measured against
+    the solved contact for N_H = 1, 10, 23: force 2e-4, stiffness 5e-4).
+
+    Relative errors in the solved range: f(U) 2e-7, stiffness 1e-6 (tests/test_axisymmetric.py).
+    """
+
+    model: str
+    parameter: float
+    points: MasterCurve
+    log_force: np.ndarray  # nodes of the quintics
+    offset: np.ndarray  # V and its first and second derivative by ln f, one row each
+    flat: bool  # the last point is one of a flattened (fully crushed) contact
+
+    # -- U(f) --
+
+    def approach(self, force):
+        """U(f) in units of sigma; f > 0."""
+        return self._approach(np.log(_positive(force, "force")))[0]
+
+    def _approach(self, log_force):
+        """U, dU/d ln f, at any ln f."""
+        log_force = np.asarray(log_force, float)
+        t = np.atleast_1d(log_force)
+        u, du = np.empty_like(t), np.empty_like(t)
+        low, high = t < self.log_force[0], t > self.log_force[-1]
+        middle = ~(low | high)
+        if middle.any():
+            u[middle], du[middle] = self._between(t[middle])
+        if low.any():
+            u[low], du[low] = self._tail_approach(t[low])
+        if high.any():
+            u[high], du[high] = self._far_approach(t[high])
+        return u.reshape(log_force.shape), du.reshape(log_force.shape)
+
+    def _between(self, t):
+        i = np.clip(np.searchsorted(self.log_force, t, side="right") - 1, 0, self.log_force.size - 2)
+        h = self.log_force[i + 1] - self.log_force[i]
+        value, slope = _quintic((t - self.log_force[i]) / h, h, self.offset[:, i], self.offset[:, i + 1])
+        hertz = np.exp((t + math.log(0.75)) * (2 / 3))
+        return value + hertz, slope + (2 / 3) * hertz
+
+    def _tail_approach(self, t):
+        tail = _MODELS[self.model].tail
+        target = t - math.log(math.pi / math.sqrt(2) * self.parameter)
+        d = np.sqrt(np.maximum(1.0, -2 * target))
+        for _ in range(40):
+            total, g, _ = tail(d)
+            step = (np.log(np.maximum(total, 1e-308)) - target) * total / np.maximum(g, 1e-308)
+            d = d + step
+            if np.abs(step).max() < 1e-13:
+                break
+        return -d, total / g
+
+    def _far_approach(self, t):
+        last = MasterCurve(*(column[-1] for column in self.points))
+        if not self.flat:
+            s, slope = _hertz_overlap(last.force, last.stiffness)
+            here = np.exp((t + math.log(0.75)) * (2 / 3))
+            return last.approach + (here - s) / slope, (2 / 3) * here / slope
+        u0, du0 = _flat_approach(np.float64(last.force), self.parameter)
+        gap = last.approach - u0
+        steepness = last.force / last.stiffness - du0 + 3 * gap
+        x = np.exp(t) / last.force
+        u, du = _flat_approach(np.exp(t), self.parameter)
+        return u + (gap + steepness * (x - 1)) / x**3, du + (steepness * x - 3 * (gap + steepness * (x - 1))) / x**3
+
+    # -- f(U) --
+
+    def evaluate(self, approach):
+        """Force f(U) and tangent stiffness df/dU; any U (0 where the tail is below 1e-290)."""
+        approach = np.asarray(approach, float)
+        u = np.atleast_1d(approach)
+        f, k = np.zeros_like(u), np.zeros_like(u)
+        low = u < self.points.approach[0]
+        if low.any():
+            d = np.minimum(-u[low], 40.0)
+            total, g, _ = _MODELS[self.model].tail(d)
+            scale = math.pi / math.sqrt(2) * self.parameter * (d < 36)
+            f[low], k[low] = scale * total, scale * g
+        if not low.all():
+            f[~low], k[~low] = self._invert(u[~low])
+        return f.reshape(approach.shape), k.reshape(approach.shape)
+
+    def _invert(self, u):
+        nodes = self.points.approach
+        i = np.clip(np.searchsorted(nodes, u, side="right") - 1, 0, nodes.size - 2)
+        low, high = self.log_force[i], self.log_force[i + 1]
+        t = low + (high - low) * (u - nodes[i]) / (nodes[i + 1] - nodes[i])
+        beyond = u > nodes[-1]
+        t = np.where(beyond, self.log_force[-1] + 1.5 * np.log(np.maximum(u / nodes[-1], 1.0)), t)
+        for _ in range(50):
+            here, slope = self._approach(t)
+            step = (u - here) / slope
+            t = t + np.clip(step, -1.0, 1.0)
+            if not (np.abs(step) >= 1e-9).any():  # quadratic: the next step would be below 1e-16
+                break
+        force = np.exp(t)
+        return force, force / self._approach(t)[1]
+
+    def force(self, approach):
+        return self.evaluate(approach)[0]
+
+    def stiffness(self, approach):
+        return self.evaluate(approach)[1]
+
+    def hertz_overlap(self, approach):
+        """s = (3f/4)^(2/3), the Hertz overlap of the same force in units of sigma, and ds/dU."""
+        return _hertz_overlap(*self.evaluate(approach))
+
+    def excess_over_hertz(self):
+        """Largest ds/dU - 1 = K / K_Hertz(P) - 1 along the solved points: passive under Hertz unloading where <= 0."""
+        return float((_hertz_overlap(self.points.force, self.points.stiffness)[1] - 1).max())
+
+    def bulk_yield_force(self, ratio=0.6):
+        """f at which p(0) = ratio H_m, to 1e-4: from there on the bulk yields, not only asperities (Yip-Venart).
+
+        Infinite where the curve does not reach it, and for Greenwood-Tripp, which knows no hardness."""
+        from scipy.interpolate import CubicSpline
+
+        hertz_radius = np.cbrt(3 * self.points.force / (8 * math.sqrt(2)))
+        pressure = self.points.central_pressure * (8 / math.pi) * hertz_radius / self.parameter
+        if _MODELS[self.model] is _GreenwoodTripp or pressure[-1] < ratio:
+            return math.inf
+        crossings = CubicSpline(self.log_force, np.log(pressure / ratio)).roots(extrapolate=False)
+        return float(np.exp(crossings[0]))
+
+
+def _positive(value, name):
+    value = np.asarray(value, float)
+    if not np.all(value > 0):
+        raise DemlawsError(f"{name} must be positive and finite, got {np.min(value)!r} (dimensionless)")
+    return value
+
+
+def _hertz_overlap(f, k):
+    s = np.cbrt(0.75 * f) ** 2
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return s, np.where(f > 0, 2 * s / (3 * f) * k, 0.0)
+
+
+def _flat_approach(f, parameter):
+    """U and dU/d ln f of the pressure H_m on a disc of radius a, without the constant: rim on the sphere's surface."""
+    a = np.sqrt(math.sqrt(2) * f / (math.pi * parameter))
+    return a * a + 2 * parameter * a / math.pi, a * a + parameter * a / math.pi
+
+
+def _quintic(x, h, left, right):
+    """Quintic Hermite on a cell of width h, x in [0, 1]; value and derivative (by the physical variable)."""
+    y0, d0, c0 = left[0], h * left[1], 0.5 * h * h * left[2]
+    y1, d1, c1 = right[0], h * right[1], 0.5 * h * h * right[2]
+    rise = y1 - y0
+    a3 = 10 * rise - 6 * d0 - 4 * d1 - 3 * c0 + c1
+    a4 = -15 * rise + 8 * d0 + 7 * d1 + 3 * c0 - 2 * c1
+    a5 = 6 * rise - 3 * (d0 + d1) - c0 + c1
+    value = y0 + x * (d0 + x * (c0 + x * (a3 + x * (a4 + x * a5))))
+    return value, (d0 + x * (2 * c0 + x * (3 * a3 + x * (4 * a4 + x * 5 * a5)))) / h
+
+
+@lru_cache(maxsize=512)
+def curve(model, parameter, lowest=LOWEST_FORCE, highest=HIGHEST_FORCE):
+    """The Curve of one parameter, solved once (0.1 to 0.3 s) and kept.
+
+    model: "yip-venart" (parameter N_H) or "greenwood-tripp" (mu); the force range is that of the solved points.
+    """
+    solver = _Solver(model, _check(model, parameter))
+    low, high = math.log(lowest), math.log(highest)
+    solver.reach(low)
+    solver.reach(high)
+    points = _columns(solver.points)
+    f, k = points.force, points.stiffness
+    s = np.cbrt(0.75 * f) ** 2
+    slope = f / k - (2 / 3) * s
+    bend = f / k - f * f * points.curvature / k**3 - (4 / 9) * s
+    return Curve(
+        model, float(parameter), points, np.log(f), np.array([points.approach - s, slope, bend]), bool(solver.flat)
+    )
+
+
+def _check(model, parameter):
+    if model not in _MODELS:
+        raise DemlawsError(f"unknown model {model!r}: choose one of {', '.join(_MODELS)}")
+    low, high = _RANGE
+    if not (low <= parameter <= high):
+        raise DemlawsError(
+            f"{model}: {_MODELS[model].parameter} = {parameter!r} is outside {low:g} to {high:g} (dimensionless); "
+            "check hardness, roughness and radius"
+        )
+    return float(parameter)
+
+
+def _columns(rows):
+    return MasterCurve(*(np.array(column, float) for column in zip(*rows, strict=True)))
+
+
+def _solve(model, parameter, forces):
+    parameter = _check(model, parameter)
+    forces = np.atleast_1d(_positive(forces, "force"))
+    if forces.min() < 1e-12 or forces.max() > 1e8:
+        raise DemlawsError(f"force {forces.min():g} to {forces.max():g} is outside 1e-12 to 1e8 (dimensionless)")
+    solver = _Solver(model, parameter)
+    solver.reach(min(math.log(LOWEST_FORCE), math.log(forces.min())))
+    rows = {}
+    for force in np.unique(forces):
+        row = solver.reach(math.log(force))
+        solved = solver.history[-1].log_force > math.log(force) - 1e-9
+        rows[force] = row if solved else _flat_point(curve(model, parameter), force)
+    return _columns([rows[force] for force in forces])
+
+
+def _flat_point(whole, force):
+    """A point of a crushed contact: uniform pressure H_m on a disc."""
+    u, du = whole._approach(np.log(force))
+    hertz_radius = (3 * force / (8 * math.sqrt(2))) ** (1 / 3)
+    radius = math.sqrt(math.sqrt(2) * force / (math.pi * whole.parameter))
+    central = whole.parameter / (8 * hertz_radius / math.pi)
+    return u, force, force / du, central, 3 * math.pi / 8 * radius / hertz_radius, 1 / (2 * hertz_radius**2), math.nan
+
+
+def solve_yip_venart(hardness_number, forces):
+    """MasterCurve at the dimensionless forces f, for N_H = (H_m / E*) sqrt(8 R / sigma) from 0.05 to 1e5.
+
+    Sharper than Curve only in that each load is solved for; beyond p(0) = 0.997 H_m the flat-topped closed form.
+    """
+    return _solve("yip-venart", hardness_number, forces)
+
+
+def solve_greenwood_tripp(mu, forces):
+    """MasterCurve at the dimensionless forces f, for mu = (8/3) eta sigma sqrt(2 R beta) from 0.05 to 1e5."""
+    return _solve("greenwood-tripp", mu, forces)
+
+
+# ---- contacts of many radii -----------------------------------------------------------------------
+
+
+class Family(NamedTuple):
+    """Curves at geometrically spaced parameters, to be blended linearly in ln A (our derivation).
+
+    What is blended is s = (3f/4)^(2/3) at equal overlap x = U - U(f_ref), where f_ref is one dimensionless force for
+    all curves: four to forty times better than at equal U, where the tails differ by the ratio of the parameters. The
+    error grows as the square of ln(ratio of neighbours): for 1e-3, 1e-4, 1e-5 the ratio is about 1.4, 1.12, 1.04.
+    f_ref belongs at or just below the smallest seating load. A contact seated at f_seat has
+    x = overlap + U(f_seat) - U(f_ref), to be taken from its own curve or from the same blend."""
+
+    model: str
+    parameters: np.ndarray
+    reference_force: float
+    force_error: float  # largest measured, relative, half way between neighbours
+    stiffness_error: float
+
+    def curves(self):
+        return [curve(self.model, float(parameter)) for parameter in self.parameters]
+
+    def weights(self, parameter):
+        """Index of the lower neighbour and weight of the upper one."""
+        low, high = self.parameters[[0, -1]]
+        if not np.all((parameter >= low * (1 - 1e-12)) & (parameter <= high * (1 + 1e-12))):
+            raise DemlawsError(
+                f"{_MODELS[self.model].parameter} = {parameter!r} is outside this family, {low:g} to {high:g}"
+            )
+        if self.parameters.size == 1:
+            return 0, 0.0
+        place = np.log(parameter / low) / np.log(self.parameters[1] / low)
+        index = int(min(max(place, 0), self.parameters.size - 2))
+        return index, float(place - index)
+
+    def evaluate(self, parameter, overlap):
+        """Blended (f, df/dU) at overlap = U - U(f_ref), for one parameter."""
+        index, weight = self.weights(parameter)
+        chosen = [float(x) for x in self.parameters[index : index + 2]]
+        return _blend(self.model, chosen, weight, self.reference_force, np.asarray(overlap, float))
+
+
+def _blend(model, parameters, weight, reference_force, overlap):
+    s, slope = 0.0, 0.0
+    for parameter, share in zip(parameters, (1 - weight, weight), strict=False):
+        one = curve(model, parameter)
+        value, steepness = one.hertz_overlap(one.approach(reference_force) + overlap)
+        s, slope = s + share * value, slope + share * steepness
+    return (4 / 3) * s * np.sqrt(s), 2 * np.sqrt(s) * slope
+
+
+def _blend_error(model, low, high, reference_force, highest):
+    middle = curve(model, math.sqrt(low * high))
+    forces = np.geomspace(reference_force, min(highest, middle.bulk_yield_force()), 400)
+    u = middle.approach(forces)
+    f, k = _blend(model, [low, high], 0.5, reference_force, u - middle.approach(reference_force))
+    return np.array([np.abs(f / forces - 1).max(), np.abs(k / middle.stiffness(u) - 1).max()])
+
+
+def family(model, low, high, rtol=1e-4, reference_force=1e-4, highest=1e6):
+    """The Family over parameters low..high whose blend meets rtol in force and in stiffness.
+
+    Force range: reference_force to highest, or to the yield of the bulk (Yip-Venart). Up to eight gaps are all measured
+    at their middle; of more, eight spread evenly, the ends among them.
+    """
+    low, high = _check(model, low), _check(model, high)
+    if not low <= high:
+        raise DemlawsError(f"{model}: parameter range {low:g} to {high:g} is empty, give the smaller one first")
+    if not 1e-7 <= rtol < 1:
+        raise DemlawsError(f"rtol = {rtol!r}: blending two curves reaches 1e-7 at best, give 1e-7 to 1")
+    if not LOWEST_FORCE <= reference_force < highest <= HIGHEST_FORCE:
+        raise DemlawsError(
+            f"reference force {reference_force!r} and highest force {highest!r} must satisfy "
+            f"{LOWEST_FORCE:g} <= reference < highest <= {HIGHEST_FORCE:g} (dimensionless)"
+        )
+    if high < low * (1 + 1e-9):
+        return Family(model, np.array([low]), reference_force, 0.0, 0.0)
+    span = math.log(high / low)
+    gaps = max(1, math.ceil(span / 0.35))
+    while True:
+        parameters = np.geomspace(low, high, gaps + 1)
+        parameters[[0, -1]] = low, high
+        measured = np.unique(np.linspace(0, gaps - 1, 8).astype(int))
+        errors = [_blend_error(model, *map(float, parameters[i : i + 2]), reference_force, highest) for i in measured]
+        force_error, stiffness_error = np.max(errors, axis=0)
+        worst = max(force_error, stiffness_error)
+        if worst <= rtol:
+            return Family(model, parameters, reference_force, float(force_error), float(stiffness_error))
+        gaps = max(gaps + 1, math.ceil(gaps * math.sqrt(1.05 * worst / rtol)))
