@@ -613,9 +613,7 @@ def curve(model, parameter, lowest=LOWEST_FORCE, highest=HIGHEST_FORCE):
     s = np.cbrt(0.75 * f) ** 2
     slope = f / k - (2 / 3) * s
     bend = f / k - f * f * points.curvature / k**3 - (4 / 9) * s
-    return Curve(
-        model, float(parameter), points, np.log(f), np.array([points.approach - s, slope, bend]), bool(solver.flat)
-    )
+    return Curve(model, float(parameter), points, np.log(f), np.array([points.approach - s, slope, bend]), bool(solver.flat))
 
 
 def _check(model, parameter):
@@ -696,9 +694,7 @@ class Family(NamedTuple):
         """Index of the lower neighbour and weight of the upper one."""
         low, high = self.parameters[[0, -1]]
         if not np.all((parameter >= low * (1 - 1e-12)) & (parameter <= high * (1 + 1e-12))):
-            raise DemlawsError(
-                f"{_MODELS[self.model].parameter} = {parameter!r} is outside this family, {low:g} to {high:g}"
-            )
+            raise DemlawsError(f"{_MODELS[self.model].parameter} = {parameter!r} is outside this family, {low:g} to {high:g}")
         if self.parameters.size == 1:
             return 0, 0.0
         place = np.log(parameter / low) / np.log(self.parameters[1] / low)

@@ -166,8 +166,10 @@ class Law:
         self.unloading = unloading
         self.rule = RULES[unloading]
         self.state_names = STATE_NAMES[unloading]
+        self.state_size = len(self.state_names)
         self.shape = shape
         self.params = bind_params(shape, contact) if params is None else params
+        self._limits = None
         self._warned = set()
 
     def __repr__(self):
@@ -311,7 +313,9 @@ class Law:
 
     def limits(self):
         """The ranges of force [N] in which the law's source supports it, each with its reason."""
-        return self.definition.limits(self.contact, **self.options)
+        if self._limits is None:
+            self._limits = self.definition.limits(self.contact, **self.options)
+        return self._limits
 
     def _advise(self, force):
         largest = float(np.max(force, initial=0.0))

@@ -43,7 +43,7 @@ class TableShape(NamedTuple):
     exponent: float  # of the power law below the first node
     length_over_roughness: float  # length = this σ + the next R
     length_over_radius: float
-    offset: float  # added to u before the curve is read [used by laws with a seating load]
+    count: int  # cells
 
 
 class TableParams(NamedTuple):
@@ -52,7 +52,7 @@ class TableParams(NamedTuple):
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
     length: float  # [m]
     inverse_length: float  # [1/m]
-    offset: float
+    offset: float  # added to u before the curve is read: 0, but for laws with a seating load
     cells: np.ndarray
     starts: np.ndarray
     shift: int
@@ -62,16 +62,18 @@ class TableParams(NamedTuple):
     lowest: float
     highest: float
     exponent: float
+    count: int
 
 
 @kernel
-def _scale(shape, radius, modulus, roughness):
+def scale_table(shape, radius, modulus, roughness, offset):
+    """TableParams of one contact, with an offset in u."""
     length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
     return TableParams(
         hertz_coefficient(radius, modulus),
         length,
         1.0 / length,
-        shape.offset,
+        offset,
         shape.cells,
         shape.starts,
         shape.shift,
@@ -81,16 +83,22 @@ def _scale(shape, radius, modulus, roughness):
         shape.lowest,
         shape.highest,
         shape.exponent,
+        shape.count,
     )
 
 
 @kernel
-def _cell_and_place(p, u):
+def _scale(shape, radius, modulus, roughness):
+    return scale_table(shape, radius, modulus, roughness, 0.0)
+
+
+@kernel
+def cell_and_place(p, u):
     """Number of the cell that holds u, the place t in it, and the reciprocal of the grid cell's width."""
     pattern = bits(u)
     cell = (pattern >> p.shift) - p.first
     cell += (1 if u >= p.kink1 else 0) + (1 if u >= p.kink2 else 0)
-    last = p.cells.shape[0] - 1
+    last = p.count - 1
     cell = 0 if cell < 0 else (last if cell > last else cell)
     # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
     t = from_bits(((pattern << (52 - p.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
@@ -99,9 +107,10 @@ def _cell_and_place(p, u):
 
 
 @kernel
-def read_curve(p, u):
-    """s(u) and ds/du; a power law below the first node, NaN above the last."""
-    cell, t, inverse_width = _cell_and_place(p, u)
+def read_curve(p, u, row):
+    """s(u) and ds/du of the curve whose cells begin at `row`; a power law below the first node, NaN above the last."""
+    cell, t, inverse_width = cell_and_place(p, u)
+    cell += row
     c0 = p.cells[cell, 0]
     c1 = p.cells[cell, 1]
     c2 = p.cells[cell, 2]
@@ -110,7 +119,7 @@ def read_curve(p, u):
     slope = (c1 + t * (2.0 * c2 + t * (3.0 * c3))) * inverse_width
     if u < p.lowest:
         relative = u / p.lowest
-        s = p.cells[0, 0] * power(relative, p.exponent)
+        s = p.cells[row, 0] * power(relative, p.exponent)
         slope = p.exponent * s / (relative * p.lowest) if u > 0.0 else 0.0
     if not (u <= p.highest):
         s, slope = math.nan, math.nan
@@ -119,7 +128,7 @@ def read_curve(p, u):
 
 @kernel
 def _virgin(p, overlap):
-    s, slope = read_curve(p, overlap * p.inverse_length + p.offset)
+    s, slope = read_curve(p, overlap * p.inverse_length + p.offset, 0)
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
@@ -172,10 +181,10 @@ def integrate_curve(p, u):
     """∫f du from 0 to u."""
     if u <= 0.0:
         return 0.0
-    s, _ = read_curve(p, u)
+    s, _ = read_curve(p, u, 0)
     if u < p.lowest:
         return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * p.exponent + 1.0)
-    cell, t, inverse_width = _cell_and_place(p, u)
+    cell, t, inverse_width = cell_and_place(p, u)
     start = p.starts[cell, 0]
     half = 0.5 * (t - start)
     total = 0.0
@@ -237,7 +246,7 @@ def grid(lowest, highest, kinks, bits_per_octave):
     return u, inside
 
 
-def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius, offset=0.0):
+def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius):
     """Cubic Hermite cells through the rows of a table."""
     u, s, slope = nodes.curve()
     shift = 52 - bits_per_octave
@@ -275,7 +284,7 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
         exponent,
         float(length_over_roughness),
         float(length_over_radius),
-        float(offset),
+        cells.shape[0],
     )
 
 
@@ -343,6 +352,10 @@ def tabulate(law, rtol=1e-5, max_force=None):
     if not 1e-12 <= rtol <= 0.1:
         raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
     definition, contact = law.definition, law.contact
+    if definition.solved and rtol < 1e-5:
+        raise DemlawsError(
+            f"rtol = {rtol:g}: the curve of {law.name!r} comes from a solver, to 1e-6 itself; ask for 1e-5 or more"
+        )
     if contact.size is not None and not definition.collapses:
         raise DemlawsError(
             f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"
@@ -425,7 +438,7 @@ class Table(Law):
     @property
     def largest_overlap(self):
         """End of the table [m]."""
-        return (self.shape.highest - self.shape.offset) * np.min(self.params.length)
+        return self.shape.highest * np.min(self.params.length)
 
     @property
     def largest_force(self):

@@ -10,9 +10,7 @@ from demlaws.axisymmetric import curve, family, half_moments, influence_matrix, 
 from demlaws.errors import DemlawsError
 
 CASES = [("yip-venart", a) for a in (1.0, 23.0, 100.0, 1e4)] + [("greenwood-tripp", a) for a in (0.1, 4.0, 17.0, 1e3)]
-EVERY = [("yip-venart", a) for a in (0.05, 0.3, 3.0, 10.0, 300.0, 1e5)] + [
-    ("greenwood-tripp", a) for a in (0.05, 1.0, 1e5)
-]
+EVERY = [("yip-venart", a) for a in (0.05, 0.3, 3.0, 10.0, 300.0, 1e5)] + [("greenwood-tripp", a) for a in (0.05, 1.0, 1e5)]
 
 
 def force_of(alpha):
@@ -184,9 +182,7 @@ def test_inverse_continuity_and_passivity(model, parameter):
     assert left == pytest.approx(right, rel=1e-7)
 
 
-@pytest.mark.parametrize(
-    ("model", "parameter"), [("yip-venart", 1e4), ("greenwood-tripp", 17.0), ("greenwood-tripp", 1.0)]
-)
+@pytest.mark.parametrize(("model", "parameter"), [("yip-venart", 1e4), ("greenwood-tripp", 17.0), ("greenwood-tripp", 1.0)])
 def test_hertz_at_high_load(model, parameter):
     whole = curve(model, parameter)
     forces = np.geomspace(1e5, 1e7, 9)

@@ -7,4 +7,6 @@ MODULES = (
     "goddard",
     "rough_plastic",
     "bahrami",
+    "yip_venart",
+    "greenwood_tripp",
 )

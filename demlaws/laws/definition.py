@@ -35,7 +35,8 @@ class Definition(NamedTuple):
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
-    implicit: bool = False  # force is the root of an equation or comes from a solver, not a closed form
+    implicit: bool = False  # force is the root of an equation, not a closed form
+    solved: bool = False  # the curve comes from a solver and is a table from the start
     needs: tuple = ()  # names of Contact fields that must be given
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
 

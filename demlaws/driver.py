@@ -1,0 +1,199 @@
+"""Single-contact tests: displacement- and force-controlled paths, and the impact of a mass on a contact."""
+
+import itertools
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws import dispatch
+from demlaws.dispatch import gather, scatter, stored_and_dissipated
+from demlaws.errors import DemlawsError
+from demlaws.fastmath import loop
+from demlaws.law import evaluate_loop
+from demlaws.laws.definition import number
+from demlaws.unloading import Elastic
+
+
+def _points(turning_points, unit):
+    points = np.atleast_1d(np.asarray(turning_points, dtype=float))
+    if points.ndim != 1 or points.size == 0 or not np.all(np.isfinite(points)):
+        raise DemlawsError(f"turning points must be finite numbers in {unit}, at least one, got {turning_points!r}")
+    return points
+
+
+def _count(steps):
+    if not 1 <= steps <= 10_000_000 or steps != int(steps):
+        raise DemlawsError(f"steps = {steps!r}: give a whole number of steps a branch, from 1 to 10 million")
+    return int(steps)
+
+
+def displacement_controlled(law, turning_points, steps=200):
+    """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps a branch: a `Path`.
+
+    Overlaps below 0 part the bodies: the contact that closes next is a new one.
+    """
+    corners = [0.0, *_points(turning_points, "m")]
+    branches = [np.linspace(a, b, _count(steps) + 1)[1:] for a, b in itertools.pairwise(corners)]
+    return law.follow(np.concatenate([[0.0], *branches]))
+
+
+def force_controlled(law, turning_points, steps=200):
+    """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps a branch: a `Path`.
+
+    On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
+    """
+    corners = [0.0, *_points(turning_points, "N")]
+    if min(corners) < 0.0:
+        raise DemlawsError(f"force {min(corners):g} N: a contact without adhesion carries no tension; turn at 0 N or above")
+    steps = _count(steps)
+    state, largest, overlaps = law.new_state(1), 0.0, [np.zeros(1)]
+    for start, end in itertools.pairwise(corners):
+        forces = np.linspace(start, end, steps + 1)[1:]
+        branch = np.empty(steps)
+        new = forces >= largest
+        if np.any(new):
+            branch[new] = law.overlap(forces[new])
+        if not np.all(new):
+            branch[~new] = law.unloading_overlap(forces[~new], state)
+        law.follow(branch, state)
+        parted = law.state_size and state.maximum_overlap[0] == 0.0  # back at zero overlap: a new contact
+        largest = 0.0 if parted else max(largest, float(forces.max()))
+        overlaps.append(branch)
+    return law.follow(np.concatenate(overlaps))
+
+
+@loop
+def _impact_loop(rule, p, mass, speed, dt, limit, state, record):
+    """Velocity Verlet from first touch to separation. Columns of record: overlap, speed, force. Returns the steps taken."""
+    overlap = 0.0
+    velocity = speed
+    force = 0.0
+    taken = 0
+    dissipated = 0.0
+    for i in range(limit):
+        velocity -= 0.5 * dt * force / mass
+        overlap += dt * velocity
+        old = gather(state, 0)
+        if overlap <= 0.0:
+            dissipated = stored_and_dissipated(rule, p, overlap, old)[1]
+        force, _, new = dispatch.step(rule, p, overlap, old)
+        scatter(state, 0, new)
+        velocity -= 0.5 * dt * force / mass
+        if i < record.shape[0]:
+            record[i, 0] = overlap
+            record[i, 1] = velocity
+            record[i, 2] = force
+        taken = i + 1
+        if overlap <= 0.0:
+            break
+    return taken, overlap, velocity, dissipated
+
+
+class Impact(NamedTuple):
+    """Result of `impact`, SI units; arrays with one entry a step."""
+
+    rebound_speed: float
+    restitution: float
+    peak_force: float
+    peak_overlap: float
+    plastic_overlap: float
+    duration: float
+    kinetic_before: float
+    kinetic_after: float
+    dissipated: float
+    energy_error: float  # (kinetic_after + dissipated - kinetic_before)/kinetic_before: what the integration made or lost
+    time: np.ndarray
+    overlap: np.ndarray
+    speed: np.ndarray
+    force: np.ndarray
+
+
+def impact(law, mass, speed, steps_per_contact=1000):
+    """A body of `mass` [kg] (of two: m1 m2/(m1 + m2)) meets the contact at `speed` [m/s]; nothing but the law damps it.
+
+    Velocity Verlet with a step of 1/steps_per_contact of the elastic loading and unloading time.
+    """
+    mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
+    count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
+    p, kinetic = law._single(), 0.5 * mass * speed**2
+    peak, duration = _elastic_contact(law, mass, speed)
+    dt = duration / count
+    state = law.new_state(1)
+    # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
+    limit = int(100 * count)
+    record = np.empty((min(limit, int(4 * count) + 16), 3))
+    taken, overlap, velocity, dissipated = _impact_loop(law.rule, p, mass, speed, dt, limit, state.arrays, record)
+    if not math.isfinite(velocity):
+        raise DemlawsError(law._out_of_range(peak))
+    if overlap > 0.0:
+        raise DemlawsError(
+            f"speed = {speed:g} m/s: no separation within {limit} steps; is the law's plastic overlap that large?"
+        )
+    record = record[:taken]
+    path = law.follow(record[:, 0])
+    after = 0.5 * mass * velocity**2
+    return Impact(
+        rebound_speed=-velocity,
+        restitution=-velocity / speed,
+        peak_force=float(record[:, 2].max()),
+        peak_overlap=float(record[:, 0].max()),
+        plastic_overlap=float(path.plastic_overlap.max(initial=0.0)),
+        duration=taken * dt,
+        kinetic_before=kinetic,
+        kinetic_after=after,
+        dissipated=dissipated,
+        energy_error=(after + dissipated - kinetic) / kinetic,
+        time=dt * np.arange(1, record.shape[0] + 1),
+        overlap=record[:, 0],
+        speed=record[:, 1],
+        force=record[:, 2],
+    )
+
+
+def _elastic_contact(law, mass, speed):
+    """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
+    kinetic = 0.5 * mass * speed**2
+    low, high = 0.0, float(law.contact.radius)
+    if not float(law.energy(high)) > kinetic:  # also where a table ends before: its energy is not a number there
+        low, high = 0.0, float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
+        if not float(law.energy(high)) > kinetic:
+            raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
+    while high - low > 1e-13 * high:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if float(law.energy(middle)) < kinetic else (low, middle)
+    # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
+    x, weights = np.polynomial.legendre.leggauss(64)
+    x = 0.5 * (x + 1.0)
+    overlap = high * (1.0 - x**2)
+    v2 = speed**2 - 2.0 / mass * np.asarray(law.energy(overlap))
+    times = weights * 0.5 * 2.0 * x * high / np.sqrt(np.maximum(v2, 1e-300))
+    return high, 2.0 * float(np.sum(times))
+
+
+def timestep(law, mass, max_force):
+    """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
+
+    2/ω with ω² = K/m and K the stiffest tangent of loading and of unloading. A body with several contacts has a larger
+    K: divide by the square root of the number of contacts that act in one direction.
+    """
+    mass = number(mass, "mass", "kg")
+    return 2.0 * math.sqrt(mass / stiffest(law, max_force))
+
+
+def stiffest(law, max_force):
+    """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
+    force = number(max_force, "max_force", "N")
+    p = law._single()
+    end = float(law.overlap(force))
+    overlap = end * np.append(np.geomspace(1e-9, 1.0, 400), 1.0)
+    forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+    evaluate_loop(Elastic(), p, overlap, (), forces, stiffness)
+    largest = float(stiffness.max())
+    if law.state_size:
+        state = law.new_state(1)
+        path = law.follow(np.array([end, end * (1.0 - 1e-12)]), state)
+        largest = max(largest, float(path.stiffness[1]))
+    return largest

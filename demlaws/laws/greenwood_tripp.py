@@ -1,0 +1,42 @@
+"""Greenwood & Tripp 1967: elastic Gaussian asperities on an elastic bulk, the reference for roughness."""
+
+import math
+
+from demlaws.errors import DemlawsError
+from demlaws.implicit import SEATING_LOAD, CurveNumber, prepare
+from demlaws.laws.definition import Definition, Limit, number
+
+_MODEL = "greenwood-tripp"
+
+
+def _number(mu, asperity_density, asperity_radius):
+    """μ = (8/3) η σ √(2Rβ), or one value of μ for all contacts."""
+    if (asperity_density is None) != (asperity_radius is None):
+        raise DemlawsError("give asperity_density in 1/m² and asperity_radius in m together, or mu alone")
+    if asperity_density is None:
+        return CurveNumber(number(4.0 if mu is None else mu, "mu", "", 0.05, 1e5), 0.0, 0.0, 0.0)
+    if mu is not None:
+        raise DemlawsError(f"mu = {mu!r} and asperity_density are both given: give one of them")
+    density = number(asperity_density, "asperity_density", "1/m²")
+    return CurveNumber(8.0 / 3.0 * density * math.sqrt(2.0 * number(asperity_radius, "asperity_radius", "m")), 0.0, 0.5, 1.0)
+
+
+def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_load=SEATING_LOAD, rtol=1e-4):
+    return prepare(_MODEL, _number(mu, asperity_density, asperity_radius), contact, seating_load, rtol)
+
+
+def _limits(contact, seating_load=SEATING_LOAD, **_):
+    return [Limit(float(seating_load), math.inf, "overlap 0 is declared at the seating load: below it the law says nothing")]
+
+
+LAW = Definition(
+    name="greenwood-tripp",
+    prepare=_prepare,
+    equation="s(r) = d + r² + w(r) - w(0), p = (μ/2) E* √(σ/2R) F_3/2(s), w from the elastic half-space",
+    source="Greenwood & Tripp 1967; Greenwood, Johnson & Matsubara 1984",
+    description="elastic Gaussian asperities, solved",
+    limits=_limits,
+    collapses=False,
+    implicit=True,
+    solved=True,
+)

@@ -1,0 +1,50 @@
+"""Yip & Venart 1971: a plastic crust of Gaussian asperities on an elastic bulk."""
+
+import math
+
+import numpy as np
+
+from demlaws.implicit import SEATING_LOAD, SMOOTH, CurveNumber, prepare
+from demlaws.laws.definition import Definition, Limit
+
+_MODEL = "yip-venart"
+
+
+def _number(contact):
+    """N_H = H_m/(E* √(σ/8R))."""
+    return CurveNumber(math.sqrt(8.0) * contact.hardness, -1.0, 0.5, -0.5)
+
+
+def _prepare(contact, seating_load=SEATING_LOAD, rtol=1e-4):
+    return prepare(_MODEL, _number(contact), contact, seating_load, rtol)
+
+
+def _limits(contact, seating_load=SEATING_LOAD, rtol=1e-4):
+    from demlaws.axisymmetric import curve
+
+    if not np.all(np.asarray(contact.roughness) >= SMOOTH * np.asarray(contact.radius)):
+        return []
+    worst = np.argmax(np.ravel(np.asarray(contact.roughness) / np.asarray(contact.radius)))
+    radius, modulus, roughness = (
+        float(np.broadcast_to(v, contact.size or 1)[worst]) for v in (contact.radius, contact.modulus, contact.roughness)
+    )
+    value = contact.hardness / modulus * math.sqrt(8.0 * radius / roughness)
+    yields = curve(_MODEL, value).bulk_yield_force() * modulus * math.sqrt(radius) * roughness**1.5
+    return [
+        Limit(0.0, yields, "the central pressure passes 0.6 H_m: the bulk yields too, and this law keeps it elastic"),
+        Limit(float(seating_load), math.inf, "overlap 0 is declared at the seating load: below it the law says nothing"),
+    ]
+
+
+LAW = Definition(
+    name="yip-venart",
+    prepare=_prepare,
+    equation="s(r) = d + r² + w(r) - w(0), p = H_m ½ erfc(s/√2), w from the elastic half-space",
+    source="Yip & Venart 1971; Altuhafi, Baudet & Coop 2023, Eqs. 10–11",
+    description="plastic crust of Gaussian asperities, solved",
+    limits=_limits,
+    collapses=False,
+    implicit=True,
+    solved=True,
+    needs=("hardness",),
+)
