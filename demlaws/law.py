@@ -318,18 +318,19 @@ class Law:
         return self._limits
 
     def _advise(self, force):
-        largest = float(np.max(force, initial=0.0))
         touching = force[force > 0.0] if np.ndim(force) else force
-        smallest = float(np.min(touching, initial=math.inf))
+        largest, smallest = float(np.max(touching, initial=0.0)), float(np.min(touching, initial=math.inf))
         for limit in self.limits():
-            if limit.reason not in self._warned and (largest > limit.maximum_force or smallest < limit.minimum_force):
-                self._warned.add(limit.reason)
-                span = f"{limit.minimum_force:.3g} to {limit.maximum_force:.3g} N"
-                warnings.warn(
-                    f"{self.name}: force {smallest:.3g} to {largest:.3g} N, supported {span}: {limit.reason}",
-                    ValidityWarning,
-                    stacklevel=3,
-                )
+            if limit.reason in self._warned:
+                continue
+            if largest > limit.maximum_force:
+                range_left = f"above {limit.maximum_force:.3g} N"
+            elif smallest < limit.minimum_force:
+                range_left = f"below {limit.minimum_force:.3g} N"
+            else:
+                continue
+            self._warned.add(limit.reason)
+            warnings.warn(f"{self.name} {range_left}: {limit.reason}", ValidityWarning, stacklevel=3)
 
     def tabulate(self, rtol=1e-5, max_force=None):
         """A `Table` of this law whose force and stiffness are within `rtol`, measured between its nodes."""

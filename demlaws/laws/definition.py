@@ -4,6 +4,8 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
+import numpy as np
+
 from demlaws.errors import DemlawsError
 
 
@@ -15,8 +17,13 @@ class Limit(NamedTuple):
     reason: str
 
 
-def no_limits(contact, **options):
-    return []
+def bulk_yield(contact, **options):
+    """Where the contact's hardness is known: the load at which Hertz's peak pressure reaches 0.6 H_m (Johnson 1985)."""
+    if contact.hardness is None:
+        return []
+    force = math.pi**3 * np.asarray(contact.radius) ** 2 * (0.6 * contact.hardness) ** 3 / (6.0 * contact.modulus**2)
+    reason = "Hertz's peak pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
+    return [Limit(0.0, float(np.min(force)), reason)]
 
 
 def no_kinks(params, **options):
@@ -31,12 +38,13 @@ class Definition(NamedTuple):
     equation: str
     source: str
     description: str
-    limits: Callable = no_limits  # contact, **options → [Limit]
+    limits: Callable = bulk_yield  # contact, **options → [Limit]
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form
     solved: bool = False  # the curve comes from a solver and is a table from the start
+    needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
 

@@ -1,13 +1,12 @@
 """Pohrt & Popov 2012, 2013: self-affine roughness on spheres, power law to full contact, then Hertz stiffness."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws.dispatch import bind
 from demlaws.fastmath import kernel, power, sqrt
-from demlaws.laws.definition import Definition, Limit
+from demlaws.laws.definition import Definition
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 
 
@@ -104,31 +103,12 @@ def _prepare(contact):
     return PohrtPopovShape(float(2 / (3 * (1 - m))), float(kappa))
 
 
-def _limits(contact):
-    threshold = _threshold_force(contact)
-    return [
-        Limit(
-            0.0,
-            math.inf if np.max(contact.roughness) == 0 else float(np.max(2.0 * threshold)),
-            "the source has no plastic bulk; the granite tests were softer than this law above about 70 N "
-            "(twice the threshold force is taken as the end of its support)",
-        )
-    ]
-
-
-def _threshold_force(contact):
-    """F = (4 E*/(3 R)) (A0/π)^1.5 [N] above which the stiffness is Hertz's."""
-    shape = _prepare(contact)
-    return 4 / 3 * contact.modulus * np.sqrt(contact.radius) * (shape.kappa * contact.roughness) ** 1.5
-
-
 LAW = Definition(
     name="pohrt-popov",
     prepare=_prepare,
     equation="K = (π√A0 E* Df/10) (P/(σ E* √A0))^(0.2567 Df) to F, then Hertz stiffness",
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
-    limits=_limits,
     kinks=_kinks,
     needs=("fractal_dimension",),
 )

@@ -7,7 +7,7 @@ import numpy as np
 
 from demlaws.dispatch import bind
 from demlaws.fastmath import kernel, sqrt
-from demlaws.laws.definition import Definition, Limit
+from demlaws.laws.definition import Definition, Limit, bulk_yield
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 
 
@@ -102,7 +102,7 @@ def _prepare(contact):
 
 def _limits(contact):
     force = (16.0 * contact.radius * contact.modulus**2 / 9.0) ** 0.5 * np.asarray(contact.roughness) ** 1.5
-    limits = []
+    limits = bulk_yield(contact)
     for alpha, reason in (
         (5.0, "α > 5: against Greenwood & Tripp the fitted contact radius is unreliable"),
         (1.0, "α > 1: beyond the metal surfaces that the fit was made on; it overestimates overlap at low load"),

@@ -1,0 +1,7 @@
+"""python -m demlaws"""
+
+import sys
+
+from demlaws.cli import main
+
+sys.exit(main())

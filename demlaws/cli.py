@@ -1,0 +1,81 @@
+"""The command `demlaws`. Each part of the package brings its own sub-commands; this file joins them."""
+
+import argparse
+import importlib
+import json
+import sys
+import warnings
+
+from demlaws.errors import DemlawsError, ValidityWarning
+
+PARTS = ("demlaws.granite_cli", "demlaws.curve_cli")
+
+
+def build_parser():
+    """The whole command line."""
+    from demlaws import __version__
+
+    parser = argparse.ArgumentParser(
+        prog="demlaws",
+        description="Contact laws of rough and yielding grains for DEM: single contacts, tables, YADE, LIGGGHTS.",
+        epilog="Example: demlaws granite --out granite",
+    )
+    parser.add_argument("--version", action="version", version=f"demlaws {__version__}")
+    subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    for part in PARTS:
+        importlib.import_module(part).register(subparsers)
+    return parser
+
+
+def option(text):
+    """`name=value` with the value as JSON where it is JSON, else text."""
+    name, separator, value = text.partition("=")
+    if not separator or not name:
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66e9"
+        )
+    try:
+        return name.replace("-", "_"), json.loads(value)
+    except json.JSONDecodeError:
+        return name.replace("-", "_"), value
+
+
+def example(text):
+    """Keyword arguments of a sub-parser whose epilog keeps its lines."""
+    return {"epilog": "example:\n" + text, "formatter_class": argparse.RawDescriptionHelpFormatter}
+
+
+def _show_warnings():
+    """Validity warnings as one line; any other as Python does."""
+    otherwise = warnings.showwarning
+
+    def show(message, category, filename, lineno, file=None, line=None):
+        if issubclass(category, ValidityWarning):
+            print(f"demlaws: warning: {message}", file=sys.stderr)
+        else:
+            otherwise(message, category, filename, lineno, file, line)
+
+    warnings.simplefilter("once", ValidityWarning)
+    warnings.showwarning = show
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
+    try:
+        parsed = build_parser().parse_args(arguments)
+        with warnings.catch_warnings():
+            _show_warnings()
+            return parsed.func(parsed) or 0
+    except DemlawsError as error:
+        print(f"demlaws: error: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("demlaws: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader of our output has gone; say nothing more
+        return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,237 @@
+"""Every figure of the package. The only module that imports matplotlib; figures are files, never windows."""
+
+import io
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.files import write_atomically
+
+COLOURS = {
+    "hertz": "#222222",
+    "rms": "#1f77b4",
+    "pohrt-popov": "#d62728",
+    "goddard": "#8c564b",
+    "rough-plastic": "#ff7f0e",
+    "bahrami": "#9467bd",
+    "yip-venart": "#2ca02c",
+    "greenwood-tripp": "#17becf",
+    "asperity": "#e377c2",
+}
+_STYLES = {"hertz": "--", "rough-plastic": "-.", "greenwood-tripp": ":"}
+
+
+def figure(columns=1, rows=1, width=5.2, height=4.0):
+    """A figure and its axes (an array if there are several)."""
+    try:
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+        from matplotlib.figure import Figure
+    except ImportError as error:
+        raise DemlawsError("figures need matplotlib: pip install 'demlaws[plots]' (apt: python3-matplotlib)") from error
+    canvas = FigureCanvasAgg(Figure(figsize=(width * columns, height * rows), layout="constrained"))
+    axes = canvas.figure.subplots(rows, columns)
+    for ax in np.ravel(axes):
+        ax.grid(alpha=0.3)
+        ax.spines[["top", "right"]].set_visible(False)
+    return canvas.figure, axes
+
+
+def available():
+    """Whether figures can be drawn here."""
+    import importlib.util
+
+    return importlib.util.find_spec("matplotlib") is not None
+
+
+def save(fig, path):
+    """Write a figure; its format is the file's ending, PNG if there is none."""
+    path = Path(path)
+    kind = path.suffix.lstrip(".").lower() or "png"
+    buffer = io.BytesIO()
+    try:
+        fig.savefig(buffer, format=kind, dpi=130)
+    except ValueError as error:
+        raise DemlawsError(f"cannot draw {path}: {error}") from error
+    return write_atomically(path if path.suffix else path.with_suffix(".png"), buffer.getvalue())
+
+
+def _line(ax, x, y, name, **more):
+    ax.plot(x, y, color=COLOURS.get(name), linestyle=_STYLES.get(name, "-"), label=more.pop("label", name), **more)
+
+
+def path_figure(path, title=""):
+    """Force against overlap of one path, and stiffness against force."""
+    fig, (left, right) = figure(columns=2)
+    left.plot(path.overlap * 1e6, path.force, lw=1.5)
+    left.set(xlabel="overlap (µm)", ylabel="force (N)", title=title)
+    touching = path.force > 0
+    right.loglog(path.force[touching], path.stiffness[touching] / 1e3, ".", ms=3)
+    right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
+    return fig
+
+
+def table_figure(table, law):
+    """A table's curve with its nodes, and its errors against the law."""
+    u = np.geomspace(table.nodes.u[0], table.nodes.u[-1] * (1 - 1e-12), 4000)
+    length = float(np.ravel(table.length)[0])
+    fig, (left, right) = figure(columns=2)
+    left.loglog(table.nodes.u, table.nodes.force, ".", ms=3, label="nodes")
+    left.set(xlabel="overlap/length", ylabel="force/(E* √R length$^{1.5}$)", title=f"{table.name}: {table.nodes.u.size} rows")
+    overlap = u * length
+    for name, exact, given in (
+        ("force", law.force(overlap), table.force(overlap)),
+        ("stiffness", law.stiffness(overlap), table.stiffness(overlap)),
+    ):
+        right.loglog(u, np.maximum(np.abs(given / exact - 1), 1e-17), lw=0.8, label=name)
+    right.axhline(table.rtol, color="k", ls="--", lw=0.8, label="asked for")
+    right.set(xlabel="overlap/length", ylabel="relative error")
+    right.legend(fontsize=8)
+    return fig
+
+
+# --- the granite tests
+
+
+def granite_force(test, runs, points=None):
+    """Force against displacement of one test, every law; displacement counted from 0.1 N as in the tables."""
+    fig, ax = figure(width=6.4, height=4.8)
+    for run in runs:
+        path = run.paths[0]
+        zero = float(
+            np.interp(0.1, path.force[: int(np.argmax(path.force)) + 1], path.overlap[: int(np.argmax(path.force)) + 1])
+        )
+        end = _first_peak(path.force) if test.cyclic else path.force.size
+        _line(ax, (path.overlap[:end] - zero) * 1e6, path.force[:end], run.law.name, lw=1.5)
+    if points is not None:
+        displacement, _ = points.loading()
+        ax.plot((points.displacement - displacement[0]) * 1e6, points.force, "k.", ms=3, label=f"measured: {points.source}")
+    ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
+    ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
+    ax.legend(fontsize=8)
+    return fig
+
+
+def _first_peak(force):
+    falls = np.flatnonzero(np.diff(force) < 0)
+    return int(falls[0]) + 1 if falls.size else force.size
+
+
+def granite_stiffness(tests_and_runs):
+    """Stiffness against load on logarithmic axes, one panel a test."""
+    fig, axes = figure(columns=2, rows=2, width=5.0)
+    for ax, (test, runs) in zip(np.ravel(axes), tests_and_runs, strict=False):
+        load = np.geomspace(0.1, 100.0, 200)
+        for run in runs:
+            _line(ax, load, run.law.stiffness(run.law.overlap(load)) / 1e3, run.law.name, lw=1.3)
+        ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=test.name)
+    np.ravel(axes)[0].legend(fontsize=7)
+    return fig
+
+
+def granite_crossover(test, laws, threshold):
+    """Stiffness of Hertz and Pohrt-Popov, and where the lines cross."""
+    fig, ax = figure(width=6.0, height=4.4)
+    load = np.geomspace(1.0, 500.0, 300)
+    for bound in laws:
+        _line(ax, load, bound.stiffness(bound.overlap(load)) / 1e3, bound.name, lw=1.6)
+    ax.axvline(threshold, color="k", lw=0.8)
+    ax.annotate(
+        f"F = {threshold:.1f} N\n(the paper's text: 73 N)", (threshold, 2000), xytext=(5, 0), textcoords="offset points"
+    )
+    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=f"{test.name}: crossover")
+    ax.legend()
+    return fig
+
+
+def granite_roughness(tests, make):
+    """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz."""
+    fig, (left, right) = figure(columns=2)
+    load = np.geomspace(0.05, 100.0, 300)
+    for test, colour in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
+        bound = make("pohrt-popov", test)
+        overlap = bound.overlap(load)
+        label = f"{test.name}, σ = {test.roughness * 1e6:.2f} µm"
+        left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=colour, label=label)
+        right.loglog(load, bound.stiffness(overlap) / 1e3, color=colour, label=label)
+    hertz = make("hertz", tests[1])
+    left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
+    right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")
+    left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")
+    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)")
+    left.legend(fontsize=8)
+    return fig
+
+
+def granite_unloading(test, runs, points=None):
+    """Loading to the maximum and unloading."""
+    fig, ax = figure(width=6.4, height=4.8)
+    for run in runs:
+        path = run.paths[0]
+        peak = int(np.argmax(path.force))
+        # shifted to one point at the maximum, as the paper's figure compares the unloading branches
+        _line(
+            ax,
+            (path.overlap[peak:] - path.overlap[peak]) * 1e6,
+            path.force[peak:],
+            run.law.name,
+            label=f"{run.law.name} ({run.law.unloading})",
+            lw=1.5,
+        )
+    if points is not None:
+        peak = int(np.argmax(points.force))
+        ax.plot(
+            (points.displacement[peak:] - points.displacement[peak]) * 1e6, points.force[peak:], "k.", ms=3, label="measured"
+        )
+    ax.set(xlabel="displacement from the maximum (µm)", ylabel="force (N)", title=f"{test.name}: unloading")
+    ax.legend(fontsize=8)
+    return fig
+
+
+def granite_cycles(run, stages):
+    """Cycles of a cone: force against displacement stage by stage, and stiffness of each loading branch."""
+    fig, (left, right) = figure(columns=2, width=5.6, height=4.4)
+    palette = ["#1f77b4", "#2ca02c", "#ff7f0e", "#9467bd", "#d62728"]
+    for number, path in enumerate(run.paths):
+        label = f"stage {number + 1}" if len(run.paths) > 1 else run.law.name
+        left.plot(path.overlap * 1e6, path.force, color=palette[number % 5], lw=1.2, label=label)
+    left.set(xlabel="overlap (µm)", ylabel="force (N)", title=f"{run.test.name}: {run.law.name}, {run.law.unloading} unloading")
+    path = run.paths[0] if len(run.paths) == 1 else run.paths[3]
+    rising = np.r_[False, np.diff(path.force) > 0] & (path.force > 0.5)
+    for number, branch in enumerate(np.split(np.flatnonzero(rising), np.flatnonzero(np.diff(np.flatnonzero(rising)) > 1) + 1)):
+        right.loglog(
+            path.force[branch],
+            path.stiffness[branch] / 1e3,
+            lw=1.2,
+            color=palette[number % 5],
+            label=f"to {path.force[branch].max():.0f} N",
+        )
+    load = np.geomspace(0.5, path.force.max(), 100)
+    hertz = (6.0 * load * run.test.radius * run.test.contact.modulus**2) ** (1 / 3)
+    right.loglog(load, hertz / 1e3, "k--", lw=1, label="Hertz")
+    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="loading stiffness, stage by stage")
+    left.legend(fontsize=8)
+    right.legend(fontsize=7)
+    return fig
+
+
+def granite_plastic(series):
+    """Cumulative plastic overlap against the largest load."""
+    fig, ax = figure(width=5.6, height=4.2)
+    for (name, stages), marker in zip(series, "os^", strict=False):
+        ax.plot([s.maximum_force for s in stages], [s.plastic_overlap * 1e6 for s in stages], marker + "-", label=name)
+    ax.set(xlabel="maximum force (N)", ylabel="plastic overlap (µm)", title="cumulative plastic overlap")
+    ax.legend()
+    return fig
+
+
+def granite_radius(alpha, curves):
+    """a*/a_H against the roughness parameter."""
+    fig, ax = figure(width=6.0, height=4.4)
+    for (name, values), style in zip(curves.items(), ("-", "--", ":"), strict=True):
+        ax.semilogx(alpha, values, style, lw=1.6, label=name)
+    ax.axvspan(1.0, alpha.max(), color="k", alpha=0.05, lw=0)
+    ax.text(1.1, ax.get_ylim()[1] * 0.95, "beyond the data of the fit", fontsize=8, va="top")
+    ax.set(xlabel="α = σR/a_H²", ylabel="a*/a_H", title="effective contact radius")
+    ax.legend()
+    return fig
