@@ -154,7 +154,9 @@ def draw(granite, out, tests, runs, points, whole):
     for test in tests:
         keep(f"force-{test.key}", plots.granite_force(test, runs[test.name], points.get(test.name)))
         if not test.cyclic and len(test.stages[0]) == 2:
-            keep(f"unloading-{test.key}", plots.granite_unloading(test, runs[test.name], points.get(test.name)))
+            elastic = [granite.bind(r.law.name, test, "elastic") for r in runs[test.name]]
+            hertz = granite.run_test("pohrt-popov", test)[0].paths[0]
+            keep(f"unloading-{test.key}", plots.granite_unloading(test, elastic, hertz, points.get(test.name)))
         for result in runs[test.name]:
             if test.cyclic and result.law.name == "rough-plastic":
                 keep(f"cycles-{test.key}", plots.granite_cycles(result, granite.stages_of(result)))

@@ -1,6 +1,7 @@
 """Every figure of the package. The only module that imports matplotlib; figures are files, never windows."""
 
 import io
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +26,10 @@ _STYLES = {"hertz": "--", "rough-plastic": "-.", "greenwood-tripp": ":"}
 def figure(columns=1, rows=1, width=5.2, height=4.0):
     """A figure and its axes (an array if there are several)."""
     try:
-        from matplotlib.backends.backend_agg import FigureCanvasAgg
-        from matplotlib.figure import Figure
+        with warnings.catch_warnings():  # two installed versions of matplotlib's 3-D axes, which no figure here uses
+            warnings.filterwarnings("ignore", message="Unable to import Axes3D")
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.figure import Figure
     except ImportError as error:
         raise DemlawsError("figures need matplotlib: pip install 'demlaws[plots]' (apt: python3-matplotlib)") from error
     canvas = FigureCanvasAgg(Figure(figsize=(width * columns, height * rows), layout="constrained"))
@@ -163,21 +166,22 @@ def granite_roughness(tests, make):
     return fig
 
 
-def granite_unloading(test, runs, points=None):
-    """Loading to the maximum and unloading."""
+def granite_unloading(test, elastic, hertz, points=None):
+    """Unloading from the maximum along each law's own curve, as the paper compares them, and along the Hertz rule's."""
     fig, ax = figure(width=6.4, height=4.8)
-    for run in runs:
-        path = run.paths[0]
-        peak = int(np.argmax(path.force))
-        # shifted to one point at the maximum, as the paper's figure compares the unloading branches
-        _line(
-            ax,
-            (path.overlap[peak:] - path.overlap[peak]) * 1e6,
-            path.force[peak:],
-            run.law.name,
-            label=f"{run.law.name} ({run.law.unloading})",
-            lw=1.5,
-        )
+    top = max(test.stages[0])
+    load = np.linspace(0.05, top, 300)
+    for bound in elastic:
+        _line(ax, (bound.overlap(load) - bound.overlap(top)) * 1e6, load, bound.name, label=f"{bound.name}, elastic", lw=1.3)
+    peak = int(np.argmax(hertz.force))
+    ax.plot(
+        (hertz.overlap[peak:] - hertz.overlap[peak]) * 1e6,
+        hertz.force[peak:],
+        color="k",
+        lw=3,
+        alpha=0.35,
+        label="Hertz unloading rule, any law",
+    )
     if points is not None:
         peak = int(np.argmax(points.force))
         ax.plot(

@@ -1,0 +1,52 @@
+# make granite   set up and reproduce the granite tests (tables printed, figures in granite/)
+# make test      install the engines if missing, build the plugin, run lint and the whole suite
+# make bench     measure speed, as ratios to peers in the same run
+# make lint      ruff, format and lint
+
+# Debian's own interpreter: YADE's modules are built for it.
+PYTHON ?= /usr/bin/python3
+VENV := .venv
+BIN := $(VENV)/bin
+SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
+APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
+ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
+export OMP_NUM_THREADS ?= 2
+
+.PHONY: granite test bench lint engines clean
+
+granite: $(VENV)/.plots
+	$(BIN)/demlaws granite --out granite
+
+test: engines $(VENV)/.test lint
+	$(BIN)/python -m pytest $(PYTEST)
+
+lint: $(VENV)/.test
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+bench: $(VENV)/.test
+	$(BIN)/python tests/benchmarks/bench_batch.py
+
+# numpy < 2: Debian's matplotlib and YADE are built against numpy 1
+$(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'numpy<2' -e '.[plots]'
+	touch $@
+
+$(VENV)/.test: pyproject.toml | $(VENV)/bin/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'numpy<2' -e '.[plots,test]'
+	touch $@ $(VENV)/.plots
+
+$(VENV)/bin/python:
+	$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(APT) update -qq && $(APT) install -y -qq python3-venv; } || \
+		{ echo "make: python3-venv is missing and could not be installed: run  apt-get install -y python3-venv"; exit 1; }
+	$(PYTHON) -m venv --system-site-packages $(VENV)
+
+engines:
+	@missing=$$(for p in $(ENGINES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q ' installed' || echo $$p; done); \
+	if [ -n "$$missing" ]; then echo "installing" $$missing; \
+		{ $(APT) update -qq && $(APT) install -y -qq $$missing >/dev/null; } || \
+		echo "make: could not install" $$missing": engine tests that need them are skipped (and fail in CI)"; fi
+
+clean:
+	rm -rf $(VENV) granite build dist .pytest_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
