@@ -33,7 +33,7 @@ $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
 	touch $@
 
 $(VENV)/.test: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'numpy<2' -e '.[plots,test]'
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'numpy<2' -e '.[plots,tests]'
 	touch $@ $(VENV)/.plots
 
 $(VENV)/bin/python:

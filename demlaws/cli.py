@@ -3,6 +3,7 @@
 import argparse
 import importlib
 import json
+import re
 import sys
 import warnings
 
@@ -11,11 +12,19 @@ from demlaws.errors import DemlawsError, ValidityWarning
 PARTS = ("demlaws.granite_cli", "demlaws.curve_cli")
 
 
+class Parser(argparse.ArgumentParser):
+    """argparse that takes -1e-3 for a number, so that the error about it can name the value and the unit."""
+
+    def __init__(self, *arguments, **options):
+        super().__init__(*arguments, **options)
+        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
+
+
 def build_parser():
     """The whole command line."""
     from demlaws import __version__
 
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="demlaws",
         description="Contact laws of rough and yielding grains for DEM: single contacts, tables, YADE, LIGGGHTS.",
         epilog="Example: demlaws granite --out granite",
