@@ -1,6 +1,7 @@
 """Example contacts and laws. Tests iterate over the registry: a law is tested by existing."""
 
 import functools
+import itertools
 import warnings
 from typing import NamedTuple
 
@@ -84,7 +85,7 @@ def work_along(law, corners):
         if low <= 0.0:
             cuts += [0.0, *(high * 0.5 ** np.arange(1, 40))]
         edges = np.unique([low, high, *(c for c in cuts if low < c < high)])
-        fine = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in zip(edges[:-1], edges[1:], strict=True)] + [edges[-1:]])
+        fine = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in itertools.pairwise(edges)] + [edges[-1:]])
         a, width = fine[:-1, None], np.diff(fine)[:, None]
         nodes = (a + width * x * x * (3.0 - 2.0 * x)).ravel()
         shares = (width * 6.0 * x * (1.0 - x) * weights).ravel()
@@ -96,21 +97,21 @@ def work_along(law, corners):
     return np.cumsum(work)
 
 
-def derivative(function, overlap, width, points):
-    """dP/dδ on either side of `overlap`, by differentiating the polynomial through Chebyshev points over `width` of it.
-
-    A kink within reach spoils one side only. In double precision this errs by some points² ε/width.
+def derivative(function, overlap, width, degree):
+    """dP/dδ on either side of `overlap`, of the polynomial that fits the force over `width` of it; a kink within reach
+    spoils one side only. 300 Chebyshev points average out most of the rounding of single forces.
     """
     sides = []
     for sign in (-1.0, 1.0):
         half = 0.5 * width * overlap
         centre = overlap + sign * half
-        nodes = centre + half * np.cos(np.pi * (np.arange(points) + 0.5) / points)
+        nodes = centre + half * np.cos(np.pi * (np.arange(300) + 0.5) / 300)
         values = function(nodes)
         place = (nodes - centre) / half  # of the rounded nodes
-        fit = np.polynomial.chebyshev.chebfit(place, values / values.max(), points - 1)
+        middle, span = values[150], np.ptp(values)  # taken out, so that the fit's own rounding counts for little
+        fit = np.polynomial.chebyshev.chebfit(place, (values - middle) / span, degree)
         slope = np.polynomial.chebyshev.chebval((overlap - centre) / half, np.polynomial.chebyshev.chebder(fit))
-        sides.append(slope * values.max() / half)
+        sides.append(slope * span / half)
     return sides
 
 

@@ -4,6 +4,8 @@ Every function takes what a user gives (floats are exact) and nothing that the p
 `stiffness` and `energy` of an overlap, `overlap` of a force, and `kinks`; all values are mpmath numbers.
 """
 
+import itertools
+
 import mpmath
 import numpy as np
 from mpmath import mp, mpf
@@ -21,7 +23,7 @@ class Reference:
         overlap = mpf(overlap)
         corners = [mpf(0), *sorted(k for k in self.kinks if k < overlap), overlap]
         total = mpf(0)
-        for a, b in zip(corners[:-1], corners[1:], strict=True):  # x = a + (b - a) t^4: force^1.5 of the end is smooth
+        for a, b in itertools.pairwise(corners):  # x = a + (b - a) t^4: force^1.5 of the end is smooth
             total += mpmath.quad(lambda t, a=a, b=b: self.force(a + (b - a) * t**4) * 4 * t**3 * (b - a), [0, 1])
         return total
 

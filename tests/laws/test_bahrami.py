@@ -1,5 +1,7 @@
 """Bahrami, Yovanovich & Culham: published numbers, the joint of the branches, and 50-digit references."""
 
+import itertools
+
 import numpy as np
 import pytest
 from accuracy import check, contacts, measure, overlaps
@@ -69,7 +71,7 @@ def test_energy_against_a_quadrature():
 def _corners(reference, overlap):
     edges = [0.0, *(overlap * 2.0 ** np.arange(-24.0, 0.0)), *map(float, reference.kinks), overlap]
     edges = np.unique(edges)
-    return list(zip(edges[:-1], edges[1:], strict=True))
+    return list(itertools.pairwise(edges))
 
 
 def _gauss(reference, a, b):

@@ -60,7 +60,7 @@ def test_errors_against_fifty_digits(dimension, rng):
         assert np.max(values / condition) <= 4.0
         assert np.mean(values / condition) <= 1.0
     # δ(P) has the condition number 1 + (1-m)|ln(P/F)|
-    of_inverse = np.array([float(1 + abs(np.log(float(d / r.overlap_at_threshold)))) for r, d in zip(references, overlap)])
+    of_inverse = [1 + abs(np.log(float(d / r.overlap_at_threshold))) for r, d in zip(references, overlap, strict=True)]
     assert np.max(measured.overlap / of_inverse) <= 4.0
 
 
@@ -81,8 +81,10 @@ def test_needs_the_fractal_dimension():
         dl.law("pohrt-popov", GRANITE.with_values(fractal_dimension=None))
 
 
-def test_warns_beyond_its_support():
+def test_warns_where_the_bulk_yields():
+    """Hertz's peak pressure is 0.6 H_m at π³R²(0.6 H_m)³/(6E*²)."""
     law = dl.law("pohrt-popov", GRANITE)
-    law.overlap(100.0)
-    with pytest.warns(dl.ValidityWarning, match="no plastic bulk"):
-        law.overlap(120.0)
+    yields = np.pi**3 * GRANITE.radius**2 * (0.6 * GRANITE.hardness) ** 3 / (6 * GRANITE.modulus**2)
+    law.overlap(0.999 * yields)
+    with pytest.warns(dl.ValidityWarning, match=r"0\.6 H_m"):
+        law.overlap(1.001 * yields)

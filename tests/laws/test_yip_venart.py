@@ -72,5 +72,5 @@ def test_bad_input():
         dl.law("yip-venart", GRANITE, seating_load=0.0)
     with pytest.raises(dl.DemlawsError, match="must lie between"):
         dl.law("yip-venart", GRANITE, seating_load=1e12)
-    with pytest.raises(dl.DemlawsError, match="hertz"):
+    with pytest.raises(dl.DemlawsError, match=r"1 contacts are so smooth.*'hertz'"):
         dl.law("yip-venart", GRANITE.with_values(roughness=np.array([0.0, 1e-6])))
