@@ -29,9 +29,11 @@ from demlaws.table import (
 SEATING_LOAD = 0.02
 """Default seating load [N]: the resolution of the load cell of the granite tests."""
 _BITS = 6  # cells an octave: the table reproduces the solver's curve to 1e-6 in force
-_LOWEST_FORCE, _HIGHEST_FORCE = 1e-8, 1e6  # dimensionless; from the Gaussian tail to α = 1e-4, practically Hertz
+_LOWEST_FORCE, _HIGHEST_FORCE = 1e-8, 1e7  # dimensionless; from the Gaussian tail to α = 3e-5, practically Hertz
 SMOOTH = 1e-9
 """σ/R below which the model is its limit, Hertz: roughness then shifts the overlap by some 1e-9 R."""
+_NEARLY_SMOOTH = 1e-6
+"""σ/R below which a seating load beyond the curve means Hertz too: the stiffness is within 3e-4 of it there (μ ≥ 4)."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -235,15 +237,19 @@ def _curve_shape(solved, start, lowest, highest):
 def prepare(model, law, contact, seating_load, rtol):
     """Shape of an implicit law: one curve if the contacts share A, else a family that blends within `rtol`.
 
-    Contacts smoother than SMOOTH get the Hertz law, to which the model tends.
+    Contacts smoother than SMOOTH, or so smooth that they are practically Hertz from their seating load on, get the
+    Hertz law, to which the model tends.
     """
     load = number(seating_load, "seating_load", "N")
-    smooth = np.asarray(contact.roughness) < SMOOTH * np.asarray(contact.radius)
+    radius, roughness = np.asarray(contact.radius), np.asarray(contact.roughness)
+    seated_as_hertz = load > 0.1 * _HIGHEST_FORCE * contact.modulus * np.sqrt(radius) * roughness**1.5
+    smooth = (roughness < SMOOTH * radius) | (seated_as_hertz & (roughness < _NEARLY_SMOOTH * radius))
     if np.all(smooth):
         return HertzShape()
     if np.any(smooth):
         raise DemlawsError(
-            f"{int(np.sum(smooth))} contacts have roughness below {SMOOTH:g} R: give them law 'hertz', the others law {model!r}"
+            f"{int(np.sum(smooth))} contacts are so smooth that they are Hertz's from {load:g} N on: "
+            f"give them law 'hertz', the others law {model!r}"
         )
     low, high, largest_scale, smallest_scale, relative_radius = _span(contact, law)
     softest = load / largest_scale

@@ -1,0 +1,193 @@
+"""Example contacts and laws. Tests iterate over the registry: a law is tested by existing."""
+
+import functools
+import itertools
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.law import registry
+
+UNLOADINGS = ("elastic", "hertz", "thornton")
+
+GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
+SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
+SOFT = dl.Contact(radius=2e-4, modulus=3e8, roughness=1e-7, fractal_dimension=2.6, hardness=4e7)
+CONTACTS = {"granite": GRANITE, "smoother": SMOOTHER, "soft": SOFT}
+
+
+def options_of(name, contact=GRANITE):
+    """What the law's definition asks to be made with; a yield pressure follows the contact's hardness."""
+    options = dict(registry()[name].example)
+    if "yield_pressure" in options:
+        options["yield_pressure"] = 0.265 * contact.hardness
+    if registry()[name].solved and contact is SOFT:
+        options["seating_load"] = 1e-7
+    return options
+
+
+@functools.cache
+def make(name, unloading="elastic", contact="granite"):
+    """The law of this name for an example contact; made once in a test session."""
+    one = CONTACTS[contact]
+    return dl.law(name, one, unloading, **options_of(name, one))
+
+
+@functools.cache
+def accepted(name, unloading):
+    """Whether the law takes this rule."""
+    try:
+        make(name, unloading)
+    except dl.DemlawsError:
+        return False
+    return True
+
+
+def pairs():
+    """(law, unloading rule) that are accepted."""
+    return [(name, unloading) for name in dl.laws() for unloading in UNLOADINGS if accepted(name, unloading)]
+
+
+def overlaps(law, points=60):
+    """Overlaps [m] from 1e-8 σ to a tenth of the radius, less where the law's kinks lie."""
+    contact = law.contact
+    values = np.geomspace(1e-8 * contact.roughness, 0.1 * contact.radius, points)
+    for kink in law.definition.kinks(law.params, **law.options):
+        values = values[np.abs(values / kink - 1.0) > 1e-6]
+    return values
+
+
+def quiet(function, *arguments):
+    """Call without the warnings that a law gives outside its range."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.ValidityWarning)
+        return function(*arguments)
+
+
+def work_along(law, corners):
+    """∮P dδ from a virgin contact through `corners` [m], by Gauss's rule on the forces alone.
+
+    Branches are cut where the force has a kink (largest overlap so far, plastic overlap, kinks of the law) and graded
+    towards the cuts, where it goes as a power of 1.5.
+    """
+    kinks = law.definition.kinks(law.params, **law.options)
+    x, weights = np.polynomial.legendre.leggauss(20)
+    x, weights = 0.5 * (x + 1.0), 0.5 * weights
+    state = law.new_state(1)
+    here, work = 0.0, []
+    for corner in corners:
+        low, high = sorted((here, corner))
+        cuts = list(kinks)
+        if law.state_size:
+            cuts += [float(state.maximum_overlap[0]), float(state.plastic_overlap[0])]
+        if low <= 0.0:
+            cuts += [0.0, *(high * 0.5 ** np.arange(1, 40))]
+        edges = np.unique([low, high, *(c for c in cuts if low < c < high)])
+        fine = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in itertools.pairwise(edges)] + [edges[-1:]])
+        a, width = fine[:-1, None], np.diff(fine)[:, None]
+        nodes = (a + width * x * x * (3.0 - 2.0 * x)).ravel()
+        shares = (width * 6.0 * x * (1.0 - x) * weights).ravel()
+        direction = 1.0 if corner > here else -1.0
+        order = np.argsort(direction * nodes, kind="stable")
+        force = quiet(law.follow, np.append(nodes[order], corner), state).force[:-1]
+        work.append(direction * np.sum(force * shares[order]))
+        here = corner
+    return np.cumsum(work)
+
+
+def derivative(function, overlap, width, degree):
+    """dP/dδ on either side of `overlap`, of the polynomial that fits the force over `width` of it; a kink within reach
+    spoils one side only. 300 Chebyshev points average out most of the rounding of single forces.
+    """
+    sides = []
+    for sign in (-1.0, 1.0):
+        half = 0.5 * width * overlap
+        centre = overlap + sign * half
+        nodes = centre + half * np.cos(np.pi * (np.arange(300) + 0.5) / 300)
+        values = function(nodes)
+        place = (nodes - centre) / half  # of the rounded nodes
+        middle, span = values[150], np.ptp(values)  # taken out, so that the fit's own rounding counts for little
+        fit = np.polynomial.chebyshev.chebfit(place, (values - middle) / span, degree)
+        slope = np.polynomial.chebyshev.chebval((overlap - centre) / half, np.polynomial.chebyshev.chebder(fit))
+        sides.append(slope * span / half)
+    return sides
+
+
+class GraniteTest(NamedTuple):
+    """A sphere test of the granite paper and what each law gives: displacement 0.1 to 100 N [µm], K at 10 N [N/mm]."""
+
+    contact: dl.Contact
+    threshold: float  # F of Pohrt & Popov [N]
+    expected: dict
+
+
+def _granite(radius, roughness, dimensions):
+    return dl.Contact(
+        radius=radius,
+        modulus=32.32e9,
+        roughness=roughness,
+        fractal_dimension=sum(dimensions) / 2,
+        hardness=6.266e9,
+    )
+
+
+GRANITE_TESTS = {
+    "SS(18-18)": GraniteTest(
+        _granite(4.35e-3, 2.40e-6, (2.21, 2.23)),
+        57.5,
+        {
+            "hertz": (10.6, 6484),
+            "rms": (13.4, 5170),
+            "pohrt-popov": (14.1, 4288),
+            "yip-venart": (14.5, 4937),
+            "bahrami": (11.3, 4936),
+        },
+    ),
+    "SS(12-18)": GraniteTest(
+        _granite(3.58e-3, 4.19e-6, (2.33, 2.25)),
+        106.9,
+        {
+            "hertz": (11.3, 6077),
+            "rms": (16.3, 3905),
+            "pohrt-popov": (17.8, 3325),
+            "yip-venart": (18.5, 3758),
+            "bahrami": (13.4, 3974),
+        },
+    ),
+    "SF(12)": GraniteTest(
+        _granite(6.05e-3, 6.56e-6, (2.23, 2.32)),
+        278.9,
+        {
+            "hertz": (9.5, 7238),
+            "rms": (17.2, 3264),
+            "pohrt-popov": (18.8, 3143),
+            "yip-venart": (20.8, 3236),
+            "bahrami": (13.0, 4886),
+        },
+    ),
+    "RS(18-18)": GraniteTest(
+        _granite(4.19e-3, 5.34e-6, (2.17, 2.23)),
+        194.0,
+        {
+            "hertz": (10.8, 6404),
+            "rms": (17.1, 3498),
+            "pohrt-popov": (18.5, 3224),
+            "yip-venart": (20.0, 3531),
+            "bahrami": (13.7, 4257),
+        },
+    ),
+}
+SMOOTH_GRANITE = GraniteTest(_granite(4.04e-3, 0.15e-6, (2.06, 2.09)), 1.14, {})
+
+
+def granite_numbers(name, **options):
+    """(got, expected) displacement [µm] and stiffness [N/mm] of every sphere test, as two arrays."""
+    got, expected = [], []
+    for test in GRANITE_TESTS.values():
+        law = dl.law(name, test.contact, **options)
+        ends = quiet(law.overlap, np.array([0.1, 100.0]))
+        got.append(((ends[1] - ends[0]) * 1e6, quiet(law.stiffness, quiet(law.overlap, 10.0)) * 1e-3))
+        expected.append(test.expected[name])
+    return np.array(got), np.array(expected)

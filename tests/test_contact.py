@@ -1,0 +1,94 @@
+"""Materials, surfaces, contacts: what follows from what is measured, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import demlaws as dl
+
+GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
+
+
+def test_granite_on_granite():
+    pair = dl.Contact.between(
+        GRANITE, GRANITE, radius1=8.76e-3, radius2=8.63e-3, roughness1=1.56e-6, roughness2=1.84e-6, fractal_dimension=2.22
+    )
+    assert pair.modulus == pytest.approx(32.32e9, rel=1e-12)
+    assert pair.radius == pytest.approx(4.35e-3, abs=5e-6)
+    assert pair.roughness == pytest.approx(2.41e-6, abs=5e-9)
+    assert pair.hardness == 6.266e9
+    assert pair.fractal_dimension == 2.22
+
+
+def test_published_roughness_parameters():
+    """Jamari & Schipper: SiC or steel ball R = 5 mm on aluminium and brass."""
+    steel, aluminium = dl.Material(210e9, 0.3), dl.Material(75.2e9, 0.34)
+    for roughness, alpha in ((0.67e-6, 0.86), (2.1e-6, 2.70), (2.2e-6, 2.84)):
+        pair = dl.Contact.between(steel, aluminium, radius1=5e-3, roughness1=roughness)
+        assert pair.roughness_parameter(4.0) == pytest.approx(alpha, abs=0.01)
+
+
+def test_flat_and_array_of_radii():
+    flat = dl.Contact.between(GRANITE, GRANITE, radius1=6.05e-3)
+    assert flat.radius == 6.05e-3
+    assert flat.size is None
+    many = dl.Contact.between(GRANITE, GRANITE, radius1=np.array([1e-3, 2e-3, 4e-3]), radius2=2e-3)
+    assert many.size == 3
+    np.testing.assert_allclose(many.radius, [2 / 3e3, 1e-3, 4 / 3e3])
+
+
+@given(st.floats(1e-6, 10), st.floats(1e-6, 10), st.floats(0, 1e-7), st.floats(0, 1e-7))
+def test_between_does_not_care_for_the_order(radius1, radius2, roughness1, roughness2):
+    other = dl.Material(young=200e9, poisson=0.3, hardness=2e9)
+    a = dl.Contact.between(GRANITE, other, radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
+    b = dl.Contact.between(other, GRANITE, radius1=radius2, radius2=radius1, roughness1=roughness2, roughness2=roughness1)
+    assert a.as_dict() == pytest.approx(b.as_dict(), nan_ok=True)
+    assert a.hardness == 2e9
+    assert a.radius <= min(radius1, radius2) * (1 + 1e-15)
+
+
+def test_surface_combined():
+    pair = dl.Surface(3e-6, 2.2, 5e9).combined(dl.Surface(4e-6, 2.3, 6e9))
+    assert pair.roughness == pytest.approx(5e-6)
+    assert pair.fractal_dimension == pytest.approx(2.25)
+    assert pair.hardness == 5e9
+    assert dl.Surface(3e-6, 2.2).combined(dl.Surface()) == dl.Surface(3e-6, 2.2, None)
+
+
+@pytest.mark.parametrize(
+    ("make", "text"),
+    [
+        (lambda: dl.Material(young=-1e9, poisson=0.2), r"young = -1e\+09 Pa: Young's modulus must be positive"),
+        (lambda: dl.Material(young="hard", poisson=0.2), "young must be a number in Pa"),
+        (lambda: dl.Material(young=1e9, poisson=0.6), r"poisson = 0.6.*at most 0.5"),
+        (lambda: dl.Material(young=1e9, poisson=0.2, hardness=0), r"hardness = 0 Pa.*kgf"),
+        (lambda: dl.Surface(roughness=-1e-6), "roughness = -1e-06 m"),
+        (lambda: dl.Surface(1e-6, fractal_dimension=1.9), r"fractal_dimension = 1.9: .*\[2, 3\]"),
+        (lambda: dl.Contact(radius=0, modulus=1e9), "radius = 0 m"),
+        (lambda: dl.Contact(radius=math.inf, modulus=1e9), "radius = inf m.*two flats"),
+        (lambda: dl.Contact(radius=math.nan, modulus=1e9), "radius = nan m"),
+        (lambda: dl.Contact(radius=1e-3, modulus=-5.0), "modulus = -5 Pa"),
+        (lambda: dl.Contact(radius=1e-3, modulus=1e9, roughness=2e-3), "roughness = 0.002 m exceeds.*units"),
+        (lambda: dl.Contact(radius=[1e-3, -1e-3], modulus=1e9), r"radius = -0.001 m \(entry 1\)"),
+        (lambda: dl.Contact(radius=[1e-3, 1e-3], modulus=[1e9] * 3), "arrays of one length"),
+        (lambda: dl.Contact(radius=[[1e-3]], modulus=1e9), "1-D array"),
+        (lambda: dl.Contact(radius=1e-3, modulus=1e9, hardness=[1e9, 2e9]), "hardness must be one number"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=math.inf), "two flats"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=-1e-3), "radius1 = -0.001 m"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=1e-3, roughness2=-1e-6), "roughness2 = -1e-06 m"),
+    ],
+)
+def test_bad_input_names_value_unit_and_remedy(make, text):
+    with pytest.raises(dl.DemlawsError, match=text):
+        make()
+
+
+def test_a_contact_is_not_changed():
+    contact = dl.Contact(radius=1e-3, modulus=1e9)
+    with pytest.raises(AttributeError):
+        contact.radius = 2e-3
+    assert contact.with_values(radius=2e-3).radius == 2e-3
+    assert contact.radius == 1e-3
