@@ -32,7 +32,7 @@ _MOST_BITS = 12
 class TableShape(NamedTuple):
     """One dimensionless curve."""
 
-    cells: np.ndarray  # (cells, 4): s as a cubic in t, the place in the grid cell from 0 to 1
+    cells: np.ndarray  # (_BELOW octaves + cells + 1, 4): s as a cubic in t, the place in the grid cell from 0 to 1
     starts: np.ndarray  # (cells, 5): t, s and ∫f du where the cell (or its part after a kink) begins; grid cell's u, width
     shift: int  # 52 - bits
     first: int  # number of the first cell
