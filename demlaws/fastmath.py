@@ -89,6 +89,20 @@ def sqrt(typing_context, x):
 
 
 @intrinsic
+def row_of_four(typing_context, rows, number):
+    """The four doubles of one row of a C-ordered (n, 4) array; the number is not checked."""
+
+    def generate(context, builder, signature, arguments):
+        array = context.make_array(rows)(context, builder, arguments[0])
+        offset = context.cast(builder, arguments[1], number, types.int64)
+        first = builder.mul(offset, ir.Constant(ir.IntType(64), 4))
+        places = [builder.add(first, ir.Constant(ir.IntType(64), k)) for k in range(4)]
+        return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(array.data, [p])) for p in places])
+
+    return types.UniTuple(types.float64, 4)(rows, number), generate
+
+
+@intrinsic
 def interleave(typing_context, count):
     """Ask LLVM to work on `count` (a literal) vectors at a time in the loop that follows this call.
 

@@ -81,6 +81,8 @@ class FamilyParams(NamedTuple):
     kink2: float
     lowest: float
     highest: float
+    floor: float
+    inverse_floor: float
     exponent: float
     count: int
 
@@ -121,6 +123,8 @@ def _family_scale(shape, radius, modulus, roughness):
         t.kink2,
         t.lowest,
         t.highest,
+        t.floor,
+        t.inverse_floor,
         t.exponent,
         t.count,
     )
@@ -139,6 +143,8 @@ def _family_scale(shape, radius, modulus, roughness):
         p.kink2,
         p.lowest,
         p.highest,
+        p.floor,
+        p.inverse_floor,
         p.exponent,
         p.count,
     )
