@@ -88,6 +88,50 @@ def sqrt(typing_context, x):
     return types.float64(types.float64), generate
 
 
+@intrinsic
+def row_of_four(typing_context, rows, number):
+    """The four doubles of one row of a C-ordered (n, 4) array; the number is not checked."""
+
+    def generate(context, builder, signature, arguments):
+        array = context.make_array(rows)(context, builder, arguments[0])
+        offset = context.cast(builder, arguments[1], number, types.int64)
+        first = builder.mul(offset, ir.Constant(ir.IntType(64), 4))
+        places = [builder.add(first, ir.Constant(ir.IntType(64), k)) for k in range(4)]
+        return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(array.data, [p])) for p in places])
+
+    return types.UniTuple(types.float64, 4)(rows, number), generate
+
+
+@intrinsic
+def interleave(typing_context, count):
+    """Ask LLVM to work on `count` (a literal) vectors at a time in the loop that follows this call.
+
+    A law is one long chain of dependent operations; left alone LLVM interleaves two vectors, too few to keep the
+    processor busy. The hint goes where LLVM looks for it, on the loop's backward jump, which numba writes later.
+    """
+    if not isinstance(count, types.IntegerLiteral):
+        return None
+    number = count.literal_value
+
+    def generate(context, builder, signature, arguments):
+        module, plain = builder.module, builder.branch
+
+        def branch(target):
+            jump = plain(target)
+            if target.is_terminated:  # the jump goes back: `target` is the head of a loop
+                key = ir.MetaDataString(module, "llvm.loop.interleave.count")
+                hint = module.add_metadata([key, ir.Constant(ir.IntType(32), number)])
+                mark = module.add_metadata([key, hint])
+                mark.operands = (mark, hint)  # LLVM wants a loop's metadata to name itself first
+                jump.set_metadata("llvm.loop", mark)
+            return jump
+
+        builder.branch = branch
+        return context.get_dummy_value()
+
+    return types.void(count), generate
+
+
 _SQRT_HALF_BITS = 0x3FE6A09E667F3BCD
 _LOG2_E = 1.4426950408889634
 _ROUND = 6755399441055744.0  # 1.5 * 2**52: adding it rounds a double to an integer held in its low bits
@@ -105,10 +149,11 @@ def log2(x):
     m = from_bits(pattern - (exponent << 52))
     z = (m - 1.0) / (m + 1.0)
     w = z * z
-    tail = 0.1531252432604664 + w * 0.14809750333398877
-    tail = 0.2222219705410192 + w * (0.1818363182295751 + w * tail)
-    tail = 0.39999999999302227 + w * (0.2857142876066624 + w * tail)
-    tail = w * (0.6666666666666765 + w * tail)
+    w2 = w * w
+    # Estrin's scheme: a shorter chain of dependent operations than Horner's
+    tail = 0.1818363182295751 + w * 0.1531252432604664 + w2 * 0.14809750333398877
+    tail = (0.6666666666666765 + w * 0.39999999999302227) + w2 * (0.2857142876066624 + w * 0.2222219705410192) + w2 * w2 * tail
+    tail *= w
     return exponent + (2.0 * z + z * tail) * _LOG2_E
 
 
@@ -118,12 +163,14 @@ def exp2(x):
     x = x if x > -1020.0 else -1020.0
     rounded = x + _ROUND
     fraction = x - (rounded - _ROUND)
-    y = 7.074194297288521e-09 + fraction * 4.4558179083360645e-10
-    y = 1.3215432535912375e-06 + fraction * (1.0178057087733941e-07 + fraction * y)
-    y = 0.00015403530463724353 + fraction * (1.5252733841556773e-05 + fraction * y)
-    y = 0.009618129107587256 + fraction * (0.001333355814640647 + fraction * y)
-    y = 0.24022650695910158 + fraction * (0.055504108664821625 + fraction * y)
-    y = 1.0 + fraction * (0.6931471805599453 + fraction * y)
+    f2 = fraction * fraction
+    f4 = f2 * f2
+    a = (0.6931471805599453 + fraction * 0.24022650695910158) + f2 * (0.055504108664821625 + fraction * 0.009618129107587256)
+    b = (0.001333355814640647 + fraction * 0.00015403530463724353) + f2 * (
+        1.5252733841556773e-05 + fraction * 1.3215432535912375e-06
+    )
+    c = (1.0178057087733941e-07 + fraction * 7.074194297288521e-09) + f2 * 4.4558179083360645e-10
+    y = 1.0 + fraction * (a + f4 * (b + f4 * c))
     return y * from_bits((bits(rounded) - _ROUND_BITS + 1023) << 52)
 
 

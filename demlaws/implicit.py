@@ -83,6 +83,8 @@ class FamilyParams(NamedTuple):
     kink2: float
     lowest: float
     highest: float
+    floor: float
+    inverse_floor: float
     exponent: float
     count: int
 
@@ -123,6 +125,8 @@ def _family_scale(shape, radius, modulus, roughness):
         t.kink2,
         t.lowest,
         t.highest,
+        t.floor,
+        t.inverse_floor,
         t.exponent,
         t.count,
     )
@@ -141,6 +145,8 @@ def _family_scale(shape, radius, modulus, roughness):
         p.kink2,
         p.lowest,
         p.highest,
+        p.floor,
+        p.inverse_floor,
         p.exponent,
         p.count,
     )

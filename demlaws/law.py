@@ -15,7 +15,7 @@ import numpy as np
 from demlaws import dispatch
 from demlaws.dispatch import gather, scatter, stored_and_dissipated
 from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.fastmath import loop
+from demlaws.fastmath import interleave, loop
 from demlaws.laws.definition import Definition
 from demlaws.unloading import RULES, STATE_NAMES, Elastic
 
@@ -37,13 +37,15 @@ def scale_loop(shape, radius, modulus, roughness, params):
 @loop
 def evaluate_loop(rule, params, overlap, state, force, stiffness):
     finite = True
+    interleave(4)
     for i in range(overlap.size):
         p = gather(params, i)
         new_force, new_stiffness, new_state = dispatch.step(rule, p, float(overlap[i]), gather(state, i))
-        finite &= new_force - new_force == 0.0
+        scatter(state, i, new_state)
         force[i] = new_force
         stiffness[i] = new_stiffness
-        scatter(state, i, new_state)
+        # last, because LLVM loses the hint where the loop ends in an inlined call
+        finite &= new_force - new_force == 0.0
     return finite
 
 

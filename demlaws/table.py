@@ -17,7 +17,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.dispatch import bind
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import bits, from_bits, kernel, power, sqrt
+from demlaws.fastmath import bits, from_bits, kernel, row_of_four, sqrt
 from demlaws.files import write_atomically
 from demlaws.law import SMOOTHEST, Law, bind_params, evaluate_loop
 from demlaws.law import law as bind_law
@@ -27,23 +27,27 @@ from demlaws.unloading import RULES, Elastic
 FORMAT = "# demlaws-table 1"
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _MOST_BITS = 12
+_OCTAVES_BELOW = 40
+"""Octaves of cells that continue the power law below the first node, so that reading it takes no power."""
 
 
 class TableShape(NamedTuple):
     """One dimensionless curve."""
 
-    cells: np.ndarray  # (cells, 4): s as a cubic in t, the place in the grid cell from 0 to 1
-    starts: np.ndarray  # (cells, 5): t, s and ∫f du where the cell (or its part after a kink) begins; grid cell's u, width
+    cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; see `_cells`
+    starts: np.ndarray  # (cells between nodes, 5): t, s and ∫f du where the cell (or its part after a kink) begins; grid cell's u, width
     shift: int  # 52 - bits
-    first: int  # number of the first cell
+    first: int  # grid number of row 0 of `cells`
     kink1: float  # u of the kinks, infinity where there is none
     kink2: float
     lowest: float  # u of the first node
     highest: float  # u of the last node
+    floor: float  # u where the cells below the first node begin; linear to 0 from there
+    inverse_floor: float
     exponent: float  # of the power law below the first node
     length_over_roughness: float  # length = this σ + the next R
     length_over_radius: float
-    count: int  # cells
+    count: int  # rows of `cells`
 
 
 class TableParams(NamedTuple):
@@ -61,6 +65,8 @@ class TableParams(NamedTuple):
     kink2: float
     lowest: float
     highest: float
+    floor: float
+    inverse_floor: float
     exponent: float
     count: int
 
@@ -82,6 +88,8 @@ def scale_table(shape, radius, modulus, roughness, offset):
         shape.kink2,
         shape.lowest,
         shape.highest,
+        shape.floor,
+        shape.inverse_floor,
         shape.exponent,
         shape.count,
     )
@@ -94,36 +102,33 @@ def _scale(shape, radius, modulus, roughness):
 
 @kernel
 def cell_and_place(p, u):
-    """Number of the cell that holds u, the place t in it, and the reciprocal of the grid cell's width."""
-    pattern = bits(u)
+    """Row of the cell that holds u, the place t in it, and the reciprocal of the grid cell's width.
+
+    Beyond the last node: its own. No branch and no integer that could leave the table: the loop vectorises.
+    """
+    inside = u if u <= p.highest else p.highest
+    inside = inside if inside >= p.floor else p.floor
+    pattern = bits(inside)
     cell = (pattern >> p.shift) - p.first
-    cell += (1 if u >= p.kink1 else 0) + (1 if u >= p.kink2 else 0)
-    last = p.count - 1
-    cell = 0 if cell < 0 else (last if cell > last else cell)
+    cell += (1 if inside >= p.kink1 else 0) + (1 if inside >= p.kink2 else 0)
     # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
     t = from_bits(((pattern << (52 - p.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
     inverse_width = from_bits(((2046 + 52 - p.shift) << 52) - (pattern & 0x7FF0000000000000))
+    below = u < p.floor
+    cell = 0 if below else cell
+    t = u * p.inverse_floor if below else t
+    inverse_width = p.inverse_floor if below else inverse_width
     return cell, t, inverse_width
 
 
 @kernel
 def read_curve(p, u, row):
-    """s(u) and ds/du of the curve whose cells begin at `row`; a power law below the first node, NaN above the last."""
+    """s(u) ≥ 0 and ds/du of the curve whose cells begin at `row`; s is NaN above the last node and where u is NaN."""
     cell, t, inverse_width = cell_and_place(p, u)
-    cell += row
-    c0 = p.cells[cell, 0]
-    c1 = p.cells[cell, 1]
-    c2 = p.cells[cell, 2]
-    c3 = p.cells[cell, 3]
+    c0, c1, c2, c3 = row_of_four(p.cells, cell + row)
     s = c0 + t * (c1 + t * (c2 + t * c3))
     slope = (c1 + t * (2.0 * c2 + t * (3.0 * c3))) * inverse_width
-    if u < p.lowest:
-        relative = u / p.lowest
-        s = p.cells[row, 0] * power(relative, p.exponent)
-        slope = p.exponent * s / (relative * p.lowest) if u > 0.0 else 0.0
-    if not (u <= p.highest):
-        s, slope = math.nan, math.nan
-    return s, slope
+    return s if u <= p.highest else math.nan, slope
 
 
 @kernel
@@ -132,6 +137,12 @@ def _virgin(p, overlap):
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
     return root * equivalent, 1.5 * root * slope, equivalent, equivalent
+
+
+@kernel
+def _rows_below(p):
+    """Rows of `cells` before the first node's."""
+    return p.count - p.starts.shape[0] - 1
 
 
 @kernel
@@ -148,7 +159,7 @@ def invert_curve(p, s):
             low = middle
         else:
             high = middle
-    c0, c1, c2, c3 = p.cells[low, 0], p.cells[low, 1], p.cells[low, 2], p.cells[low, 3]
+    c0, c1, c2, c3 = row_of_four(p.cells, low + _rows_below(p))
     t_low = starts[low, 0]
     t_high = 1.0
     t = 0.5 * (t_low + t_high)
@@ -185,14 +196,16 @@ def integrate_curve(p, u):
     if u < p.lowest:
         return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * p.exponent + 1.0)
     cell, t, inverse_width = cell_and_place(p, u)
-    start = p.starts[cell, 0]
+    c0, c1, c2, c3 = row_of_four(p.cells, cell)
+    begin = min(cell - _rows_below(p), p.starts.shape[0] - 1)
+    start = p.starts[begin, 0]
     half = 0.5 * (t - start)
     total = 0.0
     for k in range(_NODES.size):
         x = start + half * (1.0 + _NODES[k])
-        y = p.cells[cell, 0] + x * (p.cells[cell, 1] + x * (p.cells[cell, 2] + x * p.cells[cell, 3]))
+        y = c0 + x * (c1 + x * (c2 + x * c3))
         total += _WEIGHTS[k] * y * sqrt(y)
-    return p.starts[cell, 2] + 4.0 / 3.0 * total * half / inverse_width
+    return p.starts[begin, 2] + 4.0 / 3.0 * total * half / inverse_width
 
 
 @kernel
@@ -254,6 +267,25 @@ def grid(lowest, highest, kinks, bits_per_octave):
     return u, inside
 
 
+def _hermite(t0, t1, width, s0, s1, slope0, slope1):
+    """Coefficients in t of the cubics that have values s0, s1 and slopes ds/du at t0, t1 of cells of this width in u."""
+    # in r = (t - t0)/h, then expanded in t
+    h = t1 - t0
+    b, end, rise = slope0 * width * h, slope1 * width * h, s1 - s0
+    c, d = 3.0 * rise - 2.0 * b - end, b + end - 2.0 * rise
+    b, c, d = b / h, c / h**2, d / h**3
+    return np.column_stack([s0 - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
+
+
+def _below(u0, s0, exponent, first, bits_per_octave):
+    """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p."""
+    u = node(np.arange(first - _OCTAVES_BELOW * 2**bits_per_octave, first + 1), bits_per_octave)
+    s = s0 * (u / u0) ** exponent
+    slope = exponent * s / u
+    cells = _hermite(0.0, 1.0, np.diff(u), s[:-1], s[1:], slope[:-1], slope[1:])
+    return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
+
+
 def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius):
     """Cubic Hermite cells through the rows of a table."""
     u, s, slope = nodes.curve()
@@ -265,30 +297,28 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
     base = (numbers << shift).view(np.float64)
     width = ((numbers + 1) << shift).view(np.float64) - base
     t0, t1 = (u[left] - base) / width, (u[right] - base) / width
-    # Hermite on [t0, t1] in r = (t - t0)/h, then expanded in t
-    h = t1 - t0
-    a, b = s[left], slope[left] * width * h
-    rise = s[right] - s[left]
-    end = slope[right] * width * h
-    c, d = 3.0 * rise - 2.0 * b - end, b + end - 2.0 * rise
-    b, c, d = b / h, c / h**2, d / h**3
-    cells = np.column_stack([a - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
     exponent = float(u[0] * slope[0] / s[0])
-    x = 0.5 * (t0 + t1)[:, None] + 0.5 * h[:, None] * _NODES
+    cells = _hermite(t0, t1, width, s[left], s[right], slope[left], slope[right])
+    x = 0.5 * (t0 + t1)[:, None] + 0.5 * (t1 - t0)[:, None] * _NODES
     y = cells[:, :1] + x * (cells[:, 1:2] + x * (cells[:, 2:3] + x * cells[:, 3:4]))
-    pieces = 4.0 / 3.0 * (np.maximum(y, 0.0) ** 1.5 @ _WEIGHTS) * 0.5 * h * width
+    pieces = 4.0 / 3.0 * (np.maximum(y, 0.0) ** 1.5 @ _WEIGHTS) * 0.5 * (t1 - t0) * width
     below = 4.0 / 3.0 * s[0] ** 1.5 * u[0] / (1.5 * exponent + 1.0)
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
     pair = [*map(float, kinks), math.inf, math.inf]
+    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave)
+    end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
+    cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only
     return TableShape(
-        np.ascontiguousarray(cells),
+        cells,
         np.ascontiguousarray(np.column_stack([t0, s[left], energy, base, width])),
         shift,
-        int(numbers[0]),
+        int(numbers[0]) - below.shape[0],
         pair[0],
         pair[1],
         float(u[0]),
         float(u[-1]),
+        floor,
+        1.0 / floor,
         exponent,
         float(length_over_roughness),
         float(length_over_radius),

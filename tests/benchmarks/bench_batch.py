@@ -1,0 +1,267 @@
+"""Cost of `law.evaluate` over large batches, as a ratio to a copy kernel over exactly the same arrays.
+
+The copy kernel reads the overlap, every per-contact parameter array that the law reads and the state, and writes the
+state, the force and the stiffness: what a contact law moves through memory if its arithmetic were free. Law and copy
+are timed in turn, round after round, on arrays far larger than cache, so that a busy machine slows both.
+
+Two extremes: every contact virgin, and a random mixture of a third each virgin (or reloaded past its maximum), unloading
+and separated, which no branch predictor can learn.
+
+    python tests/benchmarks/bench_batch.py                   all cases, some twenty minutes; --quick: two minutes
+    python tests/benchmarks/bench_batch.py --law pohrt-popov --csv bench.csv
+"""
+
+import argparse
+import csv
+import os
+import sys
+import time
+from itertools import product
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+import demlaws as dl
+from demlaws.law import _leaves, _map_leaves, _threads, evaluate_loop, registry
+from demlaws.unloading import RULES
+
+EXTREMES = ("virgin", "mixture")
+FORMS = ("closed", "table")
+SCALES = ("one", "each")
+STORAGES = ("float64", "float32")
+THREADS = ("1", "all")
+STATELESS, HYSTERETIC, IMPLICIT = 2.0, 3.0, 4.0
+
+
+class Case(NamedTuple):
+    """One row of the table."""
+
+    law: str
+    unloading: str
+    form: str  # "closed", or "table": law.tabulate(1e-5)
+    scales: str  # "one" contact common to all, or "each" contact with its own radius, modulus, roughness
+    storage: str
+    threads: str
+
+
+class Result(NamedTuple):
+    """ns a contact: fastest and median round of the law and of the copy kernel."""
+
+    law: float
+    law_median: float
+    copy: float
+    copy_median: float
+
+    @property
+    def ratio(self):
+        return self.law / self.copy
+
+    @property
+    def median_ratio(self):
+        return self.law_median / self.copy_median
+
+
+def goal(case):
+    """Largest ratio to the copy kernel that the case may have; None where the closed form is meant to be tabulated."""
+    definition = registry()[case.law]
+    if definition.implicit:
+        return IMPLICIT if definition.solved or case.form == "table" else None
+    return STATELESS if case.unloading == "elastic" else HYSTERETIC
+
+
+def contact(scales, n, seed=1):
+    """A contact like those of the granite tests, or n that scatter around it."""
+    shared = {"fractal_dimension": 2.22, "hardness": 6.266e9}
+    if scales == "one":
+        return dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, **shared)
+    random = np.random.default_rng(seed)
+    return dl.Contact(
+        radius=4.35e-3 * random.uniform(0.7, 1.5, n),
+        modulus=32.32e9 * random.uniform(0.9, 1.1, n),
+        roughness=2.40e-6 * random.uniform(0.5, 2.0, n),
+        **shared,
+    )
+
+
+def make(case, n):
+    """The law of a case, or None where it does not exist: not passive, or without one table for contacts that differ."""
+    definition = registry()[case.law]
+    try:
+        law = dl.law(case.law, contact(case.scales, n), unloading=case.unloading, **definition.example)
+        return law.tabulate(1e-5) if case.form == "table" else law
+    except dl.DemlawsError as error:
+        if "cannot take" in str(error) or "no single dimensionless curve" in str(error):
+            return None
+        raise
+
+
+def inputs(law, extreme, n, storage, seed=2):
+    """Overlaps [m] over 3.5 decades, and the state arrays before the step."""
+    random = np.random.default_rng(seed)
+    overlap = 10.0 ** random.uniform(-8.0, -4.5, n)
+    state = law.new_state(n, storage)
+    if extreme == "mixture":
+        kind = random.integers(0, 3, n)
+        before = overlap * np.where(kind == 0, random.uniform(0.5, 1.0, n), random.uniform(1.0, 2.0, n))
+        law.evaluate(before.astype(storage), state)
+        overlap = np.where(kind == 2, -overlap, overlap)
+    return overlap.astype(storage), state.arrays
+
+
+def _arrays(params):
+    return [v for v in _leaves(params) if isinstance(v, np.ndarray) and v.ndim == 1]
+
+
+def arrays_read(law, overlap, states):
+    """The per-contact arrays of law.params that matter: filling one with NaN changes a result."""
+    first = slice(2000)
+    overlap, states = overlap[first], tuple(s[first] for s in states)
+
+    def run(spoiled):
+        params = _map_leaves(
+            lambda v: (np.full(overlap.size, np.nan) if v is spoiled else v[first])
+            if isinstance(v, np.ndarray) and v.ndim == 1
+            else v,
+            law.params,
+        )
+        result = [np.empty_like(overlap), np.empty_like(overlap), *(s.copy() for s in states)]
+        evaluate_loop(law.rule, params, overlap, tuple(result[2:]), result[0], result[1])
+        return np.concatenate(result)
+
+    normal = run(None)
+    return [v for v in _arrays(law.params) if not np.array_equal(normal, run(v), equal_nan=True)]
+
+
+def copy_kernel(parameters, states):
+    """A compiled loop that reads overlap, parameter and state arrays and writes state, force and stiffness."""
+    p = [f"p{k}" for k in range(parameters)]
+    s = [f"s{k}" for k in range(states)]
+    body = [f"{name}[i] = 0.5 * ({name}[i] + x)" for name in s]
+    body += [f"force[i] = {' + '.join(['x', *(f'{name}[i]' for name in p)])}", "stiffness[i] = x"]
+    lines = "".join(f"\n        {line}" for line in body)
+    names = {}
+    head = f"def copy({', '.join(['overlap', *p, *s, 'force', 'stiffness'])}):"
+    exec(f"{head}\n    for i in range(overlap.size):\n        x = overlap[i]{lines}\n", names)
+    return numba.njit(nogil=True, error_model="numpy")(names["copy"])
+
+
+_copies = {}
+
+
+def copy(arrays, parameters, states, parallel):
+    """Run the copy kernel in one thread or, as `law.evaluate` does, in one thread a core."""
+    if (parameters, states) not in _copies:
+        _copies[parameters, states] = copy_kernel(parameters, states)
+    kernel = _copies[parameters, states]
+    if not parallel:
+        kernel(*arrays)
+        return
+    workers, pool = _threads()
+    edges = np.linspace(0, arrays[0].size, workers + 1).astype(int)
+    list(pool.map(lambda piece: kernel(*(a[piece] for a in arrays)), map(slice, edges[:-1], edges[1:])))
+
+
+def measure(law, case, extreme, n, rounds):
+    """Time law and copy in turn; the state is put back before each."""
+    overlap, initial = inputs(law, extreme, n, case.storage)
+    state = law.new_state(n, case.storage)
+    out = np.zeros_like(overlap), np.zeros_like(overlap)
+    read = arrays_read(law, overlap, initial)
+    parallel = case.threads == "all"
+    moved = [overlap, *read, *state.arrays, *out]
+
+    def law_once():
+        law.evaluate(overlap, state if state.arrays else None, out, parallel=parallel)
+
+    def copy_once():
+        copy(moved, len(read), len(state.arrays), parallel)
+
+    times = {law_once: [], copy_once: []}
+    for _ in range(rounds + 1):
+        for run, taken in times.items():
+            for target, source in zip(state.arrays, initial, strict=True):
+                target[:] = source
+            start = time.perf_counter()
+            run()
+            taken.append((time.perf_counter() - start) / n * 1e9)
+    law_times, copy_times = (taken[1:] for taken in times.values())  # the first round compiles and touches memory
+    return Result(min(law_times), float(np.median(law_times)), min(copy_times), float(np.median(copy_times)))
+
+
+def cases(laws=None, unloadings=None, forms=FORMS, scales=SCALES, storages=STORAGES, threads=THREADS):
+    """All cases asked for, in the order of the table."""
+    return [Case(*c) for c in product(laws or dl.laws(), unloadings or RULES, forms, scales, storages, threads)]
+
+
+COLUMNS = (
+    *Case._fields, "contacts", "extreme", "goal", "ratio", "median_ratio", "law_ns", "law_median_ns", "copy_ns", "copy_median_ns"
+)  # fmt: skip
+
+
+def run(chosen, n, rounds, show=print):
+    """Measure the cases; returns rows (dicts with the keys COLUMNS) and shows one line a case."""
+    head = f"{'law':16}{'unloading':10}{'form':7}{'scales':7}{'storage':9}{'threads':8}{'goal':>5}"
+    show(head + "".join(f"{e:>9}{'(median)':>10}{'ns':>6}{'copy':>6}" for e in EXTREMES) + "  reached")
+    rows, last, law = [], None, None
+    for case in chosen:
+        if case[:4] != last:
+            law, last = make(case, n), case[:4]
+        if law is None:
+            continue
+        limit = goal(case)
+        line, reached = "", True
+        for extreme in EXTREMES:
+            r = measure(law, case, extreme, n, rounds)
+            reached &= limit is None or r.ratio <= limit
+            line += f"{r.ratio:9.2f}{f'({r.median_ratio:.2f})':>10}{r.law:6.2f}{r.copy:6.2f}"
+            values = (*case, n, extreme, limit, r.ratio, r.median_ratio, r.law, r.law_median, r.copy, r.copy_median)
+            rows.append(dict(zip(COLUMNS, values, strict=True)))
+        verdict = "-" if limit is None else "yes" if reached else "NO"
+        words = f"{case.law:16}{case.unloading:10}{case.form:7}{case.scales:7}{case.storage:9}{case.threads:8}"
+        show(f"{words}{limit or '-':>5}{line}  {verdict}")
+    return rows
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--law", action="append", choices=dl.laws(), help="only this law (may be repeated)")
+    parser.add_argument("--unloading", action="append", choices=list(RULES), help="only this rule (may be repeated)")
+    parser.add_argument("--form", choices=FORMS, help="only the closed form, or only the table")
+    parser.add_argument("--scales", choices=SCALES, help="only one common contact, or only each contact with its own")
+    parser.add_argument("--storage", choices=STORAGES)
+    parser.add_argument("--threads", choices=THREADS)
+    parser.add_argument("--contacts", type=int, help="default: 10 million, 8 million with --quick")
+    parser.add_argument("--rounds", type=int, help="default: 9, 3 with --quick")
+    parser.add_argument("--quick", action="store_true", help="float64 and one thread only, fewer rounds")
+    parser.add_argument("--csv", metavar="FILE", help="write every figure to this file")
+    chosen = parser.parse_args(arguments)
+
+    def one(value, default, quick=None):
+        return (value,) if value else (quick or default) if chosen.quick else default
+
+    todo = cases(
+        chosen.law,
+        chosen.unloading,
+        one(chosen.form, FORMS),
+        one(chosen.scales, SCALES),
+        one(chosen.storage, STORAGES, ("float64",)),
+        one(chosen.threads, THREADS, ("1",)),
+    )
+    n = chosen.contacts or (8_000_000 if chosen.quick else 10_000_000)
+    rounds = chosen.rounds or (3 if chosen.quick else 9)
+    print(f"{n} contacts, {rounds} rounds, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, numba {numba.__version__}")
+    print("ratio = fastest round of the law / fastest round of the copy kernel over the same arrays\n")
+    rows = run(todo, n, rounds, lambda line: print(line, flush=True))
+    if chosen.csv:
+        with open(chosen.csv, "w", newline="") as file:
+            writer = csv.DictWriter(file, COLUMNS)
+            writer.writeheader()
+            writer.writerows(rows)
+    missed = {tuple(r[f] for f in Case._fields) for r in rows if r["goal"] and r["ratio"] > r["goal"]}
+    print(f"\n{len(missed)} of {len(rows) // len(EXTREMES)} cases miss their goal")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
