@@ -61,6 +61,19 @@ class HeightMap:
         pixel_y = self.pixel_x if self.pixel_y is None else length(self.pixel_y, "pixel_y")
         object.__setattr__(self, "pixel_y", pixel_y)
 
+    def __repr__(self):
+        rows, columns = self.shape
+        width, height = self.field_of_view
+        return (
+            f"HeightMap({columns} x {rows} pixels, {width * 1e6:.4g} x {height * 1e6:.4g} µm, Sq = {self.sq * 1e6:.4g} µm)"
+        )
+
+    def record(self):
+        """What a table's file says of the map it came from: enough to recognise the map, not to rebuild it."""
+        import zlib
+
+        return {"height map": repr(self), "crc32": f"{zlib.crc32(self.heights.tobytes()):08x}"}
+
     @property
     def shape(self):
         return self.heights.shape
