@@ -32,9 +32,10 @@ STATES = ("elastic", "elastic-plastic", "plastic")
 
 
 @kernel
-def _elliptic(m):
-    """K(m) by the arithmetic-geometric mean, and S and m - S with E(m) = K (1 - S); no cancellation as m → 0."""
-    a, b, c2, weight = 1.0, math.sqrt(1.0 - m), m, 0.5
+def _elliptic(log_k):
+    """m = 1 - k², K(m) by the arithmetic-geometric mean, S and m - S with E(m) = K (1 - S); nothing cancels as m → 0."""
+    m = -math.expm1(2.0 * log_k)
+    a, b, c2, weight = 1.0, math.exp(log_k), m, 0.5
     tail = 0.0
     for _ in range(12):
         if c2 < 1e-34:
@@ -44,7 +45,7 @@ def _elliptic(m):
         c2 = c * c
         weight *= 2.0
         tail += weight * c2
-    return 0.5 * math.pi / a, 0.5 * m + tail, 0.5 * m - tail
+    return m, 0.5 * math.pi / a, 0.5 * m + tail, 0.5 * m - tail
 
 
 @kernel
@@ -58,9 +59,8 @@ def _ellipticity(ratio):
     if target < 1e-5:
         return x  # odd in the target: the next term is of third order
     for _ in range(50):
-        m = -math.expm1(2.0 * x)
-        _, s, d = _elliptic(m)
-        k2 = 1.0 - m
+        m, _, s, d = _elliptic(x)
+        k2 = math.exp(2.0 * x)
         slope = -1.5 if m < 1e-3 else -k2 / d + (d + k2 * s) / (m * s) - 2.0
         step = (math.log(d / s) - 2.0 * x - target) / slope
         x -= step
@@ -73,7 +73,7 @@ def _ellipticity(ratio):
 def _shape_factors(ratio):
     """ᾱ, β̄, γ̄ of an ellipsoid whose radii of curvature have this ratio ≥ 1."""
     x = _ellipticity(ratio)
-    k_integral, s, _ = _elliptic(-math.expm1(2.0 * x))
+    _, k_integral, s, _ = _elliptic(x)
     k_integral *= 2.0 / math.pi
     e_root = (k_integral * (1.0 - s)) ** (1.0 / 3.0)
     third = math.exp(x / 3.0)
@@ -237,7 +237,9 @@ def _add(stats, i, area, volume, x1, y1, x2, y2, x3, y3):
 def _one_above(stats, i, u1, u2, u3, x1, y1, x2, y2, x3, y3):
     s, t = u1 / (u1 - u2), u1 / (u1 - u3)
     area = 0.5 * s * t
-    _add(stats, i, area, area * u1 / 3.0, x1, y1, x1 + s * (x2 - x1), y1 + s * (y2 - y1), x1 + t * (x3 - x1), y1 + t * (y3 - y1))
+    _add(
+        stats, i, area, area * u1 / 3.0, x1, y1, x1 + s * (x2 - x1), y1 + s * (y2 - y1), x1 + t * (x3 - x1), y1 + t * (y3 - y1)
+    )
     return area
 
 
@@ -248,7 +250,16 @@ def _one_below(stats, i, u1, u2, u3, x1, y1, x2, y2, x3, y3):
     area = 0.5 * s * t
     _add(stats, i, 0.5, (u1 + u2 + u3) / 6.0, x1, y1, x2, y2, x3, y3)
     _add(
-        stats, i, -area, -area * u1 / 3.0, x1, y1, x1 + s * (x2 - x1), y1 + s * (y2 - y1), x1 + t * (x3 - x1), y1 + t * (y3 - y1)
+        stats,
+        i,
+        -area,
+        -area * u1 / 3.0,
+        x1,
+        y1,
+        x1 + s * (x2 - x1),
+        y1 + s * (y2 - y1),
+        x1 + t * (x3 - x1),
+        y1 + t * (y3 - y1),
     )
     return 0.5 - area
 
@@ -706,7 +717,9 @@ class RoughContact:
                 if deepest is None:
                     deepest = self.origin - float(np.nanmin(self.gap)) + 10 * scale
                 if x > deepest:
-                    raise DemlawsError(f"the load {load:g} N presses the whole map flat; it carries {force:g} N")
+                    raise DemlawsError(
+                        f"load = {load:g} N presses the whole map flat, at {force:.3g} N: give a smaller load or a larger map"
+                    )
                 x = base + (x - base) * (4.0 if f == -math.inf else min(max(math.exp(-0.6 * f), 1.2), 8.0))
             elif low_f == -math.inf:
                 x = base + (x - base) * (min(max(math.exp(-0.6 * f), 0.05), 0.8) if side > 0 else 1.5)
@@ -847,3 +860,29 @@ def nine_point_summits(heights, cut=-math.inf):
     curvature = (2 * z[i, j] - z[i, j - 1] - z[i, j + 1]) / heights.pixel_x**2
     curvature = curvature + (2 * z[i, j] - z[i - 1, j] - z[i + 1, j]) / heights.pixel_y**2
     return j * heights.pixel_x, i * heights.pixel_y, z[i, j], 2.0 / curvature
+
+
+def published_contact(kind, seed=2):
+    """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
+
+    SiC ball, R = 3.175 mm, on aluminium; the measured maps are not public, so a self-affine map of the paper's roughness and
+    field of view (260 by 240 µm) stands in, 0.5 µm pixels, waves of 6 to 60 µm, the anisotropic one 8 times longer
+    along x [our choice].
+    """
+    from demlaws.regime import published_tests
+    from demlaws.surface import self_affine
+
+    if kind not in ("isotropic", "anisotropic"):
+        raise DemlawsError(f"kind = {kind!r}: the surfaces of the paper are 'isotropic' and 'anisotropic'")
+    test = {t.label: t for t in published_tests()}[f"2008 {kind}"]
+    heights = self_affine(
+        (480, 520),
+        0.5e-6,
+        0.8,
+        test.contact.roughness,
+        seed,
+        shortest=6e-6,
+        longest=60e-6,
+        anisotropy=8.0 if kind == "anisotropic" else 1.0,
+    )
+    return RoughContact(heights, test.contact, poisson=0.34)

@@ -64,9 +64,7 @@ class HeightMap:
     def __repr__(self):
         rows, columns = self.shape
         width, height = self.field_of_view
-        return (
-            f"HeightMap({columns} x {rows} pixels, {width * 1e6:.4g} x {height * 1e6:.4g} µm, Sq = {self.sq * 1e6:.4g} µm)"
-        )
+        return f"HeightMap({columns} x {rows} pixels, {width * 1e6:.4g} x {height * 1e6:.4g} µm, Sq = {self.sq * 1e6:.4g} µm)"
 
     def record(self):
         """What a table's file says of the map it came from: enough to recognise the map, not to rebuild it."""
@@ -374,7 +372,7 @@ def _read_text(path):
         lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
     except OSError as error:
         raise DemlawsError(f"cannot read {path}: {error.strerror}") from None
-    header, esri, rows, width, first = {}, {}, [], None, 0
+    header, esri, rows, ends, width, first = {}, {}, [], set(), None, 0
     for number, line in enumerate(lines, 1):
         text = line.strip()
         if text.startswith("#"):
@@ -395,10 +393,13 @@ def _read_text(path):
         if width not in (None, len(row)):
             raise DemlawsError(f"{path}, line {number}: {len(row)} columns, but line {first} has {width}")
         width, first = len(row), first or number
+        ends.add("" if cells[-1].strip() == "" else "height")
         rows.append(row)
     if not rows:
         raise DemlawsError(f"{path} holds no heights")
     heights = np.array(rows)
+    if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
+        heights = heights[:, :-1]  # every line ends in a separator
     if "nodata_value" in esri:
         heights[heights == float(esri["nodata_value"])] = np.nan
     if "cellsize" in esri:
@@ -423,7 +424,7 @@ def _split(text):
             cells = text.split(mark)
             if mark == ";":
                 cells = [c.replace(",", ".") for c in cells]  # decimal commas come with semicolons
-            return cells[:-1] if cells[-1].strip() == "" and len(cells) > 2 and mark != "\t" else cells
+            return cells
     return text.split()
 
 
@@ -453,7 +454,8 @@ def _read_instrument(path, pixels):
     except DemlawsError:
         raise
     except Exception as error:  # every reader of theirs has its own errors
-        raise DemlawsError(f"SurfaceTopography cannot read {path}: {error}") from None
+        reason = (str(error).strip().splitlines() or [type(error).__name__])[0][:120]
+        raise DemlawsError(f"SurfaceTopography cannot read {path}: {reason}") from None
     if unit not in UNITS:
         raise DemlawsError(f"{path}: unit {unit!r} is not a length demlaws knows ({', '.join(UNITS)})")
     # their first axis is x

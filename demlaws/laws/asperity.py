@@ -68,7 +68,9 @@ def _prepare(
     over_roughness, over_radius = (1.0, 0.0) if pair.roughness > 0 else (0.0, 1.0)
     length = over_roughness * pair.roughness + over_radius * pair.radius
     coefficient = 4 / 3 * pair.modulus * math.sqrt(pair.radius)
-    return _shape(overlap / length, (force / coefficient) ** (2 / 3) / length, pair.radius / length, over_roughness, over_radius)
+    return _shape(
+        overlap / length, (force / coefficient) ** (2 / 3) / length, pair.radius / length, over_roughness, over_radius
+    )
 
 
 def sample(rough, start, max_force):

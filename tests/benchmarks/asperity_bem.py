@@ -46,10 +46,10 @@ def main(path):
         largest = 3.0 * heights.sq if flat else 2.5 * heights.sq + 0.15e-6
         for overlap in np.geomspace(0.03 * largest, largest, 12):
             for _ in range(8):
-                solution = system.minimize_proxy(offset=overlap - top, pentol=1e-4 * overlap, maxiter=3000)
+                solution = system.minimize_proxy(offset=overlap - top, pentol=1e-4 * overlap, maxiter=400)
                 if solution.success:
                     break
-                overlap *= 1.004  # their iteration now and then stops early; a neighbouring overlap does as well
+                overlap *= 1.007  # their iteration now and then stops early; a neighbouring overlap does as well
             else:
                 continue
             pressed = np.abs(np.asarray(solution.jac))
