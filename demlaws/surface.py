@@ -221,11 +221,9 @@ class HeightMap:
         sizes, measured = sizes[inside].astype(float), np.log(ranges[inside])
         weight = 1.0 / (1.0 + (8.0 * sizes / min(self.shape)) ** 2)  # large boxes are few
         log = np.log(sizes)
-        integrals = np.array([np.log(log), -1.0 / log, -0.5 / log**2])
 
         def misfit(hurst):
-            curve = hurst * log + (_BOX_CORRECTION @ hurst ** np.arange(3)) @ integrals
-            difference = measured - curve
+            difference = measured - hurst * log - box_correction(hurst, sizes)
             return float(weight @ (difference - weight @ difference / weight.sum()) ** 2)
 
         hursts = np.linspace(-0.2, 1.3, 1501)
@@ -271,6 +269,12 @@ _BOX_CORRECTION = np.array(
         [0.88834118, -4.62787429, 5.58264101],
     ]
 )
+
+
+def box_correction(hurst, sizes):
+    """ln of what pixels do to the mean range in boxes of `sizes` pixels, up to a constant: ∫(local exponent - H) d ln n."""
+    log = np.log(sizes)
+    return (_BOX_CORRECTION @ hurst ** np.arange(3)) @ np.array([np.log(log), -1.0 / log, -0.5 / log**2])
 
 
 def _mean_range(z, n):
@@ -465,7 +469,7 @@ def _read_instrument(path, pixels):
 
 
 def write(path, heights):
-    """Write a map as .npy (heights in m), .csv (comma-separated) or .asc (ESRI grid with its pixel size), whole or not at all."""
+    """Write a map, heights in m: .npy, .csv, or .asc (an ESRI grid, which holds the pixel size)."""
     import io
 
     from demlaws.files import write_atomically

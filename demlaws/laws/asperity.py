@@ -53,7 +53,8 @@ def _prepare(
 
     surface: height map, form removed, or the path of one; curve: "loading" or "reloading" (elastic, after a first loading to
     `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
-    the bulk yields, whichever comes first. Above it the contact has Hertz's stiffness.
+    the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's stiffness,
+    then that.
     """
     if curve not in ("loading", "reloading"):
         raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
@@ -91,7 +92,8 @@ def sample(rough, start, max_force):
     used = forces > 0
     if used.sum() < 3 * _SAMPLES:
         raise DemlawsError(
-            f"only {int(used.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger max_force or a larger map"
+            f"only {int(used.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger max_force "
+            "or a larger map"
         )
     if max_force is not None and edge:
         rough._advise(rough.at(start + overlaps[-1]))
@@ -107,7 +109,7 @@ def _limit_force(rough):
 
 
 def _shape(u, s, largest, over_roughness, over_radius):
-    """A smooth monotone curve through (u, s), never steeper than Hertz, with Hertz's stiffness above its end.
+    """A smooth monotone curve through (u, s), never steeper than Hertz.
 
     ln s is a local parabola in ln u, wide enough to bridge the falls of force where patches merge. A slope ds/du above
     1 would be a contact stiffer than a smooth one at equal load, which comes from leaving the bulk rigid: it is cut to 1.
@@ -126,16 +128,28 @@ def _shape(u, s, largest, over_roughness, over_radius):
     smooth = PchipInterpolator(2.0**fine, curve)
     rate = smooth.derivative()
     # a cubic between two nodes may pass 1 by a little: what is left of that is scaled away
-    nodes, _ = grid(2.0 ** fine[0] * (1 + 1e-12), max(largest * 0.1, 4.0 * last), [last], _BITS)
+    end_s, end_slope = float(smooth(last)), float(rate(last))
+    exponent = max(end_slope * last / end_s, 1.2)
+    # beyond its end the curve goes on as a power law until it has Hertz's stiffness, with a corner of dK/dδ at either place
+    hertz = last * max(1.0, last / (exponent * end_s)) ** (1.0 / (exponent - 1.0))
+    kinks = [last, hertz] if hertz > last * 1.01 else [last]
+    nodes, _ = grid(2.0 ** fine[0] * (1 + 1e-12), max(largest * 0.1, 4.0 * kinks[-1]), kinks, _BITS)
     nodes = nodes[nodes >= 2.0 ** fine[0]]
-    inside = nodes <= last
+    inside, beyond = nodes <= last, nodes > kinks[-1]
+    between = ~inside & ~beyond
     s_nodes, slopes = np.empty(nodes.size), np.ones(nodes.size)
     s_nodes[inside], slopes[inside] = smooth(nodes[inside]), rate(nodes[inside])
-    steepest = _steepest(nodes[inside], s_nodes[inside], slopes[inside])
-    s_nodes[inside] /= steepest
-    slopes[inside] /= steepest
-    s_nodes[~inside] = float(smooth(last)) / steepest + nodes[~inside] - last
-    slopes[np.flatnonzero(nodes == last)[-1]] = 1.0
+    s_nodes[between] = end_s * (nodes[between] / last) ** exponent
+    slopes[between] = exponent * s_nodes[between] / nodes[between]
+    final = end_s * (kinks[-1] / last) ** exponent
+    steepest = _steepest(nodes[~beyond], s_nodes[~beyond], slopes[~beyond])
+    s_nodes[~beyond] /= steepest
+    slopes[~beyond] /= steepest
+    s_nodes[beyond] = final / steepest + nodes[beyond] - kinks[-1]
+    twice = np.flatnonzero(np.diff(nodes) == 0)
+    if len(kinks) == 2:
+        slopes[twice[0] + 1] = exponent * s_nodes[twice[0]] / last
+    slopes[twice[-1] + 1] = 1.0
     return shape_from_nodes(Nodes.from_curve(nodes, s_nodes, slopes), _BITS, over_roughness, over_radius)
 
 
@@ -173,7 +187,7 @@ def _limits(contact, surface=None, max_force=None, **options):
 
 
 def _kinks(params, **options):
-    return [k * params.length for k in (params.kink1,) if math.isfinite(k)]
+    return [k * params.length for k in (params.kink1, params.kink2) if math.isfinite(k)]
 
 
 LAW = Definition(
