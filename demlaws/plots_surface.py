@@ -215,7 +215,7 @@ def _circle(ax, centre, radius, style, label):
 
 
 def repeated_figure(contact, history, name=""):
-    """Repeated contact: map before and after the first cycle, the change, contact area, profiles over cycles, change by cycle."""
+    """Repeated contact: map before and after the first cycle, contact area, profiles and change over cycles."""
     fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
     heights, first = contact.heights, history[0]
     after = first.contact.heights.heights
@@ -344,7 +344,7 @@ def law_figure(contact, laws):
 
 
 def boundary_element_figure(rows):
-    """Ratio of the model's load to an elastic boundary-element solution's at equal separation; rows: dicts of the stored file."""
+    """The model's load and area over a boundary-element solution's at equal separation; rows: the stored file's."""
     fig, (left, right) = figure(columns=2, width=5.2, height=4.0)
     for name in dict.fromkeys(row["case"] for row in rows):
         chosen = [row for row in rows if row["case"] == name]
