@@ -133,7 +133,7 @@ def _shape(u, s, largest, over_roughness, over_radius):
     # beyond its end the curve goes on as a power law until it has Hertz's stiffness, with a corner of dK/dδ at either place
     hertz = last * max(1.0, last / (exponent * end_s)) ** (1.0 / (exponent - 1.0))
     kinks = [last, hertz] if hertz > last * 1.01 else [last]
-    nodes, _ = grid(2.0 ** fine[0] * (1 + 1e-12), max(largest * 0.1, 4.0 * kinks[-1]), kinks, _BITS)
+    nodes, _ = grid(2.0 ** fine[0] * (1 + 1e-12), max(0.2 * largest, 4.0 * kinks[-1]), kinks, _BITS)
     nodes = nodes[nodes >= 2.0 ** fine[0]]
     inside, beyond = nodes <= last, nodes > kinks[-1]
     between = ~inside & ~beyond
