@@ -19,7 +19,7 @@ from demlaws.dispatch import bind
 from demlaws.errors import DemlawsError
 from demlaws.fastmath import bits, from_bits, kernel, row_of_four, sqrt
 from demlaws.files import write_atomically
-from demlaws.law import SMOOTHEST, Law, bind_params, evaluate_loop
+from demlaws.law import SMOOTHEST, Law, bind_params, evaluate_loop, find
 from demlaws.law import law as bind_law
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 from demlaws.unloading import RULES, Elastic
@@ -520,7 +520,7 @@ class Table(Law):
             "description": f"{self.definition.description}; {self.definition.equation}",
             "source": self.definition.source,
             "unloading": self.unloading,
-            "options": json.dumps(self.options),
+            "options": json.dumps(self.options, default=lambda value: value.record()),
             "contact": json.dumps(contact.as_dict()),
             "collapses": "yes" if self.definition.collapses else "no",
             "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
@@ -609,9 +609,10 @@ class Table(Law):
         unloading = header["unloading"]
         if unloading not in RULES:
             raise DemlawsError(f"{path}: unknown unloading rule {unloading!r}: this demlaws knows {', '.join(RULES)}")
-        source = bind_law(header["law"], contact, unloading, **options)
         shape = shape_from_nodes(
             nodes, int(header["bits"]), float(header["length_over_roughness"]), float(header["length_over_radius"])
         )
+        # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
+        source = Law(find(header["law"]), contact, unloading, options, shape)
         certificate = Certificate(float(header["force_error"]), float(header["stiffness_error"]))
         return cls(source, shape, nodes, certificate, float(header["rtol"]))

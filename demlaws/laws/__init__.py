@@ -9,4 +9,5 @@ MODULES = (
     "bahrami",
     "yip_venart",
     "greenwood_tripp",
+    "asperity",
 )

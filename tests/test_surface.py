@@ -1,0 +1,221 @@
+import math
+import sys
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import demlaws as dl
+from demlaws import surface
+from demlaws.surface import HeightMap, self_affine
+
+
+def test_roughness_of_a_known_surface():
+    x = np.arange(200) * 2 * np.pi / 50
+    wave = HeightMap(np.tile(3e-6 * np.sin(x), (64, 1)) + 7e-6, 1e-6, 2e-6)
+    assert wave.sq == pytest.approx(3e-6 / math.sqrt(2), rel=1e-12)
+    assert wave.sa == pytest.approx(3e-6 * 2 / math.pi, rel=2e-3)
+    assert wave.field_of_view == pytest.approx((200e-6, 128e-6))
+    assert wave.slope == pytest.approx(3e-6 * 2 * math.pi / 50e-6 / math.sqrt(2), rel=1e-2)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 5), st.integers(0, 10**6), st.booleans())
+def test_form_of_its_order_is_removed_and_nothing_else(order, seed, holes):
+    rng = np.random.default_rng(seed)
+    y, x = np.meshgrid(np.linspace(-1, 1, 40), np.linspace(-1, 1, 55), indexing="ij")
+    form = sum(rng.standard_normal() * x**i * y**j for i in range(order + 1) for j in range(order + 1 - i))
+    z = form * 1e-3 + 5e-3
+    if holes:
+        z[rng.random(z.shape) < 0.1] = np.nan
+    left = HeightMap(z, 1e-6).without_form(order)
+    assert np.nanmax(np.abs(left.heights)) < 1e-12
+    assert left.form_order == order
+    # taking form away twice changes nothing
+    rough = HeightMap(z + 1e-6 * rng.standard_normal(z.shape), 1e-6).without_form(order)
+    np.testing.assert_allclose(rough.without_form(order).heights, rough.heights, atol=1e-15)
+
+
+def test_blocks_of_rows_give_the_same_fit(monkeypatch):
+    heights = self_affine((300, 200), 1e-6, 0.8, 1e-6, 3)
+    whole = heights.without_form(3).heights
+    monkeypatch.setattr(surface, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
+    np.testing.assert_allclose(heights.without_form(3).heights, whole, atol=1e-18)
+
+
+@pytest.mark.parametrize("hurst", [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95])
+@pytest.mark.parametrize("size", [512, 1024])
+@pytest.mark.parametrize("periodic", [False, True])
+def test_fractal_dimension_of_self_affine_maps(hurst, size, periodic):
+    """Both methods within 0.05 of 3 - H, on three maps each."""
+    for seed in range(3):
+        heights = self_affine(size, 1e-6, hurst, 2e-6, seed, periodic=periodic)
+        assert abs(heights.fractal_dimension_by_boxes() - (3 - hurst)) < 0.05
+        assert abs(heights.fractal_dimension_by_spectrum() - (3 - hurst)) < 0.05
+
+
+def test_fractal_dimension_survives_form_missing_pixels_and_units():
+    heights = self_affine(512, 1e-6, 0.8, 2e-6, 4)
+    rng = np.random.default_rng(0)
+    y, x = np.indices(heights.shape) * 1e-6
+    z = heights.heights + 0.02 * x + (x**2 + y**2) / 2e-3
+    z[rng.random(z.shape) < 0.02] = np.nan
+    z[100:130, 200:240] = np.nan
+    curved = HeightMap(z, 1e-6).without_form(2)
+    assert curved.missing == pytest.approx(0.02 + 1200 / 512**2, abs=0.003)
+    assert abs(curved.fractal_dimension_by_boxes() - 2.2) < 0.05
+    assert abs(curved.fractal_dimension_by_spectrum() - 2.2) < 0.05
+    thousandth = HeightMap(heights.heights * 1e-3, 1e-9)
+    assert thousandth.fractal_dimension_by_boxes() == pytest.approx(heights.fractal_dimension_by_boxes(), abs=2e-3)
+    assert thousandth.fractal_dimension_by_spectrum() == pytest.approx(heights.fractal_dimension_by_spectrum(), abs=1e-9)
+
+
+def test_spectrum_holds_the_variance():
+    """∫C d²q = Sq² within what the window leaves uncertain."""
+    heights = self_affine((300, 400), 1e-6, 0.5, 1e-6, 1, longest=40e-6)
+    q, density, count = heights.spectrum()
+    cell = (2 * np.pi) ** 2 / np.prod(heights.field_of_view)
+    assert (density * count).sum() * cell == pytest.approx(heights.sq**2, rel=0.1)
+    inside = (q > 2 * np.pi / 20e-6) & (q < 2 * np.pi / 3e-6)
+    slope = np.polyfit(np.log(q[inside]), np.log(density[inside]), 1)[0]
+    assert slope == pytest.approx(-2 - 2 * 0.5, abs=0.15)
+    with pytest.raises(dl.DemlawsError, match="wavelengths"):
+        heights.fractal_dimension_by_spectrum(wavelengths=(10e-6, 10.1e-6))
+
+
+def test_filling_touches_missing_pixels_only_and_is_smooth():
+    y, x = np.indices((70, 90))
+    z = 1e-6 * np.sin(x / 15.0) * np.cos(y / 11.0)
+    holes = z.copy()
+    holes[10:20, 30:42] = np.nan
+    holes[0, 0] = holes[69, 89] = np.nan
+    filled = HeightMap(holes, 1e-6).filled().heights
+    known = np.isfinite(holes)
+    np.testing.assert_array_equal(filled[known], z[known])
+    assert np.abs(filled - z)[~known].max() < 0.5e-6
+    assert HeightMap(z, 1e-6).filled().heights is not None
+
+
+def test_synthetic_maps_are_seeded_and_as_asked():
+    one, two = self_affine((64, 96), 1e-6, 0.7, 1e-6, 5), self_affine((64, 96), 1e-6, 0.7, 1e-6, 5)
+    np.testing.assert_array_equal(one.heights, two.heights)
+    assert not np.array_equal(one.heights, self_affine((64, 96), 1e-6, 0.7, 1e-6, 6).heights)
+    assert one.shape == (64, 96) and one.sq == pytest.approx(1e-6, rel=1e-12)
+    long = self_affine(256, 1e-6, 0.8, 1e-6, 1, anisotropy=6.0)
+    assert np.diff(long.heights, axis=0).std() > 2.5 * np.diff(long.heights, axis=1).std()
+    smooth = self_affine(256, 1e-6, 0.8, 1e-6, 1, shortest=8e-6)
+    assert smooth.slope < 0.9 * self_affine(256, 1e-6, 0.8, 1e-6, 1).slope
+
+
+def test_a_map_becomes_a_surface_for_every_law():
+    heights = self_affine(256, 2e-6, 0.78, 2.4e-6, 2)
+    found = heights.surface(hardness=6e9)
+    assert isinstance(found, dl.Surface)
+    assert found.roughness == pytest.approx(2.4e-6) and found.hardness == 6e9
+    assert found.fractal_dimension == pytest.approx(2.22, abs=0.05)
+    granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
+    pair = heights.contact(granite, granite, radius1=8e-3, radius2=9e-3, roughness1=1e-6)
+    assert pair.roughness == pytest.approx(math.hypot(2.4e-6, 1e-6))
+    for name in ("hertz", "rms", "pohrt-popov", "bahrami"):
+        assert dl.law(name, pair).overlap(15.0) > 0
+    assert HeightMap(np.zeros((8, 8)), 1e-6).surface().roughness == 0.0
+
+
+# --- files
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc"])
+def test_files_come_back(tmp_path, suffix):
+    heights = self_affine((20, 30), 0.5e-6, 0.8, 1e-6, 1)
+    holes = heights.heights.copy()
+    holes[3, 4] = np.nan
+    path = surface.write(tmp_path / f"map{suffix}", heights.with_heights(holes))
+    back = surface.read(path, pixel=None if suffix == ".asc" else 0.5e-6)
+    np.testing.assert_allclose(back.heights, holes, rtol=1e-8, atol=1e-20)
+    assert back.pixel_x == pytest.approx(0.5e-6, rel=1e-12)
+
+
+@pytest.mark.parametrize(("name", "text", "expected"), [
+    ("a.csv", "1,2,3,4\n5,,7,8\n1,nan,3,4\n1,2,3,Bad\n", 3),
+    ("a.csv", "1;2;3;4,5\n5;6;7;8\n1;2;3;4\n1;2;3;4\n", 0),
+    ("a.txt", "1 2 3 4\n5 6 7 8\n# comment\n1 2 3 4\n1 2 *** 4\n", 1),
+    ("a.tsv", "1\t2\t3\t4\n5\t\t7\t8\n1\t2\t3\t4\n1\t2\t3\t4\n", 1),
+    ("a.asc", "ncols 4\nnrows 4\ncellsize 2e-6\nNODATA_value -99\n1 2 3 4\n1 2 3 4\n1 2 3 -99\n1 2 3 4\n", 1),
+])  # fmt: skip
+def test_text_formats(tmp_path, name, text, expected):
+    (tmp_path / name).write_text(text)
+    heights = surface.read(tmp_path / name, pixel="2um", unit="um")
+    assert heights.shape == (4, 4)
+    assert int(np.isnan(heights.heights).sum()) == expected
+    assert heights.heights[0, 0] == pytest.approx(1e-6)
+    assert heights.pixel_x == pytest.approx(2e-6)
+    if ";" in text:
+        assert heights.heights[0, 3] == pytest.approx(4.5e-6)
+
+
+def test_gwyddion_header(tmp_path):
+    path = tmp_path / "g.txt"
+    path.write_text("# Channel: Height\n# Width: 8.0 µm\n# Height: 4.0 µm\n# Value units: nm\n" + "1 2 3 4\n" * 4)
+    heights = surface.read(path)
+    assert (heights.pixel_x, heights.pixel_y) == pytest.approx((2e-6, 1e-6))
+    assert heights.heights[0, 3] == pytest.approx(4e-9)
+
+
+@pytest.mark.parametrize(("name", "content", "words"), [
+    ("a.csv", b"1,2,3,4\n1,2,3\n", "line 2: 3 columns, but line 1 has 4"),
+    ("a.csv", b"1,2,3,4\n1,x,3,4\n", "line 2: 'x' is not a height"),
+    ("a.csv", b"", "no heights"),
+    ("a.csv", b"1,2\n3,4\n", "at least 4 by 4"),
+    ("a.csv", b",,,,,\n" * 5, "every pixel"),
+    ("a.npy", b"nonsense", "not a numpy array"),
+])  # fmt: skip
+def test_bad_files_are_named(tmp_path, name, content, words):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(dl.DemlawsError, match=words):
+        surface.read(tmp_path / name, pixel=1e-6)
+
+
+def test_bad_arguments_are_named(tmp_path):
+    path = surface.write(tmp_path / "m.npy", self_affine(8, 1e-6, 0.8, 1e-6, 1))
+    for call, words in (
+        (lambda: surface.read(tmp_path / "none.npy"), "no such height map"),
+        (lambda: surface.read(path), "pixel size"),
+        (lambda: surface.read(path, pixel="1 inch"), "length in m"),
+        (lambda: surface.read(path, pixel="-1um"), "positive"),
+        (lambda: surface.read(path, pixel=1e-6, unit="feet"), "units of height"),
+        (lambda: surface.read(path, pixel=1e-6).without_form(20), "form order"),
+        (lambda: self_affine(8, 1e-6, 1.5, 1e-6, 1), "hurst"),
+        (lambda: self_affine(8, 1e-6, 0.5, -1e-6, 1), "roughness"),
+        (lambda: self_affine(64, 1e-6, 0.5, 1e-6, 1, shortest=1.0), "no wave"),
+        (lambda: HeightMap([[1, 2], [3, 4]], 1e-6), "at least 4"),
+        (lambda: HeightMap(np.zeros((16, 16)), 1e-6).fractal_dimension_by_boxes(), "64 by 64"),
+        (lambda: surface.write(tmp_path / "m.tif", self_affine(8, 1e-6, 0.8, 1e-6, 1)), "suffixes"),
+    ):
+        with pytest.raises(dl.DemlawsError, match=words):
+            call()
+
+
+def test_other_files_need_surface_topography(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "map.opd").write_bytes(b"anything")
+    with pytest.raises(dl.DemlawsError, match=r"demlaws\[surfaces\]"):
+        surface.read(tmp_path / "map.opd")
+
+
+def test_instrument_files_go_through_surface_topography(tmp_path):
+    """A map written by SurfaceTopography (NetCDF), with a unit, missing pixels and a shape."""
+    topography = pytest.importorskip("SurfaceTopography")
+    z = np.arange(24, dtype=float).reshape(4, 6) * 0.1  # rows along y, in µm
+    z[1, 2] = np.nan
+    theirs = topography.Topography(np.ma.masked_invalid(z).T, physical_sizes=(12.0, 4.0), unit="µm")
+    theirs.to_netcdf(str(tmp_path / "map.nc"))
+    heights = surface.read(tmp_path / "map.nc")
+    assert heights.shape == (4, 6)
+    assert (heights.pixel_x, heights.pixel_y) == pytest.approx((2e-6, 1e-6))
+    np.testing.assert_allclose(heights.heights, z * 1e-6, rtol=1e-12)
+    bad = tmp_path / "bad.opd"
+    bad.write_bytes(b"not a surface")
+    with pytest.raises(dl.DemlawsError, match="SurfaceTopography cannot read") as error:
+        surface.read(bad)
+    assert len(str(error.value)) < 300
