@@ -270,7 +270,7 @@ private:
     model_.surfacesClose(data, on_i, on_j);
   }
 
-  void contacts(PairGran *parent, size_t count, bool slow, int addflag, int *const *all_flags, double *const *all_history,
+  __attribute__((flatten)) void contacts(PairGran *parent, size_t count, bool slow, int addflag, int *const *all_flags, double *const *all_history,
                 int size) {
     double *const *const v = atom->v, *const *const omega = atom->omega;
     double *const *const f = atom->f, *const *const torque = atom->torque;

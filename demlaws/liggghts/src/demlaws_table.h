@@ -66,7 +66,7 @@ inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
 }
 
 // One grid cell: s(t) = c[0] + t (c[1] + t (c[2] + t c[3])), t in [0, 1) from the cell's start to its end.
-struct alignas(32) Cell {
+struct Cell {
   double c[4];
 };
 

@@ -33,7 +33,7 @@ struct Pending {
   }
 };
 
-struct alignas(64) TypePair {
+struct TypePair {
   Pair pair;
   double damping;            // -2 sqrt(5/6) beta
   double tangential;         // kt / K = 4 G* / E*

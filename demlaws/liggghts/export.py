@@ -1,0 +1,3 @@
+class Grain: pass
+def export(): pass
+def stock_fit(): pass
