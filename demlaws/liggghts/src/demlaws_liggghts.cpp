@@ -6,6 +6,7 @@
 #include "lammps.h"
 #include "pointers.h"
 #include "memory.h"
+#include "compute.h"
 #include "error.h"
 #include "atom.h"
 #include "comm.h"
@@ -138,12 +139,61 @@ private:
   std::vector<char *> kept_;
 };
 
+// compute ID GROUP demlaws/energy: what the pairs of this model hold and what their plastic flow took, [1] and [2] [J].
+struct EnergySource {
+  virtual ~EnergySource() {}
+  virtual void energies(double &stored, double &dissipated) = 0; // of this rank; a pair across ranks counts half
+  static EnergySource *&of(LAMMPS *lmp) {
+    static std::map<LAMMPS *, EnergySource *> sources;
+    return sources[lmp];
+  }
+};
+
+class ComputeEnergy : public Compute {
+public:
+  ComputeEnergy(LAMMPS *lmp, int &iarg, int narg, char **arg) : Compute(lmp, iarg, narg, arg) {
+    if (iarg != narg) error->all(FLERR, "compute demlaws/energy takes no arguments");
+    vector_flag = 1;
+    size_vector = 2;
+    extvector = 1;
+    vector = new double[2]();
+  }
+  ~ComputeEnergy() { delete[] vector; }
+  void init() {
+    if (!EnergySource::of(lmp)) error->all(FLERR, "compute demlaws/energy needs pair_style gran model demlaws/table");
+  }
+  void compute_vector() {
+    invoked_vector = update->ntimestep;
+    double mine[2] = {0., 0.};
+    EnergySource::of(lmp)->energies(mine[0], mine[1]);
+    MPI_Allreduce(mine, vector, 2, MPI_DOUBLE, MPI_SUM, world);
+  }
+  static Compute *create(LAMMPS *lmp, int iarg, int narg, char **arg) { return new ComputeEnergy(lmp, iarg, narg, arg); }
+};
+
+// Modify::compute_map, where a style is registered at run time, is private; an explicit instantiation may name it.
+struct ComputeMap {
+  typedef std::map<std::string, Compute *(*)(LAMMPS *, int, int, char **)> *Modify::*type;
+  friend type get(ComputeMap);
+};
+template <class TAG, typename TAG::type MEMBER> struct Access {
+  friend typename TAG::type get(TAG) { return MEMBER; }
+};
+template struct Access<ComputeMap, &Modify::compute_map>;
+
 // The pair loop: what the stock loop does for spheres, in two passes. The first finds the touching neighbours without a
 // branch for each (whether a neighbour touches is what the processor cannot predict); the second computes the contacts.
 // A contact that opens is seen by its flag, so its history starts anew whatever contact_distance_factor is.
-template <class MODEL> class PairStyle : public PairStyles::IGranularPairStyle, private Pointers {
+template <class MODEL> class PairStyle : public PairStyles::IGranularPairStyle, public EnergySource, private Pointers {
 public:
-  PairStyle(LAMMPS *lmp, PairGran *parent, const int64_t hash) : Pointers(lmp), model_(lmp, parent, false, hash) {}
+  PairStyle(LAMMPS *lmp, PairGran *parent, const int64_t hash)
+      : Pointers(lmp), model_(lmp, parent, false, hash), parent_(parent) {
+    EnergySource::of(lmp) = this;
+    ((*modify).*get(ComputeMap()))->operator[]("demlaws/energy") = &ComputeEnergy::create;
+  }
+  ~PairStyle() {
+    if (EnergySource::of(lmp) == this) EnergySource::of(lmp) = NULL;
+  }
   int64_t hashcode() { return model_.hashcode(); }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp, count, arguments);
@@ -234,13 +284,43 @@ public:
     }
     contacts(parent, count, slow, addflag, all_flags, all_history, size);
     model_.endPass(data_, on_i, on_j);
-    if (parent->eflag_global) parent->eng_coul += model_.normal.released();
     if (parent->cpl() && addflag) parent->cpl_pair_finalize();
     if (parent->storeContactForces()) parent->fix_contact_forces()->do_forward_comm();
     if (parent->storeContactForcesStress()) parent->fix_contact_forces_stress()->do_forward_comm();
   }
 
+  void energies(double &stored, double &dissipated) {
+    stored = 0.;
+    dissipated = model_.normal.released();
+    const NeighList *const list = parent_->list;
+    if (!list) return;
+    const NeighList *const past = parent_->listgranhistory;
+    double **const x = atom->x;
+    SurfacesCloseData data;
+    for (int ii = 0; ii < list->inum; ii++) {
+      data.i = list->ilist[ii];
+      for (int jj = 0; jj < list->numneigh[data.i]; jj++) {
+        data.j = list->firstneigh[data.i][jj] & NEIGHMASK;
+        data.radi = atom->radius[data.i];
+        data.radj = atom->radius[data.j];
+        const double overlap = data.radi + data.radj - sqrt(distance(x[data.i], x[data.j]));
+        if (!(overlap > 0.)) continue;
+        data.itype = atom->type[data.i];
+        data.jtype = atom->type[data.j];
+        data.contact_history = past ? &past->firstdouble[data.i][parent_->dnum() * jj] : NULL;
+        double s, d;
+        model_.normal.energies(data, overlap, s, d);
+        const double share = data.j < atom->nlocal || force->newton_pair ? 1. : 0.5;
+        stored += share * s;
+        dissipated += share * d;
+      }
+    }
+  }
+
 private:
+  static double distance(const double *a, const double *b) {
+    return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
+  }
   static const size_t BLOCK = 512;
   static const int MODELS = CONTACT_NORMAL_MODEL | CONTACT_COHESION_MODEL | CONTACT_TANGENTIAL_MODEL |
                             CONTACT_ROLLING_MODEL | CONTACT_SURFACE_MODEL;
@@ -249,6 +329,7 @@ private:
     int i, j, jj, pad;
   };
   MODEL model_;
+  PairGran *const parent_;
   SurfacesIntersectData data_;
   std::vector<Touch> touches_;
 
@@ -335,8 +416,7 @@ private:
     }
   }
 
-  // What other parts of LIGGGHTS want to know about a contact. The stored energy of the pairs is tallied as the van der
-  // Waals energy and their plastic dissipation as the Coulomb energy: thermo keywords evdwl and ecoul.
+  // What other parts of LIGGGHTS want to know about a contact. The stored energy is tallied as the pair energy (compute pe).
   __attribute__((noinline)) void record(PairGran *parent, SurfacesIntersectData data, ForceData on_i, ForceData on_j,
                                         int addflag) {
     const int i = data.i, j = data.j, *const tag = atom->tag;
@@ -349,7 +429,7 @@ private:
     if (parent->evflag) {
       double stored = 0., dissipated = 0.;
       if (parent->eflag_either) model_.normal.energies(data, data.deltan, stored, dissipated);
-      parent->ev_tally_xyz(i, j, atom->nlocal, force->newton_pair, stored, dissipated, on_i.delta_F[0], on_i.delta_F[1],
+      parent->ev_tally_xyz(i, j, atom->nlocal, force->newton_pair, stored, 0., on_i.delta_F[0], on_i.delta_F[1],
                            on_i.delta_F[2], data.delta[0], data.delta[1], data.delta[2]);
     }
     if (parent->storeContactForces() && update->ntimestep % parent->storeContactForcesEvery() == 0) {

@@ -517,12 +517,15 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
     if (overlap > 0.) stored = scale * pair.table->energy(overlap / length);
     return;
   }
-  if (!(overlap > 0.) || !(state[0] > 0.)) return;
+  if (!(state[0] > 0.)) return;
   const double r = pair.rule == THORNTON ? radius * state[2] : radius;
   const double recoverable = state[0] - state[1], left = overlap - state[1];
   const double hertz = (8. / 15.) * pair.modulus * sqrt(r);
-  if (left > 0.) stored = hertz * left * left * sqrt(left);
-  dissipated = scale * pair.table->energy(state[0] / length) - hertz * recoverable * recoverable * sqrt(recoverable);
+  // a law with a seating load has a negative plastic overlap: what lies below zero overlap never comes back
+  const double lost = state[1] < 0. ? hertz * state[1] * state[1] * sqrt(-state[1]) : 0.;
+  if (overlap > 0. && left > 0.) stored = std::max(0., hertz * left * left * sqrt(left) - lost);
+  dissipated =
+      scale * pair.table->energy(state[0] / length) - (hertz * recoverable * recoverable * sqrt(recoverable) - lost);
 }
 
 } // namespace demlaws
