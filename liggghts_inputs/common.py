@@ -12,7 +12,6 @@ import time
 from pathlib import Path
 
 import demlaws as dl
-from demlaws.liggghts.tables import save_table
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
 
@@ -32,7 +31,7 @@ def contact(radius1, radius2=float("inf"), roughness=1.7e-6, fractal_dimension=2
 
 def table(folder, name, law, rtol=1e-5):
     """Write a table of `law` as folder/name and return the name."""
-    save_table(law, Path(folder) / name, rtol)
+    law.tabulate(rtol=rtol).save(Path(folder) / name)
     return name
 
 

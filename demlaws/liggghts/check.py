@@ -13,7 +13,6 @@ from demlaws.errors import DemlawsError
 from demlaws.law import law as make_law
 from demlaws.liggghts.build import PACKAGES, build
 from demlaws.liggghts.run import executable, run
-from demlaws.liggghts.tables import save_table
 
 VERSION = "3.8.0"
 
@@ -57,7 +56,7 @@ run             60000
 velocity        right set 0.2 0 0
 run             30000
 velocity        right set -0.2 0 0
-run             50000
+run             45000
 velocity        right set 0.2 0 0
 run             90000
 velocity        right set -0.2 0 0
@@ -97,7 +96,7 @@ def two_particles(law, rtol=1e-5, radius=None, folder=None, ranks=1):
     radius = 2 * law.contact.radius if radius is None else radius
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(folder or scratch)
-        save_table(law, folder / "law.tbl", rtol)
+        law.tabulate(rtol=rtol).save(folder / "law.tbl")
         (folder / "in.two_particles").write_text(TWO_PARTICLES)
         young = 2 * law.contact.modulus * (1 - 0.25**2)
         log = run(folder / "in.two_particles", ranks, {"young": repr(young), "radius": repr(radius), "table": "law.tbl"})

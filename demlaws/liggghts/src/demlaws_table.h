@@ -72,7 +72,7 @@ struct Cell {
 
 class Table {
 public:
-  Table() : bits_(0), first_(0), count_(0), kinks_(0), rule_(ELASTIC) {}
+  Table() : bits_(0), first_(0), count_(0), rule_(ELASTIC) {}
   explicit Table(const std::string &path) { read(path); }
 
   // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
@@ -92,6 +92,18 @@ public:
     const double x = strtod(value.c_str(), &end);
     return value.empty() || end == value.c_str() || *end ? otherwise : x;
   }
+  // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
+  double of_contact(const std::string &name, double otherwise) const {
+    const std::string json = text("contact"), key = "\"" + name + "\":";
+    const size_t at = json.find(key);
+    if (at == std::string::npos) return otherwise;
+    const char *const begin = json.c_str() + at + key.size();
+    char *end = NULL;
+    const double x = strtod(begin, &end);
+    return end == begin ? otherwise : x;
+  }
+  // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
+  bool collapses() const { return text("collapses") != "no"; }
   Unloading unloading() const { return rule_; }
   double first_overlap() const { return u_first_; }
   double last_overlap() const { return u_last_; }
@@ -174,7 +186,6 @@ private:
   std::map<std::string, std::string> header_;
   int bits_, shift_;
   int64_t first_, count_;
-  int kinks_;
   uint64_t inverse_width_;
   double kink_[2];
   Unloading rule_;
@@ -225,7 +236,7 @@ private:
       fail(line, std::string(what) + " is '" + token + "', not a finite number");
     return x;
   }
-  void build(const std::vector<Row> &rows, const std::vector<int> &kink_lines);
+  void build(const std::vector<Row> &rows);
 };
 
 inline void Table::read(const std::string &path) {
@@ -326,19 +337,19 @@ inline void Table::read(const std::string &path) {
   static const char *const needed[] = {"law", "unloading", "bits", "rows"};
   for (int i = 0; i < 4; i++)
     if (!has(needed[i])) fail(0, std::string("the header has no '") + needed[i] + ":'");
+  if (number("offset", 0.) != 0.) fail(0, "the table has an offset, which this reader does not know");
   if (expected_rows != (int)rows.size()) {
     std::ostringstream what;
     what << "rows: " << expected_rows << ", but the table has " << rows.size();
     fail(rows_line, what.str());
   }
-  std::vector<int> kink_lines;
-  build(rows, kink_lines);
+  build(rows);
 }
 
-inline void Table::build(const std::vector<Row> &rows, const std::vector<int> &) {
+inline void Table::build(const std::vector<Row> &rows) {
   shift_ = 52 - bits_;
   inverse_width_ = (uint64_t)(2046 + bits_) << 52;
-  kinks_ = 0;
+  int kinks = 0, split = 0;
   kink_[0] = kink_[1] = HUGE_VAL;
   const size_t n = rows.size();
   std::vector<double> s(n), m(n);
@@ -356,7 +367,6 @@ inline void Table::build(const std::vector<Row> &rows, const std::vector<int> &)
   f_last_ = rows[n - 1].f;
   first_ = index(u_first_);
   if (start(first_) != u_first_) fail(rows[0].line, "the first overlap is not on the grid of the header's 'bits'");
-  storage_.assign(1, Cell());
   std::vector<Cell> cells;
   nodes_.clear();
   int64_t grid = first_;
@@ -364,9 +374,10 @@ inline void Table::build(const std::vector<Row> &rows, const std::vector<int> &)
     const double a = start(grid), b = start(grid + 1), width = b - a;
     const double u0 = rows[i].u, u1 = rows[i + 1].u;
     if (u1 == u0) { // a kink: the same overlap twice
-      if (kinks_ == 2) fail(rows[i + 1].line, "more than two kinks");
-      if (i == 0 || i + 2 == n || (i > 0 && rows[i - 1].u == u0)) fail(rows[i + 1].line, "a kink at the end of the table");
-      kink_[kinks_++] = u0;
+      if (kinks == 2) fail(rows[i + 1].line, "more than two kinks");
+      if (i == 0 || i + 2 == n || rows[i - 1].u == u0) fail(rows[i + 1].line, "a kink at the end of the table");
+      kinks++;
+      if (u0 != a) kink_[split++] = u0; // one on a grid point splits no cell
       continue;
     }
     const bool after_kink = i > 0 && rows[i - 1].u == u0;
@@ -396,9 +407,6 @@ inline void Table::build(const std::vector<Row> &rows, const std::vector<int> &)
   }
   nodes_.push_back(u_last_);
   if (start(grid) != u_last_) fail(rows[n - 1].line, "the last overlap is not on the grid of the header's 'bits'");
-  // a kink on a grid point splits no cell: the shift by one would miss
-  for (int i = 0; i < kinks_; i++)
-    if (start(index(kink_[i])) == kink_[i]) fail(0, "a kink lies on a grid point; that needs no double row");
   storage_.resize(cells.size() + 1);
   const uintptr_t raw = (uintptr_t)&storage_[0];
   Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
@@ -435,7 +443,7 @@ struct Pair {
   Pair(const Table &t, double effective_modulus, double roughness = 0.)
       : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.) {
     const double over_roughness = t.number("length_over_roughness", 0.);
-    if (t.has("length_over_radius")) length_per_radius = t.number("length_over_radius", 0.);
+    if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
     else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
     else length = t.number("length", 0.);
     if (!(length > 0.) && !(length_per_radius > 0.))

@@ -194,7 +194,7 @@ private:
       if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive [m]").c_str());
     }
     const double E = effective_modulus_[i][j] / force->nktv2p;
-    const bool collapses = table.text("collapses") != "no";
+    const bool collapses = table.collapses();
     try {
       type.pair = demlaws::Pair(table, E, collapses ? sigma : 0.);
     } catch (const std::exception &problem) {
@@ -202,8 +202,8 @@ private:
     }
     type.radius = 0.;
     if (!collapses) {
-      type.radius = table.number("radius", 0.);
-      const double made_for = table.number("modulus", 0.);
+      type.radius = table.of_contact("radius", 0.);
+      const double made_for = table.of_contact("modulus", 0.);
       if (!(type.radius > 0.) || !(made_for > 0.))
         error->all(FLERR, (who.str() + table.path() + " says 'collapses: no' but has no radius and modulus").c_str());
       if (fabs(E - made_for) > 1e-6 * made_for) {
