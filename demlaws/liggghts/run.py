@@ -83,7 +83,8 @@ _NUMBER = re.compile(r"[-+0-9.]")
 def read_log(path):
     """Thermo output of a LIGGGHTS log: dict column → array, the rows of all runs one after another.
 
-    Rows that a run repeats (its first step is the last one of the run before) are kept once.
+    Rows that a run repeats (its first step is the last one of the run before) are kept once; where the columns change,
+    only the rows after the last change are returned.
     """
     try:
         lines = Path(path).read_text(errors="replace").splitlines()
@@ -94,9 +95,9 @@ def read_log(path):
     for line in lines:
         words = line.split()
         if words and words[0] == "Step" and not any(w[0].isdigit() for w in words):
-            if names is not None and words != names:
-                raise DemlawsError(f"{path}: the thermo columns change from {names} to {words}; use one thermo_style")
-            names, inside = words, True
+            if words != names:
+                names, rows = words, []
+            inside = True
             continue
         if inside and names and len(words) == len(names) and _NUMBER.match(words[0]):
             try:
