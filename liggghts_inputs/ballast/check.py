@@ -21,7 +21,7 @@ def check(folder):
     print(f"settlement between the first and the last of {ends.size} cycles: {settlement:.4f} mm")
     follow = np.abs(np.abs(log["carried"]) - log["load"])[cyclic]
     return [
-        ("load carried against asked for, median, of the largest load", np.median(follow) / log["load"].max(), 0.05),
+        ("load carried against asked for, median, of the largest load", np.median(follow) / log["load"].max(), 0.1),
         ("heave instead of settlement [mm]", max(0.0, -settlement), 0.0),
         ("plastic dissipation that went backwards", max(0.0, -np.diff(log["lost"]).min()) / log["lost"][-1], 1e-12),
     ]

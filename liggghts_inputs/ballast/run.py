@@ -12,7 +12,7 @@ import common
 import demlaws as dl
 from demlaws.liggghts import run
 
-PERIOD = 20000
+PERIOD = 40000
 
 
 def law():
@@ -23,7 +23,7 @@ def simulate(folder, ranks=1, quick=False):
     common.table(folder, "granite.tbl", law())
     size = {"half": 0.08, "height": 0.5, "count": 100} if quick else {"half": 0.15, "height": 0.6, "count": 500}
     load = {"mean": 500, "amplitude": 400} if quick else {"mean": 2000, "amplitude": 1600}
-    cycles = (5 if quick else 50) * PERIOD
+    cycles = (5 if quick else 25) * PERIOD
     # the plate is 52 mm wide in its file; it leaves the grains at the walls alone
     variables = {**size, **load, "period": PERIOD, "cycles": cycles, "scale": 0.85 * size["half"] / 0.026}
     run(folder / "in.ballast", ranks, variables, echo=not quick)
