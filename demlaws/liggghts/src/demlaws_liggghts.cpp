@@ -521,6 +521,7 @@ struct Registration {
     add<TANGENTIAL, ROLLING_EPSD2>();
   }
   Registration() {
+    setvbuf(stdout, NULL, _IOLBF, BUFSIZ); // or the reason of an MPI_Abort is lost where the output goes to a pipe
     ContactModels::Factory::instance().addNormalModel("demlaws/table", DEMLAWS_TABLE);
     add_rolling<TANGENTIAL_OFF>();
     add_rolling<TANGENTIAL_NO_HISTORY>();
