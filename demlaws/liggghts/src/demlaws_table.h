@@ -237,6 +237,7 @@ private:
     return x;
   }
   void build(const std::vector<Row> &rows);
+  void extend_below(std::vector<Cell> &cells);
 };
 
 inline void Table::read(const std::string &path) {
@@ -407,6 +408,7 @@ inline void Table::build(const std::vector<Row> &rows) {
   }
   nodes_.push_back(u_last_);
   if (start(grid) != u_last_) fail(rows[n - 1].line, "the last overlap is not on the grid of the header's 'bits'");
+  extend_below(cells);
   storage_.resize(cells.size() + 1);
   const uintptr_t raw = (uintptr_t)&storage_[0];
   Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
@@ -426,6 +428,32 @@ inline void Table::build(const std::vector<Row> &rows) {
   work_.assign(nodes_.size(), 0.);
   work_[0] = (4. / 3.) * s_first_ * sqrt(s_first_) * u_first_ / (1.5 * power_first_ + 1.);
   for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
+}
+
+// Cells for the power law below the first row: pow() costs as much as all the rest of a contact. Only where cells of this
+// width hold it within the table's own tolerance.
+inline void Table::extend_below(std::vector<Cell> &cells) {
+  const int octaves = std::min(40, std::max(4, 16384 >> bits_));
+  const int64_t start_at = first_ - ((int64_t)octaves << bits_);
+  std::vector<Cell> below;
+  double worst = 0.;
+  for (int64_t grid = start_at; grid < first_; grid++) {
+    const double a = start(grid), b = start(grid + 1), p = power_first_;
+    const double s0 = s_first_ * pow(a / u_first_, p), s1 = s_first_ * pow(b / u_first_, p);
+    const double m0 = p * s0 / a * (b - a), m1 = p * s1 / b * (b - a), rise = s1 - s0;
+    Cell cell = {{s0, m0, 3. * rise - 2. * m0 - m1, m0 + m1 - 2. * rise}};
+    below.push_back(cell);
+    for (int i = 1; i < 4; i++) {
+      const double t = 0.25 * i, exact = s_first_ * pow((a + t * (b - a)) / u_first_, p);
+      const double slope = p * exact / (a + t * (b - a)) * (b - a);
+      const double s = s0 + t * (m0 + t * (cell.c[2] + t * cell.c[3]));
+      const double ds = m0 + t * (2. * cell.c[2] + 3. * t * cell.c[3]);
+      worst = std::max(worst, std::max(1.5 * fabs(s / exact - 1.), fabs(ds / slope - 1.)));
+    }
+  }
+  if (!(worst <= std::max(number("rtol", 0.), 1e-12))) return;
+  cells.insert(cells.begin(), below.begin(), below.end());
+  first_ = start_at;
 }
 
 // What the contacts between two materials share.
