@@ -16,10 +16,9 @@ HEADERS = Path("/usr/include/liggghts")
 PACKAGES = "sudo apt install liggghts libliggghts-dev libopenmpi-dev g++"
 
 # Vectorisation of the short loops over x, y, z reads in one piece what was just written in three: the processor waits.
-FLAGS = (
-    "-O3 -fno-tree-vectorize -fno-tree-slp-vectorize -fno-math-errno -fno-trapping-math -ffp-contract=fast "
-    "-std=c++11 -fPIC -shared -w -DOMPI_SKIP_MPICXX"
-).split()
+FLAGS = ["-std=c++11", "-O3", "-fno-tree-vectorize", "-fno-tree-slp-vectorize"]
+FLAGS += ["-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast"]
+FLAGS += ["-fPIC", "-shared", "-w", "-DOMPI_SKIP_MPICXX"]
 
 
 def header_folder():

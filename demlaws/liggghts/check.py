@@ -114,9 +114,12 @@ def check(report=print):
     for unloading in ("elastic", "hertz"):
         for rtol, limit in ((1e-5, 1e-5), (1e-9, 1e-8)):
             law = make_law("pohrt-popov", contact, unloading=unloading)
-            overlap, force, expected = two_particles(law, rtol)
+            _, force, expected = two_particles(law, rtol)
             worst = float(np.max(np.abs(force - expected)) / np.max(expected))
-            line = f"self-test pohrt-popov, {unloading} unloading, table {rtol:g}: |force - law| ≤ {worst:.1e} of {expected.max():.1f} N"
+            line = (
+                f"self-test pohrt-popov, {unloading} unloading, table {rtol:g}: "
+                f"|force - law| ≤ {worst:.1e} of {expected.max():.1f} N"
+            )
             if not worst <= limit:
                 raise DemlawsError(f"{line}; allowed {limit:g}")
             report(line)

@@ -16,7 +16,10 @@ def register(subparsers):
     """Add the sub-command and its own sub-commands."""
     raw = {"formatter_class": argparse.RawDescriptionHelpFormatter}
     parser = subparsers.add_parser(
-        "liggghts", help="the laws inside LIGGGHTS: build, check, export, run", epilog="example:\n  demlaws liggghts check", **raw
+        "liggghts",
+        help="the laws inside LIGGGHTS: build, check, export, run",
+        epilog="example:\n  demlaws liggghts check",
+        **raw,
     )
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART")
 
@@ -55,7 +58,10 @@ def register(subparsers):
     export.set_defaults(func=_export)
 
     run = parts.add_parser(
-        "run", help="run an input with the plugin", epilog="example:\n  demlaws liggghts run in.case -np 2 -var steps 5000", **raw
+        "run",
+        help="run an input with the plugin",
+        epilog="example:\n  demlaws liggghts run in.case -np 2 -var steps 5000",
+        **raw,
     )
     run.add_argument("input", help="input script; LIGGGHTS runs in its folder")
     run.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
@@ -89,8 +95,7 @@ def _export(arguments):
 
     count = len(arguments.radius)
     columns = [
-        _each(arguments, name, count)
-        for name in ("roughness", "fractal_dimension", "young", "poisson", "hardness", "density")
+        _each(arguments, name, count) for name in ("roughness", "fractal_dimension", "young", "poisson", "hardness", "density")
     ]
     grains = [
         Grain(radius, Material(young, poisson, hardness, density), Surface(roughness, dimension, hardness))

@@ -4,7 +4,7 @@ import json
 import math
 import os
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ class Grain:
 
     radius: float
     material: Material
-    surface: Surface = Surface()
+    surface: Surface = field(default_factory=Surface)
 
     def contact(self, other, wall=False):
         """Contact of this grain with another, or with a plane wall made as the other is (`wall`)."""
@@ -59,7 +59,9 @@ class StockFit(NamedTuple):
 
     def table(self):
         """The errors as text lines."""
-        lines = [f"fit of stock {self.model} at {self.load:g} N: " + ", ".join(f"{k} = {v:.6g}" for k, v in self.parameters.items())]
+        lines = [
+            f"fit of stock {self.model} at {self.load:g} N: " + ", ".join(f"{k} = {v:.6g}" for k, v in self.parameters.items())
+        ]
         lines += [f"  at {p:8.3g} N the force is {100 * e:+7.1f} % off" for p, e in zip(self.loads, self.error, strict=True)]
         if not math.isnan(self.plastic_error):
             lines.append(f"  plastic overlap after {self.load:g} N: {100 * self.plastic_error:+.1f} % off")
@@ -146,7 +148,7 @@ def _tables(folder, name, grains, unloading, options, rtol):
 
 
 def _matrix(value, n):
-    return " ".join([f"{value:g}"] * (n * n))
+    return " ".join([f"{value:.12g}"] * (n * n))
 
 
 def export(
@@ -236,13 +238,15 @@ def export(
         "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
         "count": count,
         "load": load,
+        "columns": " ".join(f"c_contacts[{i}]" for i in range(1, 13)),
     }
     write_atomically(folder / "in.case", _CASE.format(**values))
     write_atomically(folder / "run.sh", _RUN_STOCK if fit else _RUN)
     os.chmod(folder / "run.sh", 0o755)
     write_atomically(
         folder / "case.json",
-        json.dumps({"law": law, "unloading": unloading, "options": options, "stock": fit.model if fit else None}, indent=1) + "\n",
+        json.dumps({"law": law, "unloading": unloading, "options": options, "stock": fit.model if fit else None}, indent=1)
+        + "\n",
     )
     return folder / "in.case"
 
@@ -256,21 +260,20 @@ def _more_properties(roughness, grains, fit, types):
         values = " ".join(f"{v:.10g}" for v in [*roughness, roughness[0]])
         lines.append(f"fix             p5 all property/global surfaceRoughness peratomtype {values}")
     if fit is not None and fit.model != "hertz":
-        k = fit.parameters
+        values = {
+            "LoadingStiffness": fit.parameters["LoadingStiffness"],
+            "UnloadingStiffness": fit.parameters["UnloadingStiffness"],
+            "pullOffForce": 0.0,
+            "surfaceEnergy": 0.0,
+            "coefficientAdhesionStiffness": 0.0,
+        }
         lines += [
-            f"fix             p6 all property/global LoadingStiffness peratomtypepair {types} {_matrix_full(k['LoadingStiffness'], types)}",
-            f"fix             p7 all property/global UnloadingStiffness peratomtypepair {types} {_matrix_full(k['UnloadingStiffness'], types)}",
-            f"fix             p8 all property/global overlapExponent scalar {k['overlapExponent']:.12g}",
-            "fix             p9 all property/global adhesionExponent scalar 1.",
-            f"fix             p10 all property/global pullOffForce peratomtypepair {types} {_matrix(0.0, types)}",
-            f"fix             p11 all property/global surfaceEnergy peratomtypepair {types} {_matrix(0.0, types)}",
-            f"fix             p12 all property/global coefficientAdhesionStiffness peratomtypepair {types} {_matrix(0.0, types)}",
+            f"fix             p6_{name} all property/global {name} peratomtypepair {types} {_matrix(value, types)}"
+            for name, value in values.items()
         ]
+        for name, value in (("overlapExponent", fit.parameters["overlapExponent"]), ("adhesionExponent", 1.0)):
+            lines.append(f"fix             p7_{name} all property/global {name} scalar {value:.12g}")
     return "".join(line + "\n" for line in lines)
-
-
-def _matrix_full(value, n):
-    return " ".join([f"{value:.12g}"] * (n * n))
 
 
 _CASE = """\
@@ -310,13 +313,14 @@ fix             front all wall/gran model {model} tangential history primitive t
 fix             rear all wall/gran model {model} tangential history primitive type {types} yplane {side:g}{walls}
 
 {templates}fix             sizes all particledistribution/discrete/numberbased 86028121 {mixture}
-fix             insert all insert/pack seed 86028157 distributiontemplate sizes vel constant 0 0 -0.2 insert_every once overlapcheck yes all_in yes particles_in_region {count} region box
+fix             insert all insert/pack seed 86028157 distributiontemplate sizes vel constant 0 0 -0.2 &
+                insert_every once overlapcheck yes all_in yes particles_in_region {count} region box
 fix             move all nve/sphere
 run             1
 unfix           insert
 
 dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz
-dump            contacts all local 5000 post/contacts.*.txt c_contacts[1] c_contacts[2] c_contacts[3] c_contacts[4] c_contacts[5] c_contacts[6] c_contacts[7] c_contacts[8] c_contacts[9] c_contacts[10] c_contacts[11] c_contacts[12]
+dump            contacts all local 5000 post/contacts.*.txt {columns}
 thermo_style    custom step atoms ke cpu
 thermo          1000
 run             ${{steps}}

@@ -1,6 +1,6 @@
 """Cyclic load on a ballast-like bed of granite spheres; 2 minutes (5 cycles on a small bed with --quick, 20 s).
 
-    python run.py
+python run.py
 """
 
 import sys

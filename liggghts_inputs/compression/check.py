@@ -19,7 +19,11 @@ def check(folder):
     findings = [
         ("stress, Pohrt–Popov over Hertz", peak["pohrt-popov"] / peak["hertz"], 1.0),
         ("stress, rough-plastic over Pohrt–Popov", peak["rough-plastic"] / peak["pohrt-popov"], 1.0),
-        ("Hertz table against stock hertz, of the peak stress", np.abs(stress["hertz"] - stress["stock"]).max() / peak["stock"], 1e-3),
+        (
+            "Hertz table against stock hertz, of the peak stress",
+            np.abs(stress["hertz"] - stress["stock"]).max() / peak["stock"],
+            1e-3,
+        ),
     ]
     for name in ("hertz", "pohrt-popov", "rough-plastic"):
         floor = np.abs(logs[name]["floor_st"])

@@ -1,6 +1,6 @@
 """Oedometer test of granite spheres for Hertz, Pohrt–Popov and rough-plastic contacts; about 1 minute.
 
-    python run.py
+python run.py
 """
 
 import sys
@@ -48,7 +48,12 @@ def simulate(folder, ranks=1, quick=False):
         common.table(folder, f"{name}.pair.tbl", pair)
         common.table(folder, f"{name}.wall.tbl", wall)
         tables = f"table {name}.pair.tbl pairtable 1 2 {name}.wall.tbl pairtable 2 2 {name}.wall.tbl".split()
-        run(folder / "in.compression", ranks, {"model": "demlaws/table", "tables": " ".join(tables), **variables}, log=f"log.{name}")
+        run(
+            folder / "in.compression",
+            ranks,
+            {"model": "demlaws/table", "tables": " ".join(tables), **variables},
+            log=f"log.{name}",
+        )
     stock = {"model": "hertz", "tables": "tangential_damping on", **variables}
     run(folder / "in.compression", ranks, stock, log="log.stock", plugin=False)
 

@@ -42,7 +42,11 @@ def check(folder, unloading="hertz"):
         log = read_log(Path(folder) / f"log.{restitution:g}")
         peak, rebound = reference(law, case.SPEED, restitution, case.DT, log["Step"].size)
         findings.append(
-            (f"restitution {restitution:g}: peak force {peak:.4f} N, relative difference", abs(log["force"].max() / peak - 1), 1e-6)
+            (
+                f"restitution {restitution:g}: peak force {peak:.4f} N, relative difference",
+                abs(log["force"].max() / peak - 1),
+                1e-6,
+            )
         )
         findings.append(
             (

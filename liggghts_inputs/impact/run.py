@@ -1,6 +1,6 @@
 """Head-on impact of two granite spheres of 16 mm, with and without viscous damping; about 3 s.
 
-    python run.py
+python run.py
 """
 
 import sys

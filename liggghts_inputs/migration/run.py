@@ -1,6 +1,6 @@
 """A contact that crosses from one rank to the other in mid-unloading, and a block on 1, 2 and 4 ranks; about 10 s.
 
-    python run.py -np 2
+python run.py -np 2
 """
 
 import sys

@@ -16,7 +16,11 @@ def check(folder):
     return [
         ("walls against weight, relative difference", abs(log["held"][-1] / weight - 1), 0.01),
         ("kinetic energy, of the packing's weight times 1 mm", log["KinEng"][-1] / drop, 1e-2),
-        ("plastic dissipation that went backwards", max(0.0, -min(log["lost"][i + 1] - log["lost"][i] for i in range(len(log["lost"]) - 1))) / log["lost"][-1], 1e-12),
+        (
+            "plastic dissipation that went backwards",
+            max(0.0, -min(log["lost"][i + 1] - log["lost"][i] for i in range(len(log["lost"]) - 1))) / log["lost"][-1],
+            1e-12,
+        ),
     ]
 
 

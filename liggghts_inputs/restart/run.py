@@ -1,6 +1,6 @@
 """Two granite spheres, restart in mid-unloading in a new process; about 2 s.
 
-    python run.py
+python run.py
 """
 
 import sys

@@ -23,9 +23,19 @@ def check(folder, unloading="hertz", limit=1e-5):
             difference = np.abs(log[column] - expected)[touching].max() / scale
             findings.append((f"history value {column} against the law, of the largest overlap", difference, limit))
     scale = path.work.max()
-    findings.append(("stored energy (compute demlaws/energy), of the largest work", np.abs(log["stored"] - path.stored).max() / scale, limit))
     findings.append(
-        ("plastic dissipation (compute demlaws/energy), of the largest work", np.abs(log["lost"] - path.dissipated).max() / scale, limit)
+        (
+            "stored energy (compute demlaws/energy), of the largest work",
+            np.abs(log["stored"] - path.stored).max() / scale,
+            limit,
+        )
+    )
+    findings.append(
+        (
+            "plastic dissipation (compute demlaws/energy), of the largest work",
+            np.abs(log["lost"] - path.dissipated).max() / scale,
+            limit,
+        )
     )
     return findings
 

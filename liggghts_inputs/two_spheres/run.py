@@ -1,6 +1,6 @@
 """Two granite spheres, load–unload–reload–separate–load; about 5 s.
 
-    python run.py
+python run.py
 """
 
 import sys

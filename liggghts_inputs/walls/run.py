@@ -1,6 +1,6 @@
 """A granite sphere on a primitive wall and on a mesh wall, sliding across triangles; about 10 s.
 
-    python run.py
+python run.py
 """
 
 import sys

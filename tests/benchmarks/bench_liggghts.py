@@ -121,7 +121,8 @@ def main():
                     own = {"model": model, "words": words, "file": f"rest.{number}", "ranks": ranks, "steps": options.steps}
                     run(folder / "in.time", ranks, {**variables, **own}, plugin=name != "hertz, stock")
                     times[name].append(timings(folder / "log.liggghts"))
-            print(f"\n{len(rows)} spheres, {ranks} rank{'s' if ranks > 1 else ''}, median of {options.rounds} rounds of {options.steps} steps")
+            title = f"{len(rows)} spheres, ranks: {ranks}, median of {options.rounds} rounds of {options.steps} steps"
+            print("\n" + title)
             print(f"{'law':32s} {'µs/step':>8s} {'step ratio':>11s} {'pair ratio':>11s} {'efficiency':>11s}")
             stock = times["hertz, stock"]
             for name, values in times.items():
@@ -129,7 +130,10 @@ def main():
                 ratio = statistics.median(v[0] / s[0] for v, s in zip(values, stock, strict=True))
                 pair = statistics.median(v[1] / s[1] for v, s in zip(values, stock, strict=True))
                 pair_one.setdefault(name, step * ranks)
-                print(f"{name:32s} {step * 1e6:8.0f} {ratio:11.3f} {pair:11.3f} {pair_one[name] / (step * ranks):11.2f}", flush=True)
+                print(
+                    f"{name:32s} {step * 1e6:8.0f} {ratio:11.3f} {pair:11.3f} {pair_one[name] / (step * ranks):11.2f}",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

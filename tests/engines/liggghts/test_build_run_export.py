@@ -156,7 +156,8 @@ def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
     def pretend(version, styles):
         fake = tmp_path / "liggghts"
         fake.write_text(
-            f"#!/bin/sh\ncat <<E\nLIGGGHTS (Version LIGGGHTS-PUBLIC {version}, compiled)\n* Atom styles:\n{styles}\n* Integrate styles:\nE\n"
+            f"#!/bin/sh\ncat <<E\nLIGGGHTS (Version LIGGGHTS-PUBLIC {version}, compiled)\n"
+            f"* Atom styles:\n{styles}\n* Integrate styles:\nE\n"
         )
         fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
         monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(fake))
@@ -224,7 +225,11 @@ def test_stock_fit_in_the_stock_binary(tmp_path, stock):
     assert style.split()[3] == fit.model
     loading = TWO_PARTICLES.split("velocity        right set 0.2")[0]
     text = loading.replace("create_box      1 box", "create_box      2 box")
-    kept = [line for line in text.splitlines() if not line.startswith(("pair_style", *(f"fix             m{i}" for i in range(1, 5))))]
+    kept = [
+        line
+        for line in text.splitlines()
+        if not line.startswith(("pair_style", *(f"fix             m{i}" for i in range(1, 5))))
+    ]
     at = next(i for i, line in enumerate(kept) if line.startswith("pair_coeff"))
     # no damping, so that the force is the model's own at any speed
     properties = [p.replace(" 0.5 0.5 0.5 0.5", " 1 1 1 1") if "Restitution" in p else p for p in properties]

@@ -95,7 +95,9 @@ def test_tangential_stiffness_follows_the_normal_tangent(tmp_path, granite_pair)
     log = simulate(tmp_path, two_spheres(GRAN + f"table {table}", moves, every=1000))
     stiffness = law.follow(log["overlap"]).stiffness[-1]
     shear = 60.6e9 / (2 * (1 + 0.25)) / (2 * (2 - 0.25))  # effective G* of two like bodies, as LIGGGHTS has it
-    assert log["side"][-1] == pytest.approx(-4 * shear / modulus() * stiffness * 1e-9, rel=1e-3)  # the normal turns with the slip
+    assert log["side"][-1] == pytest.approx(
+        -4 * shear / modulus() * stiffness * 1e-9, rel=1e-3
+    )  # the normal turns with the slip
 
 
 @pytest.mark.parametrize("restitution", [0.2, 0.8])
@@ -121,7 +123,9 @@ def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
     text = two_spheres(GRAN + f"table {table}", [(0, 0, 100)], every=100)
     wall = "fix floor all wall/gran model demlaws/table tangential history primitive type 1 xplane -0.0087\n"
     text = text.replace("variable        overlap", wall + "variable        overlap")
-    text = text.replace("-(xcm(right,x)-xcm(left,x))", "+0*xcm(left,x)").replace("compute         pull right", "compute         pull left")
+    text = text.replace("-(xcm(right,x)-xcm(left,x))", "+0*xcm(left,x)").replace(
+        "compute         pull right", "compute         pull left"
+    )
     text = text.replace('"0.5*(0.0174+0.0174)+0*xcm(left,x)"', '"-xcm(left,x)"')
     text += "velocity left set -0.2 0 0\nrun 50000\nvelocity left set 0.2 0 0\nrun 20000\n"
     log = simulate(tmp_path, text)
@@ -136,8 +140,11 @@ def test_energies_across_ranks(tmp_path, granite_pair):
     text = two_spheres(GRAN + f"table {table}", LOAD_UNLOAD, every=1000)
     text = text.replace("create_atoms    1 single 0 0 0", "create_atoms    1 single -0.0087 0 0")
     text = text.replace("single 0.0174001 0 0", "single 0.0087001 0 0").replace("neighbor ", "processors 2 1 1\nneighbor ", 1)
-    text = text.replace("region          box", "processors      2 1 1\nregion          box").replace("processors 2 1 1\nneighbor", "neighbor")
-    more = "compute e all demlaws/energy\nvariable stored equal c_e[1]\nvariable lost equal c_e[2]\nthermo_style custom step v_overlap v_force v_stored v_lost"
+    text = text.replace("region          box", "processors      2 1 1\nregion          box").replace(
+        "processors 2 1 1\nneighbor", "neighbor"
+    )
+    more = "compute e all demlaws/energy\nvariable stored equal c_e[1]\nvariable lost equal c_e[2]\n"
+    more += "thermo_style custom step v_overlap v_force v_stored v_lost"
     log = simulate(tmp_path, text.replace("thermo_style    custom step v_overlap v_force v_side", more), ranks=2)
     path = law.follow(log["overlap"])
     assert np.abs(log["force"] - path.force).max() <= 3e-8 * path.force.max()
@@ -158,7 +165,9 @@ def test_the_impact_of_the_python_driver(tmp_path):
     expected = driver.impact(law, 0.5 * sphere_mass(16e-3), 0.2, 40000)
     text = two_spheres(GRAN + f"table {table} tangential_damping off", [], 16e-3, 16e-3, every=1)
     text = text.replace("nve/noforce", "nve/sphere").replace("timestep        1e-9", "timestep        2.5e-9")
-    text = text.replace("v_side", "v_speed").replace("variable        side equal c_side", 'variable speed equal "vcm(right,x)-vcm(left,x)"')
+    text = text.replace("v_side", "v_speed").replace(
+        "variable        side equal c_side", 'variable speed equal "vcm(right,x)-vcm(left,x)"'
+    )
     text += "velocity left set 0.1 0 0\nvelocity right set -0.1 0 0\nrun 50000\n"
     log = simulate(tmp_path, text)
     assert log["force"].max() == pytest.approx(expected.peak_force, rel=1e-6)

@@ -1,6 +1,7 @@
 """The standalone C++ header, by its 30-line example, against Python; and the files it must refuse."""
 
 import subprocess
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -30,7 +31,7 @@ def path_of(law, force):
     """Load, unload, reload beyond, separate, load: overlaps [m]."""
     top = float(law.overlap(force))
     turns = np.array([0.0, 0.6, 0.45, 1.0, 0.7, 0.9, -0.1, 0.5]) * top
-    return np.concatenate([np.linspace(a, b, 60) for a, b in zip(turns[:-1], turns[1:], strict=True)])
+    return np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])
 
 
 @pytest.mark.parametrize(
