@@ -9,7 +9,14 @@ import warnings
 
 from demlaws.errors import DemlawsError, ValidityWarning
 
-PARTS = ("demlaws.granite_cli", "demlaws.curve_cli", "demlaws.surface_cli")
+PARTS = (
+    "demlaws.granite_cli",
+    "demlaws.curve_cli",
+    "demlaws.surface_cli",
+    "demlaws.fit_cli",
+    "demlaws.yade.cli",
+    "demlaws.liggghts.cli",
+)
 
 
 class Parser(argparse.ArgumentParser):

@@ -1,0 +1,124 @@
+"""Run a case: the stock binary with the plugin preloaded, on one rank or many."""
+
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.liggghts.build import PACKAGES, build
+
+
+def executable():
+    name = os.environ.get("DEMLAWS_LIGGGHTS", "liggghts")
+    found = shutil.which(name)
+    if not found:
+        raise DemlawsError(f"{name!r} not found: {PACKAGES}, or set DEMLAWS_LIGGGHTS to the binary")
+    return found
+
+
+def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True):
+    """The command line and the environment of a run. Root needs --allow-run-as-root and --oversubscribe of mpirun."""
+    if ranks < 1:
+        raise DemlawsError(f"ranks = {ranks}: at least 1")
+    environment = dict(os.environ)
+    if plugin:
+        environment["LD_PRELOAD"] = ":".join(p for p in (str(build()), environment.get("LD_PRELOAD")) if p)
+    line = [executable(), "-in", str(script), "-log", str(log)]
+    for name, value in (variables or {}).items():
+        line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
+    if ranks > 1:
+        if not shutil.which("mpirun"):
+            raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
+        mpirun = ["mpirun", "-np", str(ranks)]
+        if plugin:
+            mpirun += ["-x", f"LD_PRELOAD={environment.pop('LD_PRELOAD')}"]  # for the ranks only, not for mpirun
+        if os.geteuid() == 0:
+            mpirun += ["--allow-run-as-root", "--oversubscribe"]
+        line = mpirun + line
+    return line, environment
+
+
+def run(script, ranks=1, variables=None, folder=None, log="log.liggghts", plugin=True, echo=False, timeout=None):
+    """Run `script` in `folder` (default: the script's own) and return what its log's thermo tables hold.
+
+    variables: {name: value} for the script's ${name}; echo: show LIGGGHTS's output as it comes.
+    Returns a dict column → array over all rows (see `read_log`). Raises DemlawsError with LIGGGHTS's own error.
+    """
+    script = Path(script)
+    if folder is None:
+        folder, script = script.resolve().parent, Path(script.name)
+    if not (Path(folder) / script).is_file():
+        raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws liggghts export` writes one")
+    line, environment = command(script, ranks, variables, log, plugin)
+    # a screen must stay: LIGGGHTS dies in mesh cases with -screen none
+    lines = []
+    with subprocess.Popen(
+        line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+    ) as process:
+        try:
+            if echo:
+                for text in process.stdout:
+                    print(text, end="", flush=True)
+                    lines.append(text)
+                process.wait()
+            else:
+                lines = process.communicate(timeout=timeout)[0].splitlines(keepends=True)
+        except BaseException:
+            process.kill()
+            raise
+    errors = [text.strip() for text in lines if text.startswith("ERROR")]
+    if process.returncode or errors:
+        reason = errors[0] if errors else "".join(lines[-8:]).strip()
+        raise DemlawsError(f"LIGGGHTS stopped (exit {process.returncode}): {reason}")
+    return read_log(Path(folder) / log)
+
+
+_NUMBER = re.compile(r"[-+0-9.]")
+
+
+def read_log(path):
+    """Thermo output of a LIGGGHTS log: dict column → array, the rows of all runs one after another.
+
+    Rows that a run repeats (its first step is the last one of the run before) are kept once; where the columns change,
+    only the rows after the last change are returned.
+    """
+    try:
+        lines = Path(path).read_text(errors="replace").splitlines()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
+    names, rows = None, []
+    inside = False
+    for line in lines:
+        words = line.split()
+        if words and words[0] == "Step" and not any(w[0].isdigit() for w in words):
+            if words != names:
+                names, rows = words, []
+            inside = True
+            continue
+        if inside and names and len(words) == len(names) and _NUMBER.match(words[0]):
+            try:
+                row = [float(w) for w in words]
+            except ValueError:
+                inside = False
+                continue
+            if not rows or row[0] > rows[-1][0]:
+                rows.append(row)
+        elif line.startswith("Loop time"):
+            inside = False
+    if not rows:
+        raise DemlawsError(f"{path} holds no thermo output")
+    return dict(zip(names, np.array(rows).T, strict=True))
+
+
+def timings(path):
+    """(loop seconds, pair seconds) of the last run in a log."""
+    text = Path(path).read_text(errors="replace")
+    loop = re.findall(r"Loop time of (\S+)", text)
+    pair = re.findall(r"Pair +time \(%\) = (\S+)", text)
+    if not loop or not pair:
+        raise DemlawsError(f"{path} holds no timing of a run")
+    return float(loop[-1]), float(pair[-1])

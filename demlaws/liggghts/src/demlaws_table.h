@@ -1,0 +1,568 @@
+// demlaws_table.h: contact-law tables of demlaws for any DEM code. C++11, this one header, no other dependency.
+//
+// A table file (written by `demlaws table`) is a normal contact law without units:
+//     u = overlap / length,   s(u) = Hertz-equivalent overlap / length,
+//     force P = (4/3) E* sqrt(R) S^1.5 with S = s length,   tangent stiffness K = 2 E* sqrt(R S) ds/du.
+// One table serves every pair of radii and moduli of a law that collapses; length comes from the roughness.
+//
+//     demlaws::Table table("granite.tbl");                        // throws std::runtime_error that names file and line
+//     demlaws::Pair pair(table, modulus, roughness);              // E* in Pa, combined rms roughness in m
+//     demlaws::State state;                                       // zeros: a virgin contact; keep one for each contact
+//     demlaws::Force now = demlaws::step(pair, radius, overlap, state);
+//     if (now.outside) ...                                        // overlap beyond the last row: no certified value
+//
+// Licence: GPL-2.0-or-later, as the package demlaws.
+#ifndef DEMLAWS_TABLE_H
+#define DEMLAWS_TABLE_H
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace demlaws {
+
+enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2 };
+
+inline const char *unloading_name(Unloading rule) {
+  return rule == ELASTIC ? "elastic" : rule == HERTZ ? "hertz" : "thornton";
+}
+
+// Number of doubles a contact must keep: elastic 0, hertz 2, thornton 3.
+inline int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == HERTZ ? 2 : 3; }
+
+inline bool unloading_from_name(const std::string &name, Unloading &rule) {
+  if (name == "elastic") rule = ELASTIC;
+  else if (name == "hertz") rule = HERTZ;
+  else if (name == "thornton") rule = THORNTON;
+  else return false;
+  return true;
+}
+
+// CRC-32 of zlib (polynomial 0xEDB88320), continued from an earlier value.
+inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
+  struct Entries {
+    uint32_t value[256];
+    Entries() {
+      for (uint32_t n = 0; n < 256; n++) {
+        uint32_t c = n;
+        for (int k = 0; k < 8; k++) c = (c & 1) ? 0xEDB88320u ^ (c >> 1) : c >> 1;
+        value[n] = c;
+      }
+    }
+  };
+  static const Entries entries;
+  crc = ~crc;
+  for (size_t i = 0; i < size; i++) crc = entries.value[(crc ^ (unsigned char)data[i]) & 0xff] ^ (crc >> 8);
+  return ~crc;
+}
+
+// One grid cell: s(t) = c[0] + t (c[1] + t (c[2] + t c[3])), t in [0, 1) from the cell's start to its end.
+struct Cell {
+  double c[4];
+};
+
+class Table {
+public:
+  Table() : bits_(0), first_(0), count_(0), rule_(ELASTIC) {}
+  explicit Table(const std::string &path) { read(path); }
+
+  // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
+  void read(const std::string &path);
+
+  const std::string &path() const { return path_; }
+  const std::map<std::string, std::string> &header() const { return header_; }
+  bool has(const std::string &key) const { return header_.count(key) != 0; }
+  std::string text(const std::string &key) const {
+    std::map<std::string, std::string>::const_iterator it = header_.find(key);
+    return it == header_.end() ? std::string() : it->second;
+  }
+  // A header value as a number; `otherwise` when the key is absent or not one number.
+  double number(const std::string &key, double otherwise) const {
+    const std::string value = text(key);
+    char *end = NULL;
+    const double x = strtod(value.c_str(), &end);
+    return value.empty() || end == value.c_str() || *end ? otherwise : x;
+  }
+  // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
+  double of_contact(const std::string &name, double otherwise) const {
+    const std::string json = text("contact"), key = "\"" + name + "\":";
+    const size_t at = json.find(key);
+    if (at == std::string::npos) return otherwise;
+    const char *const begin = json.c_str() + at + key.size();
+    char *end = NULL;
+    const double x = strtod(begin, &end);
+    return end == begin ? otherwise : x;
+  }
+  // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
+  bool collapses() const { return text("collapses") != "no"; }
+  Unloading unloading() const { return rule_; }
+  double first_overlap() const { return u_first_; }
+  double last_overlap() const { return u_last_; }
+  double last_force() const { return f_last_; }
+  bool yields() const { return yield_force_ < HUGE_VAL; }
+
+  // s(u) and its slope for first <= u < last; returns false outside (then use outside()).
+  inline bool look_up(double u, double &s, double &slope) const {
+    uint64_t b;
+    memcpy(&b, &u, 8);
+    int64_t k = (int64_t)(b >> shift_) - first_;
+    k += (int64_t)(u >= kink_[0]) + (int64_t)(u >= kink_[1]);
+    if ((uint64_t)k >= (uint64_t)count_) return false;
+    const double *const c = cells_[k].c;
+    // the mantissa bits below the cell number are t; the exponent alone gives 1 / width
+    const uint64_t fraction = ((b << bits_) & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL;
+    const uint64_t inverse = inverse_width_ - (b & 0x7ff0000000000000ULL);
+    double t, per_width;
+    memcpy(&t, &fraction, 8);
+    memcpy(&per_width, &inverse, 8);
+    t -= 1.0;
+    s = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
+    slope = (c[1] + t * (2. * c[2] + t * (3. * c[3]))) * per_width;
+    return true;
+  }
+
+  // Below the first row: power law. At the last row: its values. Beyond it: not certified, returns false with the
+  // power law of the last row. NaN gives NaN and true.
+  bool outside(double u, double &s, double &slope) const {
+    if (u != u) {
+      s = slope = u;
+      return true;
+    }
+    if (u < u_first_) {
+      s = u > 0. ? s_first_ * pow(u / u_first_, power_first_) : 0.;
+      slope = u > 0. ? power_first_ * s / u : 0.;
+      return true;
+    }
+    s = s_last_ * pow(u / u_last_, slope_last_ * u_last_ / s_last_);
+    slope = slope_last_ * u_last_ / s_last_ * s / u;
+    return u <= u_last_;
+  }
+
+  // s(u), slope; false beyond the table.
+  inline bool evaluate(double u, double &s, double &slope) const {
+    return look_up(u, s, slope) || outside(u, s, slope);
+  }
+
+  // Squared contact radius over (R length): s, or what Thornton's limit pressure makes of it after yield
+  // (a^2 = a_y^2 + (P - P_y)/(pi p_y)).
+  inline double area(double s) const {
+    if (s <= yield_s_) return s;
+    return yield_s_ + ((4. / 3.) * s * sqrt(s) - yield_force_) * yield_area_slope_;
+  }
+
+  // Dimensionless work of virgin loading from 0 to u: integral of f du; Gauss quadrature, for output only.
+  double energy(double u) const {
+    if (!(u > 0.)) return u > 0. || u <= 0. ? 0. : u;
+    if (u < u_first_) {
+      double s, slope;
+      outside(u, s, slope);
+      return (4. / 3.) * s * sqrt(s) * u / (1.5 * power_first_ + 1.);
+    }
+    size_t low = 0, high = nodes_.size() - 1;
+    while (high - low > 1) {
+      const size_t middle = (low + high) / 2;
+      if (nodes_[middle] <= u) low = middle;
+      else high = middle;
+    }
+    return work_[low] + gauss(nodes_[low], u);
+  }
+
+private:
+  struct Row {
+    double u, f, k;
+    int line;
+  };
+
+  std::string path_;
+  std::map<std::string, std::string> header_;
+  int bits_, shift_;
+  int64_t first_, count_;
+  uint64_t inverse_width_;
+  double kink_[2];
+  Unloading rule_;
+  double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, f_last_;
+  double yield_force_, yield_s_, yield_area_slope_;
+  std::vector<Cell> storage_; // kept so that cells_ can be aligned
+  const Cell *cells_;
+  std::vector<double> nodes_, work_;
+
+  Table(const Table &);            // cells_ points into storage_: not copied
+  Table &operator=(const Table &);
+
+  void fail(int line, const std::string &what) const {
+    std::ostringstream out;
+    out << path_;
+    if (line > 0) out << ", line " << line;
+    out << ": " << what;
+    throw std::runtime_error(out.str());
+  }
+  int64_t index(double u) const {
+    uint64_t b;
+    memcpy(&b, &u, 8);
+    return (int64_t)(b >> shift_);
+  }
+  double start(int64_t grid) const {
+    const uint64_t b = (uint64_t)grid << shift_;
+    double u;
+    memcpy(&u, &b, 8);
+    return u;
+  }
+  double gauss(double a, double b) const {
+    static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+    static const double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+    const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
+    double sum = 0., s, slope;
+    for (int i = 0; i < 8; i++) {
+      const double u = middle + (i & 1 ? half : -half) * x[i / 2];
+      evaluate(u, s, slope);
+      sum += w[i / 2] * (4. / 3.) * s * sqrt(s);
+    }
+    return half * sum;
+  }
+  double to_number(const std::string &token, int line, const char *what) const {
+    char *end = NULL;
+    errno = 0;
+    const double x = strtod(token.c_str(), &end);
+    if (token.empty() || *end || !(x - x == 0.))
+      fail(line, std::string(what) + " is '" + token + "', not a finite number");
+    return x;
+  }
+  void build(const std::vector<Row> &rows);
+  void extend_below(std::vector<Cell> &cells);
+};
+
+inline void Table::read(const std::string &path) {
+  path_ = path;
+  header_.clear();
+  count_ = 0;
+  std::string data;
+  {
+    FILE *file = fopen(path.c_str(), "rb");
+    if (!file) fail(0, std::string("cannot be opened (") + strerror(errno) + "); make it with `demlaws table`");
+    char buffer[65536];
+    size_t got;
+    while ((got = fread(buffer, 1, sizeof buffer, file)) > 0) data.append(buffer, got);
+    const bool bad = ferror(file) != 0;
+    fclose(file);
+    if (bad) fail(0, "cannot be read");
+  }
+  const std::string magic = "# demlaws-table 1\n";
+  if (data.compare(0, magic.size(), magic) != 0)
+    fail(1, "the first line must be exactly '# demlaws-table 1'; this is no table of demlaws, or of another version");
+  size_t at = magic.size();
+  uint32_t crc = crc32(0, data.data(), at);
+  size_t summed = at;
+  int line = 1, expected_rows = -1, rows_line = 0;
+  enum { HEADER, TITLES, ROWS, ENDED } part = HEADER;
+  std::vector<Row> rows;
+  while (at < data.size()) {
+    line++;
+    if (part == ENDED) fail(line, "something follows the 'end:' line");
+    const size_t newline = data.find('\n', at);
+    if (newline == std::string::npos) fail(line, "the file stops in the middle of a line");
+    const size_t length = newline - at;
+    if (length < 10 || data[newline - 9] != ' ') fail(line, "no checksum (a space and 8 hex digits) ends the line");
+    const std::string digits = data.substr(newline - 8, 8);
+    uint32_t given = 0;
+    for (int i = 0; i < 8; i++) {
+      const char c = digits[i];
+      if (c >= '0' && c <= '9') given = given * 16 + (c - '0');
+      else if (c >= 'a' && c <= 'f') given = given * 16 + (c - 'a' + 10);
+      else fail(line, "checksum '" + digits + "' is not 8 hex digits");
+    }
+    crc = crc32(crc, data.data() + summed, newline - 9 - summed);
+    summed = newline - 9;
+    if (crc != given) fail(line, "checksum does not match: this line was changed after the table was written; write it anew");
+    const std::string body = data.substr(at, length - 9);
+    at = newline + 1;
+    if (part == HEADER) {
+      if (body == "overlap force stiffness") {
+        part = ROWS;
+        continue;
+      }
+      const size_t colon = body.find(": ");
+      const bool empty_value = body.size() > 1 && body[body.size() - 1] == ':';
+      if (colon == std::string::npos && !empty_value) fail(line, "'" + body + "' is not 'key: value'");
+      const std::string key = body.substr(0, empty_value && colon == std::string::npos ? body.size() - 1 : colon);
+      if (header_.count(key)) fail(line, "key '" + key + "' appears twice");
+      const std::string value = colon == std::string::npos ? "" : body.substr(colon + 2);
+      header_[key] = value;
+      if (key == "rows") {
+        const double n = to_number(value, line, "rows");
+        if (!(n >= 2 && n < 1e8 && n == floor(n))) fail(line, "rows: " + value + " is not a whole number of at least 2");
+        expected_rows = (int)n;
+        rows_line = line;
+      } else if (key == "bits") {
+        const double n = to_number(value, line, "bits");
+        if (!(n >= 0 && n <= 20 && n == floor(n))) fail(line, "bits: " + value + " is not a whole number from 0 to 20");
+        bits_ = (int)n;
+      } else if (key == "unloading" && !unloading_from_name(value, rule_))
+        fail(line, "unloading: " + value + " is none of elastic, hertz, thornton");
+      continue;
+    }
+    if (body.compare(0, 5, "end: ") == 0) {
+      std::ostringstream wanted;
+      wanted << "end: " << rows.size() << " rows";
+      if (body != wanted.str()) fail(line, "'" + body + "', but " + wanted.str().substr(5) + " were read");
+      part = ENDED;
+      continue;
+    }
+    Row row;
+    row.line = line;
+    std::string token[3];
+    size_t p = 0;
+    for (int i = 0; i < 3; i++) {
+      const size_t q = i < 2 ? body.find(' ', p) : body.size();
+      if (q == std::string::npos) fail(line, "a row needs overlap, force and stiffness");
+      token[i] = body.substr(p, q - p);
+      p = q + 1;
+    }
+    row.u = to_number(token[0], line, "overlap");
+    row.f = to_number(token[1], line, "force");
+    row.k = to_number(token[2], line, "stiffness");
+    if (!(row.u > 0.) || !(row.f > 0.) || !(row.k > 0.)) fail(line, "overlap, force and stiffness must be positive");
+    if (!rows.empty() && (row.u < rows.back().u || (row.u > rows.back().u && !(row.f > rows.back().f))))
+      fail(line, "overlap and force must increase from row to row");
+    rows.push_back(row);
+  }
+  if (part != ENDED) fail(line + 1, "the file stops before its 'end:' line");
+  static const char *const needed[] = {"law", "unloading", "bits", "rows"};
+  for (int i = 0; i < 4; i++)
+    if (!has(needed[i])) fail(0, std::string("the header has no '") + needed[i] + ":'");
+  if (number("offset", 0.) != 0.) fail(0, "the table has an offset, which this reader does not know");
+  if (expected_rows != (int)rows.size()) {
+    std::ostringstream what;
+    what << "rows: " << expected_rows << ", but the table has " << rows.size();
+    fail(rows_line, what.str());
+  }
+  build(rows);
+}
+
+inline void Table::build(const std::vector<Row> &rows) {
+  shift_ = 52 - bits_;
+  inverse_width_ = (uint64_t)(2046 + bits_) << 52;
+  int kinks = 0, split = 0;
+  kink_[0] = kink_[1] = HUGE_VAL;
+  const size_t n = rows.size();
+  std::vector<double> s(n), m(n);
+  for (size_t i = 0; i < n; i++) {
+    const double root = cbrt(0.75 * rows[i].f); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
+    s[i] = root * root;
+    m[i] = rows[i].k / (2. * root);
+  }
+  u_first_ = rows[0].u;
+  s_first_ = s[0];
+  power_first_ = m[0] * rows[0].u / s[0];
+  u_last_ = rows[n - 1].u;
+  s_last_ = s[n - 1];
+  slope_last_ = m[n - 1];
+  f_last_ = rows[n - 1].f;
+  first_ = index(u_first_);
+  if (start(first_) != u_first_) fail(rows[0].line, "the first overlap is not on the grid of the header's 'bits'");
+  std::vector<Cell> cells;
+  nodes_.clear();
+  int64_t grid = first_;
+  for (size_t i = 0; i + 1 < n; i++) {
+    const double a = start(grid), b = start(grid + 1), width = b - a;
+    const double u0 = rows[i].u, u1 = rows[i + 1].u;
+    if (u1 == u0) { // a kink: the same overlap twice
+      if (kinks == 2) fail(rows[i + 1].line, "more than two kinks");
+      if (i == 0 || i + 2 == n || rows[i - 1].u == u0) fail(rows[i + 1].line, "a kink at the end of the table");
+      kinks++;
+      if (u0 != a) kink_[split++] = u0; // one on a grid point splits no cell
+      continue;
+    }
+    const bool after_kink = i > 0 && rows[i - 1].u == u0;
+    const bool before_kink = i + 2 < n && rows[i + 2].u == u1;
+    if (u0 != a && !after_kink) fail(rows[i].line, "overlap is not on the grid of the header's 'bits'");
+    if (u1 != b && !before_kink) fail(rows[i + 1].line, "overlap is not on the grid of the header's 'bits'");
+    if (u1 > b) fail(rows[i + 1].line, "a row is missing before this one");
+    // Hermite in x = (u - u0)/h, then in t = (u - a)/width = t0 + x d
+    const double h = u1 - u0, d = h / width, t0 = (u0 - a) / width;
+    const double m0 = m[i] * h, m1 = m[i + 1] * h, rise = s[i + 1] - s[i];
+    double p0 = s[i], p1 = m0 / d, p2, p3;
+    if (d > 1e-3) {
+      p2 = (3. * rise - 2. * m0 - m1) / (d * d);
+      p3 = (m0 + m1 - 2. * rise) / (d * d * d);
+    } else { // a sliver beside a kink: a cubic there would be rounding noise
+      p2 = 0.5 * (m1 - m0) / (d * d);
+      p3 = 0.;
+    }
+    Cell cell;
+    cell.c[0] = p0 - t0 * (p1 - t0 * (p2 - t0 * p3));
+    cell.c[1] = p1 - t0 * (2. * p2 - 3. * t0 * p3);
+    cell.c[2] = p2 - 3. * t0 * p3;
+    cell.c[3] = p3;
+    cells.push_back(cell);
+    nodes_.push_back(u0);
+    if (u1 == b) grid++;
+  }
+  nodes_.push_back(u_last_);
+  if (start(grid) != u_last_) fail(rows[n - 1].line, "the last overlap is not on the grid of the header's 'bits'");
+  extend_below(cells);
+  storage_.resize(cells.size() + 1);
+  const uintptr_t raw = (uintptr_t)&storage_[0];
+  Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
+  std::copy(cells.begin(), cells.end(), aligned);
+  cells_ = aligned;
+  count_ = (int64_t)cells.size();
+  yield_force_ = yield_s_ = HUGE_VAL;
+  yield_area_slope_ = 0.;
+  if (has("yield_force") && text("yield_force") != "none") {
+    const double f = number("yield_force", -1.), slope = number("yield_area_slope", -1.);
+    if (!(f > 0.) || !(slope > 0.)) fail(0, "'yield_force' and 'yield_area_slope' must both be positive numbers");
+    yield_force_ = f;
+    const double root = cbrt(0.75 * f);
+    yield_s_ = root * root;
+    yield_area_slope_ = slope;
+  }
+  work_.assign(nodes_.size(), 0.);
+  work_[0] = (4. / 3.) * s_first_ * sqrt(s_first_) * u_first_ / (1.5 * power_first_ + 1.);
+  for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
+}
+
+// Cells for the power law below the first row: pow() costs as much as all the rest of a contact. Only where cells of this
+// width hold it within the table's own tolerance.
+inline void Table::extend_below(std::vector<Cell> &cells) {
+  const int octaves = std::min(40, std::max(4, 16384 >> bits_));
+  const int64_t start_at = first_ - ((int64_t)octaves << bits_);
+  std::vector<Cell> below;
+  double worst = 0.;
+  for (int64_t grid = start_at; grid < first_; grid++) {
+    const double a = start(grid), b = start(grid + 1), p = power_first_;
+    const double s0 = s_first_ * pow(a / u_first_, p), s1 = s_first_ * pow(b / u_first_, p);
+    const double m0 = p * s0 / a * (b - a), m1 = p * s1 / b * (b - a), rise = s1 - s0;
+    Cell cell = {{s0, m0, 3. * rise - 2. * m0 - m1, m0 + m1 - 2. * rise}};
+    below.push_back(cell);
+    for (int i = 1; i < 4; i++) {
+      const double t = 0.25 * i, exact = s_first_ * pow((a + t * (b - a)) / u_first_, p);
+      const double slope = p * exact / (a + t * (b - a)) * (b - a);
+      const double s = s0 + t * (m0 + t * (cell.c[2] + t * cell.c[3]));
+      const double ds = m0 + t * (2. * cell.c[2] + 3. * t * cell.c[3]);
+      worst = std::max(worst, std::max(1.5 * fabs(s / exact - 1.), fabs(ds / slope - 1.)));
+    }
+  }
+  if (!(worst <= std::max(number("rtol", 0.), 1e-12))) return;
+  cells.insert(cells.begin(), below.begin(), below.end());
+  first_ = start_at;
+}
+
+// What the contacts between two materials share.
+struct Pair {
+  const Table *table;
+  Unloading rule;
+  double modulus;        // effective modulus E* [Pa]
+  double length;         // [m]; 0: length_per_radius * R
+  double inverse_length; // [1/m]
+  double length_per_radius;
+
+  Pair() : table(NULL), rule(ELASTIC), modulus(0.), length(0.), inverse_length(0.), length_per_radius(0.) {}
+
+  // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
+  Pair(const Table &t, double effective_modulus, double roughness = 0.)
+      : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.) {
+    const double over_roughness = t.number("length_over_roughness", 0.);
+    if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
+    else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
+    else length = t.number("length", 0.);
+    if (!(length > 0.) && !(length_per_radius > 0.))
+      throw std::runtime_error(t.path() + ": the header gives no length; pass the roughness of the pair [m]");
+    if (!(modulus > 0.)) throw std::runtime_error(t.path() + ": the effective modulus must be positive [Pa]");
+    inverse_length = length > 0. ? 1. / length : 0.;
+  }
+  inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
+};
+
+struct State {
+  double maximum_overlap, plastic_overlap, radius_ratio;
+  State() : maximum_overlap(0.), plastic_overlap(0.), radius_ratio(0.) {}
+};
+
+struct Force {
+  double force, stiffness;
+  bool outside; // the overlap lies beyond the table: force is an uncertified extrapolation
+};
+
+// One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
+// radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
+template <Unloading RULE>
+inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update) {
+  Force now = {0., 0., false};
+  if (overlap <= 0.) {
+    if (update)
+      for (int i = 0; i < (RULE == ELASTIC ? 0 : RULE == HERTZ ? 2 : 3); i++) state[i] = 0.;
+    return now;
+  }
+  double hertz_overlap, slope = 1., effective_radius = radius;
+  if (RULE == ELASTIC || !(overlap < state[0])) { // NaN comes here, too
+    double length = pair.length, inverse_length = pair.inverse_length;
+    if (!(length > 0.)) {
+      length = pair.length_per_radius * radius;
+      inverse_length = 1. / length;
+    }
+    double s;
+    if (!pair.table->look_up(overlap * inverse_length, s, slope))
+      now.outside = !pair.table->outside(overlap * inverse_length, s, slope);
+    hertz_overlap = s * length;
+    if (RULE != ELASTIC && update && s == s) {
+      state[0] = overlap;
+      if (RULE == HERTZ) state[1] = overlap - hertz_overlap;
+      else {
+        const double ratio = s / pair.table->area(s); // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
+        state[1] = overlap - hertz_overlap * sqrt(ratio);
+        state[2] = 1. / (ratio * sqrt(ratio));
+      }
+    }
+  } else {
+    hertz_overlap = overlap - state[1];
+    if (hertz_overlap <= 0.) return now;
+    if (RULE == THORNTON) effective_radius *= state[2];
+  }
+  const double root = pair.modulus * sqrt(effective_radius * hertz_overlap);
+  now.force = (4. / 3.) * root * hertz_overlap;
+  now.stiffness = 2. * root * slope;
+  return now;
+}
+
+inline Force step(const Pair &pair, double radius, double overlap, double *state, bool update = true) {
+  if (pair.rule == ELASTIC) return step_rule<ELASTIC>(pair, radius, overlap, state, update);
+  if (pair.rule == HERTZ) return step_rule<HERTZ>(pair, radius, overlap, state, update);
+  return step_rule<THORNTON>(pair, radius, overlap, state, update);
+}
+
+inline Force step(const Pair &pair, double radius, double overlap, State &state) {
+  return step(pair, radius, overlap, &state.maximum_overlap);
+}
+
+// Energies of one contact since it was made [J]: what it would give back, and what its plastic flow took.
+inline void stored_and_dissipated(const Pair &pair, double radius, double overlap, const double *state, double &stored,
+                                  double &dissipated) {
+  stored = dissipated = 0.;
+  const double length = pair.length_of(radius);
+  const double scale = pair.modulus * sqrt(radius) * length * length * sqrt(length);
+  if (pair.rule == ELASTIC) {
+    if (overlap > 0.) stored = scale * pair.table->energy(overlap / length);
+    return;
+  }
+  if (!(state[0] > 0.)) return;
+  const double r = pair.rule == THORNTON ? radius * state[2] : radius;
+  const double recoverable = state[0] - state[1], left = overlap - state[1];
+  const double hertz = (8. / 15.) * pair.modulus * sqrt(r);
+  // a law with a seating load has a negative plastic overlap: what lies below zero overlap never comes back
+  const double lost = state[1] < 0. ? hertz * state[1] * state[1] * sqrt(-state[1]) : 0.;
+  if (overlap > 0. && left > 0.) stored = std::max(0., hertz * left * left * sqrt(left) - lost);
+  dissipated =
+      scale * pair.table->energy(state[0] / length) - (hertz * recoverable * recoverable * sqrt(recoverable) - lost);
+}
+
+} // namespace demlaws
+#endif

@@ -1,0 +1,1 @@
+// no cohesion model is supported

@@ -1,0 +1,1 @@
+// the plugin brings its own normal model

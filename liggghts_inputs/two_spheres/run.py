@@ -1,0 +1,26 @@
+"""Two granite spheres, load–unload–reload–separate–load; about 5 s.
+
+python run.py
+"""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+import common
+
+import demlaws as dl
+from demlaws.liggghts import run
+
+
+def law(unloading="hertz"):
+    return dl.law("pohrt-popov", common.contact(8.76e-3, 8.63e-3), unloading=unloading)
+
+
+def simulate(folder, ranks=1, quick=False, unloading="hertz", rtol=1e-5):
+    common.table(folder, "granite.tbl", law(unloading), rtol)
+    return run(folder / "in.two_spheres", ranks, {"every": 1000 if quick else 200})
+
+
+if __name__ == "__main__":
+    common.run_main(__file__, simulate, __doc__)

@@ -1,0 +1,28 @@
+"""Force of either wall against the Python law, and of one wall against the other."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+import common
+
+from demlaws.liggghts import read_log
+
+
+def check(folder, unloading="hertz", limit=1e-5):
+    law = common.load(Path(__file__).parent / "run.py").law(unloading)
+    findings, logs = [], {}
+    for wall in ("primitive", "mesh"):
+        log = logs[wall] = read_log(Path(folder) / f"log.{wall}")
+        expected = law.follow(log["overlap"]).force
+        error = np.abs(log["force"] - expected).max() / expected.max()
+        findings.append((f"{wall} wall: force against the law, of the maximum", error, limit))
+    force = [logs[wall]["force"] for wall in ("primitive", "mesh")]
+    findings.append(("mesh against primitive, of the maximum", np.abs(force[0] - force[1]).max() / force[0].max(), 1e-9))
+    return findings
+
+
+if __name__ == "__main__":
+    common.check_main(__file__, check)

@@ -1,0 +1,140 @@
+"""Cost of a step in LIGGGHTS: demlaws/table against stock hertz in a settled packing of 10,000 spheres.
+
+    python tests/benchmarks/bench_liggghts.py [--ranks 1 2] [--rounds 9] [--steps 1000] [--count 10000]
+
+Settles the packing once (2 minutes, kept in the cache), lets every law come to rest in it, then times the same number of
+steps of each law in turn, round after round, all at contact_distance_factor 1.01. Printed are medians over rounds of the
+ratio to the stock hertz of the same round, and the parallel efficiency T1/(n Tn).
+"""
+
+import argparse
+import importlib.util
+import statistics
+import sys
+import tempfile
+import time
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.liggghts import build, run
+from demlaws.liggghts.build import cache_folder
+from demlaws.liggghts.run import timings
+
+warnings.simplefilter("ignore", dl.ValidityWarning)
+INPUTS = Path(__file__).parents[2] / "liggghts_inputs"
+
+HEAD = """\
+atom_style      granular
+atom_modify     map array
+boundary        m m m
+newton          off
+communicate     single vel yes
+units           si
+hard_particles  yes
+processors      ${ranks} 1 1
+"""
+CASE = """\
+neighbor        4e-4 bin
+neigh_modify    delay 0 contact_distance_factor 1.01
+fix             m1 all property/global youngsModulus peratomtype 6.06e8
+fix             m2 all property/global poissonsRatio peratomtype 0.25
+fix             m3 all property/global coefficientRestitution peratomtypepair 1 0.3
+fix             m4 all property/global coefficientFriction peratomtypepair 1 0.5
+pair_style      gran model ${model} tangential history ${words}
+pair_coeff      * *
+timestep        4e-6
+fix             gravity all gravity 9.81 vector 0 0 -1
+variable        low equal -${half}
+fix             w1 all wall/gran model ${model} tangential history primitive type 1 zplane 0.0 ${words}
+fix             w2 all wall/gran model ${model} tangential history primitive type 1 xplane ${low} ${words}
+fix             w3 all wall/gran model ${model} tangential history primitive type 1 xplane ${half} ${words}
+fix             w4 all wall/gran model ${model} tangential history primitive type 1 yplane ${low} ${words}
+fix             w5 all wall/gran model ${model} tangential history primitive type 1 yplane ${half} ${words}
+fix             move all nve/sphere
+thermo_style    custom step atoms ke
+thermo          100000
+"""
+MODELS = {
+    "hertz, stock": ("hertz", "tangential_damping on"),
+    "hertz, table": ("demlaws/table", "table hertz.tbl"),
+    "pohrt-popov, elastic": ("demlaws/table", "table elastic.tbl"),
+    "pohrt-popov, hertz unloading": ("demlaws/table", "table hysteretic.tbl"),
+    "pohrt-popov, thornton unloading": ("demlaws/table", "table thornton.tbl"),
+}
+
+
+def settled(count, half, height):
+    """Positions of a packing that liggghts_inputs/packing has settled (cached)."""
+    folder = cache_folder() / f"packing-{count}"
+    dump = folder / "post" / "settled.dump"
+    if not dump.is_file():
+        print(f"settling {count} spheres ...", flush=True)
+        sys.path.insert(0, str(INPUTS))
+        import common
+
+        common.copy_inputs(INPUTS / "packing" / "run.py", folder)
+        spec = importlib.util.spec_from_file_location("packing_run", INPUTS / "packing" / "run.py")
+        case = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(case)
+        common.table(folder, "granite.tbl", case.law())
+        run(folder / "in.packing", 2, {"half": half, "height": height, "count": count, "settle": 80000})
+    return np.loadtxt(dump, skiprows=9)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--steps", type=int, default=1000)
+    parser.add_argument("--count", type=int, default=10000)
+    parser.add_argument("--rest", type=int, default=5000, help="steps in which a law comes to rest before it is timed")
+    options = parser.parse_args()
+    begin = time.perf_counter()
+    build(force=True)
+    print(f"build of the plugin: {time.perf_counter() - begin:.1f} s")
+    half = 0.04 * (options.count / 10000) ** 0.5
+    rows = settled(options.count, half, 0.19)
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        lines = ["settled", "", f"{len(rows)} atoms", "1 atom types", "", f"-{half} {half} xlo xhi", f"-{half} {half} ylo yhi"]
+        lines += ["0 0.19 zlo zhi", "", "Atoms", ""]
+        lines += [f"{int(r[0])} 1 {2 * r[2]:.17g} 2650 {r[3]:.17g} {r[4]:.17g} {r[5]:.17g}" for r in rows]
+        (folder / "settled.data").write_text("\n".join(lines) + "\n")
+        contact = dl.Contact(radius=1e-3, modulus=32.3e9, roughness=2.4e-6, fractal_dimension=2.22)
+        dl.law("hertz", contact).tabulate().save(folder / "hertz.tbl")
+        for name, unloading in (("elastic", "elastic"), ("hysteretic", "hertz"), ("thornton", "thornton")):
+            dl.law("pohrt-popov", contact, unloading=unloading).tabulate().save(folder / f"{name}.tbl")
+        (folder / "in.rest").write_text(HEAD + "read_data settled.data\n" + CASE + "run ${steps}\nwrite_restart ${file}\n")
+        (folder / "in.time").write_text(HEAD + "read_restart ${file}\n" + CASE + "run 50\nrun ${steps}\n")
+        variables = {"half": half}
+        for number, (model, words) in enumerate(MODELS.values()):
+            own = {"model": model, "words": words, "file": f"rest.{number}", "ranks": 1, "steps": options.rest}
+            run(folder / "in.rest", 1, {**variables, **own})
+        pair_one = {}
+        for ranks in options.ranks:
+            times = {name: [] for name in MODELS}
+            for _ in range(options.rounds):
+                for number, (name, (model, words)) in enumerate(MODELS.items()):
+                    own = {"model": model, "words": words, "file": f"rest.{number}", "ranks": ranks, "steps": options.steps}
+                    run(folder / "in.time", ranks, {**variables, **own}, plugin=name != "hertz, stock")
+                    times[name].append(timings(folder / "log.liggghts"))
+            title = f"{len(rows)} spheres, ranks: {ranks}, median of {options.rounds} rounds of {options.steps} steps"
+            print("\n" + title)
+            print(f"{'law':32s} {'µs/step':>8s} {'step ratio':>11s} {'pair ratio':>11s} {'efficiency':>11s}")
+            stock = times["hertz, stock"]
+            for name, values in times.items():
+                step = statistics.median(v[0] for v in values) / options.steps
+                ratio = statistics.median(v[0] / s[0] for v, s in zip(values, stock, strict=True))
+                pair = statistics.median(v[1] / s[1] for v, s in zip(values, stock, strict=True))
+                pair_one.setdefault(name, step * ranks)
+                print(
+                    f"{name:32s} {step * 1e6:8.0f} {ratio:11.3f} {pair:11.3f} {pair_one[name] / (step * ranks):11.2f}",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main()

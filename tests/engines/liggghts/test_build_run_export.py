@@ -1,0 +1,272 @@
+"""build, run, check, export and their command line."""
+
+import importlib
+import os
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+import demlaws.liggghts as lg
+from demlaws import cli
+from demlaws.errors import DemlawsError
+from demlaws.liggghts.check import TWO_PARTICLES, versions
+from demlaws.liggghts.run import command
+
+# demlaws.liggghts.build and .run are functions of the package; these are the modules
+build_module = importlib.import_module("demlaws.liggghts.build")
+run_module = importlib.import_module("demlaws.liggghts.run")
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
+ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
+
+
+# so that subprocesses find the package where it is not installed
+HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
+
+
+# --- build
+
+
+def test_build_is_quick_and_cached(tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    begin = time.perf_counter()
+    library = lg.build()
+    took = time.perf_counter() - begin
+    assert took < 60  # 8 s on an idle machine, as bench_liggghts.py prints; tests share it
+    assert library.parent == tmp_path and dl.__version__ in library.name
+    assert [p.name for p in tmp_path.iterdir()] == [library.name]  # no temporary file stays
+    changed = library.stat().st_mtime_ns
+    assert lg.build() == library and library.stat().st_mtime_ns == changed
+
+
+def test_only_our_own_symbols_stay_hidden():
+    """A preloaded object that exported LIGGGHTS's templates would replace those of the binary."""
+    symbols = subprocess.run(["nm", "-D", "--defined-only", str(lg.build())], capture_output=True, text=True, check=True)
+    assert symbols.stdout.strip() == ""
+
+
+def test_cache_key_follows_sources_version_and_flags(tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    before = build_module.library_path()
+    assert build_module.library_path() == before
+    assert build_module.library_path(portable=True) != before
+    monkeypatch.setattr(dl, "__version__", "9.9")
+    assert build_module.library_path() != before
+    monkeypatch.undo()
+    sources = tmp_path / "src"
+    subprocess.run(["cp", "-r", str(build_module.SOURCES), str(sources)], check=True)
+    monkeypatch.setattr(build_module, "SOURCES", sources)
+    one = build_module.library_path().name
+    with open(sources / "demlaws_table.h", "a") as file:
+        file.write("// changed\n")
+    assert build_module.library_path().name != one
+
+
+def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    sources = tmp_path / "src"
+    subprocess.run(["cp", "-r", str(build_module.SOURCES), str(sources)], check=True)
+    (sources / "normal_model_demlaws.h").write_text("#error broken on purpose\n")
+    monkeypatch.setattr(build_module, "SOURCES", sources)
+    with pytest.raises(DemlawsError, match="broken on purpose"):
+        lg.build()
+    assert list((tmp_path / "cache").iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "variable, value, words",
+    [
+        ("CXX", "no-such-compiler", "apt install"),
+        ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere", "DEMLAWS_LIGGGHTS_INCLUDE"),
+        ("DEMLAWS_CACHE", "/proc/nowhere", "DEMLAWS_CACHE"),
+    ],
+)
+def test_what_is_missing_is_named(monkeypatch, variable, value, words):
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(DemlawsError, match=words):
+        lg.build()
+
+
+def test_import_needs_no_liggghts(tmp_path):
+    """Without any program in reach the package imports, and says what is missing when asked to run."""
+    code = "import demlaws.liggghts as lg\ntry:\n lg.run('in.case')\nexcept ValueError as e: print(e)"
+    environment = {**os.environ, "PYTHONPATH": HOME, "PATH": str(tmp_path)}
+    (tmp_path / "in.case").write_text("")
+    out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
+    assert "apt install" in out.stdout, out.stderr
+
+
+# --- run
+
+
+def test_run_sets_what_root_needs(monkeypatch):
+    line, environment = command("in.case", 2, {"a": 1})
+    assert line[:3] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={lg.build()}" in line
+    assert ("--allow-run-as-root" in line) == (os.geteuid() == 0)
+    assert "LD_PRELOAD" not in environment or "demlaws" not in environment["LD_PRELOAD"]
+    monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    line, _ = command("in.case", 2)
+    assert "--allow-run-as-root" not in line and "--oversubscribe" not in line
+    line, environment = command("in.case", 1)
+    assert "mpirun" not in line and str(lg.build()) in environment["LD_PRELOAD"]
+    _, environment = command("in.case", 1, plugin=False)
+    assert "demlaws" not in environment.get("LD_PRELOAD", "")
+
+
+def test_run_refuses_nonsense(tmp_path):
+    with pytest.raises(DemlawsError, match="does not exist"):
+        lg.run(tmp_path / "in.none")
+    (tmp_path / "in.case").write_text("nonsense\n")
+    with pytest.raises(DemlawsError, match="Unknown command"):
+        lg.run(tmp_path / "in.case")
+    with pytest.raises(DemlawsError, match="ranks = 0"):
+        lg.run(tmp_path / "in.case", 0)
+
+
+def test_log_without_thermo_output(tmp_path):
+    (tmp_path / "log").write_text("LIGGGHTS\n")
+    with pytest.raises(DemlawsError, match="no thermo output"):
+        lg.read_log(tmp_path / "log")
+
+
+def test_stock_binary_without_plugin_does_not_know_the_model(tmp_path):
+    (tmp_path / "in.case").write_text(TWO_PARTICLES)
+    with pytest.raises(DemlawsError, match="ERROR"):
+        lg.run(tmp_path / "in.case", variables={"young": 1e9, "radius": 0.0087, "table": "x"}, plugin=False)
+
+
+# --- check
+
+
+def test_check_proves_the_plugin(capsys):
+    lg.check()
+    out = capsys.readouterr().out
+    assert "3.8.0" in out and out.count("self-test") == 4 and "all good" in out
+
+
+def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
+    def pretend(version, styles):
+        fake = tmp_path / "liggghts"
+        fake.write_text(
+            f"#!/bin/sh\ncat <<E\nLIGGGHTS (Version LIGGGHTS-PUBLIC {version}, compiled)\n"
+            f"* Atom styles:\n{styles}\n* Integrate styles:\nE\n"
+        )
+        fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(fake))
+
+    pretend("3.8.0", "granular sphere")
+    assert versions() == "LIGGGHTS-PUBLIC 3.8.0"
+    pretend("4.0.0", "granular sphere")
+    with pytest.raises(DemlawsError, match=r"3\.8\.0"):
+        versions()
+    pretend("3.8.0", "granular superquadric")
+    with pytest.raises(DemlawsError, match="superquadric"):
+        versions()
+
+
+# --- export
+
+
+@pytest.mark.parametrize(
+    "law, options, grains, tables",
+    [
+        ("pohrt-popov", {}, [dl.Surface(1.7e-6, 2.22)] * 2, 1),
+        ("pohrt-popov", {}, [dl.Surface(1.7e-6, 2.22), dl.Surface(3e-6, 2.22)], 1),
+        ("pohrt-popov", {}, [dl.Surface(1.7e-6, 2.22), dl.Surface(3e-6, 2.3)], 5),
+        ("rough-plastic", {"yield_pressure": 1.66e9}, [dl.Surface(1.7e-6, 2.22)] * 2, 5),
+    ],
+)
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
+    """In a folder with a space in its name; run.sh as a user starts it, with the command `demlaws` on the path."""
+    grains = [lg.Grain(radius, GRANITE, surface) for radius, surface in zip((0.004, 0.005), grains, strict=True)]
+    folder = tmp_path / "my case"
+    path = lg.export(folder, law, grains, options=options, count=60)
+    assert path == folder / "in.case"
+    assert len(list(folder.glob("*.tbl"))) == tables
+    text = path.read_text().replace("steps index 20000", "steps index 5000")
+    path.write_text(text)
+    bin_folder = tmp_path / "bin"
+    bin_folder.mkdir()
+    (bin_folder / "demlaws").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m demlaws.cli "$@"\n')
+    (bin_folder / "demlaws").chmod(0o755)
+    environment = {**os.environ, "PYTHONPATH": HOME, "PATH": f"{bin_folder}:{os.environ['PATH']}"}
+    result = subprocess.run([str(folder / "run.sh"), str(ranks)], env=environment, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout[-2000:] + result.stderr
+    assert lg.read_log(folder / "log.liggghts")["Step"][-1] == 5001
+    assert list((folder / "post").glob("grains.*"))
+
+
+def test_export_refuses_nothing_to_export(tmp_path):
+    with pytest.raises(DemlawsError, match="grains is empty"):
+        lg.export(tmp_path, grains=[])
+
+
+@pytest.mark.parametrize("stock", ["hertz", "edinburgh"])
+def test_stock_fit_in_the_stock_binary(tmp_path, stock):
+    """The fitted stock model, run without the plugin, meets the law at the stated load and errs elsewhere as printed."""
+    grain = lg.Grain(0.0087, GRANITE, ROUGH)
+    law = dl.law("pohrt-popov", grain.contact(grain), unloading="hertz")
+    loads = np.array([0.5, 3.0, 10.0, 40.0])
+    fit = lg.stock_fit(law, 10.0, stock, loads=loads)
+    assert fit.error[2] == pytest.approx(0.0, abs=1e-12)
+    lg.export(tmp_path, "pohrt-popov", [grain], stock=stock, load=10.0)
+    case = (tmp_path / "in.case").read_text()
+    properties = [line for line in case.splitlines() if line.startswith("fix             p")]
+    style = next(line for line in case.splitlines() if line.startswith("pair_style"))
+    assert style.split()[3] == fit.model
+    loading = TWO_PARTICLES.split("velocity        right set 0.2")[0]
+    text = loading.replace("create_box      1 box", "create_box      2 box")
+    kept = [
+        line
+        for line in text.splitlines()
+        if not line.startswith(("pair_style", *(f"fix             m{i}" for i in range(1, 5))))
+    ]
+    at = next(i for i, line in enumerate(kept) if line.startswith("pair_coeff"))
+    # no damping, so that the force is the model's own at any speed
+    properties = [p.replace(" 0.5 0.5 0.5 0.5", " 1 1 1 1") if "Restitution" in p else p for p in properties]
+    kept[at:at] = [*properties, style]
+    (tmp_path / "in.stock").write_text("\n".join(kept).replace("thermo          200", "thermo 20"))
+    log = lg.run(tmp_path / "in.stock", variables={"young": 0, "radius": 0.0087, "table": "none"}, plugin=False)
+    overlaps = law.overlap(loads)
+    force = np.interp(overlaps, log["overlap"], log["force"])
+    inside = overlaps < log["overlap"].max()
+    assert inside[:3].all()
+    assert np.abs(force / loads - 1 - fit.error)[inside].max() <= 1e-3  # thermo rows are 4 nm apart
+
+
+def test_stock_fit_refuses_nonsense(granite_pair):
+    law = dl.law("pohrt-popov", granite_pair)
+    with pytest.raises(DemlawsError, match="choose hertz or edinburgh"):
+        lg.stock_fit(law, 10.0, "hooke")
+    with pytest.raises(DemlawsError, match="load"):
+        lg.stock_fit(law, -1.0)
+
+
+# --- command line
+
+
+def test_command_line(tmp_path, capsys):
+    case = str(tmp_path / "case")
+    surface = ["--roughness", "1.7e-6", "--fractal-dimension", "2.22"]
+    assert cli.main(["liggghts", "build"]) == 0
+    assert capsys.readouterr().out.strip() == str(lg.build())
+    assert cli.main(["liggghts", "export", case, "--radius", "0.004", "0.005", "--count", "50", *surface]) == 0
+    assert cli.main(["liggghts", "run", case + "/in.case", "-np", "2", "-var", "steps", "100"]) == 0
+    assert "Loop time" in capsys.readouterr().out
+    stock = ["liggghts", "export", case + "2", "--stock", "hertz", "--load", "5", "--radius", "0.004", *surface]
+    assert cli.main(stock) == 0
+    assert "fit of stock hertz at 5 N" in capsys.readouterr().out
+    assert cli.main(["liggghts", "run", case + "2/in.case", "--stock", "-var", "steps", "100"]) == 0
+    assert cli.main(["liggghts", "run", str(tmp_path / "none")]) == 2
+    assert "does not exist" in capsys.readouterr().err
+    assert cli.main(["liggghts", "export", case, "--radius", "0.004", "0.005", "0.006", "--roughness", "1e-6", "2e-6"]) == 2
+    assert "--roughness has 2 values for 3 radii" in capsys.readouterr().err
