@@ -277,7 +277,8 @@ _entries = {}
 
 def _entry(kind, rule):
     """Compiled native entry point for laws of this kind: a thin shell around the code that numba keeps on disk."""
-    if (kind, rule) not in _entries:
+    key = (kind, type(rule))  # the tags themselves are empty tuples, all equal
+    if key not in _entries:
         act, load_word, behind = kernel.act, kernel.load_word, 8 * COPIED
 
         @numba.cfunc(types.uint8(*[types.int64] * 4), error_model="numpy")
@@ -285,8 +286,8 @@ def _entry(kind, rule):
             return act(kind, rule, load_word(load_word(this) + behind), this, geom, phys, interaction)
 
         _forever.append(go)
-        _entries[kind, rule] = go.address
-    return _entries[kind, rule]
+        _entries[key] = go.address
+    return _entries[key]
 
 
 class Attachment:
