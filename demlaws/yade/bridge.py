@@ -275,15 +275,15 @@ def layout():
 _entries = {}
 
 
-def _entry(kind, rule):
+def _entry(kind, params_kind, rule):
     """Compiled native entry point for laws of this kind: a thin shell around the code that numba keeps on disk."""
-    key = (kind, type(rule))  # the tags themselves are empty tuples, all equal
+    key = (kind, params_kind, type(rule))  # the tags themselves are empty tuples, all equal
     if key not in _entries:
         act, load_word, behind = kernel.act, kernel.load_word, 8 * COPIED
 
         @numba.cfunc(types.uint8(*[types.int64] * 4), error_model="numpy")
         def go(this, geom, phys, interaction):
-            return act(kind, rule, load_word(load_word(this) + behind), this, geom, phys, interaction)
+            return act(kind, params_kind, rule, load_word(load_word(this) + behind), this, geom, phys, interaction)
 
         _forever.append(go)
         _entries[key] = go.address
@@ -308,12 +308,36 @@ class Attachment:
         self.context[kernel.RECORDS] = pairs.records.ctypes.data
         self.context[kernel.RECORD_BYTES] = pairs.records.strides[0]
         self.context[kernel.RATIO] = np.float64(ratio or 0.0).view(np.int64)
+        self.context[kernel.PARAM_WORDS] = pairs.params_words
+        self._generation = int.from_bytes(os.urandom(3), "little")
+        self._renew(1 << 14)
         probe = self._native_table()
         self.table = np.zeros(COPIED + 3, np.int64)
         self.table[: COPIED + 2] = probe
-        self.table[2 + index] = _entry(pairs.kind, pairs.rule)
+        self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.rule)
         self.table[COPIED + 2] = self.context.ctypes.data
         _forever.append(self)
+
+    def _renew(self, capacity):
+        """A buffer for the Params of `capacity` contacts, in place of the old one, whose rows count no more."""
+        self._generation = (self._generation + 1) % 2**24
+        rows = np.zeros((min(capacity, 2**28), int(self.context[kernel.PARAM_WORDS])), np.int64)
+        _forever.append(rows)
+        self.context[kernel.PARAMS] = rows.ctypes.data
+        self.context[kernel.CAPACITY] = len(rows)
+        self.context[kernel.ROWS_USED] = 0
+        self.context[kernel.GENERATION] = self._generation + 1
+
+    def make_room(self, contacts):
+        """Between steps: start a new buffer when contacts that came and went have used up most of this one."""
+        if self.context[kernel.ROWS_USED] > self.context[kernel.CAPACITY] // 2:
+            capacity = int(self.context[kernel.CAPACITY])
+            if 8 * contacts() > capacity:
+                self._renew(4 * capacity)
+            else:  # big enough: the same memory again, under a new generation
+                self._generation = (self._generation + 1) % 2**24
+                self.context[kernel.ROWS_USED] = 0
+                self.context[kernel.GENERATION] = self._generation + 1
 
     def _native_table(self):
         """The words of Mindlin's own table, from two before its address point."""

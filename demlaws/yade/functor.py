@@ -213,6 +213,11 @@ class Binding:
                 f"contact {first}+{second} is not described by ScGeom and MindlinPhys, but by classes that the law cannot act "
                 "on: native Mindlin acted on it; use Ig2_…_ScGeom functors and Ip2_FrictMat_FrictMat_MindlinPhys"
             )
+        if kind == kernel.WRONG_CONTACT:
+            raise DemlawsError(
+                f"contact {first}+{second} with R = {overlap:g} m: the table holds only for the radius and modulus it was made "
+                "for, because this law has no single dimensionless curve; use the law itself"
+            )
         raise DemlawsError(
             f"contact {first}+{second} at overlap {overlap:g} m: the law gives no finite force there (a table ends, or the "
             "overlap is not a number); a table for larger overlaps, or a smaller time step, is needed"
@@ -241,6 +246,7 @@ def guard(label):
     if binding is not None and binding.attachment is not None and binding.attachment.acts_in(functor):
         binding.check_functor(functor)
         binding.raise_fault()
+        binding.attachment.make_room(O.interactions.countReal)
         binding.guards += 1
         if binding.guards in (2, 10, 100) or binding.guards % 1000 == 0:
             binding.verify()

@@ -17,7 +17,7 @@ from numba.extending import intrinsic, overload
 from demlaws.dispatch import scale, step, stored_and_dissipated
 from demlaws.fastmath import from_bits, kernel, loop
 from demlaws.law import SMOOTHEST
-from demlaws.laws.hertz import Shape as HertzShape
+from demlaws.laws.hertz import HertzShape
 
 # Words of the context.
 GO = 0  # the native function that applies the forces
@@ -29,18 +29,22 @@ SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
 RATIO = 22  # tangential over normal stiffness (a double); 0: as YADE's Ip2 functor has it
 GUARDED = 23  # 1 once the Python guard watches FAULTS
 BANKED = 24  # dissipation of contacts that have ended [J] (a double)
+PARAMS, PARAM_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # the contacts' Params: rows, their size, number, validity
+ROWS_USED = 37
 FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36  # a cache line apart from the above
 CONTEXT_WORDS = 40
 
 # A contact's history in MindlinPhys.momentBend, momentTwist (6 doubles, which Mindlin's law without moments ignores):
 # pair number + 1 (0: not seen yet), radius R [m], modulus E* [Pa], then up to three state values of the unloading rule;
-# prevU[0] holds K_t/K.
+# prevU[0] holds K_t/K, prevU[1] the number of the row that holds the contact's Params: its derived numbers, which cost
+# too much to derive at each step (a law that yields finds its yield point by bisection). Rows are memory of this process,
+# so the number carries a generation drawn at random: a row of another process or of a buffer since renewed is not taken.
 TAG, RADIUS, MODULUS, STATE = 0, 8, 16, 24
 
-WRONG_CLASS, NOT_FINITE = 1, 2
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT = 1, 2, 3
 
-# A pair's record: smooth (0 or 1), roughness σ (a double), then the shape.
-RECORD_ROUGHNESS, RECORD_SHAPE = 8, 16
+# A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
+RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
 
 _WORD = ir.IntType(64)
 
@@ -79,6 +83,17 @@ def add_double(typing_context, address, value):
         return context.get_dummy_value()
 
     return types.void(types.int64, types.float64), generate
+
+
+@intrinsic
+def next_number(typing_context, address):
+    """Atomically add 1 to the word at `address` and return what it was."""
+
+    def generate(context, builder, signature, arguments):
+        place = builder.inttoptr(arguments[0], _WORD.as_pointer())
+        return builder.atomic_rmw("add", place, ir.Constant(_WORD, 1), "monotonic")
+
+    return types.int64(types.int64), generate
 
 
 @intrinsic
@@ -127,6 +142,37 @@ def pack(value, keep):
     if isinstance(value, float | np.floating):
         return [int(np.float64(value).view(np.int64))]
     return [int(value)]
+
+
+def store(value, address):
+    """`pack` from compiled code: write a tuple's words to `address`."""
+
+
+@overload(store, jit_options={"forceinline": True})
+def _store(value, address):
+    lines, _ = _write(value, "value", 0)
+    names = {"store_word": store_word, "store_double": store_double}
+    exec("def function(value, address):\n" + "".join(f"    {line}\n" for line in lines) + "    return\n", names)
+    return names["function"]
+
+
+def _write(kind, expression, offset):
+    """Statements that write a value of this numba type, and the offset behind it."""
+    if isinstance(kind, types.BaseTuple):
+        lines = []
+        for n, item in enumerate(kind):
+            more, offset = _write(item, f"{expression}[{n}]", offset)
+            lines += more
+        return lines, offset
+    if isinstance(kind, types.NoneType):
+        return [], offset
+    if isinstance(kind, types.Array):
+        values = [f"{expression}.ctypes.data", *(f"{expression}.shape[{axis}]" for axis in range(kind.ndim))]
+        lines = [f"store_word(address + {offset + 8 * n}, {value})" for n, value in enumerate(values)]
+        return lines, offset + 8 * len(values)
+    if isinstance(kind, types.Float):
+        return [f"store_double(address + {offset}, {expression})"], offset + 8
+    return [f"store_word(address + {offset}, int({expression}))"], offset + 8
 
 
 def unpack(kind, address):
@@ -203,25 +249,26 @@ def _state_size(rule):
 
 
 @kernel
+def params_of(kind, record, radius, modulus):
+    """The law's Params for a contact whose surfaces are the pair in `record`."""
+    roughness = max(load_double(record + RECORD_ROUGHNESS), SMOOTHEST * radius)
+    return scale(unpack(kind, record + RECORD_SHAPE), radius, modulus, roughness)
+
+
+@kernel
 def respond(kind, rule, record, radius, modulus, overlap, state):
     """Force [N], tangent stiffness [N/m] and new state of a contact whose surfaces are the pair in `record`."""
     if load_word(record) != 0:
-        p = scale(HertzShape(), radius, modulus, 0.0)
-        return step(rule, p, overlap, state)
-    roughness = max(load_double(record + RECORD_ROUGHNESS), SMOOTHEST * radius)
-    q = scale(unpack(kind, record + RECORD_SHAPE), radius, modulus, roughness)
-    return step(rule, q, overlap, state)
+        return step(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+    return step(rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
 @kernel
 def energies(kind, rule, record, radius, modulus, overlap, state):
     """Stored and dissipated energy [J] of a contact since it was made."""
     if load_word(record) != 0:
-        p = scale(HertzShape(), radius, modulus, 0.0)
-        return stored_and_dissipated(rule, p, overlap, state)
-    roughness = max(load_double(record + RECORD_ROUGHNESS), SMOOTHEST * radius)
-    q = scale(unpack(kind, record + RECORD_SHAPE), radius, modulus, roughness)
-    return stored_and_dissipated(rule, q, overlap, state)
+        return stored_and_dissipated(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+    return stored_and_dissipated(rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
 @kernel
@@ -271,23 +318,6 @@ def label_hash(label):
 
 
 @numba.njit(error_model="numpy", nogil=True)
-def first_sight(context, geom, phys, interaction):
-    """Write down what the contact is made of: called once in a contact's life."""
-    radius = effective_radius(load_double(geom + word(context, RADIUS1)), load_double(geom + word(context, RADIUS2)))
-    native = load_double(phys + word(context, KNO))
-    history = phys + word(context, HISTORY)
-    first, second = surface_of(context, interaction, BODY1), surface_of(context, interaction, BODY2)
-    pair = load_word(word(context, PAIRS) + 8 * (first * word(context, SURFACES) + second))
-    store_double(history + RADIUS, radius)
-    store_double(history + MODULUS, 0.75 * native / math.sqrt(radius))
-    ratio = from_bits(word(context, RATIO))
-    if ratio == 0.0:
-        ratio = load_double(phys + word(context, KSO)) / (1.5 * native)
-    store_double(phys + word(context, SPARE), ratio)
-    store_double(history + TAG, pair + 1.0)
-
-
-@numba.njit(error_model="numpy", nogil=True)
 def fault(context, kind, interaction, overlap):
     """Note a fault for the guard, which stops the simulation before the next step. The last one is told."""
     store_word(context + 8 * FAULTS, word(context, FAULTS) + 1)
@@ -297,8 +327,56 @@ def fault(context, kind, interaction, overlap):
     store_double(context + 8 * FAULT_OVERLAP, overlap)
 
 
+@numba.njit(error_model="numpy", nogil=True)
+def serves(record, radius, modulus):
+    """Whether the pair's law may be used at this R and E*: a table of a law that does not collapse is for one contact."""
+    only_radius, only_modulus = load_double(record + RECORD_RADIUS), load_double(record + RECORD_MODULUS)
+    return only_radius == 0.0 or (
+        abs(radius - only_radius) <= 1e-6 * only_radius and abs(modulus - only_modulus) <= 1e-6 * only_modulus
+    )
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def first_sight(context, geom, phys, interaction):
+    """Write down what the contact is made of: called once in a contact's life."""
+    radius = effective_radius(load_double(geom + word(context, RADIUS1)), load_double(geom + word(context, RADIUS2)))
+    native = load_double(phys + word(context, KNO))
+    history = phys + word(context, HISTORY)
+    first, second = surface_of(context, interaction, BODY1), surface_of(context, interaction, BODY2)
+    pair = load_word(word(context, PAIRS) + 8 * (first * word(context, SURFACES) + second))
+    modulus = 0.75 * native / math.sqrt(radius)
+    store_double(history + RADIUS, radius)
+    store_double(history + MODULUS, modulus)
+    if not serves(word(context, RECORDS) + pair * word(context, RECORD_BYTES), radius, modulus):
+        fault(context, WRONG_CONTACT, interaction, radius)
+    ratio = from_bits(word(context, RATIO))
+    if ratio == 0.0:
+        ratio = load_double(phys + word(context, KSO)) / (1.5 * native)
+    store_double(phys + word(context, SPARE), ratio)
+    store_double(history + TAG, pair + 1.0)
+
+
 @loop
-def act(kind, rule, context, this, geom_pointer, phys_pointer, interaction):
+def row_of(kind, context, record, phys, radius, modulus):
+    """Address of the contact's Params, made where it has none in this process; 0 where the buffer is full."""
+    place = phys + word(context, SPARE) + 8
+    number = next_number(context + 8 * ROWS_USED)
+    if number >= word(context, CAPACITY):
+        return 0  # the guard makes a larger buffer before the next step
+    address = word(context, PARAMS) + 8 * number * word(context, PARAM_WORDS)
+    store(params_of(kind, record, radius, modulus), address)
+    store_double(place, float((word(context, GENERATION) << 28) + number))
+    return address
+
+
+@loop
+def end_contact(kind, rule, context, record, radius, modulus, state):
+    """Bank the dissipation of a contact that ends."""
+    add_double(context + 8 * BANKED, energies(kind, rule, record, radius, modulus, 0.0, state)[1])
+
+
+@loop
+def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, interaction):
     """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which then does all the rest."""
     geom, phys = load_word(geom_pointer), load_word(phys_pointer)
     geom_class = load_word(geom)
@@ -315,10 +393,20 @@ def act(kind, rule, context, this, geom_pointer, phys_pointer, interaction):
     radius, modulus = load_double(history + RADIUS), load_double(history + MODULUS)
     old = read_state(rule, history + STATE)
     if overlap <= 0.0:
-        dissipated = energies(kind, rule, record, radius, modulus, 0.0, old)[1]
-        if dissipated != 0.0:
-            add_double(context + 8 * BANKED, dissipated)
-    force, stiffness, new = respond(kind, rule, record, radius, modulus, overlap, old)
+        end_contact(kind, rule, context, record, radius, modulus, old)
+    if load_word(record) != 0:
+        p = scale(HertzShape(), radius, modulus, 0.0)
+        force, stiffness, new = step(rule, p, overlap, old)
+    else:
+        code = np.int64(load_double(phys + word(context, SPARE) + 8))
+        if code >> 28 == word(context, GENERATION):
+            row = word(context, PARAMS) + 8 * (code & 0xFFFFFFF) * word(context, PARAM_WORDS)
+        else:
+            row = row_of(kind, context, record, phys, radius, modulus)
+        if row != 0:
+            force, stiffness, new = step(rule, unpack(params_kind, row), overlap, old)
+        else:
+            force, stiffness, new = respond(kind, rule, record, radius, modulus, overlap, old)
     if force - force != 0.0:
         fault(context, NOT_FINITE, interaction, overlap)
         if word(context, GUARDED) != 0:

@@ -1,6 +1,10 @@
 """Which law acts between which surfaces: from a user's arguments to the records that compiled code reads."""
 
+import base64
 import json
+import math
+import tempfile
+import zlib
 from pathlib import Path
 
 import numba
@@ -8,112 +12,198 @@ import numpy as np
 
 from demlaws.contact import Contact, Surface
 from demlaws.errors import DemlawsError
-from demlaws.law import Law, find, law
+from demlaws.law import Law, find, law, scale_one
+from demlaws.laws.hertz import HertzShape
+from demlaws.table import Table
 from demlaws.unloading import RULES, STATE_NAMES
 from demlaws.yade import kernel
 
 NOMINAL = {"radius": 5e-3, "modulus": 30e9}
-"""Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
+"""Effective radius [m] and modulus [Pa] with which a law is made and checked: YADE's contacts are not known yet."""
 
 
 def _surface(label, value):
+    if not isinstance(label, str) or not label:
+        raise DemlawsError(f"surfaces: {label!r} is not a label; use the label of the YADE materials that have the surface")
     if isinstance(value, Surface):
         return value
-    if isinstance(value, dict):
-        try:
-            return Surface(**value)
-        except TypeError as error:
-            raise DemlawsError(f"surfaces[{label!r}]: {error}") from None
-    raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r}")
+    try:
+        return Surface(**value)
+    except TypeError as error:
+        raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r} ({error})") from None
+
+
+class Source:
+    """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table."""
+
+    def __init__(self, given, options):
+        self.table = None
+        if isinstance(given, Path) or (isinstance(given, str) and ("/" in given or "." in given)):
+            given = Table.load(given)
+        if isinstance(given, Table):
+            self.table, self.name, self.options = given, given.name, dict(given.options)
+            if options:
+                raise DemlawsError(f"a table takes no options, got {', '.join(options)}: give them when tabulating")
+            if given.contact.size is not None:
+                raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
+        elif isinstance(given, Law):
+            self.name, self.options = given.name, {**given.options, **options}
+        elif isinstance(given, str):
+            self.name, self.options = find(given).name, dict(options)
+        else:
+            raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
+        self.unloading = getattr(given, "unloading", "elastic")
+        self.definition = find(self.name)
+
+    def shape(self, surface, unloading, typical):
+        """The law's Shape for a combined surface, or None where the pair is Hertz."""
+        if self.table is not None:
+            return self._table_shape(surface)
+        dimension = surface.fractal_dimension
+        if surface.roughness == 0.0 and dimension is None:
+            dimension = 2.0  # without roughness it does not matter, but the law wants one
+        contact = Contact(
+            roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **typical
+        )
+        if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in self.definition.needs):
+            return None
+        return law(self.name, contact, unloading, **self.options).shape
+
+    def _table_shape(self, surface):
+        contact = self.table.contact
+        if surface.roughness == 0.0 and self.table.shape.length_over_roughness:
+            return None
+        for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
+            wanted, made_for = getattr(surface, name), getattr(contact, name)
+            free = name == "roughness" and self.definition.collapses
+            if free or wanted is None or made_for is None:
+                continue
+            if not math.isclose(wanted, made_for, rel_tol=1e-6):
+                raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {wanted:g}{unit}")
+        return self.table.shape
+
+    def only_for(self):
+        """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
+        if self.table is None or self.definition.collapses:
+            return 0.0, 0.0
+        return self.table.contact.radius, self.table.contact.modulus
+
+    def as_dict(self):
+        if self.table is None:
+            return {"law": self.name, "options": self.options}
+        with tempfile.TemporaryDirectory() as folder:
+            text = self.table.save(Path(folder) / "table.txt").read_bytes()
+        return {"table": base64.b64encode(zlib.compress(text, 9)).decode()}
+
+    @classmethod
+    def from_dict(cls, content):
+        if "table" not in content:
+            return cls(content["law"], content["options"])
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "table.txt"
+            path.write_bytes(zlib.decompress(base64.b64decode(content["table"])))
+            return cls(Table.load(path), {})
 
 
 class Pairs:
     """Laws between labelled surfaces. Number 0 stands for every material whose label is not listed: smooth.
 
-    law: a name, a `Law`, a `Table`, or the path of a saved table. A pair of smooth surfaces is Hertz unless the law
-    means more than roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are
-    what `kernel.act` reads; shapes and roughnesses are those of each record, None for Hertz.
+    law: see `Source`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
+    σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
+    roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
+    reads; shapes and roughnesses are those of each record, None for Hertz.
     """
 
-    def __init__(self, law_given, surfaces, unloading, options, typical=None):
-        surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
-        if "" in surfaces:
-            raise DemlawsError("a surface needs a label: the label of the YADE materials that have it")
+    def __init__(self, given, surfaces, unloading, options, typical=None):
+        self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
+        self.labels = ["", *self.surfaces]
         self.typical = {**NOMINAL, **(typical or {})}
-        self.table = _as_table(law_given)
-        if self.table is not None:
-            self.name, self.options = self.table.name, {}
-            if options:
-                raise DemlawsError(f"a table takes no options, got {', '.join(options)}: give them when tabulating")
-            self.unloading = self.table.unloading if unloading is None else unloading
-        elif isinstance(law_given, Law):
-            self.name, self.options = law_given.name, {**law_given.options, **options}
-            self.unloading = law_given.unloading if unloading is None else unloading
+        if isinstance(given, dict):
+            self.default = None
+            self.special = {self._key(pair): self._source(one, options) for pair, one in given.items()}
+            rules = {source.unloading for source in self.special.values()}
         else:
-            self.name, self.options = find(law_given).name, dict(options)
-            self.unloading = "elastic" if unloading is None else unloading
+            self.default, self.special = self._source(given, options), {}
+            rules = {self.default.unloading}
+            if isinstance(given, Law) and not self.surfaces:
+                raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
+        if unloading is None and len(rules) > 1:
+            raise DemlawsError(f"the laws come with different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
+        self.unloading = (rules.pop() if rules else "elastic") if unloading is None else unloading
         if self.unloading not in RULES:
             raise DemlawsError(f"unknown unloading rule {self.unloading!r}: the rules are {', '.join(RULES)}")
-        if isinstance(law_given, Law) and not surfaces:
-            raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law or table is for")
         self.rule = RULES[self.unloading]
         self.state_names = STATE_NAMES[self.unloading]
-        self.surfaces = surfaces
-        self.labels = ["", *surfaces]
-        self._make_records([Surface(), *surfaces.values()])
-        self.hashes = np.array([0] + [kernel.label_hash(label) for label in surfaces], np.int64)
+        self._make_records([Surface(), *self.surfaces.values()])
+        self.hashes = np.array([0] + [kernel.label_hash(label) for label in self.surfaces], np.int64)
+
+    @staticmethod
+    def _source(given, options):
+        return given if isinstance(given, Source) else Source(given, options)
+
+    def _key(self, pair):
+        if not isinstance(pair, tuple) or len(pair) != 2 or any(label not in self.labels for label in pair):
+            raise DemlawsError(f"law: {pair!r} is not a pair of labels out of {self.labels}")
+        return tuple(sorted(pair))
 
     def _make_records(self, surfaces):
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
-        self.shapes, self.roughnesses = [], []
+        self.shapes, self.roughnesses, self.only_for = [], [], []
         for i in range(count):
             for j in range(i + 1):
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
-                self.shapes.append(self._shape(pair, self.labels[j], self.labels[i]))
+                shape, only_for = self._pair(pair, self.labels[j], self.labels[i])
+                self.shapes.append(shape)
+                self.only_for.append(only_for)
                 self.roughnesses.append(pair.roughness)
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
-            raise DemlawsError(f"the pairs of surfaces need laws of one kind, got {len(kinds)}")
-        self.kind = kinds.pop() if kinds else numba.typeof(_hertz_shape())
+            raise DemlawsError(f"the pairs of surfaces need laws of one kind (or all tables), got {len(kinds)} kinds")
+        example = next((shape for shape in self.shapes if shape is not None), HertzShape())
+        self.kind = numba.typeof(example)
+        params = scale_one(example, self.typical["radius"], self.typical["modulus"], 1e-6)
+        self.params_kind, self.params_words = numba.typeof(params), len(kernel.pack(params, []))
         self._keep = []
         rows = []
-        for shape, roughness in zip(self.shapes, self.roughnesses, strict=True):
+        for shape, roughness, only_for in zip(self.shapes, self.roughnesses, self.only_for, strict=True):
             words = [] if shape is None else kernel.pack(shape, self._keep)
-            rows.append([int(shape is None), int(np.float64(roughness).view(np.int64)), *words])
+            rows.append([int(shape is None), *kernel.pack((roughness, *only_for), []), *words])
         width = max(len(row) for row in rows)
         self.records = np.array([row + [0] * (width - len(row)) for row in rows], np.int64)
 
-    def _shape(self, surface, first, second):
-        """The law's shape for a pair, or None where it is Hertz."""
-        if self.table is not None:
-            return None if surface.roughness == 0.0 else self.table.shape
-        dimension = surface.fractal_dimension
-        if surface.roughness == 0.0 and dimension is None:
-            dimension = 2.0  # without roughness it does not matter, but the law wants one
-        contact = Contact(
-            roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **self.typical
-        )
+    def _pair(self, surface, first, second):
+        source = self.special.get(tuple(sorted((first, second))), self.default)
+        if source is None:
+            if surface.roughness == 0.0:
+                return None, (0.0, 0.0)
+            raise DemlawsError(f"law has no entry for the pair {(first, second)!r}, which is rough")
         try:
-            return law(self.name, contact, self.unloading, **self.options).shape
+            return source.shape(surface, self.unloading, self.typical), source.only_for()
         except DemlawsError as error:
-            if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in find(self.name).needs):
-                return None
-            pair = " on ".join(repr(label or "a smooth surface") for label in (first, second))
-            raise DemlawsError(f"surfaces {pair}: {error}") from None
+            names = " on ".join(repr(label) if label else "unlisted materials" for label in (first, second))
+            raise DemlawsError(f"{names}: {error}") from None
+
+    def number(self, first, second):
+        """Record of two materials' labels."""
+        return int(self.numbers[tuple(self.labels.index(x) if x in self.surfaces else 0 for x in (first, second))])
+
+    @property
+    def name(self):
+        """What acts, in words."""
+        sources = {source.name + (" (table)" if source.table else "") for source in (self.default, *self.special.values()) if source}
+        return f"{', '.join(sorted(sources))}, {self.unloading} unloading"
 
     def as_text(self):
         """JSON from which `from_text` makes the same pairs in another process."""
         content = {
-            "law": self.name,
             "unloading": self.unloading,
-            "options": self.options,
             "typical": self.typical,
             "surfaces": {label: vars(surface) for label, surface in self.surfaces.items()},
+            "default": self.default and self.default.as_dict(),
+            "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
         }
-        if self.table is not None:
-            content["table"] = self.table.as_text()
         try:
             return json.dumps(content)
         except TypeError as error:
@@ -122,25 +212,7 @@ class Pairs:
     @classmethod
     def from_text(cls, text):
         content = json.loads(text)
-        given = content["law"]
-        if "table" in content:
-            from demlaws.table import Table
-
-            given = Table.from_text(content["table"])
-        return cls(given, content["surfaces"], content["unloading"], content["options"], content["typical"])
-
-
-def _hertz_shape():
-    from demlaws.laws.hertz import Shape
-
-    return Shape()
-
-
-def _as_table(given):
-    if isinstance(given, Path) or (isinstance(given, str) and ("/" in given or "." in given)):
-        from demlaws.table import Table
-
-        return Table.load(given)
-    if isinstance(given, Law) and hasattr(given, "save"):
-        return given
-    return None
+        given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
+        if content["default"]:
+            given = Source.from_dict(content["default"])
+        return cls(given, content["surfaces"], content["unloading"], {}, content["typical"])

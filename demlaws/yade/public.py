@@ -92,8 +92,12 @@ def first_sight(pairs, ratio, contact, row):
     row[3] = kernel.effective_radius(geom.refR1, geom.refR2)
     row[4] = 0.75 * phys.kno / np.sqrt(row[3])
     row[1] = ratio or phys.kso / (1.5 * phys.kno)
-    numbers = [pairs.labels.index(label) if (label := _label(b)) in pairs.surfaces else 0 for b in (contact.id1, contact.id2)]
-    row[2] = pairs.numbers[tuple(numbers)] + 1
+    number = pairs.number(*(_label(body) for body in (contact.id1, contact.id2)))
+    if not kernel.serves(pairs.records.ctypes.data + number * pairs.records.strides[0], row[3], row[4]):
+        raise DemlawsError(
+            f"contact {contact.id1}+{contact.id2} with R = {row[3]:g} m: the table holds only for the radius and modulus it was made for"
+        )
+    row[2] = number + 1
     phys.prevU = yade.Vector3(row[1], 0, 0)
 
 
