@@ -1,8 +1,8 @@
 """The functor that a YADE script uses, and what keeps it honest: guard, engine list, saving and loading, energies.
 
-Importing this module imports YADE and wraps four of its Python entry points: assigning `O.engines` (puts the guard before
-InteractionLoop, or takes the public way where the bridge cannot act), `O.save`/`O.saveTmp` (bring the energy account up to
-date), and assigning `LawDispatcher.functors` (refused, because it goes past the guard).
+Importing this module imports YADE and wraps some of its Python entry points: assigning `O.engines` (puts the guard before
+InteractionLoop, or takes the public way where the bridge cannot act), `O.save` and `O.load` with their
+relatives (write the energy account to the scene, read it back), and assigning `LawDispatcher.functors` (refused, because it goes past the guard).
 """
 
 import warnings
@@ -425,6 +425,17 @@ def _saving(native):
     return save
 
 
+def _loading(native):
+    def load(omega, *arguments, **keywords):
+        native(omega, *arguments, **keywords)
+        for binding in _bindings.values():
+            if binding.tag in O.tags.keys():  # noqa: SIM118  not a dict
+                binding.banked = float(O.tags[binding.tag].split("|", 3)[2])
+
+    load.__doc__ = native.__doc__
+    return load
+
+
 def _wrap_yade():
     omega = yade.wrapper.Omega
     if getattr(omega, "demlaws_wrapped", False):
@@ -433,6 +444,8 @@ def _wrap_yade():
     omega.engines = property(_native_engines.__get__, lambda omega, engines: set_engines(engines))
     for name in ("save", "saveTmp", "sceneToString"):
         setattr(omega, name, _saving(getattr(omega, name)))
+    for name in ("load", "loadTmp", "reload", "stringToScene"):
+        setattr(omega, name, _loading(getattr(omega, name)))
     yade.LawDispatcher.functors = property(_native_functors.__get__, _set_functors)
 
 
