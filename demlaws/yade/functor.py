@@ -13,7 +13,7 @@ import yade
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import bridge, kernel, public
-from demlaws.yade.pairs import Pairs
+from demlaws.yade.pairs import Pairs, Span
 
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
 GUARD_COMMAND = "__import__('demlaws.yade').yade.guard({label!r})"
@@ -215,12 +215,13 @@ class Binding:
             )
         if kind == kernel.WRONG_CONTACT:
             raise DemlawsError(
-                f"contact {first}+{second} with R = {overlap:g} m: the table holds only for the radius and modulus it was made "
-                "for, because this law has no single dimensionless curve; use the law itself"
+                f"contact {first}+{second} with R = {overlap:g} m: a law with a solved curve, or a table of a law without a "
+                "single dimensionless curve, holds only for the contacts it was made for: use the law itself and make it after the bodies"
             )
         raise DemlawsError(
-            f"contact {first}+{second} at overlap {overlap:g} m: the law gives no finite force there (a table ends, or the "
-            "overlap is not a number); a table for larger overlaps, or a smaller time step, is needed"
+            f"contact {first}+{second} at overlap {overlap:g} m: the law gives no finite force there (a table ends, its "
+            "radius or modulus is outside those that the law was made for, or the overlap is not a number): make the table for "
+            "larger forces, give radii=… and moduli=…, or take a smaller time step"
         )
 
 
@@ -282,7 +283,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     "hertz" or "thornton"; surfaces: label of a YADE material → `demlaws.Surface`; a material whose label is not listed is
     smooth, and a pair of smooth surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2². tangential_ratio: K_t/K; None takes
     YADE's, 2(1-ν)/(2-ν) for equal materials. bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the
-    native one is not available). label: how guard and saved files know the law; one label a law. Further arguments are the
+    native one is not available). label: how guard and saved files know the law; one label a law. radii, moduli: smallest and
+    largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart,
+    Greenwood–Tripp) must know; by default those of the bodies that the scene holds now. Further arguments are the
     law's own options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy,
     preventGranularRatcheting). E*, R, friction and damping are the contact's, as YADE has them.
     """
@@ -296,7 +299,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         bridge="auto",
         tangential_ratio=None,
         label="demlaws",
-        typical=None,
+        radii=None,
+        moduli=None,
         **options,
     ):
         native = {name: options.pop(name) for name in list(options) if name in NATIVE_ATTRIBUTES}
@@ -307,7 +311,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         if tangential_ratio is not None and not 0.0 < tangential_ratio < 10.0:
             raise DemlawsError(f"tangential_ratio = {tangential_ratio:g}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
         super().__init__(label=label, **native)
-        pairs = Pairs(law, surfaces, unloading, options, typical)
+        pairs = Pairs(law, surfaces, unloading, options, _spans(radii, moduli))
         binding = Binding(label, pairs, tangential_ratio, bridge)
         binding.check_functor(self)
         if binding.attachment is not None:
@@ -336,6 +340,37 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     def normElastEnergy(self):
         """Stored normal energy [J]; replaces Mindlin's formula, which holds for Hertz only."""
         return self.totals().stored
+
+
+def _spans(radii, moduli):
+    """Label pair → `Span` of the contacts: what the user gave, else what the scene's bodies and materials allow."""
+    for name, unit, pair in (("radii", "m", radii), ("moduli", "Pa", moduli)):
+        if pair is not None and not (len(pair) == 2 and 0.0 < pair[0] <= pair[1]):
+            raise DemlawsError(f"{name} must be (smallest, largest) in {unit}, got {pair!r}")
+    sizes, flats, materials = set(), False, {}
+    for body in O.bodies:
+        if isinstance(body.shape, yade.Sphere):
+            sizes.add(body.shape.radius)
+        elif not isinstance(body.shape, yade.Clump):
+            flats = True
+        if isinstance(body.material, yade.FrictMat):
+            materials.setdefault(body.material.label, set()).add((body.material.young, body.material.poisson))
+    if radii is None and sizes:
+        # YADE's effective radius of a sphere is r/2 against its like or a wall, 2r/3 against a facet
+        radii = (min(sizes) / 2.0, max(sizes) * (2.0 / 3.0 if flats else 0.5))
+
+    def span(labels, known=frozenset(materials)):
+        if radii is None:
+            return None
+        if moduli is not None:
+            return Span(tuple(radii), tuple(moduli))
+        first, second = (
+            {m for label in known if label == wanted or not wanted for m in materials[label]} for wanted in labels
+        )
+        values = [1.0 / ((1.0 - p**2) / y + (1.0 - q**2) / z) for y, p in first for z, q in second]
+        return Span(tuple(radii), (min(values), max(values))) if values else None
+
+    return span
 
 
 def _attach(functor, binding, way):

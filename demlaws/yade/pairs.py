@@ -6,20 +6,39 @@ import math
 import tempfile
 import zlib
 from pathlib import Path
+from typing import NamedTuple
 
 import numba
 import numpy as np
 
 from demlaws.contact import Contact, Surface
 from demlaws.errors import DemlawsError
-from demlaws.law import Law, find, law, scale_one
+from demlaws.law import SMOOTHEST, Law, find, law, scale_one
 from demlaws.laws.hertz import HertzShape
 from demlaws.table import Table
 from demlaws.unloading import RULES, STATE_NAMES
 from demlaws.yade import kernel
 
-NOMINAL = {"radius": 5e-3, "modulus": 30e9}
-"""Effective radius [m] and modulus [Pa] with which a law is made and checked: YADE's contacts are not known yet."""
+NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
+"""Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
+
+
+class Span(NamedTuple):
+    """Smallest and largest effective radius [m] and modulus [Pa] that a pair's contacts may have."""
+
+    radius: tuple
+    modulus: tuple
+
+    def widened(self):
+        """At least 2 % of radius, so that laws that depend on it are made as families."""
+        return self._replace(radius=(min(self.radius[0], self.radius[1] / 1.02), self.radius[1]))
+
+    def arguments(self):
+        """Keyword arguments of a `Contact`: numbers, or the four corners of the span."""
+        if self.radius[0] == self.radius[1] and self.modulus[0] == self.modulus[1]:
+            return {"radius": self.radius[0], "modulus": self.modulus[0]}
+        corners = [(r, e) for r in self.radius for e in self.modulus]
+        return {"radius": np.array([r for r, _ in corners]), "modulus": np.array([e for _, e in corners])}
 
 
 def _surface(label, value):
@@ -55,7 +74,13 @@ class Source:
         self.unloading = getattr(given, "unloading", "elastic")
         self.definition = find(self.name)
 
-    def shape(self, surface, unloading, typical):
+    @property
+    def needs_span(self):
+        """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
+        loading = self.options.get("loading")
+        return self.table is None and (self.definition.solved or (isinstance(loading, str) and find(loading).solved))
+
+    def shape(self, surface, unloading, span):
         """The law's Shape for a combined surface, or None where the pair is Hertz."""
         if self.table is not None:
             return self._table_shape(surface)
@@ -63,11 +88,12 @@ class Source:
         if surface.roughness == 0.0 and dimension is None:
             dimension = 2.0  # without roughness it does not matter, but the law wants one
         contact = Contact(
-            roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **typical
+            roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **span.arguments()
         )
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in self.definition.needs):
             return None
-        return law(self.name, contact, unloading, **self.options).shape
+        shape = law(self.name, contact, unloading, **self.options).shape
+        return None if isinstance(shape, HertzShape) else shape
 
     def _table_shape(self, surface):
         contact = self.table.contact
@@ -111,13 +137,15 @@ class Pairs:
     law: see `Source`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
-    reads; shapes and roughnesses are those of each record, None for Hertz.
+    reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
+    two labels, or None where nothing is known of the contacts.
     """
 
-    def __init__(self, given, surfaces, unloading, options, typical=None):
+    def __init__(self, given, surfaces, unloading, options, spans=None):
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.labels = ["", *self.surfaces]
-        self.typical = {**NOMINAL, **(typical or {})}
+        self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
+        self.spans = {}
         if isinstance(given, dict):
             self.default = None
             self.special = {self._key(pair): self._source(one, options) for pair, one in given.items()}
@@ -134,7 +162,9 @@ class Pairs:
             raise DemlawsError(f"unknown unloading rule {self.unloading!r}: the rules are {', '.join(RULES)}")
         self.rule = RULES[self.unloading]
         self.state_names = STATE_NAMES[self.unloading]
-        self._make_records([Surface(), *self.surfaces.values()])
+        combined = [Surface(), *self.surfaces.values()]
+        if not self._make_records(combined, False) and not self._make_records(combined, True):
+            raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [kernel.label_hash(label) for label in self.surfaces], np.int64)
 
     @staticmethod
@@ -146,7 +176,8 @@ class Pairs:
             raise DemlawsError(f"law: {pair!r} is not a pair of labels out of {self.labels}")
         return tuple(sorted(pair))
 
-    def _make_records(self, surfaces):
+    def _make_records(self, surfaces, widened):
+        """False where the pairs' laws turn out to be of different kinds."""
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
         self.shapes, self.roughnesses, self.only_for = [], [], []
@@ -154,16 +185,19 @@ class Pairs:
             for j in range(i + 1):
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
-                shape, only_for = self._pair(pair, self.labels[j], self.labels[i])
+                shape, only_for = self._pair(pair, (self.labels[j], self.labels[i]), widened)
                 self.shapes.append(shape)
                 self.only_for.append(only_for)
                 self.roughnesses.append(pair.roughness)
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
-            raise DemlawsError(f"the pairs of surfaces need laws of one kind (or all tables), got {len(kinds)} kinds")
-        example = next((shape for shape in self.shapes if shape is not None), HertzShape())
+            return False
+        example, number = next(
+            ((shape, n) for n, shape in enumerate(self.shapes) if shape is not None), (HertzShape(), len(self.shapes) - 1)
+        )
         self.kind = numba.typeof(example)
-        params = scale_one(example, self.typical["radius"], self.typical["modulus"], 1e-6)
+        radius, modulus = self.specimen(number)
+        params = scale_one(example, radius, modulus, max(self.roughnesses[number], SMOOTHEST * radius))
         self.params_kind, self.params_words = numba.typeof(params), len(kernel.pack(params, []))
         self._keep = []
         rows = []
@@ -172,18 +206,45 @@ class Pairs:
             rows.append([int(shape is None), *kernel.pack((roughness, *only_for), []), *words])
         width = max(len(row) for row in rows)
         self.records = np.array([row + [0] * (width - len(row)) for row in rows], np.int64)
+        return True
 
-    def _pair(self, surface, first, second):
-        source = self.special.get(tuple(sorted((first, second))), self.default)
+    def specimen(self, number):
+        """R [m] and E* [Pa] of a contact that the law of this record serves."""
+        if self.only_for[number][0] > 0.0:
+            return self.only_for[number]
+        span = self.spans.get(number, Span(**NOMINAL))
+        return span.radius[1], span.modulus[1]
+
+    def _pair(self, surface, labels, widened):
+        source = self.special.get(tuple(sorted(labels)), self.default)
         if source is None:
             if surface.roughness == 0.0:
                 return None, (0.0, 0.0)
-            raise DemlawsError(f"law has no entry for the pair {(first, second)!r}, which is rough")
+            raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
+        names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
+        span = self._spans(labels)
+        if span is None:
+            if source.needs_span and surface.roughness > 0.0 and all(labels):
+                raise DemlawsError(
+                    f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law after materials "
+                    "and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
+                )
+            span = Span(**NOMINAL)
+            if source.needs_span:
+                return None, (math.nan, math.nan)  # no such contact is expected, and none is served
+        span = span.widened() if widened else span
+        self.spans[len(self.shapes)] = span
         try:
-            return source.shape(surface, self.unloading, self.typical), source.only_for()
+            return source.shape(surface, self.unloading, span), source.only_for()
         except DemlawsError as error:
-            names = " on ".join(repr(label) if label else "unlisted materials" for label in (first, second))
             raise DemlawsError(f"{names}: {error}") from None
+
+    def _known_spans(self):
+        for i, second in enumerate(self.labels):
+            for first in self.labels[: i + 1]:
+                span = self._spans((first, second))
+                if span is not None:
+                    yield (first, second), span
 
     def number(self, first, second):
         """Record of two materials' labels."""
@@ -199,7 +260,7 @@ class Pairs:
         """JSON from which `from_text` makes the same pairs in another process."""
         content = {
             "unloading": self.unloading,
-            "typical": self.typical,
+            "spans": [[a, b, *span] for (a, b), span in self._known_spans()],
             "surfaces": {label: vars(surface) for label, surface in self.surfaces.items()},
             "default": self.default and self.default.as_dict(),
             "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
@@ -215,4 +276,5 @@ class Pairs:
         given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:
             given = Source.from_dict(content["default"])
-        return cls(given, content["surfaces"], content["unloading"], {}, content["typical"])
+        spans = {(a, b): Span(tuple(radius), tuple(modulus)) for a, b, radius, modulus in content["spans"]}
+        return cls(given, content["surfaces"], content["unloading"], {}, spans)

@@ -6,16 +6,15 @@ import yade
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
 
-RADIUS, YOUNG, POISSON = 0.01, 50e9, 0.2
+POISSON = 0.2
 TOLERANCE = 1e-14  # of the largest force
-_scene = None
 
 
 class SelfTestFailed(DemlawsError):
     """YADE did not apply the law's force to two test spheres."""
 
 
-def _overlaps(deepest=2e-5):
+def _overlaps(deepest):
     """Load, unload, reload further, part, touch again [m]."""
     legs = [(0.0, 0.5), (0.5, 0.2), (0.2, 1.0), (1.0, -0.1), (-0.1, 0.3)]
     path = np.concatenate([np.linspace(a, b, 12, endpoint=False) for a, b in legs])
@@ -27,18 +26,15 @@ def run(binding):
 
     Works in a scene apart: the user's is left as it is. Raises SelfTestFailed.
     """
-    global _scene
     omega = yade.O
     if omega.running:
         raise SelfTestFailed("the self-test needs a scene of its own, but a simulation is running")
     home = omega.thisScene
-    try:
-        if _scene is None:
-            _scene = omega.addScene()
-        omega.switchToScene(_scene)
-    except RuntimeError:  # O.reset() dropped the scene that was added before
-        _scene = omega.addScene()
-        omega.switchToScene(_scene)
+    own = omega.addScene()  # a new one each time: O.reset() drops them, and switching to a dropped one does nothing
+    omega.switchToScene(own)
+    if omega.thisScene != own or own == home or len(omega.bodies) or omega.engines:
+        omega.switchToScene(home)
+        raise SelfTestFailed("YADE gave no scene of its own to the self-test")
     try:
         return _compare(binding, omega)
     finally:
@@ -53,11 +49,13 @@ def _compare(binding, omega):
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
     binding.attachment.patch(functor)
     label = pairs.labels[-1]
-    material = yade.FrictMat(young=YOUNG, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
+    effective_radius, modulus = pairs.specimen(int(pairs.numbers[-1, -1]))
+    radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
+    material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
     omega.materials.append(material)
-    for height in (0.0, 2 * RADIUS):
+    for height in (0.0, 2 * radius):
         body = yade.Body()
-        body.shape, body.material = yade.Sphere(radius=RADIUS), material
+        body.shape, body.material = yade.Sphere(radius=radius), material
         body.state.pos = body.state.refPos = yade.Vector3(0, 0, height)
         body.state.mass, body.state.inertia = 1.0, yade.Vector3(1, 1, 1)
         body.state.blockedDOFs = "xyzXYZ"
@@ -65,7 +63,7 @@ def _compare(binding, omega):
         omega.bodies.append(body)
     engines = [
         yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * RADIUS),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
         yade.InteractionLoop(
             [yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [functor]
         ),
@@ -74,12 +72,11 @@ def _compare(binding, omega):
     _native_engines.__set__(omega, engines)
     omega.dt = 1e-9
     number = pairs.numbers[-1, -1] + 1.0
-    radius, modulus = RADIUS / 2, YOUNG / (1 - POISSON**2) / 2
-    row = np.array([[0.0, 1.0, number, radius, modulus, 0.0, 0.0, 0.0]])
+    row = np.array([[0.0, 1.0, number, effective_radius, modulus, 0.0, 0.0, 0.0]])
     out = np.zeros((1, 3))
     wrong, largest, applied, steps = 0.0, 0.0, [], 0
-    for overlap in _overlaps():
-        omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * RADIUS - overlap)
+    for overlap in _overlaps(4e-3 * effective_radius):
+        omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
         omega.step()
         contact = omega.interactions[0, 1] if omega.interactions.has(0, 1) else None
         touching = contact is not None and contact.isReal
