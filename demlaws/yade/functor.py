@@ -216,7 +216,8 @@ class Binding:
         if kind == kernel.WRONG_CONTACT:
             raise DemlawsError(
                 f"contact {first}+{second} with R = {overlap:g} m: a law with a solved curve, or a table of a law without a "
-                "single dimensionless curve, holds only for the contacts it was made for: use the law itself and make it after the bodies"
+                "single dimensionless curve, holds only for the contacts it was made for, or none was given for this pair of materials: "
+                "list their surfaces, use the law itself and make it after the bodies"
             )
         raise DemlawsError(
             f"contact {first}+{second} at overlap {overlap:g} m: the law gives no finite force there (a table ends, its "

@@ -220,6 +220,8 @@ class Pairs:
         if source is None:
             if surface.roughness == 0.0:
                 return None, (0.0, 0.0)
+            if not all(labels):
+                return None, (math.nan, math.nan)
             raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
         names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
         span = self._spans(labels)
@@ -237,6 +239,8 @@ class Pairs:
         try:
             return source.shape(surface, self.unloading, span), source.only_for()
         except DemlawsError as error:
+            if not all(labels):
+                return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(f"{names}: {error}") from None
 
     def _known_spans(self):
