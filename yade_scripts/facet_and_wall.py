@@ -69,9 +69,7 @@ def main():
         law = dl.law("pohrt-popov", dl.Contact(radius, modulus, pair.roughness, pair.fractal_dimension), "hertz")
         error = np.abs(law.follow(overlap).force - force).max() / force.max()
         worst = max(worst, error)
-        print(
-            f"{flat:7}{radius / RADIUS:19.4f}{modulus / 1e9:8.2f} GPa{force.max():10.1f} N{error:20.1e}{force.size:7d}"
-        )
+        print(f"{flat:7}{radius / RADIUS:19.4f}{modulus / 1e9:8.2f} GPa{force.max():10.1f} N{error:20.1e}{force.size:7d}")
         (line,) = axis.plot(1e6 * overlap, force, label=f"{flat}: normal")
         axis.plot(1e6 * overlap, shear, ":", color=line.get_color(), label=f"{flat}: shear")
     axis.set(xlabel="overlap [µm]", ylabel="force [N]")

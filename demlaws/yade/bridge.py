@@ -267,7 +267,9 @@ def layout():
     global _layout
     if _layout is None:
         if os.uname().sysname != "Linux" or os.uname().machine != "x86_64":
-            raise BridgeUnavailable(f"the bridge is made for Linux on x86-64, this is {os.uname().sysname} {os.uname().machine}")
+            raise BridgeUnavailable(
+                f"the bridge is made for Linux on x86-64, this is {os.uname().sysname} {os.uname().machine}"
+            )
         _layout = Layout()
     return _layout
 
@@ -345,13 +347,21 @@ class Attachment:
 
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         offset, _, _ = self.layout.find_slot(probe)
-        point = ctypes.c_uint64.from_address(address(probe) + offset).value
+        point = self.native_table = ctypes.c_uint64.from_address(address(probe) + offset).value
         return _read(point - 16, 8 * (COPIED + 2), ctypes.c_int64).copy()
 
     def patch(self, functor):
-        """Make `functor` act by this law. It must be an untouched Mindlin functor."""
+        """Make `functor` act by this law. It must be an untouched Mindlin functor, or act by it already."""
+        if self.acts_in(functor):
+            return
         offset, _, _ = self.layout.find_slot(functor)
         ctypes.c_uint64.from_address(address(functor) + offset).value = self.table.ctypes.data + 16
+
+    def release(self, functor):
+        """Give a patched functor its native table back: only for measurements, since the native law then acts."""
+        if self.acts_in(functor):
+            offset, _, _ = self.layout.slot
+            ctypes.c_uint64.from_address(address(functor) + offset).value = self.native_table
 
     def acts_in(self, functor):
         """Whether this law is what `functor` calls."""

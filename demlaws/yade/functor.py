@@ -76,6 +76,7 @@ class Binding:
         self.attachment = None
         self.reason = None
         self.public_banked = 0.0
+        self.held = public.Held()
         if way != "public":
             try:
                 self.attachment = bridge.Attachment(pairs, ratio)
@@ -107,7 +108,8 @@ class Binding:
         return f"demlaws.{self.label}"
 
     def remember(self):
-        """Write all that another process needs to the scene's tags, which are saved with it."""
+        """Write all that another process needs to the scene, with which it is saved."""
+        self.settle()
         ratio = "" if self.ratio is None else repr(self.ratio)
         O.tags[self.tag] = "|".join((self.way, ratio, repr(self.banked), self.pairs.as_text()))
 
@@ -122,6 +124,11 @@ class Binding:
         _bindings[label] = binding
         return binding
 
+    def settle(self):
+        """Bring YADE's objects up to date with what the public way holds."""
+        if self.attachment is None and self.held.valid_at == (O.thisScene, O.iter):
+            self.held.flush()
+
     # --- what users read
 
     def _energies(self, columns):
@@ -135,6 +142,7 @@ class Binding:
 
         Contacts that vanish because a body is erased take their share of both with them.
         """
+        self.settle()
         columns = rows_of(real_contacts())
         columns = columns[columns[:, 2] > 0]
         stored, dissipated = self._energies(columns).sum(axis=0)
@@ -142,6 +150,7 @@ class Binding:
 
     def contacts(self, interactions=None):
         """State of all real contacts of the scene (or of the given ones) as arrays: a `ContactState`."""
+        self.settle()
         chosen = real_contacts() if interactions is None else list(interactions)
         columns = rows_of(chosen)
         seen = columns[:, 2] > 0
@@ -150,9 +159,7 @@ class Binding:
         out = np.zeros((len(columns), 3))
         records = self.pairs.records
         before = columns.copy()
-        kernel.respond_loop(
-            self.pairs.kind, self.pairs.rule, records.ctypes.data, records.strides[0], columns, out
-        )
+        kernel.respond_loop(self.pairs.kind, self.pairs.rule, records.ctypes.data, records.strides[0], columns, out)
         energies = self._energies(before)
         nothing = np.full(len(columns), np.nan)
         names = self.pairs.state_names
@@ -200,7 +207,11 @@ class Binding:
             if getattr(functor, name):
                 raise DemlawsError(
                     f"{name}=True cannot be used with a demlaws law: "
-                    + ("its moments live where the law keeps its history" if name == "includeMoment" else "it changes the force")
+                    + (
+                        "its moments live where the law keeps its history"
+                        if name == "includeMoment"
+                        else "it changes the force"
+                    )
                 )
 
     def raise_fault(self):
@@ -365,9 +376,7 @@ def _spans(radii, moduli):
             return None
         if moduli is not None:
             return Span(tuple(radii), tuple(moduli))
-        first, second = (
-            {m for label in known if label == wanted or not wanted for m in materials[label]} for wanted in labels
-        )
+        first, second = ({m for label in known if label == wanted or not wanted for m in materials[label]} for wanted in labels)
         values = [1.0 / ((1.0 - p**2) / y + (1.0 - q**2) / z) for y, p in first for z, q in second]
         return Span(tuple(radii), (min(values), max(values))) if values else None
 

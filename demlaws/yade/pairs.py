@@ -257,7 +257,9 @@ class Pairs:
     @property
     def name(self):
         """What acts, in words."""
-        sources = {source.name + (" (table)" if source.table else "") for source in (self.default, *self.special.values()) if source}
+        sources = {
+            source.name + (" (table)" if source.table else "") for source in (self.default, *self.special.values()) if source
+        }
         return f"{', '.join(sorted(sources))}, {self.unloading} unloading"
 
     def as_text(self):

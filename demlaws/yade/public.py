@@ -12,7 +12,6 @@ from demlaws.yade import kernel
 
 PREPARE = "__import__('demlaws.yade').yade.public_step({label!r})"
 FINISH = "__import__('demlaws.yade').yade.public_finish({label!r})"
-_tangents = {}
 
 
 def rewritten(engines, functor):
@@ -53,17 +52,51 @@ def _label(body):
     return yade.O.bodies[body].material.label
 
 
+class Held:
+    """A scene's contacts between steps: reading and writing YADE objects is what the public way costs."""
+
+    def __init__(self):
+        self.keys, self.objects, self.columns, self.tangents = [], [], np.zeros((0, 8)), ()
+        self.valid_at = None  # (scene, step) at which this may be used
+
+    def flush(self):
+        """Write the history to YADE's objects, where saving and reading look for it."""
+        for (_, phys, _), row in zip(self.objects, self.columns, strict=True):
+            phys.momentBend = yade.Vector3(*row[2:5])
+            phys.momentTwist = yade.Vector3(*row[5:8])
+
+    def take(self, binding):
+        """The contacts of this step: those held if they are the same ones."""
+        from demlaws.yade.functor import rows_of
+
+        omega = yade.O
+        contacts = [contact for contact in omega.interactions if contact.isReal]
+        keys = [(contact.id1, contact.id2, contact.iterMadeReal) for contact in contacts]
+        here = omega.thisScene, omega.iter
+        known = self.valid_at == here
+        if known and keys == self.keys:
+            self.columns[:, 0] = [geom.penetrationDepth for geom, _, _ in self.objects]
+        else:
+            if known:
+                self.flush()
+            for contact in contacts:
+                if not isinstance(contact.phys, yade.MindlinPhys):
+                    raise DemlawsError(f"contact {contact.id1}+{contact.id2} is not described by MindlinPhys")
+            self.keys, self.columns = keys, rows_of(contacts)
+            self.objects = [(contact.geom, contact.phys, contact) for contact in contacts]
+            for contact, row in zip(contacts, self.columns, strict=True):
+                if row[2] == 0.0:
+                    first_sight(binding.pairs, binding.ratio, contact, row)
+            self.flush()
+        self.valid_at = here[0], here[1] + 1
+
+
 def step(binding):
     """Set kno and kso of every contact and move its history on."""
-    from demlaws.yade.functor import real_contacts, rows_of
-
     yade.O.forces.f(0, True)  # or the threads' own sums survive the reset
-    pairs = binding.pairs
-    contacts = real_contacts()
-    columns = rows_of(contacts)
-    for contact, row in zip(contacts, columns, strict=True):
-        if row[2] == 0.0:
-            first_sight(pairs, binding.ratio, contact, row)
+    held, pairs = binding.held, binding.pairs
+    held.take(binding)
+    columns = held.columns
     ending = columns[columns[:, 0] <= 0]
     if len(ending):
         at_rest = ending.copy()
@@ -73,17 +106,15 @@ def step(binding):
     records = pairs.records
     bad = kernel.respond_loop(pairs.kind, pairs.rule, records.ctypes.data, records.strides[0], columns, out)
     if bad >= 0:
-        contact = contacts[bad]
-        raise DemlawsError(
-            f"contact {contact.id1}+{contact.id2} at overlap {columns[bad, 0]:g} m: the law gives no finite force there"
-        )
-    for contact, row, (kno, kso, _) in zip(contacts, columns, out, strict=True):
-        phys = contact.phys
-        if row[0] > 0:
-            phys.kno, phys.kso = kno, kso
-        phys.momentBend = yade.Vector3(*row[2:5])
-        phys.momentTwist = yade.Vector3(*row[5:8])
-    _tangents[binding.label] = list(zip(contacts, out[:, 2], strict=True))
+        first, second, _ = held.keys[bad]
+        raise DemlawsError(f"contact {first}+{second} at overlap {columns[bad, 0]:g} m: the law gives no finite force there")
+    for (_, phys, _), overlap, kno, kso in zip(
+        held.objects, columns[:, 0].tolist(), out[:, 0].tolist(), out[:, 1].tolist(), strict=True
+    ):
+        if overlap > 0.0:
+            phys.kno = kno
+            phys.kso = kso
+    held.tangents = out[:, 2].tolist()
 
 
 def first_sight(pairs, ratio, contact, row):
@@ -103,10 +134,14 @@ def first_sight(pairs, ratio, contact, row):
 
 def finish(binding):
     """Leave the tangent where the time stepper looks for it; erase ended contacts, which LawDispatcher does not."""
-    for contact, tangent in _tangents.pop(binding.label, ()):
-        if contact.geom.penetrationDepth > 0.0:
-            contact.phys.kn = tangent
-        elif contact.geom.penetrationDepth < 0.0 and not _never_erase(binding.label):
+    held, ended = binding.held, []
+    for (_, phys, contact), overlap, tangent in zip(held.objects, held.columns[:, 0].tolist(), held.tangents, strict=True):
+        if overlap > 0.0:
+            phys.kn = tangent
+        elif overlap < 0.0:
+            ended.append(contact)
+    if ended and not _never_erase(binding.label):
+        for contact in ended:
             yade.O.interactions.erase(contact.id1, contact.id2)
 
 

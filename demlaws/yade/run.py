@@ -48,7 +48,9 @@ def environment():
             "a venv of that Python (/usr/bin/python3 -m venv --system-site-packages)"
         )
     if int(numpy.__version__.split(".")[0]) >= 2:
-        raise DemlawsError(f"Debian's YADE needs numpy 1, this is numpy {numpy.__version__}: pip install 'numpy<2' in this venv")
+        raise DemlawsError(
+            f"Debian's YADE needs numpy 1, this is numpy {numpy.__version__}: pip install 'numpy<2' in this venv"
+        )
     folders = []
     for module in (demlaws, numba, numpy):
         folder = str(Path(module.__file__).resolve().parent.parent)

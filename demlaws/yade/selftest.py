@@ -76,9 +76,7 @@ def _compare(binding, omega):
     engines = [
         yade.ForceResetter(),
         yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
-        yade.InteractionLoop(
-            [yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [functor]
-        ),
+        yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [functor]),
         yade.NewtonIntegrator(damping=0),
     ]
     _native_engines.__set__(omega, engines)

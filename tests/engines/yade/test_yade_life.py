@@ -434,5 +434,3 @@ def test_check_command(tmp_path):
 def test_import_leaves_yade_alone():
     code = "import sys, demlaws, demlaws.yade, demlaws.yade.cli, demlaws.yade.run; sys.exit('yade' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], cwd=HERE.parents[2], timeout=60).returncode == 0
-
-
