@@ -140,7 +140,8 @@ def deposit(number, generator):
     top = max(float((c[:, 2] + r).max()) for c, r in grains)
     print(
         f"deposit: {len(grains)} grains of {sum(len(r) for _, r in grains)} spheres, {steps} steps, "
-        f"{time.perf_counter() - started:.0f} s, {utils.kineticEnergy():.1e} J left, box {width:.3f} x {width:.3f} x {top:.3f} m",
+        f"{time.perf_counter() - started:.0f} s, {utils.kineticEnergy():.0e} J left, "
+        f"box {width:.3f} x {width:.3f} x {top:.3f} m",
         flush=True,
     )
     return grains
@@ -281,9 +282,10 @@ def one_law(grains, pressures, name, unloading, options, steps):
         onwards, backwards = box.probe(steps)
         rows.append((pressure, onwards, backwards, shares, box.loading))
         note = "" if settled else "  (not settled)"
+        stiffnesses = f"onwards {onwards / 1e6:.1f}, backwards {backwards / 1e6:.1f}, while loading {box.loading / 1e6:.1f}"
         print(
-            f"  {pressure / 1e3:5.0f} kPa: bulk stiffness onwards {onwards / 1e6:.1f}, backwards {backwards / 1e6:.1f}, while loading "
-            f"{box.loading / 1e6:.1f} MPa; {contacts} contacts, mean {box.pressure() / 1e3:.2f} kPa, largest force {largest:.0f} N{note}\n        "
+            f"  {pressure / 1e3:5.0f} kPa: bulk stiffness {stiffnesses} MPa; {contacts} contacts, "
+            f"mean {box.pressure() / 1e3:.2f} kPa, largest force {largest:.0f} N{note}\n        "
             + ", ".join(f"{key} {100 * share:.1f} %" for key, share in shares.items() if share > 0),
             flush=True,
         )

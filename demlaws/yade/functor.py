@@ -1,8 +1,8 @@
 """The functor that a YADE script uses, and what keeps it honest: guard, engine list, saving and loading, energies.
 
 Importing this module imports YADE and wraps some of its Python entry points: assigning `O.engines` (puts the guard before
-InteractionLoop, or takes the public way where the bridge cannot act), `O.save` and `O.load` with their
-relatives (write the energy account to the scene, read it back), and assigning `LawDispatcher.functors` (refused, because it goes past the guard).
+InteractionLoop, or takes the public way where the bridge cannot act), `O.save` and `O.load` with their relatives (write
+the energy account to the scene, read it back), and assigning `LawDispatcher.functors` (refused: it goes past the guard).
 """
 
 import warnings
@@ -18,6 +18,11 @@ from demlaws.yade.pairs import Pairs, Span
 NATIVE_ATTRIBUTES = frozenset(yade.Law2_ScGeom_MindlinPhys_Mindlin().dict()) | {"preventGranularRatcheting"}
 GUARD_COMMAND = "__import__('demlaws.yade').yade.guard({label!r})"
 O = yade.O  # noqa: E741  YADE's name
+
+NOT_SERVED = (
+    "no law was given for it: the surfaces of its materials are not listed, or a table of a law without a single "
+    "dimensionless curve, or a solved curve, was made for other contacts; list the surfaces, make the law after the bodies"
+)
 
 _bindings = {}  # label → Binding
 
@@ -225,11 +230,7 @@ class Binding:
                 "on: native Mindlin acted on it; use Ig2_…_ScGeom functors and Ip2_FrictMat_FrictMat_MindlinPhys"
             )
         if kind == kernel.WRONG_CONTACT:
-            raise DemlawsError(
-                f"contact {first}+{second} with R = {overlap:g} m: a law with a solved curve, or a table of a law without a "
-                "single dimensionless curve, holds only for the contacts it was made for, or none was given for this pair of materials: "
-                "list their surfaces, use the law itself and make it after the bodies"
-            )
+            raise DemlawsError(f"contact {first}+{second} with R = {overlap:g} m: {NOT_SERVED}")
         raise DemlawsError(
             f"contact {first}+{second} at overlap {overlap:g} m: the law gives no finite force there (a table ends, its "
             "radius or modulus is outside those that the law was made for, or the overlap is not a number): make the table for "

@@ -228,8 +228,8 @@ class Pairs:
         if span is None:
             if source.needs_span and surface.roughness > 0.0 and all(labels):
                 raise DemlawsError(
-                    f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law after materials "
-                    "and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
+                    f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
+                    "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
                 )
             span = Span(**NOMINAL)
             if source.needs_span:

@@ -125,9 +125,9 @@ def first_sight(pairs, ratio, contact, row):
     row[1] = ratio or phys.kso / (1.5 * phys.kno)
     number = pairs.number(*(_label(body) for body in (contact.id1, contact.id2)))
     if not kernel.serves(pairs.records.ctypes.data + number * pairs.records.strides[0], row[3], row[4]):
-        raise DemlawsError(
-            f"contact {contact.id1}+{contact.id2} with R = {row[3]:g} m: the table holds only for the radius and modulus it was made for"
-        )
+        from demlaws.yade.functor import NOT_SERVED
+
+        raise DemlawsError(f"contact {contact.id1}+{contact.id2} with R = {row[3]:g} m: {NOT_SERVED}")
     row[2] = number + 1
     phys.prevU = yade.Vector3(row[1], 0, 0)
 

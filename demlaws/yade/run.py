@@ -44,8 +44,8 @@ def environment():
     wanted = python_of(executable())
     if wanted is not None and wanted != sys.version_info[:2]:
         raise DemlawsError(
-            f"YADE runs on Python {wanted[0]}.{wanted[1]}, this is {sys.version_info[0]}.{sys.version_info[1]}: install demlaws in "
-            "a venv of that Python (/usr/bin/python3 -m venv --system-site-packages)"
+            f"YADE runs on Python {wanted[0]}.{wanted[1]}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
+            "demlaws in a venv of that Python (/usr/bin/python3 -m venv --system-site-packages)"
         )
     if int(numpy.__version__.split(".")[0]) >= 2:
         raise DemlawsError(

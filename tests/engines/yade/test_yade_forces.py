@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
 
 import demlaws as dl
 from demlaws.law import find
-
-from yade_scenes import GRANITE, SURFACES, Recorder, cloud, functor, material, set_engines
 
 TOLERANCE = 1e-14
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
