@@ -1,0 +1,387 @@
+"""The native bridge: our law as the `go` of a native Law2_ScGeom_MindlinPhys_Mindlin. All that depends on YADE's binary.
+
+YADE is C++; Debian ships no headers, and a Python subclass of a functor is never asked. So a functor object gets a
+private copy of the table of virtual functions that holds `go`, with `go` replaced by compiled code (`kernel.act`) that
+writes our force as Mindlin's coefficients kno and kso and then calls the native `go`. Every other functor keeps the
+original table, YADE's memory outside this one pointer stays as it was.
+
+What is assumed is checked here, against exported symbols, against the layout rules of the Itanium C++ ABI, and against
+objects made for the purpose (a number written through the API is found at exactly one place of three objects, written
+there, and read back through the API). Whatever does not fit raises `BridgeUnavailable`, and nothing has been patched.
+
+Why not a preloaded shared object that interposes `go`: measured, it is no faster (the indirect call costs nothing either
+way), it needs a compiler or a shipped binary, a launcher, and it would act on every Mindlin functor of the process,
+those that are meant to be native among them. It would survive `O.load` by itself; here a guard re-attaches.
+"""
+
+import ctypes
+import os
+import re
+
+import numba
+import numpy as np
+from numba import types
+
+from demlaws.errors import DemlawsError
+from demlaws.yade import kernel
+
+VERSION = "2023.02a"
+LAW = "Law2_ScGeom_MindlinPhys_Mindlin"
+GO = f"_ZN4yade{len(LAW)}{LAW}2goERN5boost10shared_ptrINS_5IGeomEEERNS2_INS_5IPhysEEEPNS_11InteractionE"
+TABLE = f"_ZTVN4yade{len(LAW)}{LAW}E"
+BODY_BY_ID = "_ZN4yade4Body4byIdEiPNS_5SceneE"
+LARGEST_OBJECT = 4096  # bytes; a larger block means that malloc was asked about something that it did not hand out
+COPIED = 64  # words of a virtual table that are copied; Mindlin's holds 8
+
+_forever = []  # what native code may still point at is never freed
+
+
+class BridgeUnavailable(DemlawsError):
+    """An assumption of the native bridge does not hold here; nothing was patched."""
+
+
+def address(thing):
+    """Address of the C++ object behind a YADE Python object: the wrapper shows it in its repr."""
+    match = re.search(r" instance at 0x([0-9a-fA-F]+)>", repr(thing))
+    if match is None:
+        raise BridgeUnavailable(f"no address in {thing!r}")
+    return int(match.group(1), 16)
+
+
+_libc = ctypes.CDLL(None)
+_libc.malloc_usable_size.restype = ctypes.c_size_t
+_libc.malloc_usable_size.argtypes = [ctypes.c_void_p]
+
+
+def _window(thing):
+    """Address and size [bytes] of an object's own memory, so that nothing beyond it is read."""
+    start = address(thing)
+    size = _libc.malloc_usable_size(start)
+    if start % 16 or not 16 <= size <= LARGEST_OBJECT:
+        raise BridgeUnavailable(f"{thing!r} is not the start of a block of memory of its own")
+    return start, size
+
+
+def _read(start, size, kind):
+    return np.ctypeslib.as_array((kind * (size // ctypes.sizeof(kind))).from_address(start))
+
+
+def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e33), make=None, read=None):
+    """Byte offset of an attribute: where `values` turn up in three objects; a number written there reads back."""
+    make = make or (lambda value: cls(**{name: value}))
+    read = read or (lambda thing: getattr(thing, name))
+    objects, places = [], None
+    for value in values:
+        thing = make(value)
+        objects.append(thing)
+        start, size = _window(thing)
+        hits = set((np.flatnonzero(_read(start, size, kind) == value) * ctypes.sizeof(kind)).tolist())
+        places = hits if places is None else places & hits
+    if len(places) != 1:
+        raise BridgeUnavailable(f"{cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
+    place = places.pop()
+    kind.from_address(start + place).value = values[0]
+    if read(thing) != values[0]:
+        raise BridgeUnavailable(f"{cls.__name__}.{name}: what is written at byte {place} does not read back")
+    return place
+
+
+def _find_string(cls, name):
+    """Byte offset of a std::string: a pointer to the characters within the object, their number, the characters."""
+    places = None
+    for text in ("abcdefgh", "ijklmno", "pqrstu"):
+        thing = cls(**{name: text})
+        start, size = _window(thing)
+        words = _read(start, size, ctypes.c_uint64)
+        here = start + 8 * np.arange(words.size)
+        candidates = np.flatnonzero((words[:-1] == here[:-1] + 16) & (words[1:] == len(text)))
+        hits = {8 * int(n) for n in candidates if ctypes.string_at(start + 8 * int(n) + 16, len(text)) == text.encode()}
+        places = hits if places is None else places & hits
+    if len(places) != 1:
+        raise BridgeUnavailable(f"{cls.__name__}.{name} is not a string at one place of the object")
+    return places.pop()
+
+
+def _find_pointer(owner_cls, name, target_cls):
+    """Byte offset of a shared_ptr attribute: where the target's address stands."""
+    places = None
+    for _ in range(3):
+        owner, target = owner_cls(), target_cls()
+        setattr(owner, name, target)
+        start, size = _window(owner)
+        hits = set((np.flatnonzero(_read(start, size, ctypes.c_uint64) == address(target)) * 8).tolist())
+        places = hits if places is None else places & hits
+    if len(places) != 1:
+        raise BridgeUnavailable(f"{owner_cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
+    return places.pop()
+
+
+def _mapped(file_end):
+    """Path of the loaded library whose name ends so, from this process's own memory map."""
+    paths = set()
+    with open("/proc/self/maps") as maps:
+        for line in maps:
+            path = line.split(maxsplit=5)[-1].strip()
+            if path.endswith(file_end):
+                paths.add(path)
+    if len(paths) != 1:
+        raise BridgeUnavailable(f"{len(paths)} loaded libraries are named {file_end}, not one")
+    return paths.pop()
+
+
+def _mapped_until(location):
+    """End of the readable mapping that holds `location`."""
+    with open("/proc/self/maps") as maps:
+        for line in maps:
+            span, mode = line.split()[:2]
+            low, high = (int(text, 16) for text in span.split("-"))
+            if low <= location < high and mode[0] == "r":
+                return high
+    raise BridgeUnavailable(f"nothing readable at {location:#x}")
+
+
+class _SymbolInformation(ctypes.Structure):
+    _fields_ = [
+        ("file", ctypes.c_char_p),
+        ("base", ctypes.c_void_p),
+        ("symbol", ctypes.c_char_p),
+        ("location", ctypes.c_void_p),
+    ]
+
+
+def _symbol_at(location):
+    """Name of the exported symbol that begins at `location`, or None."""
+    found = _SymbolInformation()
+    if not _libc.dladdr(ctypes.c_void_p(location), ctypes.byref(found)) or found.location != location:
+        return None
+    return found.symbol.decode()
+
+
+class Layout:
+    """Addresses and offsets in this process's YADE, found and verified once."""
+
+    def __init__(self):
+        import yade
+        import yade.config
+
+        if yade.config.version != VERSION:
+            raise BridgeUnavailable(f"this is YADE {yade.config.version}; the bridge is made for {VERSION}")
+        if not yade.config.suffix.endswith("-double"):
+            raise BridgeUnavailable(f"this YADE computes in {yade.config.suffix.strip('-')}; the bridge needs double")
+        if ctypes.sizeof(ctypes.c_void_p) != 8:
+            raise BridgeUnavailable("the bridge needs a 64-bit machine")
+        self.library = ctypes.CDLL(_mapped("/libpkg_dem.so"))
+        self.core = ctypes.CDLL(_mapped("/libyade.so"))
+        self.table = self._symbol(self.library, TABLE)
+        self.body_by_id = self._symbol(self.core, BODY_BY_ID)
+        self.offsets = {
+            kernel.OVERLAP: _find(yade.ScGeom, "penetrationDepth"),
+            kernel.RADIUS1: _find(yade.ScGeom, "refR1"),
+            kernel.RADIUS2: _find(yade.ScGeom, "refR2"),
+            kernel.KN: _find(yade.MindlinPhys, "kn"),
+            kernel.KNO: _find(yade.MindlinPhys, "kno"),
+            kernel.KSO: _find(yade.MindlinPhys, "kso"),
+            kernel.HISTORY: self._vector("momentBend"),
+            kernel.SPARE: self._vector("prevU"),
+            kernel.BODY1: self._body_number("id1"),
+            kernel.BODY2: self._body_number("id2"),
+            kernel.MATERIAL: _find_pointer(yade.Body, "material", yade.FrictMat),
+            kernel.LABEL: _find_string(yade.FrictMat, "label"),
+        }
+        if self._vector("momentTwist") != self.offsets[kernel.HISTORY] + 24:
+            raise BridgeUnavailable("MindlinPhys.momentTwist does not follow momentBend")
+        for name, word in (("penetrationDepth", kernel.OVERLAP), ("refR1", kernel.RADIUS1), ("refR2", kernel.RADIUS2)):
+            if _find(yade.ScGeom6D, name) != self.offsets[word]:
+                raise BridgeUnavailable(f"ScGeom6D.{name} is not where ScGeom has it")
+        self.classes = {}
+        for word, cls in (
+            (kernel.GEOMETRY, yade.ScGeom),
+            (kernel.GEOMETRY_6D, yade.ScGeom6D),
+            (kernel.PHYSICS, yade.MindlinPhys),
+        ):
+            thing = cls()  # referenced while it is read
+            first = ctypes.c_uint64.from_address(_window(thing)[0]).value
+            name = f"_ZTVN4yade{len(cls.__name__)}{cls.__name__}E"
+            if _symbol_at(first - 16) != name:
+                raise BridgeUnavailable(f"{cls.__name__} does not begin with its table of virtual functions {name}")
+            self.classes[word] = first
+        probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
+        self.slot = self.find_slot(probe)
+
+    @staticmethod
+    def _symbol(library, name):
+        try:
+            return ctypes.cast(getattr(library, name), ctypes.c_void_p).value
+        except AttributeError:
+            raise BridgeUnavailable(f"YADE's libraries do not export {name}") from None
+
+    @staticmethod
+    def _vector(name):
+        import yade
+
+        return _find(
+            yade.MindlinPhys,
+            name,
+            make=lambda value: yade.MindlinPhys(**{name: (value, 0, 0)}),
+            read=lambda thing: getattr(thing, name)[0],
+        )
+
+    @staticmethod
+    def _body_number(name):
+        import yade
+
+        return _find(yade.Interaction, name, ctypes.c_int32, (11223344, 55667788, 99001122))
+
+    def find_slot(self, functor):
+        """Where `functor` points to the table of virtual functions that holds `go`: (byte offset, index in table)."""
+        start, size = _window(functor)
+        words = _read(start, size, ctypes.c_uint64)
+        if int(words[0]) != self.table + 16:
+            raise BridgeUnavailable(f"{functor!r} is not an untouched {LAW}")
+        found = []
+        for offset in range(8, size - 7, 8):
+            table = int(words[offset // 8])
+            if not self.table < table < self.table + 4096:
+                continue
+            if ctypes.c_int64.from_address(table - 16).value != -offset:
+                continue  # a base's table states how far the base lies from the start of the object
+            thunk = self._symbol(self.library, GO.replace("_ZN", f"_ZThn{offset}_N", 1))
+            entries = _read(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= _mapped_until(table) else []
+            places = [n for n, entry in enumerate(entries[:16]) if int(entry) == thunk]
+            found += [(offset, n, thunk) for n in places]
+        if len(found) != 1:
+            raise BridgeUnavailable(f"the virtual function go of {LAW} stands at {len(found)} places, not one")
+        return found[0]
+
+    def is_native(self, functor):
+        """Whether the functor's `go` is YADE's own."""
+        table = ctypes.c_uint64.from_address(_window(functor)[0] + self.slot[0]).value
+        return self.table < table < self.table + 4096
+
+
+_layout = None
+
+
+def layout():
+    """The verified `Layout` of this process, or BridgeUnavailable."""
+    global _layout
+    if _layout is None:
+        if os.uname().sysname != "Linux" or os.uname().machine != "x86_64":
+            raise BridgeUnavailable(
+                f"the bridge is made for Linux on x86-64, this is {os.uname().sysname} {os.uname().machine}"
+            )
+        _layout = Layout()
+    return _layout
+
+
+_entries = {}
+
+
+def _entry(kind, params_kind, rule):
+    """Compiled native entry point for laws of this kind: a thin shell around the code that numba keeps on disk."""
+    key = (kind, params_kind, type(rule))  # the tags themselves are empty tuples, all equal
+    if key not in _entries:
+        act, load_word, behind = kernel.act, kernel.load_word, 8 * COPIED
+
+        @numba.cfunc(types.uint8(*[types.int64] * 4), error_model="numpy")
+        def go(this, geom, phys, interaction):
+            return act(kind, params_kind, rule, load_word(load_word(this) + behind), this, geom, phys, interaction)
+
+        _forever.append(go)
+        _entries[key] = go.address
+    return _entries[key]
+
+
+class Attachment:
+    """A law made ready for functors: context, pair records and a patched table of virtual functions."""
+
+    def __init__(self, pairs, ratio):
+        self.layout = layout()
+        _, index, thunk = self.layout.slot
+        self.pairs = pairs
+        self.context = np.zeros(kernel.CONTEXT_WORDS, np.int64)
+        for word, value in {**self.layout.offsets, **self.layout.classes}.items():
+            self.context[word] = value
+        self.context[kernel.GO] = thunk
+        self.context[kernel.BODY_BY_ID] = self.layout.body_by_id
+        self.context[kernel.SURFACES] = len(pairs.labels)
+        self.context[kernel.LABEL_HASHES] = pairs.hashes.ctypes.data
+        self.context[kernel.PAIRS] = pairs.numbers.ctypes.data
+        self.context[kernel.RECORDS] = pairs.records.ctypes.data
+        self.context[kernel.RECORD_BYTES] = pairs.records.strides[0]
+        self.context[kernel.RATIO] = np.float64(ratio or 0.0).view(np.int64)
+        self.context[kernel.PARAM_WORDS] = pairs.params_words
+        self._generation = int.from_bytes(os.urandom(3), "little")
+        self._renew(1 << 14)
+        probe = self._native_table()
+        self.table = np.zeros(COPIED + 3, np.int64)
+        self.table[: COPIED + 2] = probe
+        self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.rule)
+        self.table[COPIED + 2] = self.context.ctypes.data
+        _forever.append(self)
+
+    def _renew(self, capacity):
+        """A buffer for the Params of `capacity` contacts, in place of the old one, whose rows count no more."""
+        self._generation = (self._generation + 1) % 2**24
+        rows = np.zeros((min(capacity, 2**28), int(self.context[kernel.PARAM_WORDS])), np.int64)
+        _forever.append(rows)
+        self.context[kernel.PARAMS] = rows.ctypes.data
+        self.context[kernel.CAPACITY] = len(rows)
+        self.context[kernel.ROWS_USED] = 0
+        self.context[kernel.GENERATION] = self._generation + 1
+
+    def make_room(self, contacts):
+        """Between steps: start a new buffer when contacts that came and went have used up most of this one."""
+        if self.context[kernel.ROWS_USED] > self.context[kernel.CAPACITY] // 2:
+            capacity = int(self.context[kernel.CAPACITY])
+            if 8 * contacts() > capacity:
+                self._renew(4 * capacity)
+            else:  # big enough: the same memory again, under a new generation
+                self._generation = (self._generation + 1) % 2**24
+                self.context[kernel.ROWS_USED] = 0
+                self.context[kernel.GENERATION] = self._generation + 1
+
+    def _native_table(self):
+        """The words of Mindlin's own table, from two before its address point."""
+        import yade
+
+        probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
+        offset, _, _ = self.layout.find_slot(probe)
+        point = self.native_table = ctypes.c_uint64.from_address(address(probe) + offset).value
+        return _read(point - 16, 8 * (COPIED + 2), ctypes.c_int64).copy()
+
+    def patch(self, functor):
+        """Make `functor` act by this law. It must be an untouched Mindlin functor, or act by it already."""
+        if self.acts_in(functor):
+            return
+        offset, _, _ = self.layout.find_slot(functor)
+        ctypes.c_uint64.from_address(address(functor) + offset).value = self.table.ctypes.data + 16
+
+    def release(self, functor):
+        """Give a patched functor its native table back: only for measurements, since the native law then acts."""
+        if self.acts_in(functor):
+            offset, _, _ = self.layout.slot
+            ctypes.c_uint64.from_address(address(functor) + offset).value = self.native_table
+
+    def acts_in(self, functor):
+        """Whether this law is what `functor` calls."""
+        offset, _, _ = self.layout.slot
+        return ctypes.c_uint64.from_address(_window(functor)[0] + offset).value == self.table.ctypes.data + 16
+
+    @property
+    def banked(self):
+        """Dissipation [J] of contacts that have ended."""
+        return float(self.context[kernel.BANKED : kernel.BANKED + 1].view(np.float64)[0])
+
+    @banked.setter
+    def banked(self, value):
+        self.context[kernel.BANKED : kernel.BANKED + 1].view(np.float64)[0] = value
+
+    def take_fault(self):
+        """The last fault that the native code noted, as (kind, body, body, overlap [m]), or None; it is cleared."""
+        if not self.context[kernel.FAULTS]:
+            return None
+        self.context[kernel.FAULTS] = 0
+        kind, first, second = (int(n) for n in self.context[kernel.FAULT_KIND : kernel.FAULT_OVERLAP])
+        overlap = float(self.context[kernel.FAULT_OVERLAP : kernel.FAULT_OVERLAP + 1].view(np.float64)[0])
+        return kind, first, second, overlap

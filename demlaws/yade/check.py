@@ -1,0 +1,75 @@
+"""`demlaws yade check`, run under YADE: versions, what the bridge finds, a self-test of every law and unloading rule."""
+
+import platform
+import time
+
+
+def main():
+    started = time.perf_counter()
+    import numba
+    import numpy
+    import yade
+    import yade.config
+
+    import demlaws as dl
+
+    print(f"demlaws {dl.__version__}, YADE {yade.config.version}, Python {platform.python_version()}", end=", ")
+    print(f"numba {numba.__version__}, numpy {numpy.__version__}, {platform.machine()}, {yade.O.numThreads} thread(s)")
+    from demlaws.yade import bridge
+
+    try:
+        layout = bridge.layout()
+    except bridge.BridgeUnavailable as error:
+        print(f"native bridge: not available: {error}")
+        print("scripts run by the public-API way, at 12 to 16 times the cost")
+        return 1
+    offset, index, _ = layout.slot
+    print(f"native bridge: available; go is entry {index} of the table that the functor holds at byte {offset}")
+    failures = self_tests(dl)
+    print(f"{'all self-tests passed' if not failures else f'{failures} self-tests FAILED'}", end=" ")
+    print(f"in {time.perf_counter() - started:.1f} s (a law's first use on a machine compiles, later ones read the cache)")
+    return 1 if failures else 0
+
+
+def self_tests(dl):
+    """Two spheres through loading, unloading, parting and touching again, for each law and rule; the number of failures."""
+    from demlaws.law import find
+    from demlaws.unloading import RULES
+    from demlaws.yade import selftest
+    from demlaws.yade.functor import Binding
+    from demlaws.yade.pairs import Pairs, Span
+
+    surfaces = {"granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)}
+    print(f"{'law':18}{'unloading':11}{'steps':>6}{'|F - F_law|/F_max':>20}{'ready in':>10}")
+    spans = {("granite", "granite"): Span((4.35e-3, 4.35e-3), (32.32e9, 32.32e9))}
+    failures = 0
+    for name in dl.laws():
+        for rule in RULES:
+            started = time.perf_counter()
+            try:
+                binding = Binding("check", Pairs(name, surfaces, rule, find(name).example, spans), None, "native")
+            except dl.DemlawsError as error:
+                print(f"{name:18}{rule:11}  not joined: {_short(error)}")
+                continue
+            try:
+                steps, error = selftest.run(binding)
+            except dl.DemlawsError as error:
+                failures += 1
+                print(f"{name:18}{rule:11}  FAILED: {error}")
+                continue
+            print(f"{name:18}{rule:11}{steps:6d}{error:20.1e}{time.perf_counter() - started:8.2f} s")
+    return failures
+
+
+def _short(error, longest=90):
+    text = str(error).split(": ", 1)[-1]
+    return text if len(text) <= longest else text[: longest - 1] + "…"
+
+
+if __name__ == "__main__":
+    import os
+    import sys
+
+    status = main()
+    sys.stdout.flush()
+    os._exit(status)  # YADE's own exit would lose the status

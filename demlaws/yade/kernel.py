@@ -1,0 +1,460 @@
+"""What runs inside YADE at each contact and each step: compiled code that reads and writes memory, no Python, no YADE.
+
+`respond` is the law: one contact, its pair of surfaces, its overlap and history in; force, tangent and new history out.
+`act` is that law at work inside a native functor (see `bridge`). Addresses are 64-bit integers. All that `act` must
+know it finds in the context, a block of words whose address stands behind the functor's table of virtual functions, so
+that one piece of machine code, kept on disk by numba, serves every functor of a law.
+"""
+
+import math
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, overload
+
+from demlaws.dispatch import scale, step, stored_and_dissipated
+from demlaws.fastmath import from_bits, kernel, loop
+from demlaws.law import SMOOTHEST
+from demlaws.laws.hertz import HertzShape
+
+# Words of the context.
+GO = 0  # the native function that applies the forces
+OVERLAP, RADIUS1, RADIUS2 = 1, 2, 3  # where ScGeom keeps its numbers [bytes]
+KN, KNO, KSO, HISTORY, SPARE = 4, 5, 6, 7, 8  # where MindlinPhys keeps its numbers [bytes]
+GEOMETRY, GEOMETRY_6D, PHYSICS = 9, 10, 11  # what the first word of an object of these classes is
+BODY1, BODY2, BODY_BY_ID, MATERIAL, LABEL = 12, 13, 14, 15, 16
+SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
+RATIO = 22  # tangential over normal stiffness (a double); 0: as YADE's Ip2 functor has it
+GUARDED = 23  # 1 once the Python guard watches FAULTS
+BANKED = 24  # dissipation of contacts that have ended [J] (a double)
+PARAMS, PARAM_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # the contacts' Params: rows, their size, number, validity
+ROWS_USED = 37
+FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36  # a cache line apart from the above
+CONTEXT_WORDS = 40
+
+# A contact's history in MindlinPhys.momentBend, momentTwist (6 doubles, which Mindlin's law without moments ignores):
+# pair number + 1 (0: not seen yet), radius R [m], modulus E* [Pa], then up to three state values of the unloading rule;
+# prevU[0] holds K_t/K, prevU[1] the number of the row that holds the contact's Params: its derived numbers, which cost
+# too much to derive at each step (a law that yields finds its yield point by bisection). Rows are memory of this process,
+# so the number carries a generation drawn at random: a row of another process or of a buffer since renewed is not taken.
+TAG, RADIUS, MODULUS, STATE = 0, 8, 16, 24
+
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT = 1, 2, 3
+
+# A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
+RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
+
+_WORD = ir.IntType(64)
+
+
+def _accessors(numba_type, ir_type):
+    @intrinsic
+    def load(typing_context, address):
+        def generate(context, builder, signature, arguments):
+            return builder.load(builder.inttoptr(arguments[0], ir_type.as_pointer()))
+
+        return numba_type(types.int64), generate
+
+    @intrinsic
+    def store(typing_context, address, value):
+        def generate(context, builder, signature, arguments):
+            builder.store(arguments[1], builder.inttoptr(arguments[0], ir_type.as_pointer()))
+            return context.get_dummy_value()
+
+        return types.void(types.int64, numba_type), generate
+
+    return load, store
+
+
+load_word, store_word = _accessors(types.int64, _WORD)
+load_double, store_double = _accessors(types.float64, ir.DoubleType())
+load_int, _ = _accessors(types.int32, ir.IntType(32))
+load_byte, _ = _accessors(types.uint8, ir.IntType(8))
+
+
+@intrinsic
+def add_double(typing_context, address, value):
+    """Atomically add to the double at `address`: threads meet here."""
+
+    def generate(context, builder, signature, arguments):
+        builder.atomic_rmw("fadd", builder.inttoptr(arguments[0], ir.DoubleType().as_pointer()), arguments[1], "monotonic")
+        return context.get_dummy_value()
+
+    return types.void(types.int64, types.float64), generate
+
+
+@intrinsic
+def next_number(typing_context, address):
+    """Atomically add 1 to the word at `address` and return what it was."""
+
+    def generate(context, builder, signature, arguments):
+        place = builder.inttoptr(arguments[0], _WORD.as_pointer())
+        return builder.atomic_rmw("add", place, ir.Constant(_WORD, 1), "monotonic")
+
+    return types.int64(types.int64), generate
+
+
+@intrinsic
+def call_go(typing_context, function, this, geom, phys, interaction):
+    """bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*), through its address."""
+
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(ir.IntType(8), [_WORD] * 4)
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+
+    return types.uint8(*[types.int64] * 5), generate
+
+
+@intrinsic
+def call_body_by_id(typing_context, function, number):
+    """const shared_ptr<Body>& Body::byId(int, Scene* = nullptr): the current scene's body, through the function's address."""
+
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(_WORD, [ir.IntType(32), _WORD])
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1], ir.Constant(_WORD, 0)])
+
+    return types.int64(types.int64, types.int32), generate
+
+
+@intrinsic
+def as_pointer(typing_context, address):
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
+
+    return types.voidptr(types.int64), generate
+
+
+# --- tuples as words in memory
+
+
+def pack(value, keep):
+    """The words that `unpack` turns back into this (nested, named) tuple; arrays are appended to `keep`."""
+    if isinstance(value, tuple):
+        return [word for item in value for word in pack(item, keep)]
+    if value is None:
+        return []
+    if isinstance(value, np.ndarray):
+        array = np.ascontiguousarray(value)
+        keep.append(array)
+        return [array.ctypes.data, *array.shape]
+    if isinstance(value, float | np.floating):
+        return [int(np.float64(value).view(np.int64))]
+    return [int(value)]
+
+
+def store(value, address):
+    """`pack` from compiled code: write a tuple's words to `address`."""
+
+
+@overload(store, jit_options={"forceinline": True})
+def _store(value, address):
+    lines, _ = _write(value, "value", 0)
+    names = {"store_word": store_word, "store_double": store_double}
+    exec("def function(value, address):\n" + "".join(f"    {line}\n" for line in lines) + "    return\n", names)
+    return names["function"]
+
+
+def _write(kind, expression, offset):
+    """Statements that write a value of this numba type, and the offset behind it."""
+    if isinstance(kind, types.BaseTuple):
+        lines = []
+        for n, item in enumerate(kind):
+            more, offset = _write(item, f"{expression}[{n}]", offset)
+            lines += more
+        return lines, offset
+    if isinstance(kind, types.NoneType):
+        return [], offset
+    if isinstance(kind, types.Array):
+        values = [f"{expression}.ctypes.data", *(f"{expression}.shape[{axis}]" for axis in range(kind.ndim))]
+        lines = [f"store_word(address + {offset + 8 * n}, {value})" for n, value in enumerate(values)]
+        return lines, offset + 8 * len(values)
+    if isinstance(kind, types.Float):
+        return [f"store_double(address + {offset}, {expression})"], offset + 8
+    return [f"store_word(address + {offset}, int({expression}))"], offset + 8
+
+
+def unpack(kind, address):
+    """The tuple of numba type `kind` (a TypeRef) that `pack` wrote to `address`."""
+
+
+@overload(unpack, jit_options={"forceinline": True})
+def _unpack(kind, address):
+    names = {"load_word": load_word, "load_double": load_double, "carray": numba.carray, "as_pointer": as_pointer}
+    text, _ = _read(kind.instance_type, 0, names)
+    exec(f"def function(kind, address):\n    return {text}\n", names)
+    return names["function"]
+
+
+def _read(kind, offset, names):
+    """Source text that reads a value of this numba type at address + offset, and the offset behind it."""
+    if isinstance(kind, types.BaseTuple):
+        items = []
+        for item in kind:
+            text, offset = _read(item, offset, names)
+            items.append(text + ", ")
+        name = ""
+        if isinstance(kind, types.BaseNamedTuple):
+            name = f"Class{len(names)}"
+            names[name] = kind.instance_class
+        return f"{name}({''.join(items)})", offset
+    if isinstance(kind, types.NoneType):
+        return "None", offset
+    if isinstance(kind, types.Array):
+        sizes = "".join(f"load_word(address + {offset + 8 * (axis + 1)}), " for axis in range(kind.ndim))
+        name = f"dtype{len(names)}"
+        names[name] = np.dtype(str(kind.dtype))
+        return f"carray(as_pointer(load_word(address + {offset})), ({sizes}), {name})", offset + 8 * (kind.ndim + 1)
+    if isinstance(kind, types.Float):
+        return f"load_double(address + {offset})", offset + 8
+    if isinstance(kind, types.Boolean):
+        return f"(load_word(address + {offset}) != 0)", offset + 8
+    if isinstance(kind, types.Integer):
+        return f"load_word(address + {offset})", offset + 8
+    raise TypeError(f"a law's shape holds {kind}, which cannot be handed to YADE")
+
+
+def read_state(rule, address):
+    """The rule's state values at `address`."""
+
+
+@overload(read_state, jit_options={"forceinline": True})
+def _read_state(rule, address):
+    names = {"load_double": load_double}
+    items = "".join(f"load_double(address + {8 * n}), " for n in range(_state_size(rule)))
+    exec(f"def function(rule, address):\n    return ({items})\n", names)
+    return names["function"]
+
+
+def write_state(rule, address, state):
+    """Store the rule's state values at `address`."""
+
+
+@overload(write_state, jit_options={"forceinline": True})
+def _write_state(rule, address, state):
+    names = {"store_double": store_double}
+    lines = "".join(f"    store_double(address + {8 * n}, state[{n}])\n" for n in range(_state_size(rule)))
+    exec(f"def function(rule, address, state):\n{lines}    return\n", names)
+    return names["function"]
+
+
+def _state_size(rule):
+    from demlaws.unloading import RULES, STATE_NAMES
+
+    return next(len(STATE_NAMES[name]) for name, tag in RULES.items() if type(tag) is rule.instance_class)
+
+
+# --- the law
+
+
+@kernel
+def params_of(kind, record, radius, modulus):
+    """The law's Params for a contact whose surfaces are the pair in `record`."""
+    roughness = max(load_double(record + RECORD_ROUGHNESS), SMOOTHEST * radius)
+    return scale(unpack(kind, record + RECORD_SHAPE), radius, modulus, roughness)
+
+
+@kernel
+def respond(kind, rule, record, radius, modulus, overlap, state):
+    """Force [N], tangent stiffness [N/m] and new state of a contact whose surfaces are the pair in `record`."""
+    if load_word(record) != 0:
+        return step(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+    return step(rule, params_of(kind, record, radius, modulus), overlap, state)
+
+
+@kernel
+def energies(kind, rule, record, radius, modulus, overlap, state):
+    """Stored and dissipated energy [J] of a contact since it was made."""
+    if load_word(record) != 0:
+        return stored_and_dissipated(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+    return stored_and_dissipated(rule, params_of(kind, record, radius, modulus), overlap, state)
+
+
+@kernel
+def coefficients(force, stiffness, overlap, ratio):
+    """kno and kso with which Mindlin's law gives this force, and a shear stiffness of `ratio` times this stiffness."""
+    root = math.sqrt(overlap)
+    if overlap * root > 1e-290:
+        return force / (overlap * root), ratio * stiffness / root
+    return 0.0, 0.0  # the force is below 1e-270 N; the quotient would overflow
+
+
+@kernel
+def effective_radius(radius1, radius2):
+    """R as Ip2_FrictMat_FrictMat_MindlinPhys has it from ScGeom's two radii."""
+    first = radius1 if radius1 > 0.0 else radius2
+    return first * radius2 / (first + radius2)
+
+
+@kernel
+def word(context, number):
+    return load_word(context + 8 * number)
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def surface_of(context, interaction, body):
+    """Number of the surface whose label the body's material bears; 0 where no surface has that label."""
+    pointer = load_word(call_body_by_id(word(context, BODY_BY_ID), load_int(interaction + word(context, body))))
+    label = load_word(pointer + word(context, MATERIAL)) + word(context, LABEL)
+    text = load_word(label)
+    value = np.uint64(0xCBF29CE484222325)
+    for n in range(load_word(label + 8)):
+        value = (value ^ np.uint64(load_byte(text + n))) * np.uint64(0x100000001B3)
+    signed = np.int64(value)
+    hashes = word(context, LABEL_HASHES)
+    for number in range(1, word(context, SURFACES)):
+        if load_word(hashes + 8 * number) == signed:
+            return number
+    return 0
+
+
+def label_hash(label):
+    """FNV-1a of a material's label, as a signed 64-bit integer: what `surface_of` compares."""
+    value = 0xCBF29CE484222325
+    for byte in label.encode():
+        value = (value ^ byte) * 0x100000001B3 % 2**64
+    return value - 2**64 if value >= 2**63 else value
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def fault(context, kind, interaction, overlap):
+    """Note a fault for the guard, which stops the simulation before the next step. The last one is told."""
+    store_word(context + 8 * FAULTS, word(context, FAULTS) + 1)
+    store_word(context + 8 * FAULT_KIND, kind)
+    store_word(context + 8 * FAULT_BODY1, np.int64(load_int(interaction + word(context, BODY1))))
+    store_word(context + 8 * FAULT_BODY2, np.int64(load_int(interaction + word(context, BODY2))))
+    store_double(context + 8 * FAULT_OVERLAP, overlap)
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def serves(record, radius, modulus):
+    """Whether the pair's law may be used at this R and E*: a table of a law that does not collapse is for one contact."""
+    only_radius, only_modulus = load_double(record + RECORD_RADIUS), load_double(record + RECORD_MODULUS)
+    return only_radius == 0.0 or (
+        abs(radius - only_radius) <= 1e-6 * only_radius and abs(modulus - only_modulus) <= 1e-6 * only_modulus
+    )
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def first_sight(context, geom, phys, interaction):
+    """Write down what the contact is made of: called once in a contact's life."""
+    radius = effective_radius(load_double(geom + word(context, RADIUS1)), load_double(geom + word(context, RADIUS2)))
+    native = load_double(phys + word(context, KNO))
+    history = phys + word(context, HISTORY)
+    first, second = surface_of(context, interaction, BODY1), surface_of(context, interaction, BODY2)
+    pair = load_word(word(context, PAIRS) + 8 * (first * word(context, SURFACES) + second))
+    modulus = 0.75 * native / math.sqrt(radius)
+    store_double(history + RADIUS, radius)
+    store_double(history + MODULUS, modulus)
+    if not serves(word(context, RECORDS) + pair * word(context, RECORD_BYTES), radius, modulus):
+        fault(context, WRONG_CONTACT, interaction, radius)
+    ratio = from_bits(word(context, RATIO))
+    if ratio == 0.0:
+        ratio = load_double(phys + word(context, KSO)) / (1.5 * native)
+    store_double(phys + word(context, SPARE), ratio)
+    store_double(history + TAG, pair + 1.0)
+
+
+@loop
+def row_of(kind, context, record, phys, radius, modulus):
+    """Address of the contact's Params, made where it has none in this process; 0 where the buffer is full."""
+    place = phys + word(context, SPARE) + 8
+    number = next_number(context + 8 * ROWS_USED)
+    if number >= word(context, CAPACITY):
+        return 0  # the guard makes a larger buffer before the next step
+    address = word(context, PARAMS) + 8 * number * word(context, PARAM_WORDS)
+    store(params_of(kind, record, radius, modulus), address)
+    store_double(place, float((word(context, GENERATION) << 28) + number))
+    return address
+
+
+@loop
+def end_contact(kind, rule, context, record, radius, modulus, state):
+    """Bank the dissipation of a contact that ends."""
+    add_double(context + 8 * BANKED, energies(kind, rule, record, radius, modulus, 0.0, state)[1])
+
+
+@loop
+def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, interaction):
+    """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which then does all the rest."""
+    geom, phys = load_word(geom_pointer), load_word(phys_pointer)
+    geom_class = load_word(geom)
+    known = geom_class == word(context, GEOMETRY) or geom_class == word(context, GEOMETRY_6D)
+    if not known or load_word(phys) != word(context, PHYSICS):
+        fault(context, WRONG_CLASS, interaction, 0.0)
+        return call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
+    overlap = load_double(geom + word(context, OVERLAP))
+    history = phys + word(context, HISTORY)
+    if load_double(history + TAG) == 0.0:
+        first_sight(context, geom, phys, interaction)
+    number = np.int64(load_double(history + TAG)) - 1
+    record = word(context, RECORDS) + number * word(context, RECORD_BYTES)
+    radius, modulus = load_double(history + RADIUS), load_double(history + MODULUS)
+    old = read_state(rule, history + STATE)
+    if overlap <= 0.0:
+        end_contact(kind, rule, context, record, radius, modulus, old)
+    if load_word(record) != 0:
+        p = scale(HertzShape(), radius, modulus, 0.0)
+        force, stiffness, new = step(rule, p, overlap, old)
+    else:
+        code = np.int64(load_double(phys + word(context, SPARE) + 8))
+        if code >> 28 == word(context, GENERATION):
+            row = word(context, PARAMS) + 8 * (code & 0xFFFFFFF) * word(context, PARAM_WORDS)
+        else:
+            row = row_of(kind, context, record, phys, radius, modulus)
+        if row != 0:
+            force, stiffness, new = step(rule, unpack(params_kind, row), overlap, old)
+        else:
+            force, stiffness, new = respond(kind, rule, record, radius, modulus, overlap, old)
+    if force - force != 0.0:
+        fault(context, NOT_FINITE, interaction, overlap)
+        if word(context, GUARDED) != 0:
+            force, stiffness, new = 0.0, 0.0, old
+    write_state(rule, history + STATE, new)
+    if overlap > 0.0:
+        kno, kso = coefficients(force, stiffness, overlap, load_double(phys + word(context, SPARE)))
+        store_double(phys + word(context, KNO), kno)
+        store_double(phys + word(context, KSO), kso)
+    keep = call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
+    if overlap > 0.0:
+        # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
+        store_double(phys + word(context, KN), stiffness)
+    return keep
+
+
+# --- batches: the public way, energies
+
+
+@loop
+def respond_loop(kind, rule, records, record_bytes, columns, out):
+    """Rows of (overlap, K_t/K, tag, radius, modulus, 3 state values): the state is updated in place; out: kno, kso, K.
+
+    Returns the first row whose force is not finite, or -1.
+    """
+    bad = -1
+    for i in range(columns.shape[0]):
+        overlap, row = columns[i, 0], columns.ctypes.data + 8 * i * columns.shape[1]
+        record = records + (np.int64(columns[i, 2]) - 1) * record_bytes
+        old = read_state(rule, row + 40)
+        force, stiffness, new = respond(kind, rule, record, columns[i, 3], columns[i, 4], overlap, old)
+        if force - force != 0.0:
+            bad = i if bad < 0 else bad
+            force, stiffness, new = 0.0, 0.0, old
+        write_state(rule, row + 40, new)
+        kno, kso = coefficients(force, stiffness, overlap, columns[i, 1]) if overlap > 0.0 else (0.0, 0.0)
+        out[i, 0] = kno
+        out[i, 1] = kso
+        out[i, 2] = stiffness
+    return bad
+
+
+@loop
+def energies_loop(kind, rule, records, record_bytes, columns, out):
+    """Stored and dissipated energy of each row (as in `respond_loop`)."""
+    for i in range(columns.shape[0]):
+        record = records + (np.int64(columns[i, 2]) - 1) * record_bytes
+        state = read_state(rule, columns.ctypes.data + 8 * (i * columns.shape[1] + 5))
+        stored, dissipated = energies(kind, rule, record, columns[i, 3], columns[i, 4], columns[i, 0], state)
+        out[i, 0] = stored
+        out[i, 1] = dissipated

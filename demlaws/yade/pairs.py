@@ -1,0 +1,286 @@
+"""Which law acts between which surfaces: from a user's arguments to the records that compiled code reads."""
+
+import base64
+import json
+import math
+import tempfile
+import zlib
+from pathlib import Path
+from typing import NamedTuple
+
+import numba
+import numpy as np
+
+from demlaws.contact import Contact, Surface
+from demlaws.errors import DemlawsError
+from demlaws.law import SMOOTHEST, Law, find, law, scale_one
+from demlaws.laws.hertz import HertzShape
+from demlaws.table import Table
+from demlaws.unloading import RULES, STATE_NAMES
+from demlaws.yade import kernel
+
+NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
+"""Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
+
+
+class Span(NamedTuple):
+    """Smallest and largest effective radius [m] and modulus [Pa] that a pair's contacts may have."""
+
+    radius: tuple
+    modulus: tuple
+
+    def widened(self):
+        """At least 2 % of radius, so that laws that depend on it are made as families."""
+        return self._replace(radius=(min(self.radius[0], self.radius[1] / 1.02), self.radius[1]))
+
+    def arguments(self):
+        """Keyword arguments of a `Contact`: numbers, or the four corners of the span."""
+        if self.radius[0] == self.radius[1] and self.modulus[0] == self.modulus[1]:
+            return {"radius": self.radius[0], "modulus": self.modulus[0]}
+        corners = [(r, e) for r in self.radius for e in self.modulus]
+        return {"radius": np.array([r for r, _ in corners]), "modulus": np.array([e for _, e in corners])}
+
+
+def _surface(label, value):
+    if not isinstance(label, str) or not label:
+        raise DemlawsError(f"surfaces: {label!r} is not a label; use the label of the YADE materials that have the surface")
+    if isinstance(value, Surface):
+        return value
+    try:
+        return Surface(**value)
+    except TypeError as error:
+        raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r} ({error})") from None
+
+
+class Source:
+    """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table."""
+
+    def __init__(self, given, options):
+        self.table = None
+        if isinstance(given, Path) or (isinstance(given, str) and ("/" in given or "." in given)):
+            given = Table.load(given)
+        if isinstance(given, Table):
+            self.table, self.name, self.options = given, given.name, dict(given.options)
+            if options:
+                raise DemlawsError(f"a table takes no options, got {', '.join(options)}: give them when tabulating")
+            if given.contact.size is not None:
+                raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
+        elif isinstance(given, Law):
+            self.name, self.options = given.name, {**given.options, **options}
+        elif isinstance(given, str):
+            self.name, self.options = find(given).name, dict(options)
+        else:
+            raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
+        self.unloading = getattr(given, "unloading", "elastic")
+        self.definition = find(self.name)
+
+    @property
+    def needs_span(self):
+        """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
+        loading = self.options.get("loading")
+        return self.table is None and (self.definition.solved or (isinstance(loading, str) and find(loading).solved))
+
+    def shape(self, surface, unloading, span):
+        """The law's Shape for a combined surface, or None where the pair is Hertz."""
+        if self.table is not None:
+            return self._table_shape(surface)
+        dimension = surface.fractal_dimension
+        if surface.roughness == 0.0 and dimension is None:
+            dimension = 2.0  # without roughness it does not matter, but the law wants one
+        contact = Contact(
+            roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **span.arguments()
+        )
+        if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in self.definition.needs):
+            return None
+        shape = law(self.name, contact, unloading, **self.options).shape
+        return None if isinstance(shape, HertzShape) else shape
+
+    def _table_shape(self, surface):
+        contact = self.table.contact
+        if surface.roughness == 0.0 and self.table.shape.length_over_roughness:
+            return None
+        for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
+            wanted, made_for = getattr(surface, name), getattr(contact, name)
+            free = name == "roughness" and self.definition.collapses
+            if free or wanted is None or made_for is None:
+                continue
+            if not math.isclose(wanted, made_for, rel_tol=1e-6):
+                raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {wanted:g}{unit}")
+        return self.table.shape
+
+    def only_for(self):
+        """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
+        if self.table is None or self.definition.collapses:
+            return 0.0, 0.0
+        return self.table.contact.radius, self.table.contact.modulus
+
+    def as_dict(self):
+        if self.table is None:
+            return {"law": self.name, "options": self.options}
+        with tempfile.TemporaryDirectory() as folder:
+            text = self.table.save(Path(folder) / "table.txt").read_bytes()
+        return {"table": base64.b64encode(zlib.compress(text, 9)).decode()}
+
+    @classmethod
+    def from_dict(cls, content):
+        if "table" not in content:
+            return cls(content["law"], content["options"])
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "table.txt"
+            path.write_bytes(zlib.decompress(base64.b64decode(content["table"])))
+            return cls(Table.load(path), {})
+
+
+class Pairs:
+    """Laws between labelled surfaces. Number 0 stands for every material whose label is not listed: smooth.
+
+    law: see `Source`, or a dict (label, label) → one of those, "" standing for unlisted materials. Of two surfaces
+    σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
+    roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
+    reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
+    two labels, or None where nothing is known of the contacts.
+    """
+
+    def __init__(self, given, surfaces, unloading, options, spans=None):
+        self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
+        self.labels = ["", *self.surfaces]
+        self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
+        self.spans = {}
+        if isinstance(given, dict):
+            self.default = None
+            self.special = {self._key(pair): self._source(one, options) for pair, one in given.items()}
+            rules = {source.unloading for source in self.special.values()}
+        else:
+            self.default, self.special = self._source(given, options), {}
+            rules = {self.default.unloading}
+            if isinstance(given, Law) and not self.surfaces:
+                raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
+        if unloading is None and len(rules) > 1:
+            raise DemlawsError(f"the laws come with different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
+        self.unloading = (rules.pop() if rules else "elastic") if unloading is None else unloading
+        if self.unloading not in RULES:
+            raise DemlawsError(f"unknown unloading rule {self.unloading!r}: the rules are {', '.join(RULES)}")
+        self.rule = RULES[self.unloading]
+        self.state_names = STATE_NAMES[self.unloading]
+        combined = [Surface(), *self.surfaces.values()]
+        if not self._make_records(combined, False) and not self._make_records(combined, True):
+            raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
+        self.hashes = np.array([0] + [kernel.label_hash(label) for label in self.surfaces], np.int64)
+
+    @staticmethod
+    def _source(given, options):
+        return given if isinstance(given, Source) else Source(given, options)
+
+    def _key(self, pair):
+        if not isinstance(pair, tuple) or len(pair) != 2 or any(label not in self.labels for label in pair):
+            raise DemlawsError(f"law: {pair!r} is not a pair of labels out of {self.labels}")
+        return tuple(sorted(pair))
+
+    def _make_records(self, surfaces, widened):
+        """False where the pairs' laws turn out to be of different kinds."""
+        count = len(surfaces)
+        self.numbers = np.zeros((count, count), np.int64)
+        self.shapes, self.roughnesses, self.only_for = [], [], []
+        for i in range(count):
+            for j in range(i + 1):
+                self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
+                pair = surfaces[i].combined(surfaces[j])
+                shape, only_for = self._pair(pair, (self.labels[j], self.labels[i]), widened)
+                self.shapes.append(shape)
+                self.only_for.append(only_for)
+                self.roughnesses.append(pair.roughness)
+        kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
+        if len(kinds) > 1:
+            return False
+        example, number = next(
+            ((shape, n) for n, shape in enumerate(self.shapes) if shape is not None), (HertzShape(), len(self.shapes) - 1)
+        )
+        self.kind = numba.typeof(example)
+        radius, modulus = self.specimen(number)
+        params = scale_one(example, radius, modulus, max(self.roughnesses[number], SMOOTHEST * radius))
+        self.params_kind, self.params_words = numba.typeof(params), len(kernel.pack(params, []))
+        self._keep = []
+        rows = []
+        for shape, roughness, only_for in zip(self.shapes, self.roughnesses, self.only_for, strict=True):
+            words = [] if shape is None else kernel.pack(shape, self._keep)
+            rows.append([int(shape is None), *kernel.pack((roughness, *only_for), []), *words])
+        width = max(len(row) for row in rows)
+        self.records = np.array([row + [0] * (width - len(row)) for row in rows], np.int64)
+        return True
+
+    def specimen(self, number):
+        """R [m] and E* [Pa] of a contact that the law of this record serves."""
+        if self.only_for[number][0] > 0.0:
+            return self.only_for[number]
+        span = self.spans.get(number, Span(**NOMINAL))
+        return span.radius[1], span.modulus[1]
+
+    def _pair(self, surface, labels, widened):
+        source = self.special.get(tuple(sorted(labels)), self.default)
+        if source is None:
+            if surface.roughness == 0.0:
+                return None, (0.0, 0.0)
+            if not all(labels):
+                return None, (math.nan, math.nan)
+            raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
+        names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
+        span = self._spans(labels)
+        if span is None:
+            if source.needs_span and surface.roughness > 0.0 and all(labels):
+                raise DemlawsError(
+                    f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
+                    "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
+                )
+            span = Span(**NOMINAL)
+            if source.needs_span:
+                return None, (math.nan, math.nan)  # no such contact is expected, and none is served
+        span = span.widened() if widened else span
+        self.spans[len(self.shapes)] = span
+        try:
+            return source.shape(surface, self.unloading, span), source.only_for()
+        except DemlawsError as error:
+            if not all(labels):
+                return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
+            raise DemlawsError(f"{names}: {error}") from None
+
+    def _known_spans(self):
+        for i, second in enumerate(self.labels):
+            for first in self.labels[: i + 1]:
+                span = self._spans((first, second))
+                if span is not None:
+                    yield (first, second), span
+
+    def number(self, first, second):
+        """Record of two materials' labels."""
+        return int(self.numbers[tuple(self.labels.index(x) if x in self.surfaces else 0 for x in (first, second))])
+
+    @property
+    def name(self):
+        """What acts, in words."""
+        sources = {
+            source.name + (" (table)" if source.table else "") for source in (self.default, *self.special.values()) if source
+        }
+        return f"{', '.join(sorted(sources))}, {self.unloading} unloading"
+
+    def as_text(self):
+        """JSON from which `from_text` makes the same pairs in another process."""
+        content = {
+            "unloading": self.unloading,
+            "spans": [[a, b, *span] for (a, b), span in self._known_spans()],
+            "surfaces": {label: vars(surface) for label, surface in self.surfaces.items()},
+            "default": self.default and self.default.as_dict(),
+            "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
+        }
+        try:
+            return json.dumps(content)
+        except TypeError as error:
+            raise DemlawsError(f"the law's options cannot be saved with the simulation: {error}") from None
+
+    @classmethod
+    def from_text(cls, text):
+        content = json.loads(text)
+        given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
+        if content["default"]:
+            given = Source.from_dict(content["default"])
+        spans = {(a, b): Span(tuple(radius), tuple(modulus)) for a, b, radius, modulus in content["spans"]}
+        return cls(given, content["surfaces"], content["unloading"], {}, spans)

@@ -1,0 +1,107 @@
+"""Two spheres in a scene of their own, before a law is trusted: what YADE applied against what the law says."""
+
+import numpy as np
+import yade
+
+from demlaws.errors import DemlawsError
+from demlaws.yade import kernel
+
+POISSON = 0.2
+TOLERANCE = 1e-14  # of the largest force
+
+
+class SelfTestFailed(DemlawsError):
+    """YADE did not apply the law's force to two test spheres."""
+
+
+def _overlaps(deepest):
+    """Load, unload, reload further, part, touch again [m]."""
+    legs = [(0.0, 0.5), (0.5, 0.2), (0.2, 1.0), (1.0, -0.1), (-0.1, 0.3)]
+    path = np.concatenate([np.linspace(a, b, 12, endpoint=False) for a, b in legs])
+    return deepest * path[1:]
+
+
+def _deepest(pairs, row, wanted):
+    """The wanted overlap [m], or as much of it as the law serves (a table ends)."""
+    records, out = pairs.records, np.zeros((1, 3))
+    while wanted > 0.0:
+        trial = row.copy()
+        trial[0, 0] = wanted
+        if kernel.respond_loop(pairs.kind, pairs.rule, records.ctypes.data, records.strides[0], trial, out) < 0:
+            break
+        wanted *= 0.5
+    return wanted
+
+
+def run(binding):
+    """Take two spheres of the first listed surface along a path; returns (steps, largest error over largest force).
+
+    Works in a scene apart: the user's is left as it is. Raises SelfTestFailed.
+    """
+    omega = yade.O
+    if omega.running:
+        raise SelfTestFailed("the self-test needs a scene of its own, but a simulation is running")
+    home = omega.thisScene
+    own = omega.addScene()  # a new one each time: O.reset() drops them, and switching to a dropped one does nothing
+    omega.switchToScene(own)
+    if omega.thisScene != own or own == home or len(omega.bodies) or omega.engines:
+        omega.switchToScene(home)
+        raise SelfTestFailed("YADE gave no scene of its own to the self-test")
+    try:
+        return _compare(binding, omega)
+    finally:
+        omega.resetThisScene()
+        omega.switchToScene(home)
+
+
+def _compare(binding, omega):
+    from demlaws.yade.functor import _native_engines
+
+    pairs = binding.pairs
+    functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
+    binding.attachment.patch(functor)
+    label = pairs.labels[-1]
+    effective_radius, modulus = pairs.specimen(int(pairs.numbers[-1, -1]))
+    radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
+    material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
+    omega.materials.append(material)
+    for height in (0.0, 2 * radius):
+        body = yade.Body()
+        body.shape, body.material = yade.Sphere(radius=radius), material
+        body.state.pos = body.state.refPos = yade.Vector3(0, 0, height)
+        body.state.mass, body.state.inertia = 1.0, yade.Vector3(1, 1, 1)
+        body.state.blockedDOFs = "xyzXYZ"
+        body.bound = yade.Aabb()
+        omega.bodies.append(body)
+    engines = [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
+        yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [functor]),
+        yade.NewtonIntegrator(damping=0),
+    ]
+    _native_engines.__set__(omega, engines)
+    omega.dt = 1e-9
+    number = pairs.numbers[-1, -1] + 1.0
+    row = np.array([[0.0, 1.0, number, effective_radius, modulus, 0.0, 0.0, 0.0]])
+    out = np.zeros((1, 3))
+    wrong, largest, applied, steps = 0.0, 0.0, [], 0
+    for overlap in _overlaps(_deepest(pairs, row, 4e-3 * effective_radius)):
+        omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
+        omega.step()
+        contact = omega.interactions[0, 1] if omega.interactions.has(0, 1) else None
+        touching = contact is not None and contact.isReal
+        row[0, 0] = contact.geom.penetrationDepth if touching else min(overlap, 0.0)
+        records = pairs.records
+        kernel.respond_loop(pairs.kind, pairs.rule, records.ctypes.data, records.strides[0], row, out)
+        expected = out[0, 0] * row[0, 0] * np.sqrt(row[0, 0]) if row[0, 0] > 0 else 0.0
+        force = omega.forces.f(1)[2]
+        applied.append(force)
+        largest, wrong, steps = max(largest, expected), max(wrong, abs(force - expected)), steps + 1
+        if touching and expected > 0 and not np.isclose(contact.phys.kn, out[0, 2], rtol=1e-9):
+            raise SelfTestFailed(f"YADE has the tangent stiffness {contact.phys.kn:g} N/m, the law {out[0, 2]:g} N/m")
+    if not largest > 0 or not wrong <= TOLERANCE * largest * 100:
+        raise SelfTestFailed(f"YADE applied up to {max(applied):g} N, the law says {largest:g} N; they differ by {wrong:g} N")
+    if binding.attachment.take_fault() is not None:
+        raise SelfTestFailed("the native code met contacts that it does not know")
+    binding.attachment.banked = 0.0
+    return steps, wrong / largest

@@ -1,0 +1,278 @@
+"""The force that native YADE applied against the law, every step, in every geometry."""
+
+import numpy as np
+import pytest
+from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
+
+import demlaws as dl
+from demlaws.law import find
+
+TOLERANCE = 1e-14
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+COMBINATIONS = [
+    (name, rule)
+    for name in dl.laws()
+    for rule in ("elastic", "hertz", "thornton")
+    if not (name == "bahrami" and rule != "elastic")
+]
+
+
+def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):
+    import yade
+    from yade.utils import sphere
+
+    stone = material()
+    yade.O.bodies.append(sphere((0, 0, 0), radius, fixed=True, material=stone))
+    yade.O.bodies.append(sphere((0, 0, 2 * radius + gap), radius, material=stone))
+    yade.O.bodies[1].state.vel = (0.02, 0, speed)
+    set_engines(law)
+
+
+@pytest.mark.parametrize(("name", "rule"), COMBINATIONS)
+def test_two_spheres_every_law(omega, name, rule):
+    options = find(name).example
+    modulus = 60.6e9 / (1 - 0.25**2) / 2
+    law = functor(name, rule, bridge="native", radii=(0.005, 0.005), moduli=(modulus, modulus), **options)
+    two_spheres(law)
+    recorder = Recorder()
+    recorder.step(400)
+    omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
+    recorder.step(600)
+    wrong, tangent, steps = recorder.worst(name, rule, **options)
+    assert steps > 300
+    assert wrong <= TOLERANCE
+    assert tangent <= 1e-13
+
+
+@pytest.mark.parametrize("geometry", ["facet", "wall", "box"])
+def test_flats(omega, geometry):
+    import yade
+    from yade import utils
+
+    law = functor(bridge="native")
+    stone = material()
+    flats = {
+        "facet": lambda: utils.facet([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], fixed=True, material=stone),
+        "wall": lambda: utils.wall(0, 2, sense=1, material=stone),
+        "box": lambda: utils.box((0, 0, -0.1), (1, 1, 0.1), fixed=True, material=stone),
+    }
+    omega.bodies.append(flats[geometry]())
+    omega.bodies.append(utils.sphere((0, 0, 0.010001), 0.01, material=stone))
+    omega.bodies[1].state.vel = yade.Vector3(0.1, 0, -0.3)
+    set_engines(law)
+    recorder = Recorder()
+    recorder.step(900)
+    wrong, tangent, steps = recorder.worst()
+    assert steps > 100
+    assert wrong <= TOLERANCE and tangent <= 1e-13
+    assert omega.bodies[1].state.vel[2] > 0
+
+
+def test_periodic_packing(omega):
+    law = functor(bridge="native")
+    cloud(law, rate=-60)
+    omega.run(2500, True)
+    recorder = Recorder()
+    recorder.lives.clear()
+    born = omega.iter
+    recorder.step(250)
+    recorder.lives = {key: rows for key, rows in recorder.lives.items() if key[2] >= born}  # seen from their beginning
+    assert len(recorder.lives) > 20
+    wrong, tangent, _ = recorder.worst()
+    assert wrong <= TOLERANCE and tangent <= 1e-13
+
+
+def test_clumps_on_a_wall(omega):
+    import yade
+    from yade import utils
+
+    law = functor("rough-plastic", "thornton", bridge="native", yield_pressure=1.66e9)
+    stone = material()
+    omega.bodies.append(utils.wall(0, 2, sense=1, material=stone))
+    for n in range(4):
+        parts = [utils.sphere((0.05 * n + x, 0, 0.01002 + x), 0.01, material=stone) for x in (0, 0.008)]
+        omega.bodies.appendClumped(parts)
+    for body in omega.bodies:
+        if body.isClump:
+            body.state.vel = yade.Vector3(0.5, 0, -2)
+    set_engines(law)
+    recorder = Recorder()
+    recorder.step(2500)
+    wrong, tangent, steps = recorder.worst("rough-plastic", "thornton", yield_pressure=1.66e9)
+    assert steps > 400
+    assert wrong <= TOLERANCE and tangent <= 1e-13
+
+
+def test_table(omega, tmp_path):
+    contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
+    table = dl.law("pohrt-popov", contact, "hertz").tabulate(1e-6)
+    law = functor(str(table.save(tmp_path / "pp.table")), None, bridge="native")
+    assert "table" in law.binding.pairs.name and law.binding.pairs.unloading == "hertz"
+    two_spheres(law)
+    recorder = Recorder()
+    recorder.step(400)
+    wrong, tangent, _ = recorder.worst()
+    assert 1e-12 < wrong <= 2e-6 and tangent <= 2e-6
+
+
+def test_radii_from_one_to_hundred(omega):
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    stone = material()
+    for n, radius in enumerate((1e-4, 1e-3, 1e-2, 1e-1)):
+        omega.bodies.append(sphere((n, 0, 0), 0.01, fixed=True, material=stone))
+        omega.bodies.append(sphere((n, 0, 0.01 + radius), radius, material=stone))
+        omega.bodies[-1].state.vel = (0, 0, -0.05)
+    set_engines(law, 5e-8)
+    recorder = Recorder()
+    recorder.step(600)
+    assert len(recorder.lives) == 4
+    wrong, tangent, _ = recorder.worst()
+    assert wrong <= TOLERANCE and tangent <= 1e-13
+
+
+def test_pairs_of_materials(omega):
+    """Granite on granite, granite on steel, steel on steel, unlisted on granite: each by its own surface."""
+    from yade.utils import sphere
+
+    steel = dl.Surface(roughness=0.5e-6, fractal_dimension=2.6)
+    law = functor(surfaces={"granite": GRANITE, "steel": steel}, bridge="native")
+    smooth = dl.Surface()
+    kinds = {"granite": GRANITE, "steel": steel, "rubber": smooth}
+    made = {label: material(label) for label in kinds}
+    pairs = [("granite", "granite"), ("granite", "steel"), ("steel", "steel"), ("granite", "rubber"), ("rubber", "rubber")]
+    for n, (a, b) in enumerate(pairs):
+        omega.bodies.append(sphere((n, 0, 0), 0.01, fixed=True, material=made[a]))
+        omega.bodies.append(sphere((n, 0, 0.02), 0.01, material=made[b]))
+        omega.bodies[-1].state.vel = (0, 0, -0.3)
+    set_engines(law)
+    recorder = Recorder()
+    recorder.step(300)
+    for n, (a, b) in enumerate(pairs):
+        one = Recorder()
+        one.lives = {key: rows for key, rows in recorder.lives.items() if key[0] == 2 * n}
+        surface = kinds[a].combined(kinds[b])
+        law_name = "hertz" if surface.roughness == 0 else "pohrt-popov"
+        wrong, tangent, _ = one.worst(law_name, surface=surface)
+        assert wrong <= TOLERANCE and tangent <= 1e-13, (a, b)
+
+
+def test_material_outside_the_scene_list(omega):
+    """A material that was never appended to O.materials counts by its label all the same."""
+    import yade
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    long_label = "granite"
+    for height in (0, 0.019999):
+        stone = yade.FrictMat(young=60.6e9, poisson=0.25, density=2650, label=long_label)
+        omega.bodies.append(sphere((0, 0, height), 0.01, fixed=True, material=stone))
+    set_engines(law)
+    omega.run(2, True)
+    assert law.contacts().roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
+
+
+def test_bodies_come_and_go(omega):
+    """Contacts end because bodies are erased, others begin with new bodies; rows of params run out and are renewed."""
+    import yade
+    from yade.utils import sphere
+
+    law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
+    attachment = law.binding.attachment
+    attachment._renew(8)
+    stone = material()
+    omega.bodies.append([sphere((n, 0, 0), 0.01, fixed=True, material=stone) for n in range(12)])
+    set_engines(law)
+    recorder = Recorder()
+    generator = np.random.default_rng(1)
+    for wave in range(6):
+        fresh = []
+        for n in range(12):
+            fresh.append(omega.bodies.append(sphere((n, 0, 0.02), 0.01, material=stone)))
+            omega.bodies[fresh[-1]].state.vel = yade.Vector3(0, 0, -generator.uniform(0.2, 2))
+        recorder.step(120 + 40 * wave)
+        for body in fresh:
+            omega.bodies.erase(body)
+    wrong, tangent, _ = recorder.worst("rough-plastic", "hertz", yield_pressure=1.66e9)
+    assert len(recorder.lives) == 72
+    assert wrong <= TOLERANCE and tangent <= 1e-13
+    assert attachment.context[26] > 0
+
+
+def test_never_erase(omega):
+    """A contact that Mindlin keeps while the bodies are apart is a new one when they meet again."""
+    law = functor(bridge="native", neverErase=True)
+    two_spheres(law)
+    recorder = Recorder()
+    recorder.step(1600)
+    omega.bodies[1].state.vel = (0.0, 0, -0.2)
+    recorder.step(1500)
+    assert len(recorder.lives) == 1
+    rows = next(iter(recorder.lives.values()))
+    parted = [n for n, row in enumerate(rows) if row[0] < 0]
+    assert parted and rows[-1][1] > 0
+    recorder.lives = {"first touch": rows[: parted[0]], "second touch": rows[parted[-1] + 1 :]}
+    wrong, tangent, _ = recorder.worst()
+    assert wrong <= TOLERANCE and tangent <= 1e-13
+
+
+def test_tangential_stiffness(omega):
+    two_spheres(functor(bridge="native"))
+    omega.run(100, True)
+    phys = omega.interactions[0, 1].phys
+    assert phys.ks / phys.kn == pytest.approx(2 * (1 - 0.25) / (2 - 0.25), rel=1e-12)
+    omega.reset()
+    two_spheres(functor(bridge="native", tangential_ratio=0.5))
+    omega.run(100, True)
+    phys = omega.interactions[0, 1].phys
+    assert phys.ks / phys.kn == pytest.approx(0.5, rel=1e-12)
+
+
+def test_time_stepper_sees_the_tangent(omega):
+    """GlobalStiffnessTimeStepper's limit for a sphere held by one contact goes as √(m/K), K the law's tangent."""
+    import yade
+
+    law = functor(bridge="native")
+    two_spheres(law)
+    omega.run(300, True)
+    tangent = law.contacts().stiffness[0]
+    contact = omega.interactions[0, 1]
+    assert contact.phys.kn == tangent
+    assert tangent != pytest.approx(1.5 * law.contacts().force[0] / contact.geom.penetrationDepth, rel=0.01)
+    mass = omega.bodies[1].state.mass
+    steps = {}
+    for scale in (1.0, 4.0):
+        contact.phys.kn, contact.phys.ks = tangent * scale, 0.0
+        stepper = yade.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=1.0)
+        omega.dynDt = False
+        stepper.active = True
+        stepper()
+        steps[scale] = omega.dt
+    assert steps[1.0] == pytest.approx(2 * steps[4.0], rel=1e-9)
+    assert steps[1.0] == pytest.approx((2 * mass / tangent) ** 0.5, rel=0.5)
+
+
+def test_solved_law_needs_the_contacts(omega):
+    with pytest.raises(dl.DemlawsError, match="radii="):
+        functor("yip-venart", "hertz", bridge="native")
+    from yade.utils import sphere
+
+    stone = material()
+    for n, radius in enumerate((0.005, 0.01, 0.02)):
+        omega.bodies.append(sphere((n, 0, 0), 0.01, fixed=True, material=stone))
+        omega.bodies.append(sphere((n, 0, 0.01 + radius), radius, material=stone))
+        omega.bodies[-1].state.vel = (0, 0, -0.05)
+    law = functor("yip-venart", "hertz", bridge="native")
+    set_engines(law)
+    recorder = Recorder()
+    recorder.step(300)
+    wrong, _, _ = recorder.worst("yip-venart", "hertz")
+    assert wrong <= 2e-4  # between solved curves
+    modulus = 60.6e9 / (1 - 0.25**2) / 2
+    for kind in ("radii", "moduli"):
+        omega.reset()
+        spans = {"radii": (0.005, 0.005), "moduli": (modulus, modulus), kind: (1.0, 2.0) if kind == "radii" else (1e9, 2e9)}
+        two_spheres(functor("yip-venart", "hertz", bridge="native", **spans))
+        with pytest.raises(RuntimeError, match="no finite force"):
+            omega.run(50, True)

@@ -1,0 +1,436 @@
+"""Saving, loading, switching, erasing, failing: what happens around the forces."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yade_scenes import GRANITE, cloud, functor, material, set_engines
+
+import demlaws as dl
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+HERE = Path(__file__).parent
+ROUNDING = 1e-13
+"""Positions [m] in a box of 0.1 m after 500 steps; loading changes the order in which forces are summed."""
+
+
+def pair(law, speed=-0.3, radius=0.01, gap=1e-6):
+    import yade
+    from yade.utils import sphere
+
+    stone = material()
+    yade.O.bodies.append(sphere((0, 0, 0), radius, fixed=True, material=stone))
+    yade.O.bodies.append(sphere((0, 0, 2 * radius + gap), radius, material=stone))
+    yade.O.bodies[1].state.vel = (0, 0, speed)
+    set_engines(law)
+
+
+def positions():
+    import yade
+
+    return np.array([tuple(b.state.pos) for b in yade.O.bodies if b is not None])
+
+
+def under_yade(text, tmp_path, *arguments, threads=1):
+    """Run a script in a YADE process of its own; its standard output."""
+    from demlaws.yade.run import run
+
+    script = tmp_path / "script.py"
+    script.write_text(f"import sys\nsys.path.insert(0, {str(HERE)!r})\n{text}")
+    done = run(script, arguments, threads, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+# --- energy
+
+
+def test_elastic_bounce(omega):
+    """Rebound speed within 1e-6 at 1,000 steps a contact."""
+    law = functor("pohrt-popov", "elastic", bridge="native")
+    pair(law)
+    omega.dt = 1e-7
+    count = 0
+    while omega.bodies[1].state.vel[2] < 0 or omega.interactions.countReal():
+        omega.step()
+        count += omega.interactions.countReal()
+    omega.reset()
+    pair(law)
+    omega.dt = 1e-7 * count / 1000
+    while omega.bodies[1].state.vel[2] < 0 or omega.interactions.countReal():
+        omega.step()
+    assert omega.bodies[1].state.vel[2] == pytest.approx(0.3, rel=1e-6)
+
+
+@pytest.mark.parametrize("rule", ["hertz", "thornton"])
+def test_energy_balance_of_an_impact(omega, rule):
+    law = functor("rough-plastic", rule, bridge="native", yield_pressure=1.66e9)
+    pair(law, speed=-2.0)
+    omega.dt = 2e-9
+    mass = omega.bodies[1].state.mass
+
+    def kinetic():
+        return 0.5 * mass * omega.bodies[1].state.vel.squaredNorm()
+
+    before = kinetic()
+    seen = 0.0
+    while omega.bodies[1].state.vel[2] < 0 or omega.interactions.countReal():
+        omega.run(100, True)
+        totals = law.totals()
+        seen = max(seen, totals.stored)
+        if omega.interactions.countReal():
+            assert kinetic() + totals.stored + totals.dissipated == pytest.approx(before, rel=1e-4)
+    assert law.totals().stored == 0.0
+    assert seen > 0.5 * before
+    assert kinetic() + law.totals().dissipated == pytest.approx(before, rel=1e-6)
+    assert law.totals().dissipated > 1e-3 * before
+
+
+def test_state_of_a_contact(omega):
+    law = functor(bridge="native")
+    pair(law)
+    omega.run(300, True)
+    contact = omega.interactions[0, 1]
+    state = law.contacts([contact])
+    assert (state.body1[0], state.body2[0]) == (0, 1)
+    assert state.radius[0] == pytest.approx(0.005)
+    assert state.roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
+    assert state.maximum_overlap[0] == contact.geom.penetrationDepth
+    assert 0 < state.plastic_overlap[0] < state.maximum_overlap[0]
+    assert np.isnan(state.radius_ratio[0])
+    assert state.force[0] == pytest.approx(contact.phys.normalForce.norm(), rel=1e-14)
+    assert state.stored[0] > 0 and state.dissipated[0] > 0
+    assert law.normElastEnergy() == state.stored[0]
+
+
+# --- the two ways
+
+
+def test_public_way_is_the_native_way(omega):
+    """The same trajectory over 10,000 steps of a packing of hundreds."""
+    import yade
+
+    ends = {}
+    for way in ("native", "public"):
+        omega.reset()
+        law = functor(bridge=way, label=way)
+        assert law.way == way
+        cloud(law, number=250, rate=-20, physics=yade.Ip2_FrictMat_FrictMat_MindlinPhys(betan=0.05))
+        omega.dt = 2e-6
+        omega.run(8000, True)
+        omega.cell.velGrad = yade.Matrix3.Zero
+        omega.run(2000, True)
+        assert omega.interactions.countReal() > 50
+        ends[way] = positions(), law.totals(), omega.interactions.countReal()
+    assert np.abs(ends["native"][0] - ends["public"][0]).max() <= 1e-9 * 0.1
+    assert ends["native"][1] == pytest.approx(ends["public"][1], rel=1e-9)
+    assert ends["native"][2] == ends["public"][2]
+
+
+def test_auto_falls_back_visibly(omega, monkeypatch):
+    import yade.config
+
+    from demlaws.yade import BridgeWarning, bridge
+
+    monkeypatch.setattr(bridge, "_layout", None)
+    monkeypatch.setattr(yade.config, "version", "2031.01")
+    with pytest.warns(BridgeWarning, match="2031.01"):
+        law = functor()
+    assert law.way == "public"
+    with pytest.raises(bridge.BridgeUnavailable, match="this is YADE 2031"):
+        functor(bridge="native")
+    pair(law)
+    omega.run(300, True)
+    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(law.contacts().force[0], rel=1e-13)
+
+
+def test_public_way_saved_and_loaded(omega, tmp_path):
+    law = functor(bridge="public", label="slow")
+    pair(law)
+    omega.run(300, True)
+    omega.save(str(tmp_path / "x.yade"))
+    omega.run(300, True)
+    after = positions()
+    omega.load(str(tmp_path / "x.yade"))
+    omega.run(300, True)
+    assert np.array_equal(after, positions())
+
+
+def test_threads(tmp_path):
+    """Two threads: the same packing to rounding of sums."""
+    text = """
+import yade
+from yade_scenes import cloud, functor
+law = functor(bridge="native")
+cloud(law, number=200, rate=-40)
+yade.O.run(2500, True)
+print("threads", yade.O.numThreads, yade.O.interactions.countReal())
+print("energies", *law.totals())
+"""
+    lines = [under_yade(text, tmp_path, threads=n) for n in (1, 2)]
+    numbers = []
+    for n, out in enumerate(lines, start=1):
+        rows = {line.split()[0]: line.split()[1:] for line in out.splitlines() if line.startswith(("threads", "energies"))}
+        assert rows["threads"][0] == str(n) and int(rows["threads"][1]) > 20
+        numbers.append([float(x) for x in rows["energies"]])
+    assert numbers[1] == pytest.approx(numbers[0], rel=1e-6)
+
+
+# --- saving and loading
+
+
+def test_load_tmp_load_and_reload(omega, tmp_path):
+    law = functor(bridge="native")
+    cloud(law, rate=-60)
+    omega.run(3000, True)
+    assert omega.interactions.countReal() > 20
+    file = str(tmp_path / "packing.yade.bz2")
+    omega.saveTmp()
+    omega.save(file)
+    omega.run(500, True)
+    goal = positions(), law.totals()
+    for load in (omega.loadTmp, lambda: omega.load(file), omega.reload):
+        load()
+        omega.run(500, True)
+        assert np.abs(positions() - goal[0]).max() <= ROUNDING
+        assert law.totals() == pytest.approx(goal[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["law", "table"])
+def test_new_process(omega, tmp_path, kind):
+    """A saved scene goes on in a process whose script does not know this package."""
+    if kind == "table":
+        contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
+        law = functor(dl.law("pohrt-popov", contact, "hertz").tabulate(1e-6), None, bridge="native")
+    else:
+        law = functor(bridge="native", tangential_ratio=0.7)
+    cloud(law, rate=-60)
+    omega.run(3000, True)
+    assert omega.interactions.countReal() > 20
+    file = tmp_path / "packing.yade.bz2"
+    omega.save(str(file))
+    omega.run(500, True)
+    text = f"""
+import yade
+yade.O.load({str(file)!r})
+yade.O.run(500, True)
+print("positions", *[x.hex() for b in yade.O.bodies for x in b.state.pos])
+import demlaws.yade
+print("totals", *demlaws.yade.attached("demlaws").totals())
+"""
+    rows = {line.split()[0]: line.split()[1:] for line in under_yade(text, tmp_path).splitlines() if " " in line}
+    there = np.array([float.fromhex(x) for x in rows["positions"]])
+    assert np.abs(there - positions().ravel()).max() <= ROUNDING
+    assert [float(x) for x in rows["totals"]] == pytest.approx(law.totals(), rel=1e-9)
+
+
+def test_loading_without_this_package_stops(omega, tmp_path):
+    law = functor(bridge="native")
+    pair(law)
+    omega.run(100, True)
+    file = tmp_path / "x.yade"
+    omega.save(str(file))
+    script = tmp_path / "script.py"
+    script.write_text(f"import yade\nyade.O.load({str(file)!r})\nyade.O.run(5, True)\n")
+    done = subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, cwd=tmp_path, timeout=120)
+    assert done.returncode != 0
+    assert "No module named 'demlaws'" in done.stdout + done.stderr
+
+
+def test_changed_tag_stops(omega):
+    law = functor(bridge="native")
+    pair(law)
+    omega.run(100, True)
+    omega.saveTmp()
+    from demlaws.yade import functor as home
+
+    home._bindings.pop("demlaws")
+    omega.loadTmp()
+    omega.tags["demlaws.demlaws"] = "native||0.0|{}"
+    with pytest.raises(RuntimeError):
+        omega.run(5, True)
+
+
+def test_batch(tmp_path):
+    from demlaws.yade.run import run
+
+    script = tmp_path / "batch.py"
+    script.write_text(
+        f"""
+import sys
+sys.path.insert(0, {str(HERE)!r})
+import yade
+from yade import utils
+utils.readParamsFromTable(speed=-0.1)
+from yade.params import table
+from yade_scenes import functor
+from test_yade_life import pair
+law = functor(bridge="native")
+pair(law, table.speed)
+yade.O.run(2000, True)
+open({str(tmp_path)!r} + f"/out{{abs(table.speed)}}", "w").write(repr(yade.O.bodies[1].state.vel[2]))
+"""
+    )
+    (tmp_path / "table").write_text("speed\n-0.2\n-0.4\n")
+    done = run(script, batch=str(tmp_path / "table"), capture_output=True, text=True, timeout=200, cwd=tmp_path)
+    results = [float((tmp_path / f"out{speed}").read_text()) for speed in (0.2, 0.4)]
+    assert done.returncode == 0
+    assert 0.1 < results[0] < 0.2 and 0.2 < results[1] < 0.4
+
+
+# --- refusals: never silently the native law
+
+
+@pytest.mark.parametrize("name", ["includeMoment", "includeAdhesion"])
+def test_refused_features(omega, name):
+    with pytest.raises(dl.DemlawsError, match=name):
+        functor(bridge="native", **{name: True})
+    law = functor(bridge="native")
+    pair(law)
+    setattr(law, name, True)
+    with pytest.raises(RuntimeError, match=name):
+        omega.run(5, True)
+
+
+def test_switch_with_live_contacts(omega):
+    import yade
+
+    law = functor(bridge="native")
+    pair(law)
+    omega.run(100, True)
+    assert omega.interactions.countReal() == 1
+    other = functor("hertz", "elastic", bridge="native", label="other")
+    with pytest.raises(dl.DemlawsError, match=r"interactions.clear\(\)"):
+        set_engines(other)
+    with pytest.raises(dl.DemlawsError, match=r"interactions.clear\(\)"):
+        set_engines(yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    omega.engines = [*omega.engines, yade.PyRunner(command="pass", iterPeriod=1)]  # the same law: no switch
+    omega.interactions.clear()
+    set_engines(other)
+    omega.run(10, True)
+    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(other.contacts().force[0], rel=1e-14)
+
+
+def test_foreign_functor_in_a_contact_is_noticed(omega):
+    """Past the engine list: contacts made by native Mindlin are found out at the second step."""
+    import yade
+
+    from demlaws.yade import functor as home
+
+    pair(yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    omega.run(100, True)
+    law = functor(bridge="native")
+    home._native_engines.__set__(omega, home._guarded(_engines_of(law), law))
+    home._bindings["demlaws"] = law.binding
+    with pytest.raises(RuntimeError, match="another functor holds it"):
+        omega.run(5, True)
+
+
+def _engines_of(law):
+    from demlaws.yade import engines
+
+    return engines(law)
+
+
+def test_functor_list_is_refused(omega):
+    law = functor(bridge="native")
+    pair(functor("hertz", "elastic", bridge="native", label="first"))
+    loop = next(e for e in omega.engines if type(e).__name__ == "InteractionLoop")
+    with pytest.raises(dl.DemlawsError, match="InteractionLoop"):
+        loop.lawDispatcher.functors = [law]
+
+
+def test_the_guard_is_put_once(omega):
+    law = functor(bridge="native")
+    pair(law)
+    omega.engines = list(omega.engines)
+    names = [type(e).__name__ for e in omega.engines]
+    assert names.count("PyRunner") == 1
+    assert names[names.index("InteractionLoop") - 1] == "PyRunner"
+
+
+def test_end_of_table_stops(omega, tmp_path):
+    contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
+    table = dl.law("pohrt-popov", contact, "hertz").tabulate(1e-5, max_force=5.0)
+    law = functor(table, None, bridge="native")
+    pair(law)
+    with pytest.raises(RuntimeError, match="no finite force"):
+        omega.run(500, True)
+    assert np.isfinite(positions()).all()
+
+
+def test_table_of_a_law_without_one_curve(omega):
+    contact = dl.Contact(0.005, 32.32e9, 2.4e-6 * 2**0.5, 2.22)
+    made = dl.law("rough-plastic", contact, "hertz", yield_pressure=1.66e9)
+    table = made.tabulate(1e-5)
+    pair(functor(table, None, bridge="native"))
+    omega.run(100, True)
+    omega.reset()
+    pair(functor(table, None, bridge="native"), radius=0.02)
+    with pytest.raises(RuntimeError, match="made for other contacts"):
+        omega.run(100, True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "why"),
+    [
+        ({"law": "herz"}, "unknown law"),
+        ({"unloading": "plastic"}, "unknown unloading rule"),
+        ({"bridge": "fast"}, "bridge must be"),
+        ({"label": "two words"}, "Python name"),
+        ({"tangential_ratio": -1.0}, "tangential_ratio"),
+        ({"surfaces": {"granite": 2e-6}}, "demlaws.Surface"),
+        ({"surfaces": {"granite": dl.Surface(2e-6)}}, "fractal_dimension"),
+        ({"law": "/nowhere/table"}, "cannot read table"),
+        ({"law": {("granite", "steel"): "hertz"}}, "not a pair of labels"),
+        ({"radii": (2.0, 1.0)}, "radii must be"),
+        ({"colour": "red"}, "colour"),
+    ],
+)
+def test_bad_arguments(omega, arguments, why):
+    with pytest.raises(dl.DemlawsError, match=why):
+        functor(**arguments)
+
+
+def test_laws_by_pair(omega):
+    """A table for one pair, another for the next."""
+    steel = dl.Surface(roughness=0.5e-6, fractal_dimension=2.6)
+    tables = {}
+    for names, surface in (
+        (("granite", "granite"), GRANITE.combined(GRANITE)),
+        (("granite", "steel"), GRANITE.combined(steel)),
+        (("steel", "steel"), steel.combined(steel)),
+        (("", "granite"), GRANITE),
+        (("", "steel"), steel),
+    ):
+        contact = dl.Contact(0.005, 32e9, surface.roughness, surface.fractal_dimension)
+        tables[names] = dl.law("pohrt-popov", contact, "hertz").tabulate(1e-5)
+    law = functor(tables, None, {"granite": GRANITE, "steel": steel}, bridge="native")
+    pairs = law.binding.pairs
+    assert pairs.number("granite", "steel") == pairs.number("steel", "granite") != pairs.number("steel", "steel")
+    assert pairs.number("sand", "sand") == pairs.number("", "")
+    from demlaws.yade.pairs import Pairs
+
+    again = Pairs.from_text(pairs.as_text())
+    assert again.as_text() == pairs.as_text() and again.kind == pairs.kind
+
+
+# --- the command
+
+
+def test_check_command(tmp_path):
+    from demlaws.yade import check
+    from demlaws.yade.run import run
+
+    done = run(check.__file__, capture_output=True, text=True, timeout=300)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "native bridge: available" in done.stdout and "all self-tests passed" in done.stdout
+    for name in dl.laws():
+        assert name in done.stdout
+
+
+def test_import_leaves_yade_alone():
+    code = "import sys, demlaws, demlaws.yade, demlaws.yade.cli, demlaws.yade.run; sys.exit('yade' in sys.modules)"
+    assert subprocess.run([sys.executable, "-c", code], cwd=HERE.parents[2], timeout=60).returncode == 0
