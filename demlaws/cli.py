@@ -9,7 +9,7 @@ import warnings
 
 from demlaws.errors import DemlawsError, ValidityWarning
 
-PARTS = ("demlaws.granite_cli", "demlaws.curve_cli")
+PARTS = ("demlaws.granite_cli", "demlaws.curve_cli", "demlaws.fit_cli")
 
 
 class Parser(argparse.ArgumentParser):
