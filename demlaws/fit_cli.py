@@ -64,9 +64,8 @@ def run(arguments):
     print(f"{'law':16} {'unloading':9} {'misfit (µm)':>11} {'ΔAICc':>9} {'weight':>7}  parameters")
     for f in ranking:
         values = "; ".join(shown(n, e) for n, e in f.parameters.items())
-        print(
-            f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f} {'*' if f.notes else ' '} {values}"
-        )
+        mark = "*" if f.notes else " "
+        print(f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f} {mark} {values}")
     for note in sorted({note for f in ranking for note in f.notes}):
         print(f"* {note}")
     for name, reason in ranking.skipped.items():
