@@ -4,6 +4,7 @@ from demlaws import driver
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.fit import fit
 from demlaws.law import Law, law, laws
 from demlaws.table import Table
 
@@ -18,6 +19,7 @@ __all__ = [
     "Table",
     "ValidityWarning",
     "driver",
+    "fit",
     "law",
     "laws",
     "timestep",

@@ -11,6 +11,11 @@ def add_law_arguments(parser):
     parser.add_argument("--law", required=True, help="name of the law (demlaws curve --law ? lists them)")
     parser.add_argument("--unloading", default="elastic", help="elastic, hertz or thornton (default: elastic)")
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
+    add_contact_arguments(parser)
+
+
+def add_contact_arguments(parser):
+    """Arguments that describe one contact."""
     contact = parser.add_argument_group("contact (SI units), or --test for one of the granite tests")
     contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
     contact.add_argument("--radius", type=float, help="effective radius R in m")
@@ -25,10 +30,20 @@ def add_law_arguments(parser):
 def law_from(arguments):
     """The law that the arguments name."""
     from demlaws import granite
-    from demlaws.contact import Contact, Material
     from demlaws.law import find, law
 
     definition = find(arguments.law)
+    options = dict(arguments.option)
+    if arguments.test is not None:
+        options = {**granite.options_for(definition.name, granite.find_test(arguments.test)), **options}
+    return law(definition.name, contact_from(arguments), arguments.unloading, **options)
+
+
+def contact_from(arguments):
+    """The contact that the arguments describe."""
+    from demlaws import granite
+    from demlaws.contact import Contact, Material
+
     changes = {n: getattr(arguments, n) for n in ("radius", "modulus", "roughness", "fractal_dimension", "hardness")}
     changes = {name: value for name, value in changes.items() if value is not None}
     if (arguments.young is None) != (arguments.poisson is None):
@@ -37,17 +52,12 @@ def law_from(arguments):
         if arguments.modulus is not None:
             raise DemlawsError("give either --modulus or --young with --poisson")
         changes["modulus"] = 0.5 * Material(arguments.young, arguments.poisson).plane_modulus
-    options = dict(arguments.option)
     if arguments.test is not None:
-        test = granite.find_test(arguments.test)
-        contact = test.contact.with_values(**changes)
-        options = {**granite.options_for(definition.name, test), **options}
-    else:
-        missing = [f"--{n}" for n in ("radius", "modulus") if n not in changes]
-        if missing:
-            raise DemlawsError(f"{' and '.join(missing)} missing: give the contact, or --test for a granite test's")
-        contact = Contact(**changes)
-    return law(definition.name, contact, arguments.unloading, **options)
+        return granite.find_test(arguments.test).contact.with_values(**changes)
+    missing = [f"--{n}" for n in ("radius", "modulus") if n not in changes]
+    if missing:
+        raise DemlawsError(f"{' and '.join(missing)} missing: give the contact, or --test for a granite test's")
+    return Contact(**changes)
 
 
 def register(subparsers):

@@ -5,9 +5,11 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.dispatch import bind
+from demlaws.errors import DemlawsError
 from demlaws.fastmath import kernel, power, sqrt
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import Definition, Limit, bulk_yield
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
+from demlaws.laws.pohrt_popov_branches import HertzBranchShape, PowerBranchShape
 
 
 class PohrtPopovShape(NamedTuple):
@@ -81,8 +83,8 @@ def _energy(p, overlap):
     return transition_energy(p, p.ratio, overlap, force, equivalent)
 
 
-def _kinks(p, **_):
-    return [1.0 / p.inverse_threshold]
+def _kinks(p, branch="both"):
+    return {"both": lambda: [1.0 / p.inverse_threshold], "power": list, "hertz": lambda: [p.offset]}[branch]()
 
 
 bind(PohrtPopovShape, scale=_scale)
@@ -94,13 +96,30 @@ def stiffness_exponent(fractal_dimension):
     return 0.2567 * fractal_dimension
 
 
-def _prepare(contact):
+_BRANCHES = {"both": PohrtPopovShape, "power": PowerBranchShape, "hertz": HertzBranchShape}
+
+
+def _prepare(contact, branch="both"):
+    """branch: "power" or "hertz" leaves out the other side of the threshold, for scenes that never go there."""
+    if branch not in _BRANCHES:
+        raise DemlawsError(f"branch={branch!r}: the branches of 'pohrt-popov' are {', '.join(_BRANCHES)}")
     # Extended precision once, so that the exponent and the threshold carry one rounding each.
     dimension = np.longdouble(contact.fractal_dimension)
     m = np.longdouble("0.2567") * dimension
     root_pi = np.sqrt(np.longdouble("3.14159265358979323846264338327950288"))
     kappa = np.longdouble(3) / 4 * root_pi * (20 / (root_pi**3 * dimension)) ** (1 / m)
-    return PohrtPopovShape(float(2 / (3 * (1 - m))), float(kappa))
+    return _BRANCHES[branch](float(2 / (3 * (1 - m))), float(kappa))
+
+
+def _limits(contact, branch="both"):
+    limits = bulk_yield(contact)
+    if branch == "both" or not np.any(np.asarray(contact.roughness) > 0.0):
+        return limits
+    kappa = _prepare(contact).kappa
+    force = 4.0 / 3.0 * contact.modulus * np.sqrt(contact.radius) * (kappa * np.asarray(contact.roughness)) ** 1.5
+    if branch == "power":
+        return [*limits, Limit(0.0, float(np.min(force)), "branch='power' leaves out the Hertz stiffness above the threshold")]
+    return [*limits, Limit(float(np.max(force)), np.inf, "branch='hertz' leaves out the power law below the threshold")]
 
 
 LAW = Definition(
@@ -109,6 +128,7 @@ LAW = Definition(
     equation="K = (π√A0 E* Df/10) (P/(σ E* √A0))^(0.2567 Df) to F, then Hertz stiffness",
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
+    limits=_limits,
     kinks=_kinks,
     needs=("fractal_dimension",),
 )
