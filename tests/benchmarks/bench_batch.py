@@ -120,9 +120,11 @@ def arrays_read(law, overlap, states):
 
     def run(spoiled):
         params = _map_leaves(
-            lambda v: (np.full(overlap.size, np.nan) if v is spoiled else v[first])
-            if isinstance(v, np.ndarray) and v.ndim == 1
-            else v,
+            lambda v: (
+                (np.full(overlap.size, np.nan) if v is spoiled else v[first])
+                if isinstance(v, np.ndarray) and v.ndim == 1
+                else v
+            ),
             law.params,
         )
         result = [np.empty_like(overlap), np.empty_like(overlap), *(s.copy() for s in states)]
