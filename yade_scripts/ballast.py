@@ -6,7 +6,7 @@ backwards from the same state. Hertz, Pohrt-Popov (elastic, and with Hertz unloa
 rough-plastic contacts start from the same packing. Printed: stiffness,
 its exponent against pressure, time per step, the share of contacts in each branch of the law.
 Start: demlaws yade run yade_scripts/ballast.py [--quick] [--out FOLDER] [--grains N] [--threads at `yade run`]
-Takes: about 8 min (quick: 40 s, 60 grains, two pressures). Saves ballast.png.
+Takes: about 8 min (quick: 20 s, 40 grains, two pressures). Saves ballast.png.
 
 The deposit uses soft grains, so that it takes thousands of steps and not millions; grains are then drawn apart by 1 %, until
 none touch, and compressed with granite's own stiffness by the law under test.
@@ -150,8 +150,9 @@ def deposit(number, generator):
 class Box:
     """A packing between six walls under stress control."""
 
-    def __init__(self, grains, name, unloading, options):
+    def __init__(self, grains, name, unloading, options, quick):
         O.reset()
+        self.increment, self.patience = (0.25, 4000) if quick else (0.08, 30000)
         for label, friction in (("ballast", LOOSE), ("walls", 0.0)):
             O.materials.append(
                 yade.FrictMat(young=YOUNG, poisson=POISSON, density=DENSITY, frictionAngle=friction, label=label)
@@ -173,7 +174,7 @@ class Box:
                 engine.maxDt = 5e-6  # a young contact is soft: its tangent must not decide
         O.dt = 1e-6
         self.steps, self.seconds = 0, 0.0
-        self.run(6000)
+        self.run(3000 if quick else 6000)
         self.compress(LUBRICATED)
         O.materials["ballast"].frictionAngle = ROUGH
         for contact in O.interactions:
@@ -202,20 +203,20 @@ class Box:
     def stresses(self):
         return [-self.control.stress(wall)[axis] * sign for wall, axis, sign in ((1, 0, 1), (3, 1, 1), (5, 2, 1))]
 
-    def compress(self, pressure, most=30000):
+    def compress(self, pressure):
         """Raise the pressure slowly from what it is, then wait for rest; whether rest was reached."""
         control = self.control
         control.stressMask = 7
         start = max(self.pressure(), 2e3)
         track = []
-        for goal in np.geomspace(start, pressure, 2 + round(math.log(pressure / start) / 0.08)):
+        for goal in np.geomspace(start, pressure, 2 + round(math.log(pressure / start) / self.increment)):
             control.goal1 = control.goal2 = control.goal3 = -goal
             self.run(400)
             track.append((self.pressure(), math.log(self.volume())))
         # stiffness of first loading, sliding of grains included: the slope over the last third of the ramp
         (low, volume), (high, smaller) = track[-1 - len(track) // 3], track[-1]
         self.loading = (high - low) / (volume - smaller)
-        for _ in range(most // 500):
+        for _ in range(self.patience // 500):
             self.run(500)
             if self.at_rest(pressure):
                 break
@@ -273,13 +274,13 @@ class Box:
         return {name: float(np.mean(chosen)) for name, chosen in branches.items()}, force.size, float(force.max())
 
 
-def one_law(grains, pressures, name, unloading, options, steps):
-    box = Box(grains, name, unloading, options)
+def one_law(grains, pressures, name, unloading, options, quick):
+    box = Box(grains, name, unloading, options, quick)
     rows = []
     for pressure in pressures:
         settled = box.compress(pressure)
         shares, contacts, largest = box.shares()
-        onwards, backwards = box.probe(steps)
+        onwards, backwards = box.probe(500 if quick else 1200)
         rows.append((pressure, onwards, backwards, shares, box.loading))
         note = "" if settled else "  (not settled)"
         stiffnesses = f"onwards {onwards / 1e6:.1f}, backwards {backwards / 1e6:.1f}, while loading {box.loading / 1e6:.1f}"
@@ -303,18 +304,18 @@ def exponent(pressures, stiffness):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="60 grains, two pressures")
+    parser.add_argument("--quick", action="store_true", help="40 grains, two pressures")
     parser.add_argument("--grains", type=int, help="number of grains (default 500)")
     parser.add_argument("--out", default=".", help="folder of the picture")
     arguments = parser.parse_args()
     pressures = [20e3, 100e3] if arguments.quick else [20e3, 50e3, 100e3, 200e3]
-    number = arguments.grains or (60 if arguments.quick else 500)
+    number = arguments.grains or (40 if arguments.quick else 500)
     grains = deposit(number, np.random.default_rng(2023))
     figure, (left, right) = plt.subplots(1, 2, figsize=(12, 4.8), constrained_layout=True)
     table = []
     for place, (name, unloading, options) in enumerate(LAWS):
         print(f"{name}, {unloading} unloading", flush=True)
-        rows, seconds = one_law(grains, pressures, name, unloading, options, 600 if arguments.quick else 1200)
+        rows, seconds = one_law(grains, pressures, name, unloading, options, arguments.quick)
         onwards, backwards, loading = (np.array([row[n] for row in rows]) for n in (1, 2, 4))
         table.append((f"{name}, {unloading}", *(exponent(pressures, k) for k in (onwards, backwards, loading)), seconds))
         title = f"{name}, {unloading}: {table[-1][1]:.2f}, {table[-1][2]:.2f}, {table[-1][3]:.2f}"

@@ -351,6 +351,33 @@ def test_the_guard_is_put_once(omega):
     assert names[names.index("InteractionLoop") - 1] == "PyRunner"
 
 
+def test_one_law_in_scenes_one_after_another(omega):
+    law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
+    results = []
+    for _ in range(2):
+        omega.reset()
+        pair(law, speed=-2.0)
+        omega.run(2000, True)
+        results.append((omega.bodies[1].state.vel[2], law.totals()))
+    assert results[0] == results[1]
+    assert results[0][0] > 0 and results[0][1].dissipated > 0
+
+
+def test_two_scenes_two_laws_one_label(omega):
+    laws = functor("pohrt-popov", "hertz", bridge="native"), functor("hertz", "elastic", bridge="native")
+    other = omega.addScene()
+    for scene, law in zip((0, other), laws, strict=True):
+        omega.switchToScene(scene)
+        pair(law)
+    for _ in range(3):
+        for scene, law in zip((0, other), laws, strict=True):
+            omega.switchToScene(scene)
+            omega.run(50, True)
+            force = omega.interactions[0, 1].phys.normalForce.norm()
+            assert force == pytest.approx(law.contacts().force[0], rel=1e-13) and force > 0
+    omega.switchToScene(0)
+
+
 def test_end_of_table_stops(omega, tmp_path):
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
     table = dl.law("pohrt-popov", contact, "hertz").tabulate(1e-5, max_force=5.0)
