@@ -491,15 +491,17 @@ def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
     """Shrink plastic patches towards the cut, together with the ring of pixels round them, and note what they remember.
 
     Scaling h - cut on both sides of the contour keeps the contour, and so the area, where it is. The pixels of the ring
-    rise: the pile-up. One that belongs to several patches follows the one that shrinks least.
+    rise: the pile-up. One that borders several patches follows the one that shrinks least, and remembers the highest pressure.
     """
     rows, columns = h.shape
     for i in range(rows):
         for j in range(columns):
             label = labels[i, j]
-            chosen = -1
+            chosen, carried = -1, 0.0
             if label:
                 chosen = patch_of[label] - 1
+                if described[chosen, 10] != ELASTIC:
+                    carried = described[chosen, 13]
             elif h[i, j] == h[i, j]:
                 largest = -1.0
                 for di in range(-1, 2):
@@ -511,10 +513,13 @@ def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
                             n = patch_of[labels[a, b]] - 1
                             if described[n, 11] > largest:
                                 largest, chosen = described[n, 11], n
+                            if described[n, 10] != ELASTIC:
+                                carried = max(carried, described[n, 13])
+            if carried > 0.0:
+                limit[i, j] = carried
             if chosen >= 0 and described[chosen, 10] != ELASTIC:
                 heights[i, j] += (described[chosen, 11] - 1.0) * (h[i, j] - cut)
                 spread[i, j] = described[chosen, 12]
-                limit[i, j] = described[chosen, 13]
 
 
 @loop

@@ -323,7 +323,8 @@ def law_figure(contact, laws):
     fig, (left, right) = figure(columns=2, width=5.2, height=4.1)
     pair = contact.pair
     first = next(iter(laws.values()))
-    end = first.shape.kink1 * first.params.length
+    limits = [limit.maximum_force * (1 - 1e-9) for limit in first.limits()]
+    end = min([4.0 * contact.heights.sq, *(first.overlap(force) for force in limits)])
     force = np.geomspace(1e-4, 1.0, 200) * contact.at(end).load
     left.loglog(
         (9 * force**2 / (16 * pair.radius * pair.modulus**2)) ** (1 / 3) * _MICRO, force, "--", color="#222222", label="Hertz"

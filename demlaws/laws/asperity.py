@@ -1,93 +1,126 @@
-"""Jamari & Schipper 2006-2008: a measured map against a smooth ball, its loading or its elastic reloading curve as a law."""
+"""Jamari & Schipper 2006-2008: a measured map against a smooth ball, its loading or its elastic reloading curve as a law.
+
+The curve is that of one map at one effective radius and modulus: it does not collapse. Contacts that differ in radius only
+are blended between curves at radii 5 % apart; a few that differ otherwise get a curve each.
+"""
 
 import math
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.dispatch import bind
 from demlaws.errors import DemlawsError
+from demlaws.fastmath import kernel
+from demlaws.implicit import CurveNumber, FamilyParams, FamilyShape
 from demlaws.laws.definition import Definition, Limit, number
+from demlaws.laws.hertz import hertz_coefficient
 from demlaws.surface import HeightMap, read, self_affine
-from demlaws.table import Nodes, grid, shape_from_nodes
+from demlaws.table import Nodes, TableShape, grid, shape_from_nodes
 
-_BITS = 6  # cells an octave
+_BITS = 7  # cells an octave
 _SAMPLES = 12  # cuts of the map an octave
-_OCTAVES = 12  # below the largest overlap
-_BANDWIDTH = 0.4  # octaves, of the smoothing over the jumps where patches merge
+_OCTAVES = 12  # from the first cut to an overlap of Sq
+_BANDWIDTH = 0.4  # octaves, of the smoothing over the falls of force where patches merge
+_RADIUS_STEP = 1.05  # ratio of neighbouring radii of a family of curves
+_MOST_CURVES = 64
 
 
-def _contact(contact, surface, poisson, plastic_factor, plastic_ratio):
+class RowsShape(NamedTuple):
+    """One curve for each of a few contacts that differ in more than radius."""
+
+    table: TableShape  # the first curve; all have its grid
+    cells: np.ndarray  # (curves × cells + cells, 4)
+    contacts: np.ndarray  # (curves, 3): R, E*, σ
+
+
+@kernel
+def _rows_scale(shape, radius, modulus, roughness):
+    row = -1.0
+    for i in range(shape.contacts.shape[0]):
+        if (
+            abs(shape.contacts[i, 0] - radius) <= 1e-9 * radius
+            and abs(shape.contacts[i, 1] - modulus) <= 1e-9 * modulus
+            and abs(shape.contacts[i, 2] - roughness) <= 1e-9 * roughness
+        ):
+            row = float(i)
+    t = shape.table
+    return FamilyParams(
+        hertz_coefficient(radius, modulus),
+        roughness,
+        1.0 / roughness,
+        0.0 if row >= 0.0 else math.nan,  # a contact that is none of them has no curve: not a number
+        max(row, 0.0) * t.count,
+        0.0,
+        shape.cells,
+        t.shift,
+        t.first,
+        t.kink1,
+        t.kink2,
+        t.lowest,
+        t.highest,
+        t.exponent,
+        t.count,
+    )
+
+
+bind(RowsShape, scale=_rows_scale)
+
+
+# --- one curve
+
+
+class Curve(NamedTuple):
+    """s(u) of one pair, smooth; x = log2 u."""
+
+    start: float  # u below which it is a power law
+    end: float  # u up to which the map was cut; beyond, extrapolated
+    first: float  # s at the start
+    rise: Callable  # s - s(start) as a function of x
+    rate: Callable  # ds/dx
+
+    def at(self, u):
+        """s and ds/du."""
+        x = np.log2(np.maximum(u, self.start))
+        s, slope = self.first + self.rise(x), self.rate(x) / (np.maximum(u, self.start) * math.log(2.0))
+        at_start = float(self.rate(math.log2(self.start))) / (self.start * math.log(2.0))
+        power = at_start * self.start / self.first
+        below = self.first * (u / self.start) ** power
+        return np.where(u < self.start, below, s), np.where(u < self.start, power * below / u, slope)
+
+
+def _curve(pair, surface, curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach):
     from demlaws.asperity import RoughContact
 
-    if isinstance(surface, str):
-        surface = read(surface).without_form(2)
-    if not isinstance(surface, HeightMap):
-        raise DemlawsError(
-            f"surface must be a demlaws.surface.HeightMap (form removed) or the path of a map, got {type(surface).__name__}; "
-            "a table read from a file is used as it is"
-        )
-    return RoughContact(surface, contact, poisson, plastic_factor, plastic_ratio)
-
-
-def _single(contact):
-    if contact.size is None:
-        return contact
-    values = {n: np.atleast_1d(getattr(contact, n)) for n in ("radius", "modulus", "roughness")}
-    if any(np.ptp(v) > 1e-12 * np.max(np.abs(v)) for v in values.values()):
-        raise DemlawsError(
-            "law 'asperity' is computed for one pair of bodies, the contacts given differ: make one law for each pair"
-        )
-    return contact.with_values(**{n: float(v[0]) for n, v in values.items()})
-
-
-def _prepare(
-    contact,
-    surface=None,
-    curve="loading",
-    load=None,
-    max_force=None,
-    poisson=0.3,
-    plastic_factor=0.71,
-    plastic_ratio=160.0,
-):
-    """Shape of the law.
-
-    surface: height map, form removed, or the path of one; curve: "loading" or "reloading" (elastic, after a first loading to
-    `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
-    the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's stiffness,
-    then that.
-    """
-    if curve not in ("loading", "reloading"):
-        raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
-    pair = _single(contact)
-    rough = _contact(pair, surface, poisson, plastic_factor, plastic_ratio)
+    rough = RoughContact(surface, pair, poisson, plastic_factor, plastic_ratio)
     start = 0.0
     if curve == "reloading":
-        first = rough.load(number(load, "load (first loading, for curve='reloading')", "N"), 1e-6)
-        rough = rough.unload(first)
+        rough = rough.unload(rough.load(load, 1e-6))
         start = rough.origin - rough.highest
-    overlap, force = sample(rough, start, None if max_force is None else number(max_force, "max_force", "N"))
-    over_roughness, over_radius = (1.0, 0.0) if pair.roughness > 0 else (0.0, 1.0)
-    length = over_roughness * pair.roughness + over_radius * pair.radius
+    overlap, force = sample(rough, start, max_force)
+    length = _length(pair)
     coefficient = 4 / 3 * pair.modulus * math.sqrt(pair.radius)
-    return _shape(
-        overlap / length, (force / coefficient) ** (2 / 3) / length, pair.radius / length, over_roughness, over_radius
-    )
+    # a table's last cell may end at twice the tenth of the radius where tables end
+    return _smooth(overlap / length, (force / coefficient) ** (2 / 3) / length, reach)
+
+
+def _length(pair):
+    return pair.roughness or pair.radius
 
 
 def sample(rough, start, max_force):
     """Overlaps past `start` and forces of a `RoughContact` at evenly spaced logarithms of the overlap, up to max_force."""
     limit = _limit_force(rough) if max_force is None else max_force
-    guess = max(rough.heights.sq, 1e-12)
-    highest = guess * 2.0**-_OCTAVES
-    step = 2.0 ** (1 / _SAMPLES)
-    overlaps, forces = [], []
+    overlap = max(rough.heights.sq, 1e-12) * 2.0**-_OCTAVES
+    overlaps, forces, edge = [], [], 0.0
     while len(overlaps) < 40 * _SAMPLES:
-        force, _, edge = rough._force(rough.origin - (start + highest), rough._whole())
+        force, _, edge = rough._force(rough.origin - (start + overlap), rough._whole())
         if force > limit or (edge and max_force is None):
             break
-        overlaps.append(highest)
+        overlaps.append(overlap)
         forces.append(force)
-        highest *= step
+        overlap *= 2.0 ** (1 / _SAMPLES)
     forces = np.array(forces)
     used = forces > 0
     if used.sum() < 3 * _SAMPLES:
@@ -108,59 +141,28 @@ def _limit_force(rough):
     return regime.transition_load(rough.pair.with_values(roughness=rough.heights.sq))
 
 
-def _shape(u, s, largest, over_roughness, over_radius):
-    """A smooth monotone curve through (u, s), never steeper than Hertz.
+def _smooth(u, s, reach):
+    """A smooth monotone `Curve` through (u, s), up to `reach`, never steeper than Hertz.
 
     ln s is a local parabola in ln u, wide enough to bridge the falls of force where patches merge. A slope ds/du above
     1 would be a contact stiffer than a smooth one at equal load, which comes from leaving the bulk rigid: it is cut to 1.
+    Beyond the last u the curve goes on as a power law until that cut holds it to Hertz's stiffness.
     """
+    from scipy.interpolate import CubicSpline
+
     x, y = np.log2(u), np.log2(s)
-    last = 0.9993 * u[-1]  # off the grid's nodes: a table splits the cell of a kink
-    fine = np.arange(x[0], math.log2(last) + 1e-12, 1 / 64)
-    fine = np.append(fine[fine < math.log2(last) - 1e-9], math.log2(last))
+    fine = np.linspace(x[0], x[-1], int(32 * (x[-1] - x[0])) + 2)
     value, slope = _local_parabola(x, y, fine)
-    slope = np.clip(slope, 0.05, None)
-    steep = slope * 2.0 ** (value - fine)  # ds/du
-    steep = steep / (1.0 + steep**12) ** (1 / 12)
-    curve = 2.0 ** value[0] + np.concatenate([[0.0], np.cumsum(0.5 * (steep[1:] + steep[:-1]) * np.diff(2.0**fine))])
-    from scipy.interpolate import PchipInterpolator
-
-    smooth = PchipInterpolator(2.0**fine, curve)
-    rate = smooth.derivative()
-    # a cubic between two nodes may pass 1 by a little: what is left of that is scaled away
-    end_s, end_slope = float(smooth(last)), float(rate(last))
-    exponent = max(end_slope * last / end_s, 1.2)
-    # beyond its end the curve goes on as a power law until it has Hertz's stiffness, with a corner of dK/dδ at either place
-    hertz = last * max(1.0, last / (exponent * end_s)) ** (1.0 / (exponent - 1.0))
-    kinks = [last, hertz] if hertz > last * 1.01 else [last]
-    nodes, _ = grid(2.0 ** fine[0] * (1 + 1e-12), max(0.2 * largest, 4.0 * kinks[-1]), kinks, _BITS)
-    nodes = nodes[nodes >= 2.0 ** fine[0]]
-    inside, beyond = nodes <= last, nodes > kinks[-1]
-    between = ~inside & ~beyond
-    s_nodes, slopes = np.empty(nodes.size), np.ones(nodes.size)
-    s_nodes[inside], slopes[inside] = smooth(nodes[inside]), rate(nodes[inside])
-    s_nodes[between] = end_s * (nodes[between] / last) ** exponent
-    slopes[between] = exponent * s_nodes[between] / nodes[between]
-    final = end_s * (kinks[-1] / last) ** exponent
-    steepest = _steepest(nodes[~beyond], s_nodes[~beyond], slopes[~beyond])
-    s_nodes[~beyond] /= steepest
-    slopes[~beyond] /= steepest
-    s_nodes[beyond] = final / steepest + nodes[beyond] - kinks[-1]
-    twice = np.flatnonzero(np.diff(nodes) == 0)
-    if len(kinks) == 2:
-        slopes[twice[0] + 1] = exponent * s_nodes[twice[0]] / last
-    slopes[twice[-1] + 1] = 1.0
-    return shape_from_nodes(Nodes.from_curve(nodes, s_nodes, slopes), _BITS, over_roughness, over_radius)
-
-
-def _steepest(u, s, slope):
-    """Largest slope of the cubics between the nodes, or 1 if all are below."""
-    width = np.diff(u)
-    keep = width > 0
-    chord, left, right = np.diff(s)[keep] / width[keep], slope[:-1][keep], slope[1:][keep]
-    t = np.linspace(0, 1, 17)[:, None]
-    inner = left * (1 - t) * (1 - 3 * t) + 6 * t * (1 - t) * chord + right * t * (3 * t - 2)
-    return max(1.0, float(inner.max()) * (1 + 1e-9))
+    slope = np.maximum(slope, 0.05)
+    beyond = np.arange(1, int(32 * max(math.log2(reach) + 1.5 - x[-1], 1.0))) / 32
+    steady = max(slope[-1], 1.2)
+    fade = (steady - slope[-1]) * np.exp(-2.0 * beyond)
+    value = np.append(value, value[-1] + steady * beyond - 0.5 * (steady - slope[-1] - fade))
+    slope, fine = np.append(slope, steady - fade), np.append(fine, x[-1] + beyond)
+    steep = np.minimum(slope * 2.0 ** (value - fine), 1e6)
+    steep /= (1.0 + steep**12) ** (1 / 12)
+    rate = CubicSpline(fine, steep * 2.0**fine * math.log(2.0))
+    return Curve(2.0 ** fine[0], 2.0 ** x[-1], 2.0 ** value[0], rate.antiderivative(), rate)
 
 
 def _local_parabola(x, y, at):
@@ -175,19 +177,106 @@ def _local_parabola(x, y, at):
     return value, slope
 
 
+def _shape(curve, pair, start, reach):
+    """The curve on a table's grid: the law is what the cells hold."""
+    nodes, _ = grid(start, reach, [], _BITS)
+    s, slope = curve.at(nodes)
+    steepest = _steepest(nodes, s, slope)
+    rough = pair.roughness > 0
+    return shape_from_nodes(Nodes.from_curve(nodes, s / steepest, slope / steepest), _BITS, float(rough), float(not rough))
+
+
+def _steepest(u, s, slope):
+    """Largest slope of the cubics between the nodes, or 1 if all are below: between two nodes a cubic may pass 1 a little."""
+    width = np.diff(u)
+    chord, left, right = np.diff(s) / width, slope[:-1], slope[1:]
+    t = np.linspace(0, 1, 17)[:, None]
+    inner = left * (1 - t) * (1 - 3 * t) + 6 * t * (1 - t) * chord + right * t * (3 * t - 2)
+    return max(1.0, float(inner.max()) * (1 + 1e-9)) if inner.max() > 1 + 1e-10 else 1.0
+
+
+# --- the law
+
+
+def _prepare(
+    contact,
+    surface=None,
+    curve="loading",
+    load=None,
+    max_force=None,
+    poisson=0.3,
+    plastic_factor=0.71,
+    plastic_ratio=160.0,
+):
+    """Shape of the law.
+
+    surface: height map, form removed, or the path of one, whose form of order 2 is then removed; it is the gap map of the
+    pair: of two rough bodies, `HeightMap.combined`. curve: "loading" or "reloading" (elastic, after a first loading to
+    `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
+    the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
+    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities.
+    """
+    if curve not in ("loading", "reloading"):
+        raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
+    if isinstance(surface, str):
+        surface = read(surface).without_form(2)
+    if not isinstance(surface, HeightMap):
+        raise DemlawsError(
+            f"surface must be a demlaws.surface.HeightMap (form removed) or the path of a map, got {type(surface).__name__}"
+        )
+    if curve == "reloading":
+        load = number(load, "load (first loading, for curve='reloading')", "N")
+    max_force = None if max_force is None else number(max_force, "max_force", "N")
+    made, alike = _pairs(contact)
+    reach = max(0.2 * pair.radius / _length(pair) for pair in made)
+    settings = (curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach)
+    curves = [_curve(pair, surface, *settings) for pair in made]
+    start = min(c.start for c in curves)
+    shapes = [_shape(c, pair, start, reach) for c, pair in zip(curves, made, strict=True)]
+    if len(made) == 1:
+        return shapes[0]
+    # one more copy at the end: a curve is read with its neighbour, also where that has no weight
+    cells = np.ascontiguousarray(np.concatenate([shape.cells for shape in [*shapes, shapes[-1]]]))
+    if alike:
+        ratio = math.log(made[-1].radius / made[0].radius) / (len(made) - 1)
+        return FamilyShape(shapes[0], cells, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), made[0].radius, ratio, len(made))
+    return RowsShape(shapes[0], cells, np.array([[p.radius, p.modulus, p.roughness] for p in made]))
+
+
+def _pairs(contact):
+    """The pairs for which curves are made, and whether they differ in radius alone."""
+    if contact.size is None:
+        return [contact], True
+    columns = [np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "roughness")]
+    rows = np.unique(np.column_stack(columns), axis=0)
+    alike = bool(np.all(np.ptp(rows[:, 1:], axis=0) <= 1e-9 * rows[0, 1:]))
+    if alike:
+        low, high = rows[0, 0], rows[-1, 0]
+        count = 1 if high <= low * (1 + 1e-9) else max(2, math.ceil(math.log(high / low) / math.log(_RADIUS_STEP)) + 1)
+        rows = np.column_stack([np.geomspace(low, high, count), np.tile(rows[0, 1:], (count, 1))])
+    if len(rows) > _MOST_CURVES:
+        raise DemlawsError(
+            f"{len(rows)} curves are needed for these contacts, {_MOST_CURVES} at most are made: let them share modulus and "
+            "roughness, or make laws for groups of them"
+        )
+    if len(rows) > 1 and np.any(rows[:, 2] == 0):
+        raise DemlawsError("roughness = 0 m in an array of contacts: give the map's roughness, the length of the curves")
+    names = ("radius", "modulus", "roughness")
+    return [contact.with_values(**dict(zip(names, map(float, row), strict=True))) for row in rows], alike
+
+
 def _limits(contact, surface=None, max_force=None, **options):
-    """Up to the bulk's yield, where the contact has a hardness."""
+    """Up to the bulk's yield, where the contact has a hardness, or the end of the computed curve."""
     from demlaws import regime
 
-    if contact.hardness is None:
-        return []
-    roughness = surface.sq if isinstance(surface, HeightMap) else contact.roughness
-    load = float(np.min(regime.transition_load(contact.with_values(roughness=roughness))))
-    return [Limit(0.0, load, "the bulk yields above (p(0)/H_m = 0.6), which the model leaves out")]
-
-
-def _kinks(params, **options):
-    return [k * params.length for k in (params.kink1, params.kink2) if math.isfinite(k)]
+    limits = []
+    if contact.hardness is not None:
+        pair = contact.with_values(roughness=surface.sq) if isinstance(surface, HeightMap) else contact
+        load = float(np.min(regime.transition_load(pair)))
+        limits.append(Limit(0.0, load, "the bulk yields above (p(0)/H_m = 0.6), which the model leaves out"))
+    if max_force is not None:
+        limits.append(Limit(0.0, float(max_force), "the curve is extrapolated above max_force"))
+    return limits
 
 
 LAW = Definition(
@@ -197,10 +286,8 @@ LAW = Definition(
     source="Jamari & Schipper, Wear 262 (2007) 138; Wear 264 (2008) 349",
     description="measured surface, deterministic asperities",
     limits=_limits,
-    kinks=_kinks,
     collapses=False,
     implicit=True,
     solved=True,
-    needs=(),
     example={"surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6)},
 )

@@ -1,0 +1,90 @@
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws import cli, surface
+from demlaws.surface import self_affine
+
+ALUMINIUM = ["--radius", "3.175mm", "--young", "75.2e9", "--poisson", "0.34", "--hardness", "0.24e9"]
+BALL = ["--ball-young", "430e9", "--ball-poisson", "0.17"]
+
+
+@pytest.fixture
+def map_file(tmp_path):
+    return str(surface.write(tmp_path / "map.asc", self_affine(128, 2e-6, 0.8, 1.3e-6, 1, longest=60e-6)))
+
+
+def test_regime_reproduces_the_published_table(capsys):
+    assert cli.main(["regime"]) == 0
+    text = capsys.readouterr().out
+    assert text.count("mismatch") == 1 and "Al_A" in next(line for line in text.splitlines() if "mismatch" in line)
+    for number in ("1.061", "0.630", "0.616", "0.647", "0.570", "0.438", "0.159", "0.153"):
+        assert number in text
+
+
+def test_regime_of_one_contact(capsys, tmp_path):
+    figure = tmp_path / "regime.png"
+    arguments = ["regime", *ALUMINIUM, *BALL, "--roughness", "1.3um", "--load", "0.2", "--figure", str(figure)]
+    assert cli.main(arguments) == 0
+    text = capsys.readouterr().out
+    assert "0.159" in text and "1.373 N" in text and "asperity         fits" in text
+    assert figure.stat().st_size > 10000
+    assert cli.main(["regime", *ALUMINIUM, "--roughness", "1.3um"]) == 0
+    assert "bulk yields" in capsys.readouterr().out
+
+
+def test_surface_prints_and_writes(capsys, tmp_path, map_file):
+    out, figure = tmp_path / "level.npy", tmp_path / "map.png"
+    assert cli.main(["surface", map_file, "--form", "2", "--out", str(out), "--figure", str(figure)]) == 0
+    text = capsys.readouterr().out
+    for words in ("128 x 128 pixels", "order 2", "Sq =", "Sa =", "box counting: Df = 2.", "spectrum: Df = 2.", "0 % missing"):
+        assert words in text
+    assert np.load(out).shape == (128, 128) and figure.stat().st_size > 10000
+
+
+def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
+    out = tmp_path / "made.csv"
+    arguments = ["surface", "synthetic", "--size", "64", "--pixel", "1um", "--roughness", "2um", "--out", str(out)]
+    assert cli.main(arguments) == 0
+    assert "Sq = 2 µm" in capsys.readouterr().out
+    assert surface.read(out, pixel="1um").sq == pytest.approx(2e-6, rel=1e-6)
+
+
+def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
+    table, micro, worn, figure = (tmp_path / n for n in ("map.tbl", "micro.csv", "worn.npy", "contact.png"))
+    arguments = ["surface", "contact", map_file, *ALUMINIUM, *BALL, "--load", "0.05", "--cycles", "3", "--table", str(table)]
+    assert cli.main([*arguments, "--csv", str(micro), "--out", str(worn), "--figure", str(figure)]) == 0
+    text = capsys.readouterr().out
+    assert "cycle 3" in text and "run in after cycle 1" in text and "hertz unloading" in text
+    assert dl.Table.load(table).force(1e-7) > 0
+    assert micro.read_text().startswith("x,y,cut_area")
+    assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
+    assert cli.main([*arguments, "--curve", "reloading", "--on", map_file]) == 0
+    assert "reloading, elastic" in capsys.readouterr().out
+
+
+def test_published_repeated_contact(capsys, tmp_path):
+    figure = tmp_path / "repeated.png"
+    assert cli.main(["surface", "contact", "isotropic", "--figure", str(figure)]) == 0
+    text = capsys.readouterr().out
+    assert "0.159" in text and "cycle 20" in text and "run in after cycle 1" in text
+    assert figure.stat().st_size > 10000
+
+
+@pytest.mark.parametrize(("arguments", "words"), [
+    (["regime", *ALUMINIUM, "--load", "1"], "--roughness missing"),
+    (["regime", "--load", "1", "--roughness", "1um", "--hardness", "1e9"], "--radius, --young, --poisson"),
+    (["surface", "nowhere.csv"], "no such height map"),
+    (["surface", "synthetic"], "--out missing"),
+    (["surface", "contact"], "takes one height map"),
+    (["surface", "a", "b"], "one height map at a time"),
+    (["surface", "contact", "MAP", *ALUMINIUM], "--load missing"),
+    (["surface", "contact", "MAP", "--load", "1"], "missing"),
+    (["surface", "contact", "MAP", *ALUMINIUM, "--curve", "reloading", "--table", "t.tbl"], "reloading"),
+    (["surface", "contact", "MAP", *ALUMINIUM, "--flat", "--table", "t.tbl"], "leave out --flat"),
+    (["surface", "contact", "MAP", *ALUMINIUM, "--ball-young", "1e9", "--load", "1"], "belong together"),
+])  # fmt: skip
+def test_errors_are_one_line(capsys, map_file, arguments, words):
+    assert cli.main([map_file if a == "MAP" else a for a in arguments]) == 2
+    error = capsys.readouterr().err
+    assert words in error and error.count("\n") == 1
