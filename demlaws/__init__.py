@@ -1,6 +1,7 @@
 """demlaws: contact laws of rough and yielding grains for the discrete element method."""
 
 from demlaws import driver
+from demlaws.choose import Scene, choose
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -15,9 +16,11 @@ __all__ = [
     "DemlawsError",
     "Law",
     "Material",
+    "Scene",
     "Surface",
     "Table",
     "ValidityWarning",
+    "choose",
     "driver",
     "fit",
     "law",

@@ -14,6 +14,7 @@ PARTS = (
     "demlaws.curve_cli",
     "demlaws.surface_cli",
     "demlaws.fit_cli",
+    "demlaws.choose_cli",
     "demlaws.yade.cli",
     "demlaws.liggghts.cli",
 )

@@ -27,3 +27,31 @@ def fit_figure(ranking, source=""):
     left.legend(fontsize=7)
     right.legend(fontsize=7)
     return fig
+
+
+def choices_figure(choices):
+    """Error against cost of the candidates of a scene."""
+    fig, ax = figure(width=6.4, height=4.6)
+    markers = {"closed form": "o", "table": "s", "closed form, float32": "^"}
+    lowest = 1e-9
+    for evaluation, marker in markers.items():
+        chosen = [c for c in choices if c.evaluation == evaluation]
+        if chosen:
+            colours = [COLOURS.get(c.name, "#888888") for c in chosen]
+            cost = [c.cost for c in chosen]
+            ax.scatter(cost, [max(c.error, lowest) for c in chosen], c=colours, marker=marker, s=42, label=evaluation, zorder=3)
+    for c in choices:
+        text = f"{c.name}{'' if c.unloading == 'elastic' else ', ' + c.unloading}"
+        ax.annotate(text, (c.cost, max(c.error, lowest)), xytext=(4, 3), textcoords="offset points", fontsize=6)
+    ax.axhline(choices.scene.tolerance, color="k", ls="--", lw=0.9)
+    best = choices.best
+    ax.scatter([best.cost], [max(best.error, lowest)], s=180, facecolors="none", edgecolors="k", lw=1.5, zorder=4)
+    ax.set(
+        xscale="log",
+        yscale="log",
+        xlabel="ns a contact and reference time step",
+        ylabel=f"largest error of {choices.scene.quantity} (below {lowest:g} drawn there)",
+        title=choices.scene.name or "choices",
+    )
+    ax.legend(fontsize=7)
+    return fig
