@@ -20,7 +20,6 @@ from demlaws.errors import DemlawsError
 from demlaws.fastmath import bits, from_bits, kernel, row_of_four, sqrt
 from demlaws.files import write_atomically
 from demlaws.law import SMOOTHEST, Law, bind_params, evaluate_loop, find
-from demlaws.law import law as bind_law
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 from demlaws.unloading import RULES, Elastic
 
@@ -29,6 +28,8 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _MOST_BITS = 12
 _OCTAVES_BELOW = 40
 """Octaves of cells that continue the power law below the first node, so that reading it takes no power."""
+_SEATED = 0.5
+"""Exponent of s at the first node below which the law starts from a force, not from 0: K ∝ u^(1.5 p - 1) would explode."""
 
 
 class TableShape(NamedTuple):
@@ -47,6 +48,9 @@ class TableShape(NamedTuple):
     floor: float  # u where the cells below the first node begin; linear to 0 from there
     inverse_floor: float
     exponent: float  # of the power law below the first node
+    yield_overlap: float  # u above which the bulk has yielded (infinity: never): there the contact radius follows
+    yield_area: float  # a²/(R length) = yield_area + yield_area_slope (s^1.5 - yield_area^1.5)
+    yield_area_slope: float
     length_over_roughness: float  # length = this σ + the next R
     length_over_radius: float
     count: int  # rows of `cells`
@@ -70,6 +74,9 @@ class TableParams(NamedTuple):
     floor: float
     inverse_floor: float
     exponent: float
+    yield_overlap: float
+    yield_area: float
+    yield_area_slope: float
     count: int
 
 
@@ -93,6 +100,9 @@ def scale_table(shape, radius, modulus, roughness, offset):
         shape.floor,
         shape.inverse_floor,
         shape.exponent,
+        shape.yield_overlap,
+        shape.yield_area,
+        shape.yield_area_slope,
         shape.count,
     )
 
@@ -135,10 +145,13 @@ def read_curve(p, u, row):
 
 @kernel
 def _virgin(p, overlap):
-    s, slope = read_curve(p, overlap * p.inverse_length + p.offset, 0)
+    u = overlap * p.inverse_length + p.offset
+    s, slope = read_curve(p, u, 0)
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
-    return root * equivalent, 1.5 * root * slope, equivalent, equivalent
+    more = p.yield_area_slope * (s * sqrt(s) - p.yield_area * sqrt(p.yield_area))
+    area = (p.yield_area + more) * p.length if u > p.yield_overlap else equivalent
+    return root * equivalent, 1.5 * root * slope, equivalent, area
 
 
 @kernel
@@ -151,18 +164,35 @@ def _rows_below(p):
 def invert_curve(p, s):
     """u at which the curve reaches s: bisection over cells, then Newton inside the cell; NaN above the last node."""
     starts = p.starts
-    if s < starts[0, 1]:
-        return p.lowest * (s / starts[0, 1]) ** (1.0 / p.exponent)
-    low = 0
-    high = starts.shape[0]
-    while high - low > 1:
-        middle = (low + high) // 2
-        if starts[middle, 1] <= s:
-            low = middle
-        else:
-            high = middle
-    c0, c1, c2, c3 = row_of_four(p.cells, low + _rows_below(p))
-    t_low = starts[low, 0]
+    if not (s <= p.cells[p.count - 1, 0] * (1.0 + 1e-12)):
+        return math.nan
+    below = _rows_below(p)
+    t_low = 0.0
+    if s >= starts[0, 1]:
+        low = 0
+        high = starts.shape[0]
+        while high - low > 1:
+            middle = (low + high) // 2
+            if starts[middle, 1] <= s:
+                low = middle
+            else:
+                high = middle
+        t_low = starts[low, 0]
+        base = starts[low, 3]
+        width = starts[low, 4]
+        low += below
+    else:
+        low = 0
+        high = below
+        while high - low > 1:
+            middle = (low + high) // 2
+            if p.cells[middle, 0] <= s:
+                low = middle
+            else:
+                high = middle
+        base = from_bits((p.first + low) << p.shift) if low > 0 else 0.0
+        width = from_bits((p.first + low + 1) << p.shift) - base if low > 0 else p.floor
+    c0, c1, c2, c3 = row_of_four(p.cells, low)
     t_high = 1.0
     t = 0.5 * (t_low + t_high)
     for _ in range(80):
@@ -179,8 +209,7 @@ def invert_curve(p, s):
             t = new
             break
         t = new
-    u = starts[low, 3] + starts[low, 4] * t
-    return u if u <= p.highest * (1.0 + 1e-12) else math.nan
+    return min(base + width * t, p.highest)
 
 
 @kernel
@@ -195,11 +224,23 @@ def integrate_curve(p, u):
     if u <= 0.0:
         return 0.0
     s, _ = read_curve(p, u, 0)
+    if u < p.lowest and p.exponent < _SEATED:
+        seat = p.starts[0, 1] * (1.0 - p.exponent)
+        total = 0.0
+        for k in range(_NODES.size):
+            y = seat + 0.5 * (1.0 + _NODES[k]) * (s - seat)
+            total += _WEIGHTS[k] * y * sqrt(y)
+        return 2.0 / 3.0 * u * total
     if u < p.lowest:
         return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * p.exponent + 1.0)
     cell, t, inverse_width = cell_and_place(p, u)
     c0, c1, c2, c3 = row_of_four(p.cells, cell)
-    begin = min(cell - _rows_below(p), p.starts.shape[0] - 1)
+    begin = cell - _rows_below(p)
+    if begin >= p.starts.shape[0]:  # the last node is the end of the last cell
+        begin = p.starts.shape[0] - 1
+        c0, c1, c2, c3 = row_of_four(p.cells, cell - 1)
+        t = 1.0
+        inverse_width = 1.0 / p.starts[begin, 4]
     start = p.starts[begin, 0]
     half = 0.5 * (t - start)
     total = 0.0
@@ -280,16 +321,25 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
 
 
 def _below(u0, s0, exponent, first, bits_per_octave):
-    """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p."""
+    """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
+
+    A law that starts from a seating load (p near 0) goes on straight, with the slope of the first node.
+    """
     u = node(np.arange(first - _OCTAVES_BELOW * 2**bits_per_octave, first + 1), bits_per_octave)
-    s = s0 * (u / u0) ** exponent
-    slope = exponent * s / u
+    if exponent < _SEATED:
+        seat = s0 * (1.0 - exponent)
+        slope = np.full(u.size, exponent * s0 / u0)
+        s = seat + slope * u
+    else:
+        seat = 0.0
+        s = s0 * (u / u0) ** exponent
+        slope = exponent * s / u
     cells = _hermite(0.0, 1.0, np.diff(u), s[:-1], s[1:], slope[:-1], slope[1:])
-    return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
+    return np.concatenate([[[seat, s[0] - seat, 0.0, 0.0]], cells]), float(u[0])
 
 
-def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius):
-    """Cubic Hermite cells through the rows of a table."""
+def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0)):
+    """Cubic Hermite cells through the rows of a table; bulk_yield: see TableShape.yield_overlap and what follows it."""
     u, s, slope = nodes.curve()
     shift = 52 - bits_per_octave
     kinks = u[:-1][np.diff(u) == 0.0]
@@ -305,6 +355,9 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
     y = cells[:, :1] + x * (cells[:, 1:2] + x * (cells[:, 2:3] + x * cells[:, 3:4]))
     pieces = 4.0 / 3.0 * (np.maximum(y, 0.0) ** 1.5 @ _WEIGHTS) * 0.5 * (t1 - t0) * width
     below = 4.0 / 3.0 * s[0] ** 1.5 * u[0] / (1.5 * exponent + 1.0)
+    if exponent < _SEATED:
+        line = s[0] * (1.0 + exponent * (0.5 * (1.0 + _NODES) - 1.0))
+        below = 2.0 / 3.0 * float(line**1.5 @ _WEIGHTS) * u[0]
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
     pair = [*map(float, kinks), math.inf, math.inf]
     below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave)
@@ -322,6 +375,7 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
         floor,
         1.0 / floor,
         exponent,
+        *map(float, bulk_yield),
         float(length_over_roughness),
         float(length_over_radius),
         cells.shape[0],
@@ -362,7 +416,8 @@ class Certificate(NamedTuple):
 def _certify(shape, law, contact, length):
     table = bind_params(shape, contact)
     u = np.append(shape.starts[:, 3] + shape.starts[:, 4] * shape.starts[:, 0], shape.highest)
-    fractions = np.array([0.04, 0.2113, 0.35, 0.5, 0.65, 0.7887, 0.96])
+    # where cubics through exact ends err most in value and in slope; closer together for laws that have cells of their own
+    fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if law.definition.solved else 12)[1:-1]])
     width = np.diff(u)
     points = (u[:-1, None] + width[:, None] * fractions).ravel()
     force, stiffness, exact_force, exact_stiffness = (np.empty(points.size) for _ in range(4))
@@ -421,9 +476,10 @@ def tabulate(law, rtol=1e-5, max_force=None):
         largest = float(np.max(law.overlap(np.broadcast_to(force, contact.size or ()))) / length) * (1.0 + 1e-9)
     kinks = [k / length for k in definition.kinks(source.params, **law.options)]
     smallest = min(_lowest(source, length, rtol), largest / 64.0)
+    bulk_yield = _bulk_yield(source.params, length)
     for bits_per_octave in range(1, _MOST_BITS + 1):
         nodes = _law_nodes(source, length, smallest, largest, kinks, bits_per_octave)
-        shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius)
+        shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius, bulk_yield)
         certificate = _certify(shape, source, one, length)
         if max(certificate) <= rtol:
             break
@@ -433,6 +489,14 @@ def tabulate(law, rtol=1e-5, max_force=None):
             f"{max(certificate):.2g}; ask for more than that"
         )
     return Table(law, shape, nodes, certificate, rtol)
+
+
+def _bulk_yield(params, length):
+    """What Thornton's rule needs of a law whose bulk yields, dimensionless; see `TableShape`."""
+    if not hasattr(params, "area_slope"):
+        return math.inf, 0.0, 0.0
+    slope = params.area_slope * params.hertz_coefficient * math.sqrt(length)
+    return params.yield_overlap / length, params.yield_area / length, slope
 
 
 def _lengths(definition, contact):
@@ -539,7 +603,11 @@ class Table(Law):
             "demlaws": __version__,
             "rows": str(u.size),
         }
-        header.update(self._yield_header(length))
+        if math.isfinite(self.shape.yield_overlap):  # f at yield, and d(a²/(R length))/df after it
+            header["yield_overlap"] = repr(self.shape.yield_overlap)
+            header["yield_force"] = repr(4.0 / 3.0 * self.shape.yield_area**1.5)
+            header["yield_area"] = repr(self.shape.yield_area)
+            header["yield_area_slope"] = repr(0.75 * self.shape.yield_area_slope)
         rows = [f"{a:.17g} {f:.17g} {k:.17g}" for a, f, k in zip(u, force, stiffness, strict=True)]
         lines = [*(f"{key}: {value}".rstrip() for key, value in header.items()), "overlap force stiffness", *rows]
         lines.append(f"end: {u.size} rows")
@@ -551,18 +619,6 @@ class Table(Law):
             check = zlib.crc32(tail.encode(), check)
             parts.append(line + tail)
         return write_atomically(path, "".join(parts))
-
-    def _yield_header(self, length):
-        """What Thornton's rule needs of a law whose bulk yields: f at yield, and d(a²/(R length))/df after it."""
-        source = bind_law(self.name, self.contact, **self.options).params if self.name == "rough-plastic" else None
-        if source is None:
-            return {}
-        scale = 0.75 * source.hertz_coefficient * length**1.5
-        return {
-            "yield_overlap": repr(source.yield_overlap / length),
-            "yield_force": repr(source.yield_force / scale),
-            "yield_area_slope": repr(source.area_slope * scale / length),
-        }
 
     @classmethod
     def load(cls, path):
@@ -579,7 +635,7 @@ class Table(Law):
         if lines[0].decode(errors="replace") != FORMAT:
             refuse(1, f"not a demlaws table (the first line must be {FORMAT!r})")
         check = zlib.crc32(lines[0] + b"\n")
-        header, rows, in_rows, ended = {}, [], False, None
+        header, rows, in_rows, ended, places = {}, [], False, None, {}
         for number, raw in enumerate(lines[1:], start=2):
             if ended is not None:
                 if raw:
@@ -591,30 +647,80 @@ class Table(Law):
                 what = "the file ends here: it was cut short" if number >= len(lines) - 1 else "this line was changed"
                 refuse(number, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
             check = zlib.crc32(b" " + mark + b"\n", check)
-            line = body.decode()
-            if line.startswith("end: "):
-                ended = line
-                if line != f"end: {len(rows)} rows" or header.get("rows") != str(len(rows)):
-                    refuse(number, f"{len(rows)} rows were read, {header.get('rows')} were promised")
-            elif in_rows:
-                rows.append([float(v) for v in line.split()])
-            elif line == "overlap force stiffness":
-                in_rows = True
-            else:
-                key, _, value = line.partition(": ")
-                header[key.rstrip(":")] = value
+            try:
+                line = body.decode()
+                places[line.partition(":")[0]] = number
+                if line.startswith("end: "):
+                    ended = line
+                    if line != f"end: {len(rows)} rows" or header.get("rows") != str(len(rows)):
+                        refuse(number, f"{len(rows)} rows were read, {header.get('rows')} were promised")
+                elif in_rows:
+                    rows.append(_row(line, rows))
+                elif line == "overlap force stiffness":
+                    in_rows = True
+                else:
+                    key, _, value = line.partition(": ")
+                    header[key.rstrip(":")] = value
+            except DemlawsError:
+                raise
+            except ValueError as error:
+                refuse(number, f"not a line of a table: {error}")
         if ended is None:
             refuse(len(lines), "the file ends without its 'end:' line: it was cut short")
+        if len(rows) < 2:
+            refuse(places["end"], f"a table needs 2 rows or more, this one has {len(rows)}")
+
+        def read(key, convert, suits=lambda value: True):
+            if key not in header:
+                refuse(places["overlap force stiffness"], f"the lines above lack {key!r}")
+            try:
+                value = convert(header[key])
+                if suits(value):
+                    return value
+            except (TypeError, ValueError):
+                pass
+            refuse(places[key], f"{header[key]!r} will not do")
+
         nodes = Nodes(*np.array(rows).T)
-        contact = Contact(**json.loads(header["contact"]))
-        options = json.loads(header["options"])
-        unloading = header["unloading"]
-        if unloading not in RULES:
-            raise DemlawsError(f"{path}: unknown unloading rule {unloading!r}: this demlaws knows {', '.join(RULES)}")
+        contact = read("contact", lambda text: Contact(**json.loads(text)))
+        options = read("options", json.loads, lambda value: isinstance(value, dict))
+        unloading = read("unloading", str, lambda value: value in RULES)
+        definition = read("law", find)
+        bits_per_octave = read("bits", int, lambda value: 1 <= value <= _MOST_BITS and _fits_grid(nodes.u, value))
+        positive = (float, lambda value: 0.0 <= value < math.inf)
+        bulk_yield = (math.inf, 0.0, 0.0)
+        if "yield_overlap" in header:
+            bulk_yield = (
+                read("yield_overlap", *positive),
+                read("yield_area", *positive),
+                read("yield_area_slope", *positive) / 0.75,
+            )
         shape = shape_from_nodes(
-            nodes, int(header["bits"]), float(header["length_over_roughness"]), float(header["length_over_radius"])
+            nodes,
+            bits_per_octave,
+            read("length_over_roughness", *positive),
+            read("length_over_radius", *positive),
+            bulk_yield,
         )
         # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
-        source = Law(find(header["law"]), contact, unloading, options, shape)
-        certificate = Certificate(float(header["force_error"]), float(header["stiffness_error"]))
-        return cls(source, shape, nodes, certificate, float(header["rtol"]))
+        source = Law(definition, contact, unloading, options, shape)
+        certificate = Certificate(read("force_error", *positive), read("stiffness_error", *positive))
+        return cls(source, shape, nodes, certificate, read("rtol", *positive))
+
+
+def _row(line, rows):
+    """u, f, k of a line; ValueError where it cannot follow the rows before it."""
+    row = [float(v) for v in line.split()]
+    if len(row) != 3 or not all(0.0 < v < math.inf for v in row):
+        raise ValueError(f"{line!r} is not three positive numbers")
+    if rows and (row[0] < rows[-1][0] or row[1] < rows[-1][1]):
+        raise ValueError(f"{line!r} does not increase")
+    return row
+
+
+def _fits_grid(u, bits_per_octave):
+    """Whether every grid cell between the first and the last node has its node, and at most two kinks stand twice."""
+    first, last = node_number(u[0], bits_per_octave), node_number(u[-1], bits_per_octave)
+    grid_nodes = node(np.arange(first, last + 1), bits_per_octave) if last - first <= u.size else np.empty(0)
+    kinks = u[:-1][np.diff(u) == 0.0]
+    return grid_nodes.size > 1 and kinks.size <= 2 and np.array_equal(np.union1d(grid_nodes, kinks), np.unique(u))

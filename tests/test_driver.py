@@ -1,0 +1,210 @@
+"""Drivers: paths between turning points, force control, impact, and the stable time step."""
+
+import itertools
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, pairs, quiet
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import demlaws as dl
+from demlaws import driver
+from demlaws.law import registry
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+PAIRS = pairs()
+every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
+MASS = 0.01
+
+
+# --- paths
+
+
+@every_pair
+def test_displacement_control_visits_its_turning_points(name, unloading):
+    law = make(name, unloading)
+    turns = [4e-6, 3.5e-6, 6e-6, 0.0, 2e-6]
+    path = driver.displacement_controlled(law, turns, steps=20)
+    assert path.overlap.size == 101
+    np.testing.assert_array_equal(path.overlap[::20], [0.0, *turns])
+    np.testing.assert_allclose(path.force[[20, 60, 100]], law.force(np.array([4e-6, 6e-6, 2e-6])), rtol=1e-12)
+    assert path.force[80] == 0.0
+    if unloading == "elastic":
+        assert path.force[40] == pytest.approx(law.force(3.5e-6), rel=1e-12)
+    else:
+        assert path.force[40] <= law.force(3.5e-6) * (1 + 1e-12)
+
+
+@every_pair
+@given(turns=st.lists(st.floats(0.1, 100.0), min_size=1, max_size=6))
+@settings(max_examples=15)
+def test_force_control_reaches_its_forces(name, unloading, turns):
+    """Whatever the sequence of turning points: rising ones, falling ones, the same again."""
+    law = make(name, unloading)
+    path = quiet(driver.force_controlled, law, turns, 7)
+    asked = np.concatenate([[0.0], *(np.linspace(a, b, 8)[1:] for a, b in itertools.pairwise([0.0, *turns]))])
+    # a law with a seating load carries that as soon as there is overlap, and nothing less
+    seat = law.force(1e-18) if registry()[name].solved else 0.0
+    reached = asked > 1.01 * seat
+    np.testing.assert_allclose(path.force[reached], asked[reached], rtol=1e-8)
+    assert np.all(np.diff(path.maximum_overlap) >= 0)
+
+
+@every_pair
+def test_force_control_down_to_nothing_leaves_the_plastic_overlap(name, unloading):
+    law = make(name, unloading)
+    path = driver.force_controlled(law, [50.0, 0.0], steps=10)
+    last = path.overlap[-1]
+    if unloading == "elastic":
+        assert last == pytest.approx(0.0, abs=1e-12)
+    else:
+        plastic = path.plastic_overlap[10]
+        # below a seating load δp is negative: the contact parts there, at no force
+        assert last == pytest.approx(plastic, abs=1e-12 * path.overlap.max())
+    assert path.dissipated[-1] >= -1e-12 * path.work.max()
+
+
+def test_cycles_of_force_accumulate_plastic_overlap():
+    """RFC10's protocol: 20, 40, 80, 150, 300, 450 N, each back to 0."""
+    contact = GRANITE.with_values(radius=0.96e-3, roughness=5.04e-6)
+    law = dl.law("rough-plastic", contact, unloading="hertz", yield_pressure=1.66e9)
+    stages = [20.0, 40.0, 80.0, 150.0, 300.0, 450.0]
+    path = driver.force_controlled(law, [f for stage in stages for f in (stage, 0.0)], steps=50)
+    plastic = path.overlap[100::100]
+    assert plastic.size == 6
+    assert np.all(np.diff(plastic) > 0)
+    alone = [driver.force_controlled(law, [stage, 0.0], steps=50).overlap[-1] for stage in stages]
+    np.testing.assert_allclose(plastic, alone, rtol=1e-9)  # the largest load so far decides, not the cycles
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda law: driver.displacement_controlled(law, []), "at least one"),
+        (lambda law: driver.displacement_controlled(law, [np.nan]), "finite numbers in m"),
+        (lambda law: driver.displacement_controlled(law, [1e-6], steps=0), "steps = 0"),
+        (lambda law: driver.displacement_controlled(law, [1e-6], steps=2.5), "steps = 2.5"),
+        (lambda law: driver.force_controlled(law, [10.0, -1.0]), "carries no tension"),
+        (lambda law: driver.force_controlled(law, [np.inf]), "finite numbers in N"),
+        (lambda law: driver.impact(law, -1.0, 1.0), "mass = -1 kg"),
+        (lambda law: driver.impact(law, 1.0, 0.0), "speed = 0 m/s"),
+        (lambda law: driver.impact(law, 1.0, 1.0, steps_per_contact=1), "steps_per_contact = 1"),
+        (lambda law: driver.impact(law, 1e6, 1e6), "speed = 1e[+]06 m/s"),
+        (lambda law: driver.timestep(law, 0.0, 1.0), "mass = 0 kg"),
+        (lambda law: driver.timestep(law, 1.0, -1.0), "max_force = -1 N"),
+    ],
+)
+def test_bad_calls(call, text):
+    with pytest.raises(dl.DemlawsError, match=text):
+        call(make("pohrt-popov", "hertz"))
+
+
+# --- impact
+
+
+def test_impact_of_hertz_has_its_closed_forms():
+    """Duration 2.9432 δmax/v, δmax = (15 m v²/(16 E* √R))^0.4; elastic: it rebounds as it came (Johnson 1985, 11.1)."""
+    speed = 0.05
+    result = quiet(driver.impact, make("hertz"), MASS, speed, 20000)
+    peak = (15 * MASS * speed**2 / (16 * GRANITE.modulus * np.sqrt(GRANITE.radius))) ** 0.4
+    assert result.peak_overlap == pytest.approx(peak, rel=1e-6)
+    assert result.duration == pytest.approx(2.94326 * peak / speed, rel=2e-4)
+    assert result.restitution == pytest.approx(1.0, abs=1e-6)
+    assert result.dissipated == 0.0
+
+
+@every_pair
+def test_impact_balances_its_energy(name, unloading):
+    result = driver.impact(make(name, unloading), MASS, 0.05, 4000)
+    assert abs(result.energy_error) < (1e-4 if registry()[name].solved else 3e-6)
+    assert result.kinetic_before == 0.5 * MASS * 0.05**2
+    assert result.kinetic_after == pytest.approx(0.5 * MASS * result.rebound_speed**2, rel=1e-14)
+    assert 0.0 < result.restitution <= 1.0 + 1e-4
+    assert result.dissipated >= -1e-9 * result.kinetic_before
+    if unloading == "elastic":
+        assert result.dissipated == result.plastic_overlap == 0.0
+    # the record is the motion: its force is the law's along its overlaps
+    path = make(name, unloading).follow(result.overlap)
+    np.testing.assert_allclose(result.force, path.force, rtol=1e-12)
+    assert result.overlap[-1] <= 0.0 < result.overlap[-2]
+    assert result.peak_force == result.force.max()
+
+
+@pytest.mark.parametrize(
+    ("name", "unloading"), [(n, u) for n, u in PAIRS if not registry()[n].solved and u in ("elastic", "hertz")]
+)
+def test_impact_converges_with_second_order(name, unloading):
+    """Velocity Verlet: four times the steps, a sixteenth of the error (kinks and the first touch allow a little less)."""
+    law = make(name, unloading)
+    fine = driver.impact(law, MASS, 0.05, 64 * 1000)
+    errors = [abs(driver.impact(law, MASS, 0.05, n).rebound_speed - fine.rebound_speed) for n in (250, 1000, 4000)]
+    assert errors[1] < errors[0] / 8 + 1e-9 * fine.rebound_speed
+    assert errors[2] < errors[1] / 8 + 1e-9 * fine.rebound_speed
+    assert errors[2] < 1e-5 * fine.rebound_speed
+
+
+def test_impact_with_hysteresis_loses_what_its_path_dissipates():
+    law = make("pohrt-popov", "hertz")
+    result = driver.impact(law, MASS, 0.05, 4000)
+    path = law.follow([result.peak_overlap, 0.0])
+    assert result.dissipated == pytest.approx(path.dissipated[-1], rel=1e-9)
+    assert 0.3 < result.restitution < 0.99
+
+
+@pytest.mark.parametrize("name", ["pohrt-popov", "yip-venart"])
+def test_impact_on_a_table(name):
+    law = make(name, "hertz")
+    a, b = driver.impact(law.tabulate(rtol=1e-5), MASS, 0.05, 2000), driver.impact(law, MASS, 0.05, 2000)
+    assert a.rebound_speed == pytest.approx(b.rebound_speed, rel=1e-4)
+
+
+# --- time step
+
+
+def growth(law, overlap, state, mass, dt):
+    """Growth in 400 steps of a small disturbance about the equilibrium at `overlap`, by velocity Verlet on the law's own
+    forces, on the branch that the contact is on."""
+    rest = law.follow([overlap], state.copy()).force[0]
+    x, v = 1e-6 * overlap, 0.0
+    start = x
+    largest = 0.0
+    for _ in range(400):
+        force = law.follow([overlap + x], state.copy()).force[0] - rest
+        v -= 0.5 * dt * force / mass
+        x += dt * v
+        force = law.follow([overlap + x], state.copy()).force[0] - rest
+        v -= 0.5 * dt * force / mass
+        largest = max(largest, abs(x) / start)
+        if largest > 1e3:
+            break
+    return largest
+
+
+@every_pair
+def test_timestep_against_the_measured_limit(name, unloading):
+    """At the largest load, on the stiffest branch there: never above the measured limit, never below half of it."""
+    law, load = make(name, unloading), 50.0
+    dt = dl.timestep(law, MASS, load)
+    end = law.overlap(load)
+    state = law.new_state(1)
+    law.follow([end], state)
+    # just below the turning point, where the unloading branch is stiffest; elastic laws have one branch
+    place = end * (1.0 - 1e-4) if law.state_size else end
+    assert growth(law, place, state, MASS, 0.98 * dt) < 100.0
+    low, high = 0.5 * dt, 4.0 * dt
+    assert growth(law, place, state, MASS, high) > 100.0
+    for _ in range(8):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if growth(law, place, state, MASS, middle) < 100.0 else (low, middle)
+    assert dt <= high * 1.01
+    assert dt >= 0.5 * low
+
+
+def test_timestep_is_that_of_the_stiffest_tangent():
+    """2 √(m/K): Hertz's K = (6PRE*²)^(1/3). A law that unloads stiffly needs a smaller step than its loading does."""
+    load = 10.0
+    stiffness = (6 * load * GRANITE.radius * GRANITE.modulus**2) ** (1 / 3)
+    assert dl.timestep(make("hertz"), MASS, load) == pytest.approx(2 * np.sqrt(MASS / stiffness), rel=1e-9)
+    assert dl.timestep(make("pohrt-popov", "hertz"), MASS, load) < 0.9 * dl.timestep(make("pohrt-popov"), MASS, load)
