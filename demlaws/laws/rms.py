@@ -34,8 +34,9 @@ def _equivalent(u):
     The root of N(s) = s (2.4 + 2s)² - u (1 + 2s)²: a rational start (3e-4), Chebyshev's third-order step, Newton.
     Reciprocals of N' are carried along by Newton's own iteration: one division for all of them.
     """
-    top = 4.97951 + u * (2.19792 + u * (1.96485 + u * (0.162915 + u * 0.999739)))
-    bottom = 28.6745 + u * (1.34472 + u * (4.71655 + u * (1.52624 + u)))
+    u2 = u * u
+    top = (4.97951 + u * 2.19792) + u2 * (1.96485 + u * 0.162915 + u2 * 0.999739)
+    bottom = (28.6745 + u * 1.34472) + u2 * (4.71655 + u * 1.52624 + u2)
     s = u * top / bottom
     n = 2.4 + 2.0 * s
     m = 1.0 + 2.0 * s
