@@ -11,6 +11,8 @@ from typing import NamedTuple
 from numba import types
 from numba.extending import overload
 
+from demlaws.fastmath import read_only
+
 _INLINED = {"forceinline": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
@@ -126,6 +128,17 @@ class _Source:
             return f"{name}({items})"
         return f"float({expression}[i])" if isinstance(kind, types.Array) and kind.ndim == 1 else expression
 
+    def fix(self, kind, expression):
+        """The same tuple with `read_only` pointers in place of 2-D arrays."""
+        if isinstance(kind, types.BaseTuple):
+            items = "".join(f"{self.fix(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
+            if not isinstance(kind, types.BaseNamedTuple):
+                return f"({items})"
+            name = f"Class{len(self.names)}"
+            self.names[name] = kind.instance_class
+            return f"{name}({items})"
+        return f"read_only({expression})" if isinstance(kind, types.Array) and kind.ndim == 2 else expression
+
     def write(self, kind, target, value):
         """Statements that store into element i of every 1-D array in `kind`."""
         if isinstance(kind, types.BaseTuple):
@@ -136,6 +149,17 @@ class _Source:
     def function(self, text):
         exec(text, self.names)
         return self.names["function"]
+
+
+def fix_tables(params):
+    """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
+
+
+@overload(fix_tables, jit_options=_INLINED)
+def _fix_tables(params):
+    source = _Source()
+    source.names["read_only"] = read_only
+    return source.function(f"def function(params):\n    return {source.fix(params, 'params')}\n")
 
 
 def gather(arrays, i):

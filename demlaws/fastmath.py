@@ -89,15 +89,40 @@ def sqrt(typing_context, x):
 
 
 @intrinsic
-def row_of_four(typing_context, rows, number):
-    """The four doubles of one row of a C-ordered (n, 4) array; the number is not checked."""
+def read_only(typing_context, array):
+    """Pointer to the doubles of an array, with the promise that nothing else writes to them while it is in use.
+
+    Without the promise a loop that looks up a table could not be vectorised: what it stores might change the table.
+    A pointer also carries no reference count, which numba would update for every contact.
+    """
 
     def generate(context, builder, signature, arguments):
-        array = context.make_array(rows)(context, builder, arguments[0])
-        offset = context.cast(builder, arguments[1], number, types.int64)
-        first = builder.mul(offset, ir.Constant(ir.IntType(64), 4))
+        data = context.make_array(array)(context, builder, arguments[0]).data
+        name, kind = "demlaws.read_only", ir.FunctionType(data.type, [data.type])
+        function = builder.module.globals.get(name)
+        if function is None:  # to LLVM a function that returns fresh memory, and cannot be looked into
+            function = ir.Function(builder.module, kind, name)
+            function.linkage = "internal"
+            function.attributes.add("noinline")
+            function.return_value.add_attribute("noalias")
+            inside = ir.IRBuilder(function.append_basic_block())
+            inside.ret(inside.asm(kind, "", "=r,0", function.args, side_effect=False))
+        return builder.call(function, [data])
+
+    return types.CPointer(types.float64)(array), generate
+
+
+@intrinsic
+def row_of_four(typing_context, rows, number):
+    """The four doubles of one row of a C-ordered (n, 4) array, or of what `read_only` made of it. No bounds check."""
+
+    def generate(context, builder, signature, arguments):
+        data = arguments[0]
+        if isinstance(rows, types.Array):
+            data = context.make_array(rows)(context, builder, data).data
+        first = builder.mul(context.cast(builder, arguments[1], number, types.int64), ir.Constant(ir.IntType(64), 4))
         places = [builder.add(first, ir.Constant(ir.IntType(64), k)) for k in range(4)]
-        return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(array.data, [p])) for p in places])
+        return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(data, [p])) for p in places])
 
     return types.UniTuple(types.float64, 4)(rows, number), generate
 

@@ -185,9 +185,10 @@ def _family_invert(p, s):
         new = u - (value - s) / slope
         if not (low < new < high):
             new = 0.5 * (low + high)
-        if abs(new - u) <= 1e-16 * u:
-            break
+        last = abs(new - u) <= 1e-11 * new  # Newton's error is the square of that
         u = new
+        if last:
+            break
     return u
 
 

@@ -37,6 +37,7 @@ def scale_loop(shape, radius, modulus, roughness, params):
 @loop
 def evaluate_loop(rule, params, overlap, state, force, stiffness):
     finite = True
+    params = dispatch.fix_tables(params)
     interleave(4)
     for i in range(overlap.size):
         p = gather(params, i)

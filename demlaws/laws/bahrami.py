@@ -83,7 +83,6 @@ def _solve(p, u):
     low = 0.0 if below else p.joint
     high = p.joint if below else u + 2.0 * p.softness
     s = min(max(u / 1.6, low), high) if below else 0.5 * (low + high)
-    derivative = 1.0
     for _ in range(200):
         value, derivative = _low(p.softness, p.constant, s) if below else _high(p.softness, p.constant, s)
         if value > u:
@@ -93,10 +92,12 @@ def _solve(p, u):
         new = s - (value - u) / derivative
         if not (low <= new <= high):
             new = 0.5 * (low + high)
-        if abs(new - s) <= 1e-16 * s:
-            break
+        last = abs(new - s) <= 1e-9 * new  # Newton's error is squared by the step below
         s = new
-    return s, 1.0 / derivative
+        if last:
+            break
+    value, derivative = _low(p.softness, p.constant, s) if below else _high(p.softness, p.constant, s)
+    return s - (value - u) / derivative, 1.0 / derivative
 
 
 @kernel

@@ -31,27 +31,26 @@ def _scale(shape, radius, modulus, roughness):
 def _equivalent(u):
     """s = 1/α = δ_H(P)/σ and ds/du at u = δ/σ, from u = s ((2.4 + 2s)/(1 + 2s))².
 
-    The root of N(s) = s (2.4 + 2s)² - u (1 + 2s)²: a rational start (3e-4), Chebyshev's third-order step, Newton.
-    Reciprocals of N' are carried along by Newton's own iteration: one division for all of them.
+    With w = 2s and v = 2u, w is the root of N(w) = w (2.4 + w)² - v (1 + w)², a cubic: a rational start (3e-4),
+    Chebyshev's third-order step, Newton. Reciprocals of N' are carried along by Newton's own iteration.
     """
-    top = 4.97951 + u * (2.19792 + u * (1.96485 + u * (0.162915 + u * 0.999739)))
-    bottom = 28.6745 + u * (1.34472 + u * (4.71655 + u * (1.52624 + u)))
-    s = u * top / bottom
-    n = 2.4 + 2.0 * s
-    m = 1.0 + 2.0 * s
-    inverse = 1.0 / (n * (n + 4.0 * s) - 4.0 * u * m)
-    h = (s * n * n - u * m * m) * inverse
-    s -= h * (1.0 + h * inverse * (4.0 * (n + s - u)))
-    n = 2.4 + 2.0 * s
-    m = 1.0 + 2.0 * s
-    derivative = n * (n + 4.0 * s) - 4.0 * u * m
+    u2 = u * u
+    top = (4.97951 + u * 2.19792) + u2 * (1.96485 + u * 0.162915 + u2 * 0.999739)
+    bottom = (28.6745 + u * 1.34472) + u2 * (4.71655 + u * 1.52624 + u2)
+    v = u + u
+    w = v * top / bottom
+    a = 4.8 - v
+    b = 5.76 - (v + v)
+    inverse = 1.0 / ((3.0 * w + (a + a)) * w + b)
+    h = (((w + a) * w + b) * w - v) * inverse
+    w -= h * (1.0 + h * inverse * (3.0 * w + a))
+    derivative = (3.0 * w + (a + a)) * w + b
     inverse *= 2.0 - derivative * inverse
     inverse *= 2.0 - derivative * inverse
-    s -= (s * n * n - u * m * m) * inverse
-    n = 2.4 + 2.0 * s
-    m = 1.0 + 2.0 * s
-    inverse *= 2.0 - (n * (n + 4.0 * s) - 4.0 * u * m) * inverse
-    return s, m * m * inverse
+    w -= (((w + a) * w + b) * w - v) * inverse
+    inverse *= 2.0 - ((3.0 * w + (a + a)) * w + b) * inverse
+    m = 1.0 + w
+    return 0.5 * w, m * m * inverse
 
 
 @kernel
