@@ -41,7 +41,10 @@ def loop(function):
     digest of the whole core in the cache's file name stands in for it, so that editing or upgrading a law never runs
     yesterday's code. Files of older digests are removed.
     """
-    dispatcher = numba.njit(cache=True, **_OPTIONS)(function)
+    try:
+        dispatcher = numba.njit(cache=True, **_OPTIONS)(function)
+    except RuntimeError:  # numba finds no folder that it may write to: compiled anew in every process
+        return numba.njit(**_OPTIONS)(function)
     file = getattr(dispatcher._cache, "_cache_file", None)
     if file is not None:  # None where numba found no folder that it may write to
         base = file._index_name.removesuffix(".nbi")
