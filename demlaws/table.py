@@ -35,10 +35,8 @@ _SEATED = 0.5
 class TableShape(NamedTuple):
     """One dimensionless curve."""
 
-    cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; see `_cells`
-    starts: (
-        np.ndarray
-    )  # (cells between nodes, 5): t, s and ∫f du where the cell (or its part after a kink) begins; grid cell's u, width
+    cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; first those of `_below`
+    starts: np.ndarray  # (cells between nodes, 5): t, s, ∫f du where a cell or its part after a kink begins; grid u, width
     shift: int  # 52 - bits
     first: int  # grid number of row 0 of `cells`
     kink1: float  # u of the kinks, infinity where there is none

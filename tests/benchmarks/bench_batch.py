@@ -207,9 +207,8 @@ def cases(laws=None, unloadings=None, forms=FORMS, scales=SCALES, storages=STORA
     return [Case(*c) for c in product(laws or dl.laws(), unloadings or RULES, forms, scales, storages, threads)]
 
 
-COLUMNS = (
-    *Case._fields, "contacts", "extreme", "goal", "ratio", "median_ratio", "law_ns", "law_median_ns", "copy_ns", "copy_median_ns"
-)  # fmt: skip
+TIMES = ("ratio", "median_ratio", "law_ns", "law_median_ns", "copy_ns", "copy_median_ns")
+COLUMNS = (*Case._fields, "contacts", "extreme", "goal", *TIMES)
 
 
 def run(chosen, n, rounds, show=print):
