@@ -19,7 +19,7 @@ from demlaws.laws.hertz import hertz_coefficient
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.table import Nodes, TableShape, grid, shape_from_nodes
 
-_BITS = 7  # cells an octave
+_BITS = 6  # cells an octave
 _SAMPLES = 12  # cuts of the map an octave
 _OCTAVES = 12  # from the first cut to an overlap of Sq
 _BANDWIDTH = 0.4  # octaves, of the smoothing over the falls of force where patches merge
