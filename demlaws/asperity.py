@@ -80,6 +80,51 @@ def _shape_factors(ratio):
     return third * e_root, e_root / (third * third), third * third / e_root * k_integral
 
 
+_STEP = 64.0  # nodes of the table below in a unit of ln ratio
+
+
+def _factor_table():
+    """ln ᾱβ̄ and ln γ̄ at ln ratio = -1/64, 0, 1/64 … 28: what maps with thousands of patches read in place of Newton."""
+    target = np.arange(28 * _STEP + 3) / _STEP
+    x = -2.0 / 3.0 * target
+    for _ in range(30):
+        m = -np.expm1(2.0 * x)
+        m[0] = 0.5
+        a, b, c2, weight, tail = np.ones_like(x), np.exp(x), m.copy(), 0.5, 0.0
+        for _ in range(9):
+            a, b = 0.5 * (a + b), np.sqrt(a * b)
+            c2 = (c2 / (4.0 * a)) ** 2
+            weight *= 2.0
+            tail = tail + weight * c2
+        s, d = 0.5 * m + tail, 0.5 * m - tail
+        k2 = np.exp(2.0 * x)
+        slope = np.where(m < 1e-3, -1.5, -k2 / d + (d + k2 * s) / (m * s) - 2.0)
+        x -= np.where(target > 0, (np.log(d / s) - 2.0 * x - target) / slope, 0.0)
+    e_integral, k_integral = (1.0 - s) / a, 1.0 / a
+    e_integral[0] = k_integral[0] = 1.0
+    table = np.column_stack([2 / 3 * np.log(e_integral) - x / 3, 2 / 3 * x - np.log(e_integral) / 3 + np.log(k_integral)])
+    return np.vstack([table[1], table])  # both are even functions of ln ratio
+
+
+_FACTORS = _factor_table()
+
+
+@kernel
+def _quick_factors(ratio):
+    """ᾱβ̄ and γ̄ to 1e-10, by cubic interpolation, for ratios up to e^28."""
+    place = min(math.log(ratio), 28.0) * _STEP
+    i = int(place)
+    t = place - i
+    w0 = -t * (t - 1.0) * (t - 2.0) / 6.0
+    w1 = (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0
+    w2 = -(t + 1.0) * t * (t - 2.0) / 2.0
+    w3 = (t + 1.0) * t * (t - 1.0) / 6.0
+    f = _FACTORS
+    log_ab = w0 * f[i, 0] + w1 * f[i + 1, 0] + w2 * f[i + 2, 0] + w3 * f[i + 3, 0]
+    log_gamma = w0 * f[i, 1] + w1 * f[i + 1, 1] + w2 * f[i + 2, 1] + w3 * f[i + 3, 1]
+    return math.exp(log_ab), math.exp(log_gamma)
+
+
 class Plasticity(NamedTuple):
     """Material of the asperities as the compiled code takes it."""
 
@@ -91,13 +136,11 @@ class Plasticity(NamedTuple):
 
 
 @kernel
-def _ellipsoid(p, ratio, mean_radius, geometric_radius, indentation, yield_factor, elastic_only):
+def _ellipsoid(p, ab, gamma, mean_radius, geometric_radius, indentation, yield_factor, elastic_only):
     """Force, contact area, state, ω1, ω2, elastic area, γ̄/(ᾱβ̄), γ̄ of one ellipsoid.
 
-    mean_radius: Rm, 1/Rm = 1/Rx + 1/Ry; geometric_radius: √(Rx Ry).
+    ab, gamma: ᾱβ̄ and γ̄; mean_radius: Rm, 1/Rm = 1/Rx + 1/Ry; geometric_radius: √(Rx Ry).
     """
-    alpha, beta, gamma = _shape_factors(ratio)
-    ab = alpha * beta
     elastic_area = 2.0 * math.pi * mean_radius * (ab / gamma) * indentation
     relative = indentation / gamma
     elastic_force = 4.0 * math.sqrt(2.0) / 3.0 * p.modulus * math.sqrt(mean_radius * relative) * relative
@@ -123,7 +166,8 @@ def _ellipsoid_loop(p, radius_x, radius_y, indentation, out):
         rx, ry = radius_x[i], radius_y[i]
         ratio = max(rx, ry) / min(rx, ry)
         mean, geometric = rx * ry / (rx + ry), math.sqrt(rx * ry)
-        values = _ellipsoid(p, ratio, mean, geometric, indentation[i], p.yield_factor, False)
+        alpha, beta, gamma = _shape_factors(ratio)
+        values = _ellipsoid(p, alpha * beta, gamma, mean, geometric, indentation[i], p.yield_factor, False)
         out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4] = values[0], values[1], values[2], values[3], values[4]
         out[i, 5] = _residual(p, mean, values[0], values[1], indentation[i], values[6], values[7], values[2])
 
@@ -155,6 +199,12 @@ def shape_factors(ratio):
     out = np.empty((ratio.size, 4))
     _factors_loop(ratio.ravel(), out)
     return tuple(float(c[0]) if ratio.ndim == 0 else c.reshape(ratio.shape) for c in out.T)
+
+
+@loop
+def quick_factors(ratio):
+    """ᾱβ̄ and γ̄ as the patches of a map get them: from a table, to 1e-10."""
+    return _quick_factors(ratio)
 
 
 def yield_factor(poisson):
@@ -437,7 +487,8 @@ def _carry(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only):
         limit = stats[i, _LIMIT] / stats[i, _AREA] if remembers else p.yield_factor
         geometric = blunt * cut_area / (2.0 * math.pi * indentation)
         mean = geometric / (aspect + 1.0 / aspect)
-        values = _ellipsoid(p, aspect * aspect, mean, geometric, indentation, limit, elastic_only)
+        ab, gamma = _quick_factors(aspect * aspect)
+        values = _ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
         force += values[0]
         area += values[1]
         edge = max(edge, stats[i, _EDGE])
@@ -466,7 +517,8 @@ def _describe(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only, out)
         limit = stats[i, _LIMIT] / stats[i, _AREA] if remembers else p.yield_factor
         geometric = blunt * cut_area / (2.0 * math.pi * indentation)
         mean = geometric / (aspect + 1.0 / aspect)
-        values = _ellipsoid(p, aspect * aspect, mean, geometric, indentation, limit, elastic_only)
+        ab, gamma = _quick_factors(aspect * aspect)
+        values = _ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
         force, area, state = values[0], values[1], values[2]
         out[n, 0] = (stats[i, _X] / stats[i, _AREA] + stats[i, _X0]) * pixel_x
         out[n, 1] = (stats[i, _Y] / stats[i, _AREA] + stats[i, _Y0]) * pixel_y
@@ -571,8 +623,7 @@ class LoadStep:
 
     load; separation of ball apex or flat from the mean plane of the map; overlap since first touch; contact_area (real);
     cut_area and volume of the map above the cut; counts: number of micro-contacts that are elastic, elastic-plastic, plastic;
-    interaction: mean sinking of the micro-contacts under each other's load, which the separation does not hold (the bulk
-    is rigid in the model) [our estimate]; micro: `MicroContacts`; evaluations: cuts of the map that the iteration took.
+    micro: `MicroContacts`; evaluations: cuts of the map that the iteration took.
     """
 
     load: float
@@ -586,7 +637,16 @@ class LoadStep:
     evaluations: int
     cut: float
     touches_edge: bool
-    interaction: float
+    modulus: float
+
+    @property
+    def interaction(self):
+        """Force-weighted mean sinking [m] of the micro-contacts under each other's load, P/(π E* r) [our estimate].
+
+        The separation does not hold it: the bulk is rigid in the model. Cost grows as the square of their number.
+        """
+        columns = (np.ascontiguousarray(c) for c in (self.micro.x, self.micro.y, self.micro.force))
+        return _interaction(*columns, self.modulus)
 
     def __str__(self):
         states = ", ".join(f"{n} {name}" for n, name in zip(self.counts, STATES, strict=True))
@@ -682,7 +742,7 @@ class RoughContact:
             evaluations=evaluations,
             cut=cut,
             touches_edge=bool(held[:, 14].any()),
-            interaction=_interaction(micro.x.copy(), micro.y.copy(), micro.force.copy(), self.material.modulus),
+            modulus=self.material.modulus,
         )
         return (step, table) if labels is not None else step
 

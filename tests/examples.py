@@ -84,7 +84,9 @@ def work_along(law, corners):
         if law.state_size:
             cuts += [float(state.maximum_overlap[0]), float(state.plastic_overlap[0])]
         if low <= 0.0:
-            cuts += [0.0, *(high * 0.5 ** np.arange(1, 40))]
+            cuts += [0.0]
+        if low <= 0.0 or law.definition.solved:  # the curve of a measured map has features in every octave
+            cuts += [*(high * 0.5 ** np.arange(1, 40))]
         edges = np.unique([low, high, *(c for c in cuts if low < c < high)])
         fine = np.concatenate([np.linspace(a, b, 9)[:-1] for a, b in itertools.pairwise(edges)] + [edges[-1:]])
         a, width = fine[:-1, None], np.diff(fine)[:, None]

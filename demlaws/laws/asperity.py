@@ -15,11 +15,11 @@ from demlaws.errors import DemlawsError
 from demlaws.fastmath import kernel
 from demlaws.implicit import CurveNumber, FamilyParams, FamilyShape
 from demlaws.laws.definition import Definition, Limit, number
-from demlaws.laws.hertz import hertz_coefficient
+from demlaws.laws.hertz import HertzShape, hertz_coefficient
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.table import Nodes, TableShape, grid, shape_from_nodes
 
-_BITS = 7  # cells an octave
+_BITS = 6  # cells an octave
 _SAMPLES = 12  # cuts of the map an octave
 _OCTAVES = 12  # from the first cut to an overlap of Sq
 _BANDWIDTH = 0.4  # octaves, of the smoothing over the falls of force where patches merge
@@ -60,6 +60,8 @@ def _rows_scale(shape, radius, modulus, roughness):
         t.kink2,
         t.lowest,
         t.highest,
+        t.floor,
+        t.inverse_floor,
         t.exponent,
         t.count,
     )
@@ -214,7 +216,8 @@ def _prepare(
     pair: of two rough bodies, `HeightMap.combined`. curve: "loading" or "reloading" (elastic, after a first loading to
     `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
     the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
-    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities.
+    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities. A map without any
+    roughness gives Hertz's law.
     """
     if curve not in ("loading", "reloading"):
         raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
@@ -227,6 +230,8 @@ def _prepare(
     if curve == "reloading":
         load = number(load, "load (first loading, for curve='reloading')", "N")
     max_force = None if max_force is None else number(max_force, "max_force", "N")
+    if surface.sq == 0.0:
+        return HertzShape()
     made, alike = _pairs(contact)
     reach = max(0.2 * pair.radius / _length(pair) for pair in made)
     settings = (curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach)
