@@ -102,6 +102,11 @@ def build(portable=False, force=False):
     """
     command, link = _command(portable)
     library = cache_folder() / f"libdemlaws_liggghts-{demlaws.__version__}-{_key(command, link, portable)}.so"
+    if any(mark in str(library) for mark in " :"):
+        raise DemlawsError(
+            f"the cache {library.parent} has a space or a colon in its name, at which LD_PRELOAD splits: "
+            "set DEMLAWS_CACHE to another folder"
+        )
     if library.is_file() and not force:
         return library
     try:

@@ -1,6 +1,5 @@
 """Prove the plugin on this machine: versions, build, and two particles pressed together inside LIGGGHTS."""
 
-import re
 import shutil
 import subprocess
 import tempfile
@@ -12,9 +11,7 @@ from demlaws.contact import Contact
 from demlaws.errors import DemlawsError
 from demlaws.law import law as make_law
 from demlaws.liggghts.build import PACKAGES, build
-from demlaws.liggghts.run import executable, run
-
-VERSION = "3.8.0"
+from demlaws.liggghts.run import executable, run, versions
 
 TWO_PARTICLES = """\
 # two spheres at prescribed approach: load, unload, reload, separate, load again
@@ -62,18 +59,6 @@ run             90000
 velocity        right set -0.2 0 0
 run             40000
 """
-
-
-def versions():
-    """Version line of the binary; raises where it is not the one the plugin is for, or a superquadric build."""
-    line = subprocess.run([executable(), "-h"], capture_output=True, text=True).stdout
-    found = re.search(r"Version (LIGGGHTS\S*) (\S+?),", line)
-    if not found or found.group(2) != VERSION:
-        raise DemlawsError(f"the plugin is for LIGGGHTS {VERSION}, the binary says {found.group(0) if found else line[:80]!r}")
-    styles = line.split("Atom styles", 1)[-1].split("* Integrate", 1)[0]
-    if "superquadric" in styles or "convexhull" in styles:
-        raise DemlawsError("this LIGGGHTS is a superquadric or convex build: its data differ; use Debian's package liggghts")
-    return f"{found.group(1)} {found.group(2)}"
 
 
 def packages():

@@ -1,5 +1,6 @@
 """Run a case: the stock binary with the plugin preloaded, on one rank or many."""
 
+import functools
 import os
 import re
 import shutil
@@ -11,6 +12,8 @@ import numpy as np
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
 
+VERSION = "3.8.0"
+
 
 def executable():
     name = os.environ.get("DEMLAWS_LIGGGHTS", "liggghts")
@@ -20,12 +23,32 @@ def executable():
     return found
 
 
+@functools.lru_cache
+def _versions_of(binary):
+    """Version line of the binary; raises where it is not the one the plugin is for, or a superquadric build."""
+    line = subprocess.run([binary, "-h"], capture_output=True, text=True).stdout
+    found = re.search(r"Version (LIGGGHTS\S*) (\S+?),", line)
+    if not found or found.group(2) != VERSION:
+        raise DemlawsError(f"the plugin is for LIGGGHTS {VERSION}, the binary says {found.group(0) if found else line[:80]!r}")
+    styles = line.split("Atom styles", 1)[-1].split("* Integrate", 1)[0]
+    if "superquadric" in styles or "convexhull" in styles:
+        raise DemlawsError("this LIGGGHTS is a superquadric or convex build: its data differ; use Debian's package liggghts")
+    return f"{found.group(1)} {found.group(2)}"
+
+
+def versions():
+    """Version of the binary; raises where it is not the one that the plugin is for, or a superquadric build."""
+    return _versions_of(executable())
+
+
 def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True):
-    """The command line and the environment of a run. Root needs --allow-run-as-root and --oversubscribe of mpirun."""
+    """The command line and the environment of a run. Root needs --allow-run-as-root and
+    --oversubscribe of mpirun, more ranks than cores the latter."""
     if ranks < 1:
         raise DemlawsError(f"ranks = {ranks}: at least 1")
     environment = dict(os.environ)
     if plugin:
+        versions()  # loaded into another LIGGGHTS, the plugin would crash it or worse
         environment["LD_PRELOAD"] = ":".join(p for p in (str(build()), environment.get("LD_PRELOAD")) if p)
     line = [executable(), "-in", str(script), "-log", str(log)]
     for name, value in (variables or {}).items():
@@ -36,8 +59,11 @@ def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True):
         mpirun = ["mpirun", "-np", str(ranks)]
         if plugin:
             mpirun += ["-x", f"LD_PRELOAD={environment.pop('LD_PRELOAD')}"]  # for the ranks only, not for mpirun
-        if os.geteuid() == 0:
-            mpirun += ["--allow-run-as-root", "--oversubscribe"]
+        root = os.geteuid() == 0
+        if root:
+            mpirun += ["--allow-run-as-root"]
+        if root or ranks > len(os.sched_getaffinity(0)):
+            mpirun += ["--oversubscribe"]
         line = mpirun + line
     return line, environment
 

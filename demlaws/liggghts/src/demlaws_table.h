@@ -130,7 +130,8 @@ public:
     return true;
   }
 
-  // Below the first row: power law. At the last row: its values. Beyond it: not certified, returns false with the
+  // Below the first row: power law; a law that starts from a seating force (exponent below 0.5: its stiffness would grow
+  // without bound) goes on straight. At the last row: its values. Beyond it: not certified, returns false with the
   // power law of the last row. NaN gives NaN and true.
   bool outside(double u, double &s, double &slope) const {
     if (u != u) {
@@ -138,8 +139,7 @@ public:
       return true;
     }
     if (u < u_first_) {
-      s = u > 0. ? s_first_ * pow(u / u_first_, power_first_) : 0.;
-      slope = u > 0. ? power_first_ * s / u : 0.;
+      below(u, s, slope);
       return true;
     }
     s = s_last_ * pow(u / u_last_, slope_last_ * u_last_ / s_last_);
@@ -162,11 +162,7 @@ public:
   // Dimensionless work of virgin loading from 0 to u: integral of f du; Gauss quadrature, for output only.
   double energy(double u) const {
     if (!(u > 0.)) return u > 0. || u <= 0. ? 0. : u;
-    if (u < u_first_) {
-      double s, slope;
-      outside(u, s, slope);
-      return (4. / 3.) * s * sqrt(s) * u / (1.5 * power_first_ + 1.);
-    }
+    if (u < u_first_) return energy_below(u);
     size_t low = 0, high = nodes_.size() - 1;
     while (high - low > 1) {
       const size_t middle = (low + high) / 2;
@@ -217,14 +213,11 @@ private:
     return u;
   }
   double gauss(double a, double b) const {
-    static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
-    static const double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
     const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double sum = 0., s, slope;
     for (int i = 0; i < 8; i++) {
-      const double u = middle + (i & 1 ? half : -half) * x[i / 2];
-      evaluate(u, s, slope);
-      sum += w[i / 2] * (4. / 3.) * s * sqrt(s);
+      evaluate(middle + half * gauss_place(i), s, slope);
+      sum += gauss_weight(i) * (4. / 3.) * s * sqrt(s);
     }
     return half * sum;
   }
@@ -238,6 +231,36 @@ private:
   }
   void build(const std::vector<Row> &rows);
   void extend_below(std::vector<Cell> &cells);
+  bool seated() const { return power_first_ < 0.5; }
+  void below(double u, double &s, double &slope) const {
+    if (seated()) {
+      slope = power_first_ * s_first_ / u_first_;
+      s = s_first_ + slope * (u - u_first_);
+      return;
+    }
+    s = u > 0. ? s_first_ * pow(u / u_first_, power_first_) : 0.;
+    slope = u > 0. ? power_first_ * s / u : 0.;
+  }
+  double energy_below(double u) const {
+    double s, slope;
+    below(u, s, slope);
+    if (!seated()) return (4. / 3.) * s * sqrt(s) * u / (1.5 * power_first_ + 1.);
+    double sum = 0.; // f = (4/3) s^1.5 with s straight in u
+    for (int i = 0; i < 8; i++) {
+      double value;
+      below(0.5 * u * (1. + gauss_place(i)), value, slope);
+      sum += gauss_weight(i) * (4. / 3.) * value * sqrt(value);
+    }
+    return 0.5 * u * sum;
+  }
+  static double gauss_place(int i) {
+    static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+    return i & 1 ? x[i / 2] : -x[i / 2];
+  }
+  static double gauss_weight(int i) {
+    static const double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
+    return w[i / 2];
+  }
 };
 
 inline void Table::read(const std::string &path) {
@@ -426,7 +449,7 @@ inline void Table::build(const std::vector<Row> &rows) {
     yield_area_slope_ = slope;
   }
   work_.assign(nodes_.size(), 0.);
-  work_[0] = (4. / 3.) * s_first_ * sqrt(s_first_) * u_first_ / (1.5 * power_first_ + 1.);
+  work_[0] = energy_below(u_first_);
   for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
 }
 
@@ -435,24 +458,28 @@ inline void Table::build(const std::vector<Row> &rows) {
 inline void Table::extend_below(std::vector<Cell> &cells) {
   const int octaves = std::min(40, std::max(4, 16384 >> bits_));
   const int64_t start_at = first_ - ((int64_t)octaves << bits_);
-  std::vector<Cell> below;
+  std::vector<Cell> under;
   double worst = 0.;
   for (int64_t grid = start_at; grid < first_; grid++) {
-    const double a = start(grid), b = start(grid + 1), p = power_first_;
-    const double s0 = s_first_ * pow(a / u_first_, p), s1 = s_first_ * pow(b / u_first_, p);
-    const double m0 = p * s0 / a * (b - a), m1 = p * s1 / b * (b - a), rise = s1 - s0;
+    const double a = start(grid), b = start(grid + 1);
+    double s0, m0, s1, m1, exact, slope;
+    below(a, s0, m0);
+    below(b, s1, m1);
+    m0 *= b - a;
+    m1 *= b - a;
+    const double rise = s1 - s0;
     Cell cell = {{s0, m0, 3. * rise - 2. * m0 - m1, m0 + m1 - 2. * rise}};
-    below.push_back(cell);
+    under.push_back(cell);
     for (int i = 1; i < 4; i++) {
-      const double t = 0.25 * i, exact = s_first_ * pow((a + t * (b - a)) / u_first_, p);
-      const double slope = p * exact / (a + t * (b - a)) * (b - a);
+      const double t = 0.25 * i;
+      below(a + t * (b - a), exact, slope);
       const double s = s0 + t * (m0 + t * (cell.c[2] + t * cell.c[3]));
-      const double ds = m0 + t * (2. * cell.c[2] + 3. * t * cell.c[3]);
+      const double ds = (m0 + t * (2. * cell.c[2] + 3. * t * cell.c[3])) / (b - a);
       worst = std::max(worst, std::max(1.5 * fabs(s / exact - 1.), fabs(ds / slope - 1.)));
     }
   }
   if (!(worst <= std::max(number("rtol", 0.), 1e-12))) return;
-  cells.insert(cells.begin(), below.begin(), below.end());
+  cells.insert(cells.begin(), under.begin(), under.end());
   first_ = start_at;
 }
 

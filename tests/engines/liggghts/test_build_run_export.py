@@ -87,6 +87,7 @@ def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
         ("CXX", "no-such-compiler", "apt install"),
         ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere", "DEMLAWS_LIGGGHTS_INCLUDE"),
         ("DEMLAWS_CACHE", "/proc/nowhere", "DEMLAWS_CACHE"),
+        ("DEMLAWS_CACHE", "/tmp/with a space", "LD_PRELOAD splits"),
     ],
 )
 def test_what_is_missing_is_named(monkeypatch, variable, value, words):
@@ -113,6 +114,8 @@ def test_run_sets_what_root_needs(monkeypatch):
     assert ("--allow-run-as-root" in line) == (os.geteuid() == 0)
     assert "LD_PRELOAD" not in environment or "demlaws" not in environment["LD_PRELOAD"]
     monkeypatch.setattr(os, "geteuid", lambda: 1000)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+    assert "--oversubscribe" in command("in.case", 4)[0]
     line, _ = command("in.case", 2)
     assert "--allow-run-as-root" not in line and "--oversubscribe" not in line
     line, environment = command("in.case", 1)
@@ -154,7 +157,7 @@ def test_check_proves_the_plugin(capsys):
 
 def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
     def pretend(version, styles):
-        fake = tmp_path / "liggghts"
+        fake = tmp_path / f"liggghts-{version}-{styles.split()[1]}"
         fake.write_text(
             f"#!/bin/sh\ncat <<E\nLIGGGHTS (Version LIGGGHTS-PUBLIC {version}, compiled)\n"
             f"* Atom styles:\n{styles}\n* Integrate styles:\nE\n"

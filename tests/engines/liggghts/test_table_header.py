@@ -45,17 +45,23 @@ def path_of(law, force):
         ("goddard", "hertz", {"slope": 0.035}),
         ("rough-plastic", "hertz", {"yield_pressure": 1.66e9}),
         ("rough-plastic", "thornton", {"yield_pressure": 1.66e9}),
+        ("rough-plastic", "thornton", {"yield_pressure": 0.3e9}),
+        ("bahrami", "elastic", {}),
+        ("yip-venart", "elastic", {}),
+        ("greenwood-tripp", "elastic", {}),
     ],
 )
 def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unloading, options):
     law = dl.law(name, granite_pair, unloading=unloading, **options)
-    table = law.tabulate(rtol=1e-8)
+    rtol = 1e-5 if law.definition.solved else 1e-8
+    table = law.tabulate(rtol=rtol)
     table.save(tmp_path / "law.tbl")
+    reference = table if law.definition.solved else law
     overlaps = path_of(law, 20.0)
     result = example(tmp_path / "law.tbl", granite_pair, overlaps)
     assert result.returncode == 0, result.stderr
     columns = np.array([line.split() for line in result.stdout.splitlines()], float).T
-    path = law.follow(overlaps)
+    path = reference.follow(overlaps)
     for column, expected in zip(columns[:2], (path.force, path.stiffness), strict=True):
         assert np.abs(column - expected).max() <= 3e-8 * np.abs(expected).max()
     if unloading != "elastic":
