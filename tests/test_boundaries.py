@@ -69,10 +69,13 @@ def imports_anywhere(path):
             yield node.module, top
 
 
-def python(code, folder=PACKAGE.parent, **environment):
+def python(code, folder=PACKAGE.parent, **changes):
+    environment = {**os.environ, "PYTHONPATH": str(folder), **changes}
+    if folder != PACKAGE.parent:  # a copy keeps its cache beside itself
+        environment.pop("NUMBA_CACHE_DIR", None)
     result = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(code)],
-        env={**os.environ, "PYTHONPATH": str(folder), **environment},
+        env=environment,
         cwd=folder,
         capture_output=True,
         text=True,
