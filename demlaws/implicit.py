@@ -185,7 +185,7 @@ def _family_invert(p, s):
         new = u - (value - s) / slope
         if not (low < new < high):
             new = 0.5 * (low + high)
-        last = abs(new - u) <= 1e-11 * new  # Newton's error is the square of that
+        last = abs(new - u) <= 1e-14 * new
         u = new
         if last:
             break
