@@ -89,7 +89,7 @@ class Binding:
                 if way == "native":
                     raise
                 self.reason = str(error)
-        self.guards = 0
+        self.guards, self.next_step, self.functor = 0, -1, None
 
     @property
     def way(self):
@@ -253,20 +253,45 @@ def _functors(engines):
 
 def guard(label):
     """Called by a PyRunner before each step: re-attaches after loading, raises what native code could not."""
+    here = label, O.thisScene, _engine_lists, O.iter
+    binding = _passed.get(here[:3])
+    if binding is None or binding.next_step != here[3]:  # else nothing can have been loaded or changed since the last step
+        binding = _look(label)
+        if binding is None:
+            return
+        _passed[here[:3]] = binding
+    binding.next_step = here[3] + 1
+    binding.check_functor(binding.functor)
+    binding.raise_fault()
+    binding.attachment.make_room(O.interactions.countReal)
+    binding.guards += 1
+    if binding.guards in (2, 10, 100, 1000) or binding.guards % 100_000 == 0:  # a look at every contact takes time
+        binding.verify()
+
+
+_engine_lists = 0  # counts assignments of O.engines and loads
+_passed = {}  # (label, scene, _engine_lists) → binding whose functor was found to act
+
+
+def _look(label):
+    """The binding that acts in the functor of this label; None where it had to be attached (again) just now."""
     functor = next((f for _, _, f in _functors(O.engines) if f.label == label), None)
     binding = getattr(functor, "binding", None) or _bindings.get(label)
     if functor is None:
-        raise DemlawsError(f"no law functor is labelled {label!r} in O.engines, but its guard is there: remove both or none")
+        raise DemlawsError(
+            f"no law functor is labelled {label!r} in O.engines, but its guard is there: remove both or none"
+        )
     if binding is not None and binding.attachment is not None and binding.attachment.acts_in(functor):
-        binding.check_functor(functor)
-        binding.raise_fault()
-        binding.attachment.make_room(O.interactions.countReal)
-        binding.guards += 1
-        if binding.guards in (2, 10, 100, 1000) or binding.guards % 100_000 == 0:  # a look at every contact takes time
-            binding.verify()
-        return
-    # The scene was loaded: YADE has made a native functor with this label.
-    _reattach(label, functor)
+        binding.functor = functor
+        return binding
+    _reattach(label, functor)  # the scene was loaded: YADE has made a native functor with this label
+    return None
+
+
+def _forget_passed():
+    global _engine_lists
+    _engine_lists += 1
+    _passed.clear()
 
 
 def _reattach(label, functor):
@@ -419,6 +444,7 @@ def set_engines(engines):
         engines = public.rewritten(engines, functor) if binding.attachment is None else _guarded(engines, functor)
     before = {bridge.address(f) for _, _, f in _functors(O.engines)}
     _native_engines.__set__(O, engines)
+    _forget_passed()
     for _, functor in found:
         binding = functor.binding
         if bridge.address(functor) not in before:
@@ -474,6 +500,7 @@ def _saving(native):
 def _loading(native):
     def load(omega, *arguments, **keywords):
         native(omega, *arguments, **keywords)
+        _forget_passed()
         for binding in _bindings.values():
             if binding.tag in O.tags.keys():  # noqa: SIM118  not a dict
                 binding.banked = float(O.tags[binding.tag].split("|", 3)[2])
