@@ -227,10 +227,6 @@ def two_steps(law, dtype=np.float64, **options):
 @every_pair
 def test_contacts_in_arrays_equal_one_at_a_time(name, unloading):
     options = options_of(name)
-    if registry()[name].needs_map:
-        with pytest.raises(dl.DemlawsError, match="computed for one"):
-            dl.law(name, BATCH_OF_CONTACTS, unloading, **options)
-        return
     many = dl.law(name, BATCH_OF_CONTACTS, unloading, **options)
     together = np.array(two_steps(many))
     rtol = 1e-4 if registry()[name].solved else 32 * EPS  # solved laws blend two curves
@@ -246,7 +242,8 @@ def test_contacts_in_arrays_equal_one_at_a_time(name, unloading):
         np.testing.assert_allclose(together[:4, i], results[:4], rtol=16 * rtol)
         np.testing.assert_allclose(together[4:, i], results[4:], rtol=rtol, atol=10 * rtol * first[0])
     assert many.force(9e-6).shape == (5,)
-    np.testing.assert_allclose(many.overlap(many.force(np.linspace(2e-6, 9e-6, 5))), np.linspace(2e-6, 9e-6, 5), rtol=1e-11)
+    overlap = np.linspace(2e-6, 9e-6, 5)
+    np.testing.assert_allclose(many.overlap(many.force(overlap)), overlap, rtol=1e-10 if registry()[name].solved else 1e-12)
 
 
 @every_pair
