@@ -72,6 +72,30 @@ class HeightMap:
 
         return {"height map": repr(self), "crc32": f"{zlib.crc32(self.heights.tobytes()):08x}"}
 
+    def portable(self):
+        """Plain values from which `HeightMap.from_portable` makes the same map, for simulations that are saved."""
+        import base64
+        import zlib
+
+        packed = base64.b64encode(zlib.compress(self.heights.tobytes(), 6)).decode()
+        return {
+            "heights": packed,
+            "shape": list(self.shape),
+            "pixel": [self.pixel_x, self.pixel_y],
+            "form_order": self.form_order,
+        }
+
+    @classmethod
+    def from_portable(cls, values):
+        import base64
+        import zlib
+
+        try:
+            heights = np.frombuffer(zlib.decompress(base64.b64decode(values["heights"]))).reshape(values["shape"])
+            return cls(heights, *values["pixel"], values["form_order"])
+        except (KeyError, TypeError, ValueError, zlib.error) as error:
+            raise DemlawsError(f"this is no height map: {error!r}; a table's file names its map but does not hold it") from None
+
     @property
     def shape(self):
         return self.heights.shape

@@ -122,6 +122,17 @@ def test_a_map_becomes_a_surface_for_every_law():
     assert HeightMap(np.zeros((8, 8)), 1e-6).surface().roughness == 0.0
 
 
+def test_a_map_travels_in_plain_values():
+    import json
+
+    heights = self_affine((20, 30), 1e-6, 0.8, 1e-6, 1).without_form(1)
+    again = HeightMap.from_portable(json.loads(json.dumps(heights.portable())))
+    np.testing.assert_array_equal(again.heights, heights.heights)
+    assert (again.pixel_x, again.form_order) == (1e-6, 1)
+    with pytest.raises(dl.DemlawsError, match="no height map"):
+        HeightMap.from_portable(heights.record())
+
+
 # --- files
 
 

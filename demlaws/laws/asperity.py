@@ -223,6 +223,8 @@ def _prepare(
         raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
     if isinstance(surface, str):
         surface = read(surface).without_form(2)
+    if isinstance(surface, dict):
+        surface = HeightMap.from_portable(surface)
     if not isinstance(surface, HeightMap):
         raise DemlawsError(
             f"surface must be a demlaws.surface.HeightMap (form removed) or the path of a map, got {type(surface).__name__}"
@@ -275,6 +277,8 @@ def _limits(contact, surface=None, max_force=None, **options):
     from demlaws import regime
 
     limits = []
+    if isinstance(surface, dict) and "heights" in surface:
+        surface = HeightMap.from_portable(surface)
     if contact.hardness is not None:
         pair = contact.with_values(roughness=surface.sq) if isinstance(surface, HeightMap) else contact
         load = float(np.min(regime.transition_load(pair)))

@@ -245,7 +245,11 @@ def export(
     os.chmod(folder / "run.sh", 0o755)
     write_atomically(
         folder / "case.json",
-        json.dumps({"law": law, "unloading": unloading, "options": options, "stock": fit.model if fit else None}, indent=1)
+        json.dumps(
+            {"law": law, "unloading": unloading, "options": options, "stock": fit.model if fit else None},
+            indent=1,
+            default=lambda value: value.record(),
+        )
         + "\n",
     )
     return folder / "in.case"

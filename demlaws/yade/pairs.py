@@ -272,8 +272,8 @@ class Pairs:
             "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
         }
         try:
-            return json.dumps(content)
-        except TypeError as error:
+            return json.dumps(content, default=lambda value: value.portable())
+        except (TypeError, AttributeError) as error:
             raise DemlawsError(f"the law's options cannot be saved with the simulation: {error}") from None
 
     @classmethod
