@@ -14,7 +14,8 @@ def check(folder):
     weight = log["weight"][-1]
     drop = weight * 1e-3  # energy of the packing falling by 1 mm
     return [
-        ("walls against weight, relative difference", abs(log["held"][-1] / weight - 1), 0.01),
+        # single rows swing by 1 to 2 %: spheres that roll on
+        ("walls against weight, mean of the last rows, relative difference", abs(log["held"][-20:].mean() / weight - 1), 0.01),
         ("kinetic energy, of the packing's weight times 1 mm", log["KinEng"][-1] / drop, 1e-2),
         (
             "plastic dissipation that went backwards",
