@@ -154,7 +154,7 @@ def test_pairs_of_materials(omega):
         one.lives = {key: rows for key, rows in recorder.lives.items() if key[0] == 2 * n}
         surface = kinds[a].combined(kinds[b])
         law_name = "hertz" if surface.roughness == 0 else "pohrt-popov"
-        wrong, tangent, _ = one.worst(law_name, surface=surface)
+        wrong, tangent, _ = one.worst(law_name, pair=surface)
         assert wrong <= TOLERANCE and tangent <= 1e-13, (a, b)
 
 
