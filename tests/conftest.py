@@ -1,5 +1,7 @@
 """Shared settings. Helpers are plain modules beside this file: examples, references, accuracy."""
 
+import os
+
 import pytest
 from hypothesis import settings
 
@@ -13,3 +15,22 @@ def rng():
     import numpy as np
 
     return np.random.default_rng(20231)
+
+
+_skipped_engines = []
+
+
+def pytest_runtest_logreport(report):
+    if report.skipped and "tests/engines" in report.nodeid.replace(os.sep, "/"):
+        _skipped_engines.append(report.nodeid)
+
+
+def pytest_sessionfinish(session, exitstatus):
+    """In CI an engine test that did not run is a failure: there the engines can be installed."""
+    if os.environ.get("CI") and _skipped_engines and exitstatus == 0:
+        session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+def pytest_terminal_summary(terminalreporter):
+    if os.environ.get("CI") and _skipped_engines:
+        terminalreporter.write_line(f"CI: {len(_skipped_engines)} engine tests were skipped, which counts as failure", red=True)

@@ -294,6 +294,7 @@ LAW = Definition(
     equation="P = Σ elastic-plastic ellipsoids, one a contact patch of the cut height map, of the patch's area and volume",
     source="Jamari & Schipper, Wear 262 (2007) 138; Wear 264 (2008) 349",
     description="measured surface, deterministic asperities",
+    needs_map=True,
     limits=_limits,
     collapses=False,
     implicit=True,

@@ -278,9 +278,7 @@ def _look(label):
     functor = next((f for _, _, f in _functors(O.engines) if f.label == label), None)
     binding = getattr(functor, "binding", None) or _bindings.get(label)
     if functor is None:
-        raise DemlawsError(
-            f"no law functor is labelled {label!r} in O.engines, but its guard is there: remove both or none"
-        )
+        raise DemlawsError(f"no law functor is labelled {label!r} in O.engines, but its guard is there: remove both or none")
     if binding is not None and binding.attachment is not None and binding.attachment.acts_in(functor):
         binding.functor = functor
         return binding

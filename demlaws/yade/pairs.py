@@ -15,10 +15,12 @@ from demlaws.contact import Contact, Surface
 from demlaws.errors import DemlawsError
 from demlaws.law import SMOOTHEST, Law, find, law, scale_one
 from demlaws.laws.hertz import HertzShape
+from demlaws.surface import HeightMap
 from demlaws.table import Table
 from demlaws.unloading import RULES, STATE_NAMES
 from demlaws.yade import kernel
 
+_MAP = "height map"
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -50,6 +52,21 @@ def _surface(label, value):
         return Surface(**value)
     except TypeError as error:
         raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r} ({error})") from None
+
+
+def _plain(value):
+    """An option of a law as JSON can hold it: a measured map as its heights."""
+    if not isinstance(value, HeightMap):
+        return value
+    heights = base64.b64encode(zlib.compress(value.heights.astype("<f8").tobytes())).decode()
+    return {_MAP: [heights, list(value.shape), value.pixel_x, value.pixel_y, value.form_order]}
+
+
+def _from_plain(value):
+    if not isinstance(value, dict) or set(value) != {_MAP}:
+        return value
+    heights, shape, *rest = value[_MAP]
+    return HeightMap(np.frombuffer(zlib.decompress(base64.b64decode(heights)), "<f8").reshape(shape), *rest)
 
 
 class Source:
@@ -116,7 +133,7 @@ class Source:
 
     def as_dict(self):
         if self.table is None:
-            return {"law": self.name, "options": self.options}
+            return {"law": self.name, "options": {name: _plain(value) for name, value in self.options.items()}}
         with tempfile.TemporaryDirectory() as folder:
             text = self.table.save(Path(folder) / "table.txt").read_bytes()
         return {"table": base64.b64encode(zlib.compress(text, 9)).decode()}
@@ -124,7 +141,7 @@ class Source:
     @classmethod
     def from_dict(cls, content):
         if "table" not in content:
-            return cls(content["law"], content["options"])
+            return cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "table.txt"
             path.write_bytes(zlib.decompress(base64.b64decode(content["table"])))

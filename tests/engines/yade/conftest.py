@@ -15,7 +15,7 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if Path(item.fspath).parent == HERE:
             item.add_marker(pytest.mark.yade)
-            if not LIBRARIES.is_dir():
+            if not LIBRARIES.is_dir() and not os.environ.get("CI"):  # in CI an engine that is missing is a failure
                 item.add_marker(pytest.mark.skip(reason="Debian's YADE is not installed: sudo apt install yade"))
 
 

@@ -444,6 +444,18 @@ def test_laws_by_pair(omega):
     assert again.as_text() == pairs.as_text() and again.kind == pairs.kind
 
 
+def test_measured_map_survives_saving():
+    from demlaws.law import find
+    from demlaws.yade.pairs import Pairs, Span
+
+    span = {("granite", "granite"): Span((0.005, 0.005), (32e9, 32e9))}
+    options = find("asperity").example
+    pairs = Pairs("asperity", {"granite": GRANITE}, "hertz", options, span)
+    again = Pairs.from_text(pairs.as_text())
+    assert np.array_equal(again.default.options["surface"].heights, options["surface"].heights)
+    assert again.as_text() == pairs.as_text()
+
+
 # --- the command
 
 

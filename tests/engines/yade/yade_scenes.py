@@ -69,18 +69,24 @@ class Recorder:
                     row = (geom.penetrationDepth, force, phys.kn, geom.refR1, geom.refR2)
                     self.lives[contact.id1, contact.id2, contact.iterMadeReal].append(row)
 
+<<<<<<< HEAD
     def worst(self, law="pohrt-popov", unloading="hertz", both=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
         """Largest |F - F_law| over the largest force, and largest relative error of the tangent, each life on its own."""
         surface = GRANITE.combined(GRANITE) if both is None else both
+=======
+    def worst(self, law="pohrt-popov", unloading="hertz", pair=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
+        """Largest |F - F_law| over the largest force, and largest relative error of the tangent, each life on its own."""
+        pair = GRANITE.combined(GRANITE) if pair is None else pair
+>>>>>>> yade
         wrong, largest, tangent, steps = 0.0, 0.0, 0.0, 0
         for rows in self.lives.values():
             overlap, force, stiffness, radius1, radius2 = np.array(rows).T
             radius = radius1[0] * radius2[0] / (radius1[0] + radius2[0])
-            pair = dl.Contact(radius, modulus, surface.roughness, surface.fractal_dimension, surface.hardness)
+            contact = dl.Contact(radius, modulus, pair.roughness, pair.fractal_dimension, pair.hardness)
             keep = overlap >= 0
             if not keep.any():
                 continue
-            path = dl.law(law, pair, unloading, **options).follow(overlap[keep])
+            path = dl.law(law, contact, unloading, **options).follow(overlap[keep])
             wrong = max(wrong, np.abs(path.force - force[keep]).max())
             largest = max(largest, path.force.max())
             positive = path.stiffness > 0

@@ -1,0 +1,95 @@
+"""The command line: help, results, and errors in one line without a traceback."""
+
+import subprocess
+import sys
+import warnings
+
+import pytest
+
+from demlaws import cli
+from demlaws.cli import main
+from demlaws.table import Table
+
+
+@pytest.fixture(autouse=True)
+def restored():
+    """main() shows warnings in its own way: undo that."""
+    with warnings.catch_warnings():
+        yield
+
+
+def commands():
+    (choices,) = (a.choices for a in cli.build_parser()._subparsers._group_actions)
+    return choices
+
+
+@pytest.mark.parametrize("name", commands())
+def test_every_command_has_help(name, capsys):
+    with pytest.raises(SystemExit) as end:
+        main([name, "--help"])
+    assert end.value.code == 0
+    assert "usage: demlaws" in capsys.readouterr().out
+
+
+CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--roughness", "2e-6", "--fractal-dimension", "2.2"]
+
+
+def test_curve(tmp_path, capsys):
+    file, picture = tmp_path / "c.csv", tmp_path / "c.png"
+    options = ["--unloading", "hertz", "--forces", "20", "0", "40", "--csv", str(file), "--figure", str(picture)]
+    assert main(["curve", "--law", "pohrt-popov", *CONTACT, *options]) == 0
+    assert len(file.read_text().splitlines()) == 602
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert main(["curve", "--law", "hertz", *CONTACT, "--overlaps", "1e-5"]) == 0
+    assert "force (N)" in capsys.readouterr().out
+
+
+def test_table(tmp_path, capsys):
+    file, picture = tmp_path / "t.tbl", tmp_path / "t.png"
+    assert main(["table", "--law", "rms", *CONTACT, "--rtol", "1e-4", "--out", str(file), "--figure", str(picture)]) == 0
+    assert "largest relative error" in capsys.readouterr().out
+    assert Table.load(file).force_error <= 1e-4
+    assert picture.stat().st_size > 1000
+
+
+def test_granite(tmp_path, capsys):
+    assert main(["granite", "--test", "SS(12-18)", "--law", "pohrt-popov", "--out", str(tmp_path)]) == 0
+    out = capsys.readouterr().out
+    assert "17.8" in out
+    names = {file.name for file in tmp_path.iterdir()}
+    assert {"force-ss-12-18.png", "unloading-ss-12-18.png", "ss-12-18-pohrt-popov.csv", "summary.csv"} <= names
+    assert not [name for name in names if name.startswith(".")]  # no temporary file left
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["curve", "--law", "nonsense", *CONTACT, "--forces", "1"], "unknown law 'nonsense'"),
+        (["curve", "--law", "hertz", "--radius", "-1e-3", "--modulus", "1e9", "--forces", "1"], "radius = -0.001 m"),
+        (["curve", "--law", "hertz", "--radius", "1e-3", "--modulus", "nan", "--forces", "1"], "modulus = nan Pa"),
+        (["curve", "--law", "hertz", "--radius", "1e-3", "--forces", "1"], "--modulus missing"),
+        (["curve", "--law", "pohrt-popov", *CONTACT[:-1], "3.5", "--forces", "1"], "fractal_dimension = 3.5"),
+        (["curve", "--law", "hertz", *CONTACT, "--roughness", "1", "--forces", "1"], "exceeds the effective radius"),
+        (["curve", "--law", "hertz", *CONTACT, "--forces", "-1"], "no tension"),
+        (["curve", "--law", "bahrami", *CONTACT, "--forces", "1"], "hardness"),
+        (["curve", "--law", "hertz", *CONTACT, "--option", "x=1", "--forces", "1"], "'x'"),
+        (["curve", "--law", "hertz", *CONTACT, "--forces", "1", "--figure", "c.nonsense"], "nonsense"),
+        (["table", "--law", "hertz", *CONTACT, "--rtol", "0", "--out", "t"], "rtol"),
+        (["table", "--law", "hertz", *CONTACT, "--out", "/proc/nowhere/t"], "cannot write"),
+        (["granite", "--test", "XX"], "unknown test 'XX'"),
+        (["granite", "--test", "RFC10", "--data", "/nowhere.csv"], "cannot read points"),
+        (["granite", "--data", "/nowhere.csv"], "needs --test"),
+    ],
+)
+def test_errors_are_one_line(arguments, says, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    captured = capsys.readouterr()
+    (line,) = [x for x in captured.err.splitlines() if "warning" not in x]
+    assert line.startswith("demlaws: error: ")
+    assert says in line
+
+
+def test_module_and_version():
+    result = subprocess.run([sys.executable, "-m", "demlaws", "--version"], capture_output=True, text=True, check=True)
+    assert result.stdout.startswith("demlaws ")
