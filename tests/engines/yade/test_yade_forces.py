@@ -154,11 +154,7 @@ def test_pairs_of_materials(omega):
         one.lives = {key: rows for key, rows in recorder.lives.items() if key[0] == 2 * n}
         surface = kinds[a].combined(kinds[b])
         law_name = "hertz" if surface.roughness == 0 else "pohrt-popov"
-<<<<<<< HEAD
-        wrong, tangent, _ = one.worst(law_name, both=surface)
-=======
         wrong, tangent, _ = one.worst(law_name, pair=surface)
->>>>>>> yade
         assert wrong <= TOLERANCE and tangent <= 1e-13, (a, b)
 
 

@@ -69,15 +69,9 @@ class Recorder:
                     row = (geom.penetrationDepth, force, phys.kn, geom.refR1, geom.refR2)
                     self.lives[contact.id1, contact.id2, contact.iterMadeReal].append(row)
 
-<<<<<<< HEAD
-    def worst(self, law="pohrt-popov", unloading="hertz", both=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
-        """Largest |F - F_law| over the largest force, and largest relative error of the tangent, each life on its own."""
-        surface = GRANITE.combined(GRANITE) if both is None else both
-=======
     def worst(self, law="pohrt-popov", unloading="hertz", pair=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
         """Largest |F - F_law| over the largest force, and largest relative error of the tangent, each life on its own."""
         pair = GRANITE.combined(GRANITE) if pair is None else pair
->>>>>>> yade
         wrong, largest, tangent, steps = 0.0, 0.0, 0.0, 0
         for rows in self.lives.values():
             overlap, force, stiffness, radius1, radius2 = np.array(rows).T
