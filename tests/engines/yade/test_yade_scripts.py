@@ -14,6 +14,7 @@ SAID = {
     "save_load": "O.load in a new process",
     "ballast": "exponent n of bulk stiffness",
     "cost": "ratio to native Hertz-Mindlin",
+    "measured_surface": "law of mean",
 }
 
 
