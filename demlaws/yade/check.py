@@ -21,7 +21,7 @@ def main():
         layout = bridge.layout()
     except bridge.BridgeUnavailable as error:
         print(f"native bridge: not available: {error}")
-        print("scripts run by the public-API way, at 12 to 16 times the cost")
+        print("scripts run by the public-API way, at some ten times the cost")
         return 1
     offset, index, _ = layout.slot
     print(f"native bridge: available; go is entry {index} of the table that the functor holds at byte {offset}")

@@ -354,7 +354,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
             binding = _attach(self, binding, bridge)
         if binding.attachment is None and bridge == "auto":
             warnings.warn(
-                f"the native bridge is not available ({binding.reason}); the public-API way acts, at 12 to 16 times the cost",
+                f"the native bridge is not available ({binding.reason}); the public-API way acts, at some ten times the cost",
                 BridgeWarning,
                 stacklevel=2,
             )

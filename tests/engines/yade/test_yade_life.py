@@ -77,7 +77,7 @@ def test_energy_balance_of_an_impact(omega, rule):
     before = kinetic()
     seen = 0.0
     while omega.bodies[1].state.vel[2] < 0 or omega.interactions.countReal():
-        omega.run(100, True)
+        omega.run(2000, True)
         totals = law.totals()
         seen = max(seen, totals.stored)
         if omega.interactions.countReal():
