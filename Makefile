@@ -1,6 +1,7 @@
 # make granite   set up and reproduce the granite tests (tables printed, figures in granite/)
 # make test      install the engines if missing, build the plugin, run lint and the whole suite
 # make bench     measure speed, as ratios to peers in the same run
+# make stability measure every law at the extremes (1e7 load paths, some 10 minutes)
 # make lint      ruff, format and lint
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -12,7 +13,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 export OMP_NUM_THREADS ?= 2
 
-.PHONY: granite test bench lint engines clean
+.PHONY: granite test bench stability lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -26,6 +27,9 @@ lint: $(VENV)/.test
 
 bench: $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_batch.py
+
+stability: $(VENV)/.plots
+	$(BIN)/demlaws stability --paths 1e7 --csv stability.csv --figure stability.png
 
 # numpy < 2: Debian's matplotlib and YADE are built against numpy 1
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python

@@ -15,6 +15,8 @@ PARTS = (
     "demlaws.surface_cli",
     "demlaws.fit_cli",
     "demlaws.choose_cli",
+    "demlaws.stability_cli",
+    "demlaws.trade_cli",
     "demlaws.yade.cli",
     "demlaws.liggghts.cli",
 )

@@ -55,3 +55,72 @@ def choices_figure(choices):
     )
     ax.legend(fontsize=7)
     return fig
+
+
+def stability_figure(rows):
+    """Energy gain per impact against steps per contact, and rounding error by decade of overlap."""
+    fig, (left, right) = figure(columns=2, width=5.6)
+    styles = {"elastic": "-", "hertz": "--", "thornton": ":"}
+    for r in rows:
+        if r.evaluation != "closed form":
+            continue
+        steps = sorted(r.gains)
+        gain = [max(r.gains[s], 1e-17) for s in steps]
+        left.loglog(steps, gain, styles[r.unloading], color=COLOURS.get(r.law), lw=1.2, label=f"{r.law}, {r.unloading}")
+        if r.rounding and r.unloading == "elastic":
+            decades = sorted(r.rounding)
+            right.plot(decades, [r.rounding[d] for d in decades], "o-", ms=3, color=COLOURS.get(r.law), label=r.law)
+    left.axhline(1e-4, color="k", lw=0.8)
+    left.set(xlabel="steps per contact", ylabel="largest energy gain of an impact", title="impacts, 1e-6 to 100 m/s")
+    right.set(xlabel="decade of δ/σ (Hertz, Goddard: δ/R)", ylabel="largest error of force (ε)", title="rounding")
+    left.legend(fontsize=5, ncols=2)
+    right.legend(fontsize=7)
+    return fig
+
+
+def trade_figure(entries, floor, steps=(), peers=None):
+    """Force error against cost with the Pareto front; the time step; engines beside their own laws."""
+    panels = 1 + bool(steps) + len(peers or {})
+    fig, axes = figure(columns=panels, width=6.0, height=4.8)
+    axes = list(np.ravel(axes))
+    ax = axes.pop(0)
+    lowest = 1e-16
+    for evaluation, marker in {"closed form": "o", "float32": "^", "table": "s", "lazy": "x"}.items():
+        chosen = [e for e in entries if e.evaluation == evaluation]
+        if chosen:
+            ax.scatter(
+                [e.ns for e in chosen],
+                [max(e.richest["force"], lowest) for e in chosen],
+                c=[COLOURS.get(e.law, "#888888") for e in chosen],
+                marker=marker,
+                s=26,
+                label=evaluation,
+                zorder=3,
+            )
+    front = sorted((e.ns, max(e.richest["force"], lowest), e) for e in entries if e.front)
+    ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=1.0, label="Pareto front")
+    for ns, error, e in front:
+        ax.annotate(f"{e.law}, {e.unloading}", (ns, error), xytext=(4, 4), textcoords="offset points", fontsize=6)
+    ax.axvline(floor, color="k", lw=0.8, ls=":", label="copy kernel")
+    ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest force error against rough-plastic, thornton")
+    for law, colour in COLOURS.items():
+        if any(e.law == law for e in entries):
+            ax.plot([], [], "o", color=colour, label=law, ms=4)
+    ax.legend(fontsize=6, ncols=2)
+    if steps:
+        ax = axes.pop(0)
+        ax.loglog([e.steps for e in steps], [max(e.gain, 1e-17) for e in steps], "o-", ms=3, label="energy drift of an impact")
+        ax.loglog(
+            [e.steps for e in steps], [max(e.rebound_error, 1e-17) for e in steps], "s-", ms=3, label="error of restitution"
+        )
+        ax.set(xlabel="steps per contact", ylabel="largest error", title="time step (pohrt-popov, hertz unloading)")
+        ax.legend(fontsize=7)
+    for engine, values in (peers or {}).items():
+        ax = axes.pop(0)
+        names = [n for n in values if values[n][1] < 5.0]
+        ax.barh(range(len(names)), [values[n][1] for n in names], color="#1f77b4", height=0.6)
+        ax.set_yticks(range(len(names)), names, fontsize=6)
+        ax.invert_yaxis()
+        ax.axvline(1.0, color="k", lw=0.8)
+        ax.set(xlabel="cost over its own Hertz", title=engine)
+    return fig

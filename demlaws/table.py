@@ -325,15 +325,14 @@ def _below(u0, s0, exponent, first, bits_per_octave):
     """
     u = node(np.arange(first - _OCTAVES_BELOW * 2**bits_per_octave, first + 1), bits_per_octave)
     if exponent < _SEATED:
-        seat = s0 * (1.0 - exponent)
-        slope = np.full(u.size, exponent * s0 / u0)
-        s = seat + slope * u
-    else:
-        seat = 0.0
-        s = s0 * (u / u0) ** exponent
-        slope = exponent * s / u
+        seat, slope = s0 * (1.0 - exponent), exponent * s0 / u0
+        width = np.append(u[0], np.diff(u))  # the slope as it is: differences of s would be nothing but rounding here
+        none = np.zeros(u.size)
+        return np.column_stack([seat + slope * np.append(0.0, u[:-1]), slope * width, none, none]), float(u[0])
+    s = s0 * (u / u0) ** exponent
+    slope = exponent * s / u
     cells = _hermite(0.0, 1.0, np.diff(u), s[:-1], s[1:], slope[:-1], slope[1:])
-    return np.concatenate([[[seat, s[0] - seat, 0.0, 0.0]], cells]), float(u[0])
+    return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
 
 
 def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0)):

@@ -203,10 +203,11 @@ class RoughPlastic(Reference):
 class Bahrami(Reference):
     """δ/δ_H = a_L'²/2 + 8 p0' a_L'/(π² (4.79 - 3.17 p0'^3.13)), less its value at P → 0."""
 
-    def __init__(self, radius, modulus, roughness, hardness, constant="1.5976", **_):
+    def __init__(self, radius, modulus, roughness, hardness, constant=None, **_):
         self.hertz = Hertz(radius, modulus)
         self.roughness = mpf(roughness)
-        self.constant = mpf(constant)
+        joined = (mpf("3.51") - mpf("2.51") * mpf("0.47")) * mpmath.sqrt(mpf("0.47"))  # 1.5976
+        self.constant = joined if constant is None else mpf(constant)
         kappa = mpf(hardness) / mpf(modulus) * mpmath.sqrt(mpf(radius) / mpf(roughness))
         self.b = mpf("1.22") * kappa ** mpf("-0.16")
         self.initial = self.roughness * self.constant**2 * self.b / 2

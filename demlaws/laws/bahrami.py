@@ -10,11 +10,12 @@ from demlaws.fastmath import kernel
 from demlaws.laws.definition import Definition, Limit, number
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 
-CONTINUOUS = 1.5976
-"""a_L'√p0' that makes the two branches meet at p0' = 0.47 (2.3303)."""
+_JOINT = 0.47
+CONTINUOUS = 1.5975731915314553
+"""(3.51 - 2.51 × 0.47) √0.47: a_L'√p0' that makes the two branches meet at p0' = 0.47; with 1.5976 the force would jump there
+by 1e-4 of itself."""
 PRINTED = 1.605
 """The published constant: δ steps back by 0.5 % of itself at p0' = 0.47, and the force jumps there."""
-_JOINT = 0.47
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 

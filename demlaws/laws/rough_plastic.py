@@ -37,7 +37,7 @@ def _scale(shape, radius, modulus, roughness):
     low = bits(1e-30 * radius)
     high = bits(1e3 * radius)
     while high - low > 1:
-        middle = (low + high) >> 1
+        middle = low + ((high - low) >> 1)  # the sum of two bit patterns may overflow
         if virgin(loading, from_bits(middle))[1] < stiffness:
             low = middle
         else:

@@ -47,7 +47,7 @@ def test_errors_against_fifty_digits(rng):
     contact = contacts(rng, 100, hardness=6e9)
     overlap = overlaps(rng, contact)
     references, measured = measure("bahrami", contact, overlap, energy=False)
-    # within 1e-4 of the joint the constant 1.5976, which meets the other branch to 5 digits, decides the branch
+    # the root's condition differs from branch to branch: which one a point at the joint takes is a rounding
     joint = np.array([float(r.overlap_at_joint) for r in references])
     away = np.abs(overlap / joint - 1) > 1e-3
     assert away.sum() > 90
