@@ -2,6 +2,7 @@
 # make test      install the engines if missing, build the plugin, run lint and the whole suite
 # make bench     measure speed, as ratios to peers in the same run
 # make stability measure every law at the extremes (1e7 load paths, some 10 minutes)
+# make stability the extremes, ten million load paths
 # make lint      ruff, format and lint
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -13,7 +14,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 export OMP_NUM_THREADS ?= 2
 
-.PHONY: granite test bench stability lint engines clean
+.PHONY: granite test bench stability stability lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -30,6 +31,9 @@ bench: $(VENV)/.test
 
 stability: $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --csv stability.csv --figure stability.png
+
+stability: $(VENV)/.test
+	$(BIN)/demlaws stability --paths 1e7 --csv results/stability.csv
 
 # numpy < 2: Debian's matplotlib and YADE are built against numpy 1
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
