@@ -106,6 +106,18 @@ def transition_load(contact, ratio=YIELD_RATIO):
     return _plain(np.exp(0.5 * (low + high)))
 
 
+def lowest_transition_load(contact):
+    """Lowest `transition_load` [N] of an array of contacts; of many, the bound from their extremes, which is not above it."""
+    if contact.size is not None and contact.size > 64:
+        extremes = {
+            "radius": np.min(contact.radius),
+            "modulus": np.max(contact.modulus),
+            "roughness": np.min(contact.roughness),
+        }
+        contact = contact.with_values(**{name: float(value) for name, value in extremes.items()})
+    return float(np.min(transition_load(contact)))
+
+
 def transition_roughness(contact, load, ratio=YIELD_RATIO):
     """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed."""
     load = _loads(load)

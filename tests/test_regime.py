@@ -95,3 +95,18 @@ def test_advice_follows_the_regime():
 def test_bad_input_is_named(call, names):
     with pytest.raises(dl.DemlawsError, match=names):
         call()
+
+
+def test_laws_warn_where_the_bulk_yields():
+    """Every law that keeps the bulk elastic is limited by the criterion; the law in which it yields is not."""
+    pair = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.22, hardness=6.266e9)
+    load = regime.transition_load(pair)
+    for name in ("hertz", "pohrt-popov", "rms"):
+        limits = dl.law(name, pair).limits()
+        assert any("bulk yields" in limit.reason and limit.maximum_force == pytest.approx(load) for limit in limits)
+    with pytest.warns(dl.ValidityWarning, match="bulk yields"):
+        dl.law("hertz", pair).overlap(2.0 * load)
+    yielding = dl.law("rough-plastic", pair, yield_pressure=1.66e9)
+    assert not any("bulk yields" in limit.reason for limit in yielding.limits())
+    many = pair.with_values(radius=np.linspace(1e-3, 2e-3, 1000))
+    assert regime.lowest_transition_load(many) <= regime.transition_load(many).min()

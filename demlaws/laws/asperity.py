@@ -14,7 +14,7 @@ from demlaws.dispatch import bind
 from demlaws.errors import DemlawsError
 from demlaws.fastmath import kernel
 from demlaws.implicit import CurveNumber, FamilyParams, FamilyShape
-from demlaws.laws.definition import Definition, Limit, number
+from demlaws.laws.definition import Definition, Limit, bulk_yield, number
 from demlaws.laws.hertz import HertzShape, hertz_coefficient
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.table import Nodes, TableShape, grid, shape_from_nodes
@@ -272,17 +272,8 @@ def _pairs(contact):
     return [contact.with_values(**dict(zip(names, map(float, row), strict=True))) for row in rows], alike
 
 
-def _limits(contact, surface=None, max_force=None, **options):
-    """Up to the bulk's yield, where the contact has a hardness, or the end of the computed curve."""
-    from demlaws import regime
-
-    limits = []
-    if isinstance(surface, dict) and "heights" in surface:
-        surface = HeightMap.from_portable(surface)
-    if contact.hardness is not None:
-        pair = contact.with_values(roughness=surface.sq) if isinstance(surface, HeightMap) else contact
-        load = float(np.min(regime.transition_load(pair)))
-        limits.append(Limit(0.0, load, "the bulk yields above (p(0)/H_m = 0.6), which the model leaves out"))
+def _limits(contact, max_force=None, **options):
+    limits = bulk_yield(contact)
     if max_force is not None:
         limits.append(Limit(0.0, float(max_force), "the curve is extrapolated above max_force"))
     return limits

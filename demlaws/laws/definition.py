@@ -4,8 +4,6 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-import numpy as np
-
 from demlaws.errors import DemlawsError
 
 
@@ -18,12 +16,13 @@ class Limit(NamedTuple):
 
 
 def bulk_yield(contact, **options):
-    """Where the contact's hardness is known: the load at which Hertz's peak pressure reaches 0.6 H_m (Johnson 1985)."""
+    """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`regime`)."""
     if contact.hardness is None:
         return []
-    force = math.pi**3 * np.asarray(contact.radius) ** 2 * (0.6 * contact.hardness) ** 3 / (6.0 * contact.modulus**2)
-    reason = "Hertz's peak pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
-    return [Limit(0.0, float(np.min(force)), reason)]
+    from demlaws.regime import lowest_transition_load  # it checks its input with this module
+
+    reason = "the central pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
+    return [Limit(0.0, lowest_transition_load(contact), reason)]
 
 
 def no_kinks(params, **options):

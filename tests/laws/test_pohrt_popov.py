@@ -8,6 +8,7 @@ from references import EPS, PohrtPopov, errors
 
 import demlaws as dl
 from demlaws.laws.pohrt_popov import stiffness_exponent
+from demlaws.regime import transition_load
 
 DIMENSIONS = (2.0, 2.075, 2.22, 2.4, 2.6, 2.8, 3.0)
 
@@ -82,9 +83,11 @@ def test_needs_the_fractal_dimension():
 
 
 def test_warns_where_the_bulk_yields():
-    """Hertz's peak pressure is 0.6 H_m at π³R²(0.6 H_m)³/(6E*²)."""
-    law = dl.law("pohrt-popov", GRANITE)
-    yields = np.pi**3 * GRANITE.radius**2 * (0.6 * GRANITE.hardness) ** 3 / (6 * GRANITE.modulus**2)
+    """Where the regime criterion says so; without roughness that is Hertz's π³R²(0.6 H_m)³/(6E*²)."""
+    smooth = np.pi**3 * GRANITE.radius**2 * (0.6 * GRANITE.hardness) ** 3 / (6 * GRANITE.modulus**2)
+    assert transition_load(GRANITE.with_values(roughness=0.0)) == pytest.approx(smooth, rel=1e-12)
+    law, yields = dl.law("pohrt-popov", GRANITE), transition_load(GRANITE)
+    assert yields > smooth
     law.overlap(0.999 * yields)
     with pytest.warns(dl.ValidityWarning, match=r"0\.6 H_m"):
         law.overlap(1.001 * yields)
