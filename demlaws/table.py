@@ -313,7 +313,9 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
     # in r = (t - t0)/h, then expanded in t
     h = t1 - t0
     b, end, rise = slope0 * width * h, slope1 * width * h, s1 - s0
-    c, d = 3.0 * rise - 2.0 * b - end, b + end - 2.0 * rise
+    sliver = h < 1e-3  # a part beside a kink so narrow that a cubic through it would be rounding noise
+    c = np.where(sliver, 0.5 * (end - b), 3.0 * rise - 2.0 * b - end)
+    d = np.where(sliver, 0.0, b + end - 2.0 * rise)
     b, c, d = b / h, c / h**2, d / h**3
     return np.column_stack([s0 - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
 
@@ -356,7 +358,8 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
         line = s[0] * (1.0 + exponent * (0.5 * (1.0 + _NODES) - 1.0))
         below = 2.0 / 3.0 * float(line**1.5 @ _WEIGHTS) * u[0]
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
-    pair = [*map(float, kinks), math.inf, math.inf]
+    # a kink that lies on the grid splits no cell: the cells on either side have their own slopes there
+    pair = [*(float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)), math.inf, math.inf]
     below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave)
     end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
     cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only

@@ -451,3 +451,28 @@ def test_saved_with_the_permissions_of_any_new_file(tmp_path):
     finally:
         os.umask(old)
     assert stat.S_IMODE(path.stat().st_mode) == 0o640
+
+
+@pytest.mark.parametrize("bits", [1, 4, 7])
+@pytest.mark.parametrize("place", [2.0, 2.0 * (1 + 1e-13), 2.0 * (1 - 1e-13), 2.1, 2.9999])
+def test_a_kink_anywhere_in_the_grid(bits, place):
+    """On a node, a hair beside one, or inside a cell: two straight lines that meet there are read as they are."""
+    from demlaws.law import bind_params, evaluate_loop
+    from demlaws.table import Nodes, grid, shape_from_nodes
+    from demlaws.unloading import Elastic
+
+    u, _ = grid(0.5, 30.0, [place], bits)
+    first, second = np.flatnonzero(u == place)
+    s = np.minimum(u, place + 0.5 * (u - place))
+    slope = np.where(np.arange(u.size) <= first, 1.0, 0.5)
+    assert second == first + 1
+    shape = shape_from_nodes(Nodes.from_curve(u, s, slope), bits, 0.0, 1.0)
+    contact = dl.Contact(radius=1.0, modulus=0.75)  # so that P = s^1.5
+    points = np.sort(np.append(np.linspace(0.5, 29.9, 4001), [place * (1 - 1e-12), place * (1 + 1e-12)]))
+    force, stiffness = np.empty(points.size), np.empty(points.size)
+    assert evaluate_loop(Elastic(), bind_params(shape, contact), points, (), force, stiffness)
+    exact = np.minimum(points, place + 0.5 * (points - place))
+    assert force == pytest.approx(exact**1.5, rel=1e-11)
+    away = np.abs(points - place) > 1e-11
+    tangent = 1.5 * np.sqrt(exact) * np.where(points < place, 1.0, 0.5)
+    assert stiffness[away] == pytest.approx(tangent[away], rel=1e-9)
