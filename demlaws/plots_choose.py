@@ -78,35 +78,44 @@ def stability_figure(rows):
     return fig
 
 
+_MARKERS = {"closed form": "o", "float32": "^", "table": "s", "lazy": "x"}
+
+
+def _against(ax, entries, floor, errors):
+    """Force error against cost; a law's closed form and its tables are joined by a thin line."""
+    lowest = 1e-16
+    for e in entries:
+        colour, marker = COLOURS.get(e.law, "#888888"), _MARKERS[e.evaluation]
+        ax.plot(e.ns, max(getattr(e, errors)["force"], lowest), marker, color=colour, ms=5 if e.unloading == "elastic" else 3.5)
+    ax.axvline(floor, color="k", lw=0.8, ls=":")
+    ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest error of force")
+
+
 def trade_figure(entries, floor, steps=(), peers=None):
     """Force error against cost with the Pareto front; the time step; engines beside their own laws."""
-    panels = 1 + bool(steps) + len(peers or {})
-    fig, axes = figure(columns=panels, width=6.0, height=4.8)
+    panels = 2 + bool(steps) + len(peers or {})
+    fig, axes = figure(columns=2 if panels > 2 else panels, rows=(panels + 1) // 2, width=6.6, height=4.6)
     axes = list(np.ravel(axes))
     ax = axes.pop(0)
-    lowest = 1e-16
-    for evaluation, marker in {"closed form": "o", "float32": "^", "table": "s", "lazy": "x"}.items():
-        chosen = [e for e in entries if e.evaluation == evaluation]
-        if chosen:
-            ax.scatter(
-                [e.ns for e in chosen],
-                [max(e.richest["force"], lowest) for e in chosen],
-                c=[COLOURS.get(e.law, "#888888") for e in chosen],
-                marker=marker,
-                s=26,
-                label=evaluation,
-                zorder=3,
-            )
-    front = sorted((e.ns, max(e.richest["force"], lowest), e) for e in entries if e.front)
-    ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=1.0, label="Pareto front")
+    _against(ax, entries, floor, "richest")
+    front = sorted((e.ns, max(e.richest["force"], 1e-16), e) for e in entries if e.front)
+    ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=1.0)
+    named = set()
     for ns, error, e in front:
-        ax.annotate(f"{e.law}, {e.unloading}", (ns, error), xytext=(4, 4), textcoords="offset points", fontsize=6)
-    ax.axvline(floor, color="k", lw=0.8, ls=":", label="copy kernel")
-    ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest force error against rough-plastic, thornton")
+        if (e.law, e.unloading) not in named:
+            named.add((e.law, e.unloading))
+            text = f"{e.law}, {e.unloading}, {e.evaluation}"
+            ax.annotate(text, (ns, error), xytext=(5, -2 - 9 * (len(named) % 2)), textcoords="offset points", fontsize=6)
+    ax.set(title="against rough-plastic, thornton; line: Pareto front")
+    for name, marker in _MARKERS.items():
+        ax.plot([], [], marker, color="#666666", label=name, ms=4)
     for law, colour in COLOURS.items():
         if any(e.law == law for e in entries):
-            ax.plot([], [], "o", color=colour, label=law, ms=4)
-    ax.legend(fontsize=6, ncols=2)
+            ax.plot([], [], "-", color=colour, label=law)
+    ax.legend(fontsize=6, ncols=2, title="dotted: copy kernel; small: with history", title_fontsize=6)
+    ax = axes.pop(0)
+    _against(ax, entries, floor, "own")
+    ax.set(title="against the closed form of the same law")
     if steps:
         ax = axes.pop(0)
         ax.loglog([e.steps for e in steps], [max(e.gain, 1e-17) for e in steps], "o-", ms=3, label="energy drift of an impact")
@@ -123,4 +132,6 @@ def trade_figure(entries, floor, steps=(), peers=None):
         ax.invert_yaxis()
         ax.axvline(1.0, color="k", lw=0.8)
         ax.set(xlabel="cost over its own Hertz", title=engine)
+    for ax in axes:
+        ax.set_visible(False)
     return fig

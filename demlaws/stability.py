@@ -555,7 +555,7 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
             overlap = float(law.unloading_overlap(load, state))
         else:
             overlap = float(law.overlap(load))
-        if overlap <= 0.0:  # below a law's seating load
+        if overlap <= 1e-12 * law.contact.radius:  # at or below a law's seating load
             continue
         size = (load / law.params.hertz_coefficient) ** (2 / 3)
         for kick in (1e-6, 1e-3, 3e-2):
