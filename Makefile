@@ -26,8 +26,12 @@ lint: $(VENV)/.test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 
-bench: $(VENV)/.test
-	$(BIN)/python tests/benchmarks/bench_batch.py
+# BENCH= for every case at full length (some twenty minutes)
+BENCH ?= --quick
+bench: engines $(VENV)/.test
+	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
+	$(BIN)/demlaws yade run yade_scripts/cost.py $(BENCH)
+	$(BIN)/python tests/benchmarks/bench_liggghts.py $(BENCH)
 
 stability: $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --csv stability.csv --figure stability.png
