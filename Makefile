@@ -31,7 +31,7 @@ BENCH ?= --quick
 bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run yade_scripts/cost.py $(BENCH)
-	$(BIN)/python tests/benchmarks/bench_liggghts.py $(BENCH)
+	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
 
 stability: $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --csv stability.csv --figure stability.png
