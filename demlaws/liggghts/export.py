@@ -3,6 +3,8 @@
 import json
 import math
 import os
+import shlex
+import sys
 import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -241,7 +243,7 @@ def export(
         "columns": " ".join(f"c_contacts[{i}]" for i in range(1, 13)),
     }
     write_atomically(folder / "in.case", _CASE.format(**values))
-    write_atomically(folder / "run.sh", _RUN_STOCK if fit else _RUN)
+    write_atomically(folder / "run.sh", (_RUN_STOCK if fit else _RUN).replace("@PYTHON@", shlex.quote(sys.executable)))
     os.chmod(folder / "run.sh", 0o755)
     write_atomically(
         folder / "case.json",
@@ -335,7 +337,8 @@ _RUN = """\
 # ./run.sh [ranks]: the stock liggghts with the demlaws plugin; demlaws liggghts build compiles it at first use
 set -e
 cd "$(dirname "$0")"
-plugin=$(demlaws liggghts build)
+# DEMLAWS: another demlaws than the one that wrote this case
+plugin=$(${DEMLAWS:-@PYTHON@ -m demlaws} liggghts build)
 ranks=${1:-1}
 if [ "$ranks" -gt 1 ]; then
   root=; [ "$(id -u)" = 0 ] && root="--allow-run-as-root --oversubscribe"
