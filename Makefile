@@ -12,7 +12,6 @@ BIN := $(VENV)/bin
 SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
-export OMP_NUM_THREADS ?= 2
 
 .PHONY: granite test bench stability stability lint engines clean
 

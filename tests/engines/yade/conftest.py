@@ -6,7 +6,9 @@ from pathlib import Path
 
 import pytest
 
-os.environ.setdefault("OMP_NUM_THREADS", "1")
+# One thread in the test process: two add forces in changing order, and trajectories of a packing part from rounding.
+# What two threads do is tested in processes of its own.
+os.environ["OMP_NUM_THREADS"] = "1"
 LIBRARIES = Path("/usr/lib/x86_64-linux-gnu/yade-double/py")
 HERE = Path(__file__).parent
 
