@@ -33,10 +33,7 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
 
 stability: $(VENV)/.plots
-	$(BIN)/demlaws stability --paths 1e7 --csv stability.csv --figure stability.png
-
-stability: $(VENV)/.test
-	$(BIN)/demlaws stability --paths 1e7 --csv results/stability.csv
+	$(BIN)/demlaws stability --paths 1e7 --csv results/stability.csv --figure results/stability.png
 
 # numpy < 2: Debian's matplotlib and YADE are built against numpy 1
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python

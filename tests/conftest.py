@@ -2,12 +2,20 @@
 
 import os
 
+import mpmath
 import pytest
 from hypothesis import settings
 
 # the machines that run this are shared: an example may take long once, when a loop is compiled
 settings.register_profile("demlaws", deadline=None, print_blob=True)
 settings.load_profile("demlaws")
+
+
+@pytest.fixture(autouse=True)
+def fifty_digits():
+    """References are exact whatever ran before: importing YADE sets mpmath to 16 digits for the whole process."""
+    with mpmath.workdps(50):
+        yield
 
 
 @pytest.fixture
