@@ -13,7 +13,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test bench stability stability lint engines clean
+.PHONY: granite test bench stability lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite

@@ -106,50 +106,38 @@ def _scale(shape, radius, modulus, roughness):
 
 
 @kernel
+def family_params(table, cells, coefficient, length, offset, row, weight):
+    """FamilyParams of a contact on the grid of `table`: what a family's or a set of rows' `scale` returns."""
+    return FamilyParams(
+        coefficient,
+        length,
+        1.0 / length,
+        offset,
+        row,
+        weight,
+        cells,
+        table.shift,
+        table.first,
+        table.kink1,
+        table.kink2,
+        table.lowest,
+        table.highest,
+        table.floor,
+        table.inverse_floor,
+        table.exponent,
+        table.count,
+    )
+
+
+@kernel
 def _family_scale(shape, radius, modulus, roughness):
     place = math.log(curve_number(shape.number, radius, modulus, roughness) / shape.lowest_value) / shape.log_ratio
     inside = -1e-9 <= place <= shape.curves - 1 + 1e-9
     row = min(max(math.floor(place), 0.0), shape.curves - 2.0)
-    t = shape.table
-    p = FamilyParams(
-        hertz_coefficient(radius, modulus),
-        roughness,
-        1.0 / roughness,
-        0.0,
-        row * t.count,
-        place - row,
-        shape.cells,
-        t.shift,
-        t.first,
-        t.kink1,
-        t.kink2,
-        t.lowest,
-        t.highest,
-        t.floor,
-        t.inverse_floor,
-        t.exponent,
-        t.count,
-    )
+    coefficient, start = hertz_coefficient(radius, modulus), row * shape.table.count
+    p = family_params(shape.table, shape.cells, coefficient, roughness, 0.0, start, place - row)
     offset = _family_invert(p, hertz_overlap(p, shape.seating_load) / roughness)
-    return FamilyParams(
-        p.hertz_coefficient,
-        p.length,
-        p.inverse_length,
-        offset if inside else math.nan,
-        p.row,
-        p.weight,
-        p.cells,
-        p.shift,
-        p.first,
-        p.kink1,
-        p.kink2,
-        p.lowest,
-        p.highest,
-        p.floor,
-        p.inverse_floor,
-        p.exponent,
-        p.count,
-    )
+    return family_params(shape.table, shape.cells, coefficient, roughness, offset if inside else math.nan, start, place - row)
 
 
 @kernel

@@ -13,7 +13,7 @@ import numpy as np
 from demlaws.dispatch import bind
 from demlaws.errors import DemlawsError
 from demlaws.fastmath import kernel
-from demlaws.implicit import CurveNumber, FamilyParams, FamilyShape
+from demlaws.implicit import CurveNumber, FamilyShape, family_params
 from demlaws.laws.definition import Definition, Limit, bulk_yield, number
 from demlaws.laws.hertz import HertzShape, hertz_coefficient
 from demlaws.surface import HeightMap, read, self_affine
@@ -45,26 +45,9 @@ def _rows_scale(shape, radius, modulus, roughness):
             and abs(shape.contacts[i, 2] - roughness) <= 1e-9 * roughness
         ):
             row = float(i)
-    t = shape.table
-    return FamilyParams(
-        hertz_coefficient(radius, modulus),
-        roughness,
-        1.0 / roughness,
-        0.0 if row >= 0.0 else math.nan,  # a contact that is none of them has no curve: not a number
-        max(row, 0.0) * t.count,
-        0.0,
-        shape.cells,
-        t.shift,
-        t.first,
-        t.kink1,
-        t.kink2,
-        t.lowest,
-        t.highest,
-        t.floor,
-        t.inverse_floor,
-        t.exponent,
-        t.count,
-    )
+    offset = 0.0 if row >= 0.0 else math.nan  # a contact that is none of them has no curve: not a number
+    coefficient, start = hertz_coefficient(radius, modulus), max(row, 0.0) * shape.table.count
+    return family_params(shape.table, shape.cells, coefficient, roughness, offset, start, 0.0)
 
 
 bind(RowsShape, scale=_rows_scale)
