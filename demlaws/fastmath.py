@@ -7,10 +7,12 @@ bit tricks; errors quoted are measured by tests/test_fastmath.py in units of ε 
 
 from hashlib import sha1
 from pathlib import Path
+from types import FunctionType
 
 import numba
 from llvmlite import ir
 from numba import types
+from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
@@ -45,18 +47,41 @@ def loop(function):
         dispatcher = numba.njit(cache=True, **_OPTIONS)(function)
     except RuntimeError:  # numba finds no folder that it may write to: compiled anew in every process
         return numba.njit(**_OPTIONS)(function)
-    file = getattr(dispatcher._cache, "_cache_file", None)
-    if file is not None:  # None where numba found no folder that it may write to
-        base = file._index_name.removesuffix(".nbi")
-        folder = Path(file._cache_path)
-        dispatcher._cache._cache_file = type(file)(
-            cache_path=file._cache_path, filename_base=f"{base}-{_TAG}", source_stamp=file._source_stamp
-        )
-        if not (folder / f"{base}-{_TAG}.nbi").exists():
-            name, _, interpreter = base.partition("-")  # the rest is the line number and the interpreter's tag
-            for stale in folder.glob(f"{name}-*.{interpreter.rpartition('.')[2]}-*.nb?"):
-                stale.unlink(missing_ok=True)
+    _name_by_core(dispatcher)
     return dispatcher
+
+
+def callback(signature, function, constants):
+    """Compile a function that C++ code can call, and keep it on disk as `loop` does. `.address` is where it stands.
+
+    constants: name → numba type or value that the function uses as a global. numba's cache would not know one process's
+    types again in the next, where they bear other numbers: the file's name says what they are.
+    """
+    bound = FunctionType(function.__code__, {**function.__globals__, **constants}, function.__name__)
+    bound.__qualname__ = function.__qualname__
+    compiled = CFunc(bound, (signature.args, signature.return_type), {}, dict(_OPTIONS))
+    try:
+        compiled.enable_caching()
+        _name_by_core(compiled, "-" + sha1(repr(constants).encode()).hexdigest()[:12])
+    except RuntimeError:
+        pass
+    compiled.compile()
+    return compiled
+
+
+def _name_by_core(cached, suffix=""):
+    file = getattr(cached._cache, "_cache_file", None)
+    if file is None:  # numba found no folder that it may write to
+        return
+    base = file._index_name.removesuffix(".nbi")
+    folder = Path(file._cache_path)
+    cached._cache._cache_file = type(file)(
+        cache_path=file._cache_path, filename_base=f"{base}-{_TAG}{suffix}", source_stamp=file._source_stamp
+    )
+    if not any(folder.glob(f"{base}-{_TAG}*.nbi")):
+        name, _, interpreter = base.partition("-")  # the rest is the line number and the interpreter's tag
+        for stale in folder.glob(f"{name}-*.{interpreter.rpartition('.')[2]}-*.nb?"):
+            stale.unlink(missing_ok=True)
 
 
 @intrinsic

@@ -18,7 +18,7 @@ PACKAGE = Path(demlaws.__file__).parent
 COMPILED = ["fastmath.py", "dispatch.py", "unloading.py", "laws/hertz.py", "laws/rms.py", "laws/pohrt_popov.py"]
 COMPILED += ["laws/goddard.py", "laws/rough_plastic.py", "laws/bahrami.py"]
 OUTSIDE = {"numpy", "numba", "llvmlite"}
-STANDARD = {"math", "typing", "collections", "hashlib", "pathlib", "functools", "__future__"}
+STANDARD = {"math", "typing", "types", "collections", "hashlib", "pathlib", "functools", "__future__"}
 INSIDE = ("demlaws.fastmath", "demlaws.dispatch", "demlaws.unloading", "demlaws.laws", "demlaws.errors")
 
 

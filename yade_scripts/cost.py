@@ -1,9 +1,9 @@
 """What a law costs inside YADE: time per contact of the interaction loop, as a ratio to native Hertz-Mindlin.
 
 Shows: native Hertz-Mindlin, native linear, YADE's Conical Damage Model, the bridge with several laws in closed form and as a
-table, and the public way; with 1 and with 2 threads. The ratio of a law of ours is taken within one scene: the same functor
-alternates between our code and its own every two steps, over the same contacts in the same memory; other models have scenes
-of their own, which take turns. The ratio is the figure; times depend on the machine.
+table, and the public way; with 1 and with 2 threads. The ratio of a law of ours is taken within one scene and one run: the
+same functor alternates between our code and its own every two steps, of which the second is timed, over the same contacts in
+the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
 Start: demlaws yade run yade_scripts/cost.py [--quick] [--threads 1 2] [--out FOLDER]
 Takes: about 2 min (quick: 20 s, fewer contacts). Saves cost.png.
 """
@@ -11,7 +11,6 @@ Takes: about 2 min (quick: 20 s, fewer contacts). Saves cost.png.
 import argparse
 import json
 import sys
-import time
 from pathlib import Path
 
 import matplotlib
@@ -30,7 +29,6 @@ O = yade.O  # noqa: E741
 YOUNG, POISSON, DENSITY = 60.6e9, 0.25, 2680.0
 SURFACE = {"granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)}
 RADIUS = 0.01
-BLOCK = 2  # steps timed in a row: short, so that some blocks are not interrupted
 
 
 def table():
@@ -67,6 +65,7 @@ def scene(side, law, physics, material):
     O.switchToScene(number)
     spheres(side, material)
     O.engines = [
+        yade.PyRunner(command="clock.tick()", iterPeriod=1, initRun=True, dead=True, label="ticker"),
         yade.ForceResetter(),
         yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.2 * RADIUS),
         yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [physics], [law]),
@@ -96,39 +95,54 @@ def peer(side, name):
     return scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
 
 
+class Clock:
+    """Nanoseconds a contact of each step of what computes contacts, read between the steps of one run."""
+
+    def start(self, each_step=lambda number: None):
+        kinds = (yade.InteractionLoop, yade.LawDispatcher, yade.PyRunner)
+        self.engines = [e for e in O.engines if isinstance(e, kinds) and e.label != "ticker" and not e.dead]
+        for engine in O.engines:
+            if isinstance(engine, yade.InsertionSortCollider | yade.NewtonIntegrator):
+                engine.dead = True  # the spheres stand still
+        self.each_step, self.steps, self.times, self.before = each_step, 0, [], 0
+        O.engines[0].dead = False
+
+    def tick(self):
+        now = sum(engine.execTime for engine in self.engines)
+        if self.steps:
+            self.times.append(now - self.before)
+        self.each_step(self.steps)
+        self.steps += 1
+        self.before = sum(engine.execTime for engine in self.engines)
+
+    def run(self, steps, each_step=lambda number: None):
+        self.start(each_step)
+        O.run(steps + 1, True)
+        O.engines[0].dead = True
+        return np.array(self.times) / O.interactions.countReal()
+
+
+clock = Clock()
+
+
 def undisturbed(samples):
     """Lower decile: other processes can only add time."""
     return float(np.quantile(samples, 0.1))
 
 
-def loop_time(steps):
-    """Nanoseconds a contact and step of the interaction loop (in the public way: of all that replaces it).
-
-    With one thread this is processor time, which other processes on the machine disturb less.
-    """
-    kinds = (yade.InteractionLoop, yade.LawDispatcher, yade.PyRunner, yade.ForceResetter)
-    for engine in O.engines:
-        if not isinstance(engine, kinds):
-            engine.dead = True  # the spheres stand still
-    clock = time.process_time if O.numThreads == 1 else time.perf_counter
-    timed = [e for e in O.engines if isinstance(e, kinds[:3])]
-    for engine in timed:
-        engine.execTime = 0
-    started = clock()
-    O.run(steps, True)
-    spent = clock() - started if O.numThreads == 1 else 1e-9 * sum(e.execTime for e in timed)
-    return 1e9 * spent / steps / O.interactions.countReal()
+def spread(ratios):
+    """Median, smallest and largest."""
+    return float(np.median(ratios)), float(np.min(ratios)), float(np.max(ratios))
 
 
-def measure_bridge(side, repeats):
-    """Name → (ns a contact, ratio to the native code of the same functor, µs a step of the guard)."""
-    results, contacts = {}, 0
-    made = {}
+def measure_bridge(side, rounds, steps):
+    """Name → (ns a contact; ratio to the functor's native code: median, least, most of the rounds; µs of the guard)."""
+    made, contacts = {}, 0
     for n, (name, specification) in enumerate(BRIDGE.items()):
         given, unloading, options = specification()
         law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, bridge="native", label=f"law{n}", **options)
         number = scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
-        guard = next(e for e in O.engines if isinstance(e, yade.PyRunner))
+        guard = next(e for e in O.engines if isinstance(e, yade.PyRunner) and e.label != "ticker")
         O.run(100, True)  # the guard looks at every contact at its steps 2, 10 and 100
         guard.execTime = 0
         O.run(50, True)
@@ -136,40 +150,40 @@ def measure_bridge(side, repeats):
         guard.dead = True  # or it would put our code back
         contacts = O.interactions.countReal()
     times = {name: ([], []) for name in BRIDGE}
-    for _ in range(repeats):
+    for _ in range(rounds):
         for name, (number, law, _) in made.items():
             O.switchToScene(number)
             attachment = law.binding.attachment
-            for ours in (True, False):
-                if ours:
-                    attachment.patch(law)
-                else:
-                    attachment.release(law)
-                O.run(1, True)
-                times[name][0 if ours else 1].append(loop_time(BLOCK))
-    for name, (ours, native) in times.items():
-        results[f"bridge: {name}"] = undisturbed(ours), undisturbed(ours) / undisturbed(native), made[name][2]
-    return results, contacts
+
+            def switch(step, law=law, attachment=attachment):
+                if step % 2 == 0:
+                    (attachment.patch if step % 4 == 0 else attachment.release)(law)
+
+            found = clock.run(steps, switch)
+            attachment.patch(law)
+            for side_, first in ((0, 1), (1, 3)):  # the second step under either
+                times[name][side_].append(undisturbed(found[first::4]))
+    return {
+        f"bridge: {name}": (min(ours), *spread(np.divide(ours, native)), made[name][2])
+        for name, (ours, native) in times.items()
+    }, contacts
 
 
-def measure_peers(side, repeats):
+def measure_peers(side, rounds, steps):
     numbers = {name: peer(side, name) for name in PEERS}
     times = {name: [] for name in PEERS}
-    for round_ in range(repeats):
+    for _ in range(rounds):
         for name, number in numbers.items():
-            if name.startswith("public") and round_ % 10:
-                continue
             O.switchToScene(number)
-            O.run(1, True)
-            times[name].append(loop_time(BLOCK))
-    native = undisturbed(times[PEERS[0]])
-    return {name: (undisturbed(values), undisturbed(values) / native, 0.0) for name, values in times.items()}
+            times[name].append(undisturbed(clock.run(max(steps // 10, 10) if name.startswith("public") else steps)))
+    native = times[PEERS[0]]
+    return {name: (min(values), *spread(np.divide(values, native)), 0.0) for name, values in times.items()}
 
 
 def child(quick):
-    side, repeats = (9, 10) if quick else (14, 100)
-    peers = measure_peers(side, repeats)
-    results, contacts = measure_bridge(side, repeats)
+    side, rounds, steps = (9, 3, 80) if quick else (14, 9, 240)
+    peers = measure_peers(side, rounds, steps // 2)
+    results, contacts = measure_bridge(side, rounds, steps)
     print("RESULT " + json.dumps({"contacts": contacts, "times": {**peers, **results}}))
 
 
@@ -192,13 +206,14 @@ def main():
             raise SystemExit(done.stdout + done.stderr)
         results[threads] = json.loads(line.removeprefix("RESULT "))
     contacts = results[arguments.threads[0]]["contacts"]
-    print(f"interaction loop, {contacts} contacts; ratio to native Hertz-Mindlin, and ns a contact (lower deciles)")
-    head = "".join(f"{f'{n} thread(s)':>22}" for n in arguments.threads)
+    print(f"interaction loop, {contacts} contacts; ratio to native Hertz-Mindlin (median, range of rounds), ns a contact")
+    head = "".join(f"{f'{n} thread(s)':>30}" for n in arguments.threads)
     print(f"{'':44}{head}{'guard':>14}")
     names = list(results[arguments.threads[0]]["times"])
     for name in names:
-        cells = "".join(f"{results[n]['times'][name][1]:13.3f}{results[n]['times'][name][0]:9.1f}" for n in arguments.threads)
-        guard = results[arguments.threads[0]]["times"][name][2]
+        rows = [results[n]["times"][name] for n in arguments.threads]
+        cells = "".join(f"{ratio:9.3f} ({low:.3f}-{high:.3f}){ns:8.1f}" for ns, ratio, low, high, _ in rows)
+        guard = rows[0][4]
         print(f"{name:44}{cells}" + (f"{guard:8.1f} µs/step" if guard else ""))
     figure, axis = plt.subplots(figsize=(8, 4), constrained_layout=True)
     shown = [name for name in names if not name.startswith("public")]

@@ -18,9 +18,7 @@ import ctypes
 import os
 import re
 
-import numba
 import numpy as np
-from numba import types
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
@@ -278,18 +276,11 @@ _entries = {}
 
 
 def _entry(kind, params_kind, rule):
-    """Compiled native entry point for laws of this kind: a thin shell around the code that numba keeps on disk."""
+    """Address of native code for laws of this kind."""
     key = (kind, params_kind, type(rule))  # the tags themselves are empty tuples, all equal
     if key not in _entries:
-        act, load_word, behind = kernel.act, kernel.load_word, 8 * COPIED
-
-        @numba.cfunc(types.uint8(*[types.int64] * 4), error_model="numpy")
-        def go(this, geom, phys, interaction):
-            return act(kind, params_kind, rule, load_word(load_word(this) + behind), this, geom, phys, interaction)
-
-        _forever.append(go)
-        _entries[key] = go.address
-    return _entries[key]
+        _entries[key] = kernel.entry(kind, params_kind, rule, 8 * COPIED)
+    return _entries[key].address
 
 
 class Attachment:
@@ -310,7 +301,7 @@ class Attachment:
         self.context[kernel.RECORDS] = pairs.records.ctypes.data
         self.context[kernel.RECORD_BYTES] = pairs.records.strides[0]
         self.context[kernel.RATIO] = np.float64(ratio or 0.0).view(np.int64)
-        self.context[kernel.PARAM_WORDS] = pairs.params_words
+        self.context[kernel.ROW_WORDS] = pairs.row_words
         self._generation = int.from_bytes(os.urandom(3), "little")
         self._renew(1 << 14)
         probe = self._native_table()
@@ -321,12 +312,12 @@ class Attachment:
         _forever.append(self)
 
     def _renew(self, capacity):
-        """A buffer for the Params of `capacity` contacts, in place of the old one, whose rows count no more."""
+        """A buffer for the rows of `capacity` contacts, in place of the old one, whose rows count no more."""
         self._generation = (self._generation + 1) % 2**24
-        rows = np.zeros((min(capacity, 2**28), int(self.context[kernel.PARAM_WORDS])), np.int64)
+        rows = np.zeros((min(capacity, 2**28) + kernel.AHEAD, int(self.context[kernel.ROW_WORDS])), np.int64)
         _forever.append(rows)
-        self.context[kernel.PARAMS] = rows.ctypes.data
-        self.context[kernel.CAPACITY] = len(rows)
+        self.context[kernel.ROWS] = rows.ctypes.data
+        self.context[kernel.CAPACITY] = len(rows) - kernel.AHEAD
         self.context[kernel.ROWS_USED] = 0
         self.context[kernel.GENERATION] = self._generation + 1
 

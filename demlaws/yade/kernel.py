@@ -11,13 +11,13 @@ import math
 import numba
 import numpy as np
 from llvmlite import ir
-from numba import types
+from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
 from demlaws.dispatch import scale, step, stored_and_dissipated
-from demlaws.fastmath import from_bits, kernel, loop
+from demlaws.fastmath import callback, from_bits, kernel, loop
 from demlaws.law import SMOOTHEST
-from demlaws.laws.hertz import HertzShape
+from demlaws.laws.hertz import HertzParams, HertzShape, hertz_coefficient
 
 # Words of the context.
 GO = 0  # the native function that applies the forces
@@ -29,17 +29,24 @@ SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
 RATIO = 22  # tangential over normal stiffness (a double); 0: as YADE's Ip2 functor has it
 GUARDED = 23  # 1 once the Python guard watches FAULTS
 BANKED = 24  # dissipation of contacts that have ended [J] (a double)
-PARAMS, PARAM_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # the contacts' Params: rows, their size, number, validity
+ROWS, ROW_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # the contacts' rows, their size, number, validity
 ROWS_USED = 37
 FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36  # a cache line apart from the above
 CONTEXT_WORDS = 40
 
 # A contact's history in MindlinPhys.momentBend, momentTwist (6 doubles, which Mindlin's law without moments ignores):
 # pair number + 1 (0: not seen yet), radius R [m], modulus E* [Pa], then up to three state values of the unloading rule;
-# prevU[0] holds K_t/K, prevU[1] the number of the row that holds the contact's Params: its derived numbers, which cost
-# too much to derive at each step (a law that yields finds its yield point by bisection). Rows are memory of this process,
+# prevU[0] holds K_t/K, prevU[1] the number of the contact's row, negative for a smooth pair. Rows are memory of this process,
 # so the number carries a generation drawn at random: a row of another process or of a buffer since renewed is not taken.
 TAG, RADIUS, MODULUS, STATE = 0, 8, 16, 24
+
+# A row: the addresses of the contact's phys, geom and interaction and of its pair's record, then those numbers of its
+# Params that are its own: derived numbers, which cost too much to derive at each step (a law that yields finds its yield
+# point by bisection). Rows are made, and so stand, in the order in which YADE visits contacts: the addresses in the row
+# after next say what will be needed soon. YADE's objects are scattered, and the processor cannot guess them.
+ROW_PHYSICS, ROW_GEOMETRY, ROW_INTERACTION, ROW_RECORD, ROW_OWN = 0, 8, 16, 24, 32
+AHEAD = 2  # rows; measured: 1 to 4 serve alike
+LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 288, 352), (0, 64, 128, 192), (0, 64)
 
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT = 1, 2, 3
 
@@ -97,6 +104,20 @@ def next_number(typing_context, address):
 
 
 @intrinsic
+def prefetch(typing_context, address):
+    """Ask for the cache line at `address`, which need not be valid."""
+
+    def generate(context, builder, signature, arguments):
+        pointer, flag = ir.IntType(8).as_pointer(), ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [pointer, flag, flag, flag])
+        function = builder.module.globals.get("llvm.prefetch.p0i8") or ir.Function(builder.module, kind, "llvm.prefetch.p0i8")
+        builder.call(function, [builder.inttoptr(arguments[0], pointer), flag(1), flag(3), flag(1)])
+        return context.get_dummy_value()
+
+    return types.void(types.int64), generate
+
+
+@intrinsic
 def call_go(typing_context, function, this, geom, phys, interaction):
     """bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*), through its address."""
 
@@ -144,15 +165,44 @@ def pack(value, keep):
     return [int(value)]
 
 
-def store(value, address):
-    """`pack` from compiled code: write a tuple's words to `address`."""
+def own_words(params_kind, kind):
+    """Number of words of a law's Params that belong to one contact; the others are its Shape's."""
+    return sum(_words(field) for _, field, shared in _fields(params_kind, kind) if shared is None)
 
 
-@overload(store, jit_options={"forceinline": True})
-def _store(value, address):
-    lines, _ = _write(value, "value", 0)
+def _words(kind):
+    return _read(kind, "", 0, {})[1] // 8
+
+
+def _fields(params_kind, kind):
+    """(name, type, offset in the Shape or None) of each field of Params: a field of the Shape's of the same name and type,
+    at any depth, holds the same value (the tests see to it)."""
+    places, level = {}, [(kind, 0)]
+    while level:
+        deeper = []
+        for owner, offset in level:
+            for name, field in zip(owner.fields, owner.types, strict=True):
+                places.setdefault((name, field), offset)
+                if isinstance(field, types.BaseNamedTuple):
+                    deeper.append((field, offset))
+                offset += 8 * _words(field)
+        level = deeper
+    return [(name, field, places.get((name, field))) for name, field in zip(params_kind.fields, params_kind.types, strict=True)]
+
+
+def store_own(kind, params, address):
+    """Write to `address` what in a law's Params is not in its Shape, whose numba type is `kind`."""
+
+
+@overload(store_own, jit_options={"forceinline": True})
+def _store_own(kind, params, address):
+    lines, offset = [], 0
+    for name, field, shared in _fields(params, kind.instance_type):
+        if shared is None:
+            more, offset = _write(field, f"params.{name}", offset)
+            lines += more
     names = {"store_word": store_word, "store_double": store_double}
-    exec("def function(value, address):\n" + "".join(f"    {line}\n" for line in lines) + "    return\n", names)
+    exec("def function(kind, params, address):\n" + "".join(f"    {line}\n" for line in lines) + "    return\n", names)
     return names["function"]
 
 
@@ -181,18 +231,39 @@ def unpack(kind, address):
 
 @overload(unpack, jit_options={"forceinline": True})
 def _unpack(kind, address):
-    names = {"load_word": load_word, "load_double": load_double, "carray": numba.carray, "as_pointer": as_pointer}
-    text, _ = _read(kind.instance_type, 0, names)
+    names = dict(_READERS)
+    text, _ = _read(kind.instance_type, "address", 0, names)
     exec(f"def function(kind, address):\n    return {text}\n", names)
     return names["function"]
 
 
-def _read(kind, offset, names):
-    """Source text that reads a value of this numba type at address + offset, and the offset behind it."""
+def read_params(params_kind, kind, own, shape):
+    """A law's Params from what `store_own` wrote to `own` and `pack` to `shape`."""
+
+
+@overload(read_params, jit_options={"forceinline": True})
+def _read_params(params_kind, kind, own, shape):
+    names, items, offset = dict(_READERS), [], 0
+    for _, field, shared in _fields(params_kind.instance_type, kind.instance_type):
+        if shared is None:
+            text, offset = _read(field, "own", offset, names)
+        else:
+            text, _ = _read(field, "shape", shared, names)
+        items.append(text + ", ")
+    names["Params"] = params_kind.instance_type.instance_class
+    exec(f"def function(params_kind, kind, own, shape):\n    return Params({''.join(items)})\n", names)
+    return names["function"]
+
+
+_READERS = {"load_word": load_word, "load_double": load_double, "carray": numba.carray, "as_pointer": as_pointer}
+
+
+def _read(kind, base, offset, names):
+    """Source text that reads a value of this numba type at base + offset, and the offset behind it."""
     if isinstance(kind, types.BaseTuple):
         items = []
         for item in kind:
-            text, offset = _read(item, offset, names)
+            text, offset = _read(item, base, offset, names)
             items.append(text + ", ")
         name = ""
         if isinstance(kind, types.BaseNamedTuple):
@@ -202,16 +273,16 @@ def _read(kind, offset, names):
     if isinstance(kind, types.NoneType):
         return "None", offset
     if isinstance(kind, types.Array):
-        sizes = "".join(f"load_word(address + {offset + 8 * (axis + 1)}), " for axis in range(kind.ndim))
+        sizes = "".join(f"load_word({base} + {offset + 8 * (axis + 1)}), " for axis in range(kind.ndim))
         name = f"dtype{len(names)}"
         names[name] = np.dtype(str(kind.dtype))
-        return f"carray(as_pointer(load_word(address + {offset})), ({sizes}), {name})", offset + 8 * (kind.ndim + 1)
+        return f"carray(as_pointer(load_word({base} + {offset})), ({sizes}), {name})", offset + 8 * (kind.ndim + 1)
     if isinstance(kind, types.Float):
-        return f"load_double(address + {offset})", offset + 8
+        return f"load_double({base} + {offset})", offset + 8
     if isinstance(kind, types.Boolean):
-        return f"(load_word(address + {offset}) != 0)", offset + 8
+        return f"(load_word({base} + {offset}) != 0)", offset + 8
     if isinstance(kind, types.Integer):
-        return f"load_word(address + {offset})", offset + 8
+        return f"load_word({base} + {offset})", offset + 8
     raise TypeError(f"a law's shape holds {kind}, which cannot be handed to YADE")
 
 
@@ -274,9 +345,10 @@ def energies(kind, rule, record, radius, modulus, overlap, state):
 @kernel
 def coefficients(force, stiffness, overlap, ratio):
     """kno and kso with which Mindlin's law gives this force, and a shear stiffness of `ratio` times this stiffness."""
-    root = math.sqrt(overlap)
-    if overlap * root > 1e-290:
-        return force / (overlap * root), ratio * stiffness / root
+    power = overlap * math.sqrt(overlap)
+    if power > 1e-290:
+        inverse = 1.0 / power  # of the overlap alone: ready before the force is
+        return force * inverse, ratio * stiffness * (overlap * inverse)
     return 0.0, 0.0  # the force is below 1e-270 N; the quotient would overflow
 
 
@@ -336,6 +408,12 @@ def serves(record, radius, modulus):
     )
 
 
+@kernel
+def record_of(context, history):
+    """Address of the record of the contact's pair of surfaces."""
+    return word(context, RECORDS) + (np.int64(load_double(history + TAG)) - 1) * word(context, RECORD_BYTES)
+
+
 @numba.njit(error_model="numpy", nogil=True)
 def first_sight(context, geom, phys, interaction):
     """Write down what the contact is made of: called once in a contact's life."""
@@ -356,26 +434,66 @@ def first_sight(context, geom, phys, interaction):
     store_double(history + TAG, pair + 1.0)
 
 
+@kernel
+def known_row(context, code):
+    """Address of the row that `code` names; 0 where it is not a row of this process."""
+    if code >> 28 != word(context, GENERATION):
+        return 0
+    return word(context, ROWS) + 8 * (code & 0xFFFFFFF) * word(context, ROW_WORDS)
+
+
+@kernel
+def prefetch_from(row):
+    """Ask for the memory of the contact that `row` is about, if it still lives there."""
+    phys, geom, interaction = load_word(row + ROW_PHYSICS), load_word(row + ROW_GEOMETRY), load_word(row + ROW_INTERACTION)
+    for line in literal_unroll(LINES_OF_PHYSICS):
+        prefetch(phys + line)
+    for line in literal_unroll(LINES_OF_GEOMETRY):
+        prefetch(geom + line)
+    for line in literal_unroll(LINES_OF_INTERACTION):
+        prefetch(interaction + line)
+
+
 @loop
-def row_of(kind, context, record, phys, radius, modulus):
-    """Address of the contact's Params, made where it has none in this process; 0 where the buffer is full."""
-    place = phys + word(context, SPARE) + 8
+def make_row(kind, context, geom, phys, interaction):
+    """The number of a row, made for a contact that has none in this process, negative for a smooth pair; 0: no room."""
+    history = phys + word(context, HISTORY)
+    if load_double(history + TAG) == 0.0:
+        first_sight(context, geom, phys, interaction)
     number = next_number(context + 8 * ROWS_USED)
     if number >= word(context, CAPACITY):
         return 0  # the guard makes a larger buffer before the next step
-    address = word(context, PARAMS) + 8 * number * word(context, PARAM_WORDS)
-    store(params_of(kind, record, radius, modulus), address)
-    store_double(place, float((word(context, GENERATION) << 28) + number))
-    return address
+    row = word(context, ROWS) + 8 * number * word(context, ROW_WORDS)
+    record, radius, modulus = record_of(context, history), load_double(history + RADIUS), load_double(history + MODULUS)
+    store_word(row + ROW_PHYSICS, phys)
+    store_word(row + ROW_GEOMETRY, geom)
+    store_word(row + ROW_INTERACTION, interaction)
+    store_word(row + ROW_RECORD, record)
+    code = (word(context, GENERATION) << 28) + number
+    if load_word(record) != 0:
+        code = -code
+        store_double(row + ROW_OWN, hertz_coefficient(radius, modulus))
+    else:
+        store_own(kind, params_of(kind, record, radius, modulus), row + ROW_OWN)
+    store_double(phys + word(context, SPARE) + 8, float(code))
+    return code
 
 
 @loop
-def end_contact(kind, rule, context, record, radius, modulus, state):
+def respond_without_row(kind, rule, context, history, overlap, state):
+    """`respond` for the steps in which the buffer of rows is full."""
+    record = record_of(context, history)
+    return respond(kind, rule, record, load_double(history + RADIUS), load_double(history + MODULUS), overlap, state)
+
+
+@loop
+def end_contact(kind, rule, context, history, state):
     """Bank the dissipation of a contact that ends."""
-    add_double(context + 8 * BANKED, energies(kind, rule, record, radius, modulus, 0.0, state)[1])
+    radius, modulus = load_double(history + RADIUS), load_double(history + MODULUS)
+    add_double(context + 8 * BANKED, energies(kind, rule, record_of(context, history), radius, modulus, 0.0, state)[1])
 
 
-@loop
+@kernel
 def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, interaction):
     """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which then does all the rest."""
     geom, phys = load_word(geom_pointer), load_word(phys_pointer)
@@ -386,41 +504,52 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
         return call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
     overlap = load_double(geom + word(context, OVERLAP))
     history = phys + word(context, HISTORY)
-    if load_double(history + TAG) == 0.0:
-        first_sight(context, geom, phys, interaction)
-    number = np.int64(load_double(history + TAG)) - 1
-    record = word(context, RECORDS) + number * word(context, RECORD_BYTES)
-    radius, modulus = load_double(history + RADIUS), load_double(history + MODULUS)
+    code = np.int64(load_double(phys + word(context, SPARE) + 8))
     old = read_state(rule, history + STATE)
-    if overlap <= 0.0:
-        end_contact(kind, rule, context, record, radius, modulus, old)
-    if load_word(record) != 0:
-        p = scale(HertzShape(), radius, modulus, 0.0)
-        force, stiffness, new = step(rule, p, overlap, old)
+    row = known_row(context, abs(code))
+    if row == 0:
+        code = make_row(kind, context, geom, phys, interaction)
+        row = known_row(context, abs(code))
+    if row == 0:
+        force, stiffness, new = respond_without_row(kind, rule, context, history, overlap, old)
     else:
-        code = np.int64(load_double(phys + word(context, SPARE) + 8))
-        if code >> 28 == word(context, GENERATION):
-            row = word(context, PARAMS) + 8 * (code & 0xFFFFFFF) * word(context, PARAM_WORDS)
+        prefetch_from(row + AHEAD * 8 * word(context, ROW_WORDS))
+        if code > 0:
+            p = read_params(params_kind, kind, row + ROW_OWN, load_word(row + ROW_RECORD) + RECORD_SHAPE)
+            force, stiffness, new = step(rule, p, overlap, old)
         else:
-            row = row_of(kind, context, record, phys, radius, modulus)
-        if row != 0:
-            force, stiffness, new = step(rule, unpack(params_kind, row), overlap, old)
-        else:
-            force, stiffness, new = respond(kind, rule, record, radius, modulus, overlap, old)
+            force, stiffness, new = step(rule, HertzParams(load_double(row + ROW_OWN)), overlap, old)
     if force - force != 0.0:
         fault(context, NOT_FINITE, interaction, overlap)
         if word(context, GUARDED) != 0:
             force, stiffness, new = 0.0, 0.0, old
-    write_state(rule, history + STATE, new)
     if overlap > 0.0:
         kno, kso = coefficients(force, stiffness, overlap, load_double(phys + word(context, SPARE)))
         store_double(phys + word(context, KNO), kno)
         store_double(phys + word(context, KSO), kso)
+    else:
+        end_contact(kind, rule, context, history, old)
+    write_state(rule, history + STATE, new)
     keep = call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
     if overlap > 0.0:
         # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
         store_double(phys + word(context, KN), stiffness)
     return keep
+
+
+KIND = PARAMS_KIND = RULE = BEHIND = None  # what `entry` gives to a copy of the function below
+
+
+def _go(this, geom, phys, interaction):
+    context = load_word(load_word(this) + BEHIND)
+    return act(KIND, PARAMS_KIND, RULE, context, this, geom, phys, interaction)
+
+
+def entry(kind, params_kind, rule, behind):
+    """`act` for laws of this kind as native code (`.address`); the address of the context stands `behind` bytes after the
+    functor's table of virtual functions."""
+    constants = {"KIND": kind, "PARAMS_KIND": params_kind, "RULE": rule, "BEHIND": behind}
+    return callback(types.uint8(*[types.int64] * 4), _go, constants)
 
 
 # --- batches: the public way, energies

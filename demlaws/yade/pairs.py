@@ -215,7 +215,8 @@ class Pairs:
         self.kind = numba.typeof(example)
         radius, modulus = self.specimen(number)
         params = scale_one(example, radius, modulus, max(self.roughnesses[number], SMOOTHEST * radius))
-        self.params_kind, self.params_words = numba.typeof(params), len(kernel.pack(params, []))
+        self.params_kind = numba.typeof(params)
+        self.row_words = kernel.ROW_OWN // 8 + max(kernel.own_words(self.params_kind, self.kind), 1)
         self._keep = []
         rows = []
         for shape, roughness, only_for in zip(self.shapes, self.roughnesses, self.only_for, strict=True):

@@ -44,6 +44,30 @@ def test_two_spheres_every_law(omega, name, rule):
     assert tangent <= 1e-13
 
 
+@pytest.mark.parametrize("form", ["closed form", "table", "family"])
+@pytest.mark.parametrize("name", dl.laws())
+def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
+    """A contact's row holds only those of its Params that its law's Shape does not hold under the same name."""
+    import numba
+
+    from demlaws.dispatch import scale
+    from demlaws.yade import kernel
+
+    radius = [4e-3, 5e-3] if form == "family" else 4e-3
+    contact = dl.Contact(radius, 32e9, 2.4e-6, 2.22, 6.3e9)
+    law = dl.law(name, contact, **find(name).example)
+    if form == "table":
+        law = law.tabulate(1e-3, 100.0)
+    for radius in (4e-3, 4.7e-3):
+        p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
+        fields = kernel._fields(numba.typeof(p), numba.typeof(law.shape))
+        values = kernel.pack(law.shape, [])
+        for field, kind, place in fields:
+            if place is not None:
+                words = kernel.pack(getattr(p, field), [])
+                assert words == values[place // 8 : place // 8 + len(words)], f"{field}: {kind}"
+
+
 @pytest.mark.parametrize("geometry", ["facet", "wall", "box"])
 def test_flats(omega, geometry):
     import yade
