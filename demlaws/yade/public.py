@@ -139,6 +139,7 @@ def finish(binding):
         if overlap > 0.0:
             phys.kn = tangent
         elif overlap < 0.0:
+            phys.momentTwist = yade.Vector3(0, 0, 0)  # `step` has banked what it dissipated
             ended.append(contact)
     if ended and not _never_erase(binding.label):
         for contact in ended:
