@@ -528,11 +528,11 @@ def _erasing(native, contacts):
                 binding.bank(contacts(container, *arguments, **keywords))
         return native(container, *arguments, **keywords)
 
-    erase.__doc__ = native.__doc__
+    erase.__doc__, erase.native = native.__doc__, native
     return erase
 
 
-def _of_body(bodies, number, eraseClumpMembers=False):  # noqa: N803  YADE's name
+def _of_body(bodies, number, eraseClumpMembers=False):
     body = bodies[number]
     members = body.shape.members if eraseClumpMembers and isinstance(body.shape, yade.Clump) else ()
     return [contact for one in (number, *members) for contact in bodies[one].intrs()] if body else []
