@@ -2,7 +2,8 @@
 
 Importing this module imports YADE and wraps some of its Python entry points: assigning `O.engines` (puts the guard before
 InteractionLoop, or takes the public way where the bridge cannot act), `O.save` and `O.load` with their relatives (write
-the energy account to the scene, read it back), and assigning `LawDispatcher.functors` (refused: it goes past the guard).
+the energy account to the scene, read it back), erasing bodies and interactions (keeps the account of what ended contacts
+dissipated), and assigning `LawDispatcher.functors` (refused: it goes past the guard).
 """
 
 import warnings
@@ -145,7 +146,7 @@ class Binding:
     def totals(self):
         """Stored energy and plastic dissipation [J] of the current scene, ended contacts included.
 
-        Contacts that vanish because a body is erased take their share of both with them.
+        What contacts have stored when they are erased with a body is gone; what they have dissipated stays in the account.
         """
         self.settle()
         columns = rows_of(real_contacts())
@@ -183,6 +184,16 @@ class Binding:
             stored=energies[:, 0],
             dissipated=energies[:, 1],
         )
+
+    def bank(self, contacts):
+        """Keep in the account what these contacts have dissipated: they are about to be erased."""
+        self.settle()
+        contacts = [i for i in contacts if i.isReal and isinstance(i.phys, yade.MindlinPhys)]
+        columns = rows_of(contacts)
+        self.banked += float(self._energies(columns[columns[:, 2] > 0])[:, 1].sum())
+        for contact in contacts:  # YADE may show it until the next step: its history is not counted twice
+            contact.phys.momentTwist = yade.Vector3(0, 0, 0)
+        self.held.valid_at = None
 
     # --- watch
 
@@ -507,6 +518,34 @@ def _loading(native):
     return load
 
 
+def _erasing(native, contacts):
+    """`native`, a function that erases, with the account of the `contacts` that it erases kept before."""
+
+    def erase(container, *arguments, **keywords):
+        present = {f.label for _, _, f in _functors(O.engines)}
+        for label, binding in _bindings.items():
+            if label in present:
+                binding.bank(contacts(container, *arguments, **keywords))
+        return native(container, *arguments, **keywords)
+
+    erase.__doc__, erase.native = native.__doc__, native
+    return erase
+
+
+def _of_body(bodies, number, eraseClumpMembers=False):
+    body = bodies[number]
+    members = body.shape.members if eraseClumpMembers and isinstance(body.shape, yade.Clump) else ()
+    return [contact for one in (number, *members) for contact in bodies[one].intrs()] if body else []
+
+
+def _of_two(interactions, first, second):
+    return [interactions[first, second]] if interactions.has(first, second) else []
+
+
+def _all(container, *arguments):
+    return O.interactions
+
+
 def _wrap_yade():
     omega = yade.wrapper.Omega
     if getattr(omega, "demlaws_wrapped", False):
@@ -517,6 +556,13 @@ def _wrap_yade():
         setattr(omega, name, _saving(getattr(omega, name)))
     for name in ("load", "loadTmp", "reload", "stringToScene"):
         setattr(omega, name, _loading(getattr(omega, name)))
+    for container, name, contacts in (
+        (yade.wrapper.BodyContainer, "erase", _of_body),
+        (yade.wrapper.BodyContainer, "clear", _all),
+        (yade.wrapper.InteractionContainer, "erase", _of_two),
+        (yade.wrapper.InteractionContainer, "clear", _all),
+    ):
+        setattr(container, name, _erasing(getattr(container, name), contacts))
     yade.LawDispatcher.functors = property(_native_functors.__get__, _set_functors)
 
 

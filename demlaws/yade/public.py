@@ -141,8 +141,9 @@ def finish(binding):
         elif overlap < 0.0:
             ended.append(contact)
     if ended and not _never_erase(binding.label):
-        for contact in ended:
-            yade.O.interactions.erase(contact.id1, contact.id2)
+        interactions = yade.O.interactions
+        for contact in ended:  # `step` has banked what they dissipated: YADE's own function, without the account
+            type(interactions).erase.native(interactions, contact.id1, contact.id2)
 
 
 def _never_erase(label):

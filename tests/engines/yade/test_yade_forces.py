@@ -202,6 +202,8 @@ def test_bodies_come_and_go(omega):
     import yade
     from yade.utils import sphere
 
+    from demlaws.yade import kernel
+
     law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
     attachment = law.binding.attachment
     attachment._renew(8)
@@ -221,7 +223,33 @@ def test_bodies_come_and_go(omega):
     wrong, tangent, _ = recorder.worst("rough-plastic", "hertz", yield_pressure=1.66e9)
     assert len(recorder.lives) == 72
     assert wrong <= TOLERANCE and tangent <= 1e-13
-    assert attachment.context[26] > 0
+    assert attachment.context[kernel.CAPACITY] > 8
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+@pytest.mark.parametrize("erase", ["body", "contact", "all contacts", "all bodies", "clump"])
+def test_dissipation_of_erased_contacts_stays_in_the_account(omega, way, erase):
+    from yade.utils import sphere
+
+    law = functor("pohrt-popov", "hertz", bridge=way)
+    stone = material()
+    omega.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material=stone))
+    upper = sphere((0, 0, 0.02), 0.01, material=stone)
+    clump = omega.bodies.appendClumped([upper])[0] if erase == "clump" else omega.bodies.append(upper)
+    omega.bodies[clump].state.vel = (0, 0, -0.3)
+    set_engines(law)
+    omega.run(60, True)
+    stored, dissipated = law.totals()
+    assert stored > 0 and dissipated > 0
+    {
+        "body": lambda: omega.bodies.erase(1),
+        "contact": lambda: omega.interactions.erase(0, 1),
+        "all contacts": omega.interactions.clear,
+        "all bodies": omega.bodies.clear,
+        "clump": lambda: omega.bodies.erase(clump, True),
+    }[erase]()
+    after = law.totals()
+    assert after.dissipated == pytest.approx(dissipated, rel=1e-12)
 
 
 def test_never_erase(omega):
