@@ -293,8 +293,8 @@ def one_law(grains, pressures, name, unloading, options, quick):
         )
     totals = box.law.totals()
     print(
-        f"  {box.steps} steps, {1e3 * box.seconds / box.steps:.3f} ms of processor time a step; stored {totals.stored:.4f} J, "
-        f"dissipated by plasticity {totals.dissipated:.4f} J"
+        f"  {box.steps} steps, {1e3 * box.seconds / box.steps:.3f} ms of processor time a step; stored {totals.stored:.3g} J, "
+        f"dissipated by plasticity {totals.dissipated:.3g} J"
     )
     return rows, box.seconds / box.steps
 
