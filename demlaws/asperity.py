@@ -475,6 +475,18 @@ def _paraboloid(stats, i, pixel_x, pixel_y):
     return area * pixel_x * pixel_y, 2.0 * stats[i, _VOLUME] / area, aspect, 0.5 * math.atan2(2.0 * xy, xx - yy)
 
 
+@kernel
+def _response(p, stats, i, paraboloid, remembers, elastic_only):
+    """What patch i remembers (blunting, pressure factor at its yield), its mean radius, and what `_ellipsoid` gives for it."""
+    cut_area, indentation, aspect, _ = paraboloid
+    blunt = stats[i, _SPREAD] / stats[i, _AREA] if remembers else 1.0
+    limit = stats[i, _LIMIT] / stats[i, _AREA] if remembers else p.yield_factor
+    geometric = blunt * cut_area / (2.0 * math.pi * indentation)
+    mean = geometric / (aspect + 1.0 / aspect)
+    ab, gamma = _quick_factors(aspect * aspect)
+    return (blunt, limit), mean, _ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
+
+
 @loop
 def _carry(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only):
     """Force and contact area of all patches, and whether one touches the edge of the map."""
@@ -482,13 +494,7 @@ def _carry(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only):
     for i in range(1, patches + 1):
         if not (stats[i, _AREA] > 0.0 and stats[i, _VOLUME] > 0.0):
             continue
-        cut_area, indentation, aspect, _ = _paraboloid(stats, i, pixel_x, pixel_y)
-        blunt = stats[i, _SPREAD] / stats[i, _AREA] if remembers else 1.0
-        limit = stats[i, _LIMIT] / stats[i, _AREA] if remembers else p.yield_factor
-        geometric = blunt * cut_area / (2.0 * math.pi * indentation)
-        mean = geometric / (aspect + 1.0 / aspect)
-        ab, gamma = _quick_factors(aspect * aspect)
-        values = _ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
+        _, _, values = _response(p, stats, i, _paraboloid(stats, i, pixel_x, pixel_y), remembers, elastic_only)
         force += values[0]
         area += values[1]
         edge = max(edge, stats[i, _EDGE])
@@ -512,13 +518,8 @@ def _describe(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only, out)
         out[n, 13] = p.yield_factor
         if not (stats[i, _AREA] > 0.0 and stats[i, _VOLUME] > 0.0):
             continue
-        cut_area, indentation, aspect, angle = _paraboloid(stats, i, pixel_x, pixel_y)
-        blunt = stats[i, _SPREAD] / stats[i, _AREA] if remembers else 1.0
-        limit = stats[i, _LIMIT] / stats[i, _AREA] if remembers else p.yield_factor
-        geometric = blunt * cut_area / (2.0 * math.pi * indentation)
-        mean = geometric / (aspect + 1.0 / aspect)
-        ab, gamma = _quick_factors(aspect * aspect)
-        values = _ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
+        cut_area, indentation, aspect, angle = paraboloid = _paraboloid(stats, i, pixel_x, pixel_y)
+        (blunt, limit), mean, values = _response(p, stats, i, paraboloid, remembers, elastic_only)
         force, area, state = values[0], values[1], values[2]
         out[n, 0] = (stats[i, _X] / stats[i, _AREA] + stats[i, _X0]) * pixel_x
         out[n, 1] = (stats[i, _Y] / stats[i, _AREA] + stats[i, _Y0]) * pixel_y
