@@ -94,11 +94,43 @@ def test_packing_overlaps_as_stated_and_shares_energy():
     np.testing.assert_allclose(energy, energy[0], rtol=1e-12)
 
 
+GOOD = extremes.Compared(0, 1e-15, {-3: 2.0, -1: 0.0}, 2.0, 5, 0.0, 0.0, 0)
+CALM = extremes.Released(1000, 100.0, 4000, 999, 100.0, 0, 1e-6, 1e-16)
+IMPACTS = extremes.Impacts(1e-9, 1e-6, {20: 1e-3, 50: 1e-5})
+ROW = extremes.Figures("YADE", *ROUGH, "extreme", 10, 100, GOOD, 0.0, 100, IMPACTS, {"soft": CALM, "stiff": CALM})
+
+
+def test_figures_survive_the_way_between_processes():
+    import json
+
+    assert extremes._figures(json.loads(json.dumps(extremes._plain(ROW)))) == ROW
+
+
+def test_figure_of_engines_alone(tmp_path):
+    from demlaws import plots, plots_choose
+
+    rows = [ROW, ROW._replace(engine="LIGGGHTS", packings={"stiff": CALM})]
+    path = plots.save(plots_choose.stability_figure([], rows), tmp_path / "engines.png")
+    assert path.read_bytes().startswith(b"\x89PNG")
+    assert all(len(extremes.csv_row(row)) == len(extremes.TITLES) for row in rows)
+
+
+def test_an_engine_that_ends_early_is_an_error(monkeypatch, tmp_path):
+    """What it said last is in the message."""
+    from demlaws.errors import DemlawsError
+    from demlaws.yade import run
+
+    script = tmp_path / "dies"
+    script.write_text("#!/bin/sh\necho 'Error: no such scene'\nexit 3\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(run, "command", lambda *arguments, **options: [str(script)])
+    monkeypatch.setattr(run, "environment", lambda: None)
+    with pytest.raises(DemlawsError, match="YADE ended after 0 results: Error: no such scene"):
+        list(extremes.run("YADE", ["hertz"], ["elastic"]))
+
+
 def test_failures_name_what_is_wrong():
-    good = extremes.Compared(0, 1e-15, {-3: 2.0}, 2.0, 5, 0.0, 0.0, 0)
-    calm = extremes.Released(1000, 100.0, 4000, 999, 100.0, 0, 1e-6, 1e-16)
-    impacts = extremes.Impacts(1e-9, 1e-6, {50: 1e-5})
-    row = extremes.Figures("YADE", *ROUGH, "extreme", 10, 100, good, 0.0, 100, impacts, {"soft": calm, "stiff": calm})
+    row, good, calm, impacts = ROW, GOOD, CALM, IMPACTS
     assert extremes.failures([row]) == []
     assert len(extremes.csv_row(row)) == len(extremes.TITLES)
     assert len(extremes.table([row]).split("\n")[-1]) <= len(extremes.table([row]).split("\n")[0]) + 2
