@@ -226,17 +226,13 @@ class Liggghts:
 
     def stops(self):
         """What stops LIGGGHTS when a number is no number: (what was done, message or None) of touching and lone spheres."""
-        found = []
-        for touching in ("touching", "alone"):
-            for value in ("nan", "inf"):
-                for where in ("position", "velocity"):
-                    line = [sys.executable, "-m", "demlaws.liggghts.extremes", "--stop", touching, where, value]
-                    done = subprocess.run(line, capture_output=True, text=True, errors="replace")
-                    told = [x for x in (done.stdout + done.stderr).splitlines() if x.startswith("ERROR")]
-                    name = {"nan": "NaN", "inf": "infinite"}[value]
-                    message = told[0] if told else None if done.returncode == 0 else f"exit {done.returncode}"
-                    found.append((f"{name} {where}, {touching}", message))
-        return found
+        names = {"nan": "NaN", "inf": "infinite"}
+        return [
+            (f"{names[value]} {where}, {'touching' if touching else 'alone'}", stopped_by(touching, where, value))
+            for touching in (True, False)
+            for value in names
+            for where in ("position", "velocity")
+        ]
 
     def stop(self, touching, where, value):
         """Four spheres, one of which gets a number that is none; ends the process where LIGGGHTS stops."""
@@ -256,6 +252,14 @@ class Liggghts:
             lib.command(line)
         lib.vectors({"position": "x", "velocity": "v"}[where], 4)[lib.rows(4)[2], 0] = float(value)
         lib.command("run 250 pre no post no")
+
+
+def stopped_by(touching, where, value):
+    """LIGGGHTS's error after a position or velocity was set to `value`, "nan" or "inf", in a process of its own; or None."""
+    line = [sys.executable, "-m", "demlaws.liggghts.extremes", "--stop", "touching" if touching else "alone", where, value]
+    done = subprocess.run(line, capture_output=True, text=True, errors="replace")
+    told = [x for x in (done.stdout + done.stderr).splitlines() if x.startswith("ERROR")]
+    return told[0] if told else None if done.returncode == 0 else f"exit {done.returncode}"
 
 
 def main(arguments):
