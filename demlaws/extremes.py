@@ -541,16 +541,19 @@ def _figures(content):
 ENGINES = ("YADE", "LIGGGHTS")
 
 
-def installed(engine):
-    """Whether the engine can be started here."""
-    from demlaws.liggghts.run import executable as liggghts
-    from demlaws.yade.run import executable as yade
+def missing(engine):
+    """Why the engine cannot be measured on this machine, or None."""
+    from demlaws.liggghts.build import library_path
+    from demlaws.liggghts.run import versions
+    from demlaws.yade.run import environment, executable
 
+    needed = {"YADE": (executable, environment), "LIGGGHTS": (versions, library_path)}
     try:
-        {"YADE": yade, "LIGGGHTS": liggghts}[engine]()
-    except DemlawsError:
-        return False
-    return True
+        for one in needed[engine]:
+            one()
+    except DemlawsError as error:
+        return str(error)
+    return None
 
 
 def run(engine, laws=None, unloadings=None, quick=False, stops=True):

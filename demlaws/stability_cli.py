@@ -91,10 +91,12 @@ def _engines(arguments, laws, problems):
     wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts}
     rows = []
     for engine in extremes.ENGINES:
-        if not wanted[engine] and not (arguments.engines and extremes.installed(engine)):
-            if arguments.engines:
-                print(f"{engine} is not installed: not measured")
-            continue
+        if not wanted[engine]:
+            reason = extremes.missing(engine) if arguments.engines else ""
+            if reason:
+                print(f"{engine}: not measured: {reason}")
+            if reason is not None:
+                continue
         count = len(extremes.cases(laws, arguments.unloading))
         own = []
         with tqdm(total=count + 1, desc=engine, unit="case", leave=False, disable=None) as progress:

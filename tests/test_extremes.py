@@ -115,6 +115,17 @@ def test_figure_of_engines_alone(tmp_path):
     assert all(len(extremes.csv_row(row)) == len(extremes.TITLES) for row in rows)
 
 
+def test_engines_that_are_not_there_are_told(monkeypatch, capsys):
+    from demlaws.cli import main
+
+    for name in ("YADE", "DEMLAWS_LIGGGHTS"):
+        monkeypatch.setenv(name, "no-such-program")
+    assert main(["stability", "--paths", "0", "--law", "hertz", "--engines"]) == 0
+    told = capsys.readouterr().out
+    assert "YADE: not measured: no 'no-such-program'" in told and "LIGGGHTS: not measured: 'no-such-program'" in told
+    assert main(["stability", "--paths", "0", "--law", "hertz", "--yade"]) == 2
+
+
 def test_an_engine_that_ends_early_is_an_error(monkeypatch, tmp_path):
     """What it said last is in the message."""
     from demlaws.errors import DemlawsError
