@@ -1,7 +1,7 @@
 # make granite   set up and reproduce the granite tests (tables printed, figures in granite/)
 # make test      install the engines if missing, build the plugin, run lint and the whole suite
 # make bench     measure speed, as ratios to peers in the same run
-# make stability measure every law at the extremes: ten million load paths, and inside the engines (some 40 minutes)
+# make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make lint      ruff, format and lint
 
 # Debian's own interpreter: YADE's modules are built for it.

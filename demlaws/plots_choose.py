@@ -132,12 +132,18 @@ def _steps(ax, closed, inside, laws):
 
 
 def _inside(ax, closed, inside, laws):
+    highest = max((e for r in inside for e in r.compared.decades.values()), default=1.0)
     for r in inside:
         if r.unloading == "elastic" or r.unloading == next(x.unloading for x in inside if x.law == r.law):
             decades = sorted(r.compared.decades)
             errors = [max(r.compared.decades[d], 0.3) for d in decades]
             ax.plot(decades, errors, _ENGINES[r.engine] + "-", ms=4, lw=0.8, mfc="none", color=COLOURS.get(r.law))
-    ax.set(xlabel="decade of δ/R", ylabel="largest error of force (ε = 2.2e-16)", yscale="log", ylim=(0.3, None))
+    ax.set(
+        xlabel="decade of δ/R",
+        ylabel="largest error of force (ε = 2.2e-16)",
+        yscale="log",
+        ylim=(0.3, 30.0 * max(highest, 1.0)),
+    )
     ax.set_title("inside the engines: against the law (YADE), its table (LIGGGHTS), in Python", fontsize=9)
     engines = {e: m for e, m in _ENGINES.items() if any(r.engine == e for r in inside)}
     _key(ax, list(dict.fromkeys(r.law for r in inside)), engines, ncols=2)
