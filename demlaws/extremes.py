@@ -188,7 +188,7 @@ class Compared(NamedTuple):
     """Engine against law along prescribed paths."""
 
     not_finite: int
-    law: float  # worst relative error of the force of first loading against the law, where a table's certificate holds
+    to_law: float  # worst relative error of the force of first loading against the law, where a table's certificate holds
     decades: dict  # decade of δ/R → the same against the law or table that the engine was given, in ε
     later: float  # worst error on unloading and reloading over the largest force so far, in ε
     closed: int  # paths back to nothing
@@ -485,7 +485,7 @@ def measure(engine, case, quick=False, seed=5):
                 decades[decade] = max(decades.get(decade, 0.0), error)
         compared = Compared(
             sum(p.not_finite for p in parts),
-            max(p.law for p in parts),
+            max(p.to_law for p in parts),
             decades,
             max(p.later for p in parts),
             sum(p.closed for p in parts),
@@ -626,7 +626,7 @@ def table(rows):
         bad = c.not_finite + sum(p.not_finite for p in r.packings.values())
         momentum = max((p.momentum for p in r.packings.values()), default=math.nan)
         lines.append(
-            f"{r.engine:9}{r.law:16}{r.unloading:10}{r.pairs * r.steps:9d}{bad:5d}{c.law:9.1e}{errors:>20}{c.later:8.3g}"
+            f"{r.engine:9}{r.law:16}{r.unloading:10}{r.pairs * r.steps:9d}{bad:5d}{c.to_law:9.1e}{errors:>20}{c.later:8.3g}"
             f"{c.closed:7d}{c.returned:9.0e}{r.ratcheting:8.0e}{c.reload:7.2g}{c.broken:7d}{i.rebound:9.0e}"
             f"{i.gains.get(50, math.nan):9.0e}{f'{safe:.0f}' if math.isfinite(safe) else 'none':>7}"
             f"{drift[0]:>9}{drift[1]:>8}{momentum:9.0e}"
@@ -681,8 +681,8 @@ def failures(rows):
         if c.not_finite:
             found.append(f"{label}: {c.not_finite} forces are not finite")
         allowed = 1.01 * TABLE if r.evaluation == "table" else 100.0 * EPS
-        if not c.law <= allowed:
-            found.append(f"{label}: forces of first loading are up to {c.law:.1e} from the law")
+        if not c.to_law <= allowed:
+            found.append(f"{label}: forces of first loading are up to {c.to_law:.1e} from the law")
         worst = max(c.later, *c.decades.values())
         if not worst <= 1000.0:
             found.append(f"{label}: forces are up to {worst:.1e} ε from what Python computes")
