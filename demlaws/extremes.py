@@ -8,6 +8,7 @@ Engines are driven through `demlaws.yade.extremes.Yade` (in YADE's process) and 
 (LIGGGHTS's library in a process of its own); both offer `two_spheres`, `impacts`, `let_go` and `stops`.
 """
 
+import functools
 import math
 import warnings
 from typing import NamedTuple
@@ -80,17 +81,20 @@ class Group(NamedTuple):
         """Smallest overlap that positions in double precision can make [m]."""
         return np.spacing(self.radius1 + self.radius2)
 
-    def only(self, chosen):
-        """The pairs of these numbers."""
-        contact = self.contact
-        if contact.size is not None:
-            contact = contact.with_values(**{n: getattr(contact, n)[chosen] for n in ("radius", "modulus", "roughness")})
-        return make_group(self.case, contact, self.radius1[chosen], self.radius2[chosen], self.roughness[chosen])
+
+def _laws(case, contact):
+    """The case's law or table, reaching nearly to R, and the closed form."""
+    return case.bind(contact, 0.9), case._replace(evaluation="closed form").bind(contact)
+
+
+@functools.cache
+def _granite_laws(case):
+    return _laws(case, GRANITE)
 
 
 def make_group(case, contact, radius1, radius2, roughness):
     """A `Group` of these contacts; in a table's case the table reaches nearly to R."""
-    law, closed_form = case.bind(contact, 0.9), case._replace(evaluation="closed form").bind(contact)
+    law, closed_form = _granite_laws(case) if contact is GRANITE else _laws(case, contact)
     solved, table = registry()[case.law].solved, case.evaluation == "table"
     largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * (0.098 if solved else 0.85 if table else 1.0)
     modulus = np.broadcast_to(np.asarray(contact.modulus, float), radius1.shape).copy()
