@@ -61,12 +61,9 @@ class Group(NamedTuple):
         return registry()[self.case.law].example
 
     @property
-    def limits(self):
-        """Overlaps [m] below which a Python table goes on straight (the engines' power law does not), and from which its
-        certificate holds; 0 for a law."""
-        if self.case.evaluation != "table":
-            return 0.0, 0.0
-        return self.law.params.floor * self.law.params.length, self.law.nodes[0][0] * self.law.params.length
+    def floor(self):
+        """Overlap [m] below which a Python table goes on straight, where the engines' reader keeps to its power law."""
+        return self.law.params.floor * self.law.params.length if self.case.evaluation == "table" else 0.0
 
     @property
     def size(self):
@@ -192,7 +189,7 @@ class Compared(NamedTuple):
     """Engine against law along prescribed paths."""
 
     not_finite: int
-    to_law: float  # worst relative error of the force of first loading against the law, where a table's certificate holds
+    to_law: float  # worst relative error of the force of first loading against the law's closed form
     decades: dict  # decade of δ/R → the same against the law or table that the engine was given, in ε
     later: float  # worst error on unloading and reloading over the largest force so far, in ε
     closed: int  # paths back to nothing
@@ -220,10 +217,8 @@ def compare(group, wanted, kinds, overlap, force):
         life[n] = most  # largest overlap before this step
         most = np.where(apart[n], 0.0, np.maximum(most, overlap[n]))
     first = ~apart & (overlap >= life) & (exact > 1e-290)
-    floor, certified = group.limits
-    known = first & (overlap >= certified)
-    law = float(np.max(wrong_by_law[known] / exact[known], initial=0.0))
-    held = overlap >= floor
+    to_law = float(np.max(wrong_by_law[first] / exact[first], initial=0.0))
+    held = overlap >= group.floor
     first &= held
     radius = np.broadcast_to(np.asarray(group.contact.radius, float), (pairs,))
     decade = np.floor(np.log10(np.where(apart, 1.0, overlap) / radius)).astype(int)
@@ -249,7 +244,7 @@ def compare(group, wanted, kinds, overlap, force):
     made = (kinds == "broken") & ~apart  # at two overlaps in turn, the larger first
     usual = np.where(overlap == overlap[0], force[0], force[2])
     anew = int(np.count_nonzero(made & ((force != usual) | (wrong_by_law > 1e-4 * exact))))
-    return Compared(int(np.count_nonzero(~finite)), law, decades, later, closed, float(returned), reload, anew + stray)
+    return Compared(int(np.count_nonzero(~finite)), to_law, decades, later, closed, float(returned), reload, anew + stray)
 
 
 def ratcheting(engine, case, cycles):
@@ -684,7 +679,8 @@ def failures(rows):
         c, label = r.compared, f"{r.engine}, {r.law}, {r.unloading}"
         if c.not_finite:
             found.append(f"{label}: {c.not_finite} forces are not finite")
-        allowed = 1.01 * TABLE if r.evaluation == "table" else 100.0 * EPS
+        # a table's certificate holds from its first row on; Bahrami's is no exact power law below, at 1e-17 m and less
+        allowed = 2.0 * TABLE if r.evaluation == "table" else 100.0 * EPS
         if not c.to_law <= allowed:
             found.append(f"{label}: forces of first loading are up to {c.to_law:.1e} from the law")
         worst = max(c.later, *c.decades.values())
