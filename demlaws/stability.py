@@ -243,7 +243,10 @@ def broken_loop(rule, p, state, overlap, count):
 
 @loop
 def impact_loop(rule, p, state, mass, speed, dt, phase, limit):
-    """Impact that begins a fraction `phase` of a step before touch: (KE after + dissipated)/KE before - 1, and peak overlap."""
+    """Impact that begins a fraction `phase` of a step before touch.
+
+    Returns (KE after + dissipated)/KE before - 1, the peak overlap and the velocity after it.
+    """
     overlap = -phase * dt * speed
     velocity = speed
     force = 0.0
@@ -261,7 +264,7 @@ def impact_loop(rule, p, state, mass, speed, dt, phase, limit):
         if overlap <= 0.0 and velocity <= 0.0:
             break
     kinetic = 0.5 * mass * speed * speed
-    return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak
+    return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak, velocity
 
 
 @loop
@@ -512,7 +515,7 @@ def impact_gains(law, speeds=SPEEDS, steps=STEPS, phases=8, mass=_MASS):
                 continue
             for phase in range(phases if count < 5000 else 1):
                 state = law.new_state(1).arrays
-                gain, _ = impact_loop(
+                gain, _, _ = impact_loop(
                     law.rule, law.params, state, mass, speed, duration / count, (phase + 0.5) / phases, 50 * count + 100
                 )
                 worst = max(worst, gain) if gain == gain else math.inf

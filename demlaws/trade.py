@@ -232,7 +232,7 @@ def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name="pohrt
                 stored = float(law.follow(np.array([overlap * (1.0 - 1e-12)]), state).stored[0])
                 exact = math.sqrt(stored / work)
                 for phase in range(phases):
-                    drift, peak = impact_loop(
+                    drift, peak, _ = impact_loop(
                         law.rule,
                         law.params,
                         law.new_state(1).arrays,

@@ -6,11 +6,13 @@ the energy account to the scene, read it back), erasing bodies and interactions 
 dissipated), and assigning `LawDispatcher.functors` (refused: it goes past the guard).
 """
 
+import math
 import warnings
 from typing import NamedTuple
 
 import numpy as np
 import yade
+import yade.utils
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import bridge, kernel, public
@@ -218,6 +220,21 @@ class Binding:
                     "O.interactions.clear() after changing laws"
                 )
 
+    def check_bodies(self, thoroughly=False):
+        """No body may move with a velocity that is no number, or (thoroughly: a look at each) be where no number says.
+
+        A contact tells this by itself; this is for bodies that touch nothing.
+        """
+        if not thoroughly and math.isfinite(yade.utils.kineticEnergy()):
+            return
+        for body in O.bodies:
+            place, velocity = body.state.pos, body.state.vel
+            if not all(map(math.isfinite, (*place, *velocity))):
+                raise DemlawsError(
+                    f"body {body.id} is at {tuple(place)} m with velocity {tuple(velocity)} m/s, which is not finite: take a "
+                    "smaller time step, or look at what the script did to it"
+                )
+
     def check_functor(self, functor):
         for name in ("includeMoment", "includeAdhesion"):
             if getattr(functor, name):
@@ -278,6 +295,9 @@ def guard(label):
     binding.guards += 1
     if binding.guards in (2, 10, 100, 1000) or binding.guards % 100_000 == 0:  # a look at every contact takes time
         binding.verify()
+        binding.check_bodies(thoroughly=True)
+    elif binding.guards % 100 == 0:
+        binding.check_bodies()
 
 
 _engine_lists = 0  # counts assignments of O.engines and loads

@@ -529,6 +529,8 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
         store_double(phys + word(context, KSO), kso)
     else:
         end_contact(kind, rule, context, history, old)
+        if overlap - overlap != 0.0:
+            fault(context, NOT_FINITE, interaction, overlap)  # a body is infinitely far away
     write_state(rule, history + STATE, new)
     keep = call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
     if overlap > 0.0:

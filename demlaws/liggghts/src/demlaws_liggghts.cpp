@@ -1,6 +1,7 @@
 // Plugin for the stock LIGGGHTS 3.8.0: LD_PRELOAD=libdemlaws_liggghts.so liggghts -in in.case
 // Adds the normal model `demlaws/table` for particle pairs, primitive walls and mesh walls.
 #include <mpi.h>
+#include <cfloat>
 #include <cmath>
 #include <cstring>
 #include "lammps.h"
@@ -257,6 +258,7 @@ public:
         if ((size_t)length > touches_.size()) touches_.resize(2 * length);
       }
       const double xi = x[i][0], yi = x[i][1], zi = x[i][2], ri = radius[i];
+      if (__builtin_expect(!(fabs(xi + yi + zi) <= DBL_MAX), 0)) refuse_position(i);
       const int *const partners = first[i];
       int *const flags = all_flags ? all_flags[i] : NULL;
       Touch *const into = &touches_[0];
@@ -333,6 +335,15 @@ private:
   SurfacesIntersectData data_;
   std::vector<Touch> touches_;
 
+  // A position that is no number touches nothing: without this the particle would drop out of the model silently.
+  __attribute__((noinline, cold)) void refuse_position(int i) const {
+    const double *const x = atom->x[i], *const v = atom->v[i];
+    std::ostringstream what;
+    what << "model demlaws/table: particle " << atom->tag[i] << " is at (" << x[0] << ", " << x[1] << ", " << x[2]
+         << ") m with velocity (" << v[0] << ", " << v[1] << ", " << v[2]
+         << ") m/s, which is not finite; take a smaller time step, look at what was done to this particle";
+    error->one(FLERR, what.str().c_str());
+  }
   __attribute__((noinline, cold)) void opened(int i, int j, double squared, int *flags, double *history) {
     SurfacesCloseData data;
     data.i = i;

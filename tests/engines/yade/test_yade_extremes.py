@@ -1,0 +1,29 @@
+"""The extremes inside YADE, in small (demlaws stability --yade measures them in full)."""
+
+import pytest
+
+from demlaws import extremes
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "law, unloading", [("pohrt-popov", "hertz"), ("rough-plastic", "thornton"), ("greenwood-tripp", "elastic")]
+)
+def test_extremes(omega, law, unloading):
+    from demlaws.yade.extremes import Yade
+
+    (case,) = extremes.cases([law], [unloading])
+    found = extremes.measure(Yade(), case, quick=True)
+    assert extremes.failures([found]) == []
+    assert all(p.contacts > 100 for p in found.packings.values())
+
+
+def test_numbers_that_are_none_stop_and_name_the_body(omega):
+    from demlaws.yade.extremes import Yade
+
+    found = dict(Yade().stops())
+    assert len(found) == 8 and extremes.stop_failures("YADE", found.items()) == []
+    for what, message in found.items():
+        assert ("body 2 is at" if "alone" in what else "contact ") in message
