@@ -1,4 +1,4 @@
-"""Cyclic load on a ballast-like bed of granite spheres; TIME (4 cycles on a small bed with --quick, 15 s).
+"""Cyclic load on a ballast-like bed of granite spheres; 4 minutes (4 cycles on a small bed with --quick, 15 s).
 
 python run.py [--figure settlement.png]
 """

@@ -1,4 +1,4 @@
-"""Oedometer test of granite spheres for Hertz, Pohrt–Popov and rough-plastic contacts; TIME.
+"""Oedometer test of granite spheres for Hertz, Pohrt–Popov and rough-plastic contacts; 2 minutes.
 
 python run.py [--figure stress.png]
 """

@@ -1,4 +1,4 @@
-"""10,000 polydisperse granite spheres settle under gravity; 2 minutes on 2 ranks (600 spheres with --quick, 10 s).
+"""10,000 polydisperse granite spheres settle under gravity; 3 minutes on 2 ranks (600 spheres with --quick, 10 s).
 
 python run.py -np 2
 """

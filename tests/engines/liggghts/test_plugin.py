@@ -118,6 +118,18 @@ def test_viscous_damping(tmp_path, granite_pair, restitution):
     assert damping[touching][0] < 0.1 * damping.max()
 
 
+def test_limit_force(tmp_path, granite_pair):
+    """With strong damping a contact that opens pulls, unless limitForce is on."""
+    law = dl.law("pohrt-popov", granite_pair, unloading="hertz")
+    table = save(law, tmp_path / "law.tbl")
+    force = {}
+    for limit in ("off", "on"):
+        style = GRAN + f"table {table} limitForce {limit}"
+        force[limit] = simulate(tmp_path, two_spheres(style, LOAD_UNLOAD[:2], restitution=0.06))["force"]
+    assert force["off"].min() < 0
+    assert np.array_equal(force["on"], np.maximum(force["off"], 0))
+
+
 def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
     law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus(), radius=8.7e-3), unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
@@ -266,6 +278,10 @@ def test_type_that_the_box_does_not_have(tmp_path, granite_pair):
     "models, named",
     [
         ("tangential history cohesion sjkr", "cohesion sjkr"),
+        ("tangential history cohesion sjkr2", "cohesion sjkr2"),
+        ("tangential history cohesion washino/capillary/viscous", "cohesion washino/capillary/viscous"),
+        ("tangential history cohesion easo/capillary/viscous", "cohesion easo/capillary/viscous"),
+        ("tangential history rolling_friction epsd3", "rolling_friction epsd3"),
         ("tangential tan_luding", "tan_luding"),
         ("tangential history rolling_friction luding", "rolling_friction luding"),
         ("tangential history surface superquadric", "superquadric"),
