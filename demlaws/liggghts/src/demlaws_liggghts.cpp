@@ -159,8 +159,12 @@ public:
     size_vector = 2;
     extvector = 1;
     vector = new double[2]();
+    Ledger::of(lmp).readers++;
   }
-  ~ComputeEnergy() { delete[] vector; }
+  ~ComputeEnergy() {
+    Ledger::of(lmp).readers--;
+    delete[] vector;
+  }
   void init() {
     if (!EnergySource::of(lmp)) error->all(FLERR, "compute demlaws/energy needs pair_style gran model demlaws/table");
   }
@@ -425,6 +429,7 @@ private:
     for (size_t n = 0; n < count; n++) {
       const Touch &touch = touches_[n];
       const int i = touch.i, j = touch.j;
+      data.is_wall = false; // said here, the compiler drops what only walls do
       data.i = i;
       data.j = j;
       data.radi = radius[i];

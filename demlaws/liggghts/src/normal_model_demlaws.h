@@ -83,8 +83,9 @@ private:
 // the dissipation of walls is added up while it happens, not when a contact ends.
 struct Ledger {
   double taken;
+  int readers; // computes that will ask for what walls store
   std::set<class WallBook *> walls;
-  Ledger() : taken(0.) {}
+  Ledger() : taken(0.), readers(0) {}
   static Ledger &of(void *lmp) {
     static std::map<void *, Ledger> ledgers;
     return ledgers[lmp];
@@ -149,7 +150,7 @@ public:
       }
       state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
     }
-    static const char *const names[] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
+    static const char *const names[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
     for (int i = 0; i < state_size_; i++) {
       const int at = setup->add_history_value(names[i], "0"); // the same seen from either particle
       base->add_history_offset(names[i], at);
@@ -190,7 +191,9 @@ public:
     if (type.radius > 0. && !(fabs(radius - type.radius) <= radius_tolerance_ * type.radius)) refuse_radius(data, radius, type);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
-    if (data.is_wall && state_size_ && update) before_.assign(state, state + state_size_);
+    double before[MOST_STATE];
+    if (data.is_wall && update)
+      for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
     if (__builtin_expect(now.outside, 0)) refuse_overlap(data, radius, type);
 
@@ -203,7 +206,7 @@ public:
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (data.is_wall) {
-      if (data.computeflag) enter(type.pair, radius, data.deltan, state, update);
+      if (data.computeflag) enter(type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
     } else
@@ -239,14 +242,15 @@ public:
   int state_size() const { return state_size_; }
 
 private:
+  static const int MOST_STATE = 3;
   double stored() const { return contacts_.stored(update->ntimestep, state_size_); }
   void forget() { contacts_.forget(); }
-  // A wall contact after its step: what it holds, and what its plastic flow took in this step.
-  void enter(const demlaws::Pair &pair, double radius, double overlap, const double *state, bool updated) {
-    contacts_.add(update->ntimestep, pair, radius, overlap, state, state_size_);
-    if (!updated || !state_size_ || std::equal(before_.begin(), before_.end(), state)) return;
+  // A wall contact after its step: what it holds, and what its plastic flow took since `before`.
+  inline void enter(const demlaws::Pair &pair, double radius, double overlap, const double *state, const double *before) {
+    if (ledger_.readers) contacts_.add(update->ntimestep, pair, radius, overlap, state, state_size_);
+    if (!before || std::equal(before, before + state_size_, state)) return;
     double stored, earlier, now;
-    demlaws::stored_and_dissipated(pair, radius, overlap, &before_[0], stored, earlier);
+    demlaws::stored_and_dissipated(pair, radius, overlap, before, stored, earlier);
     demlaws::stored_and_dissipated(pair, radius, overlap, state, stored, now);
     ledger_.taken += now - earlier;
   }
@@ -324,7 +328,6 @@ private:
   int offset_, state_size_, types_;
   demlaws::Ledger &ledger_;
   demlaws::WallContacts contacts_;
-  std::vector<double> before_; // the state of a wall contact before its step
   std::vector<demlaws::TypePair> pairs_;
   demlaws::Files files_;
   std::map<std::string, std::shared_ptr<demlaws::Table> > tables_;
