@@ -84,6 +84,12 @@ public:
     tangential.surfacesIntersect(d, i, j);
     rolling.surfacesIntersect(d, i, j);
   }
+  inline void pairsIntersect(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    surface.surfacesIntersect(d, i, j);
+    normal.template touch<false>(d, i, j);
+    tangential.surfacesIntersect(d, i, j);
+    rolling.surfacesIntersect(d, i, j);
+  }
   void endSurfacesIntersect(SurfacesIntersectData &d, class TriMesh *mesh, ForceData &i, ForceData &) {
     surface.endSurfacesIntersect(d, mesh, i.delta_F);
   }
@@ -429,7 +435,6 @@ private:
     for (size_t n = 0; n < count; n++) {
       const Touch &touch = touches_[n];
       const int i = touch.i, j = touch.j;
-      data.is_wall = false; // said here, the compiler drops what only walls do
       data.i = i;
       data.j = j;
       data.radi = radius[i];
@@ -465,7 +470,7 @@ private:
       data.en[1] = touch.delta[1] * inverse;
       data.en[2] = touch.delta[2] * inverse;
       ForceData on_i, on_j;
-      model_.surfacesIntersect(data, on_i, on_j);
+      model_.pairsIntersect(data, on_i, on_j);
       if (apply) {
         add(parent->relax(i), f[i], torque[i], on_i);
         if (j < local) add(parent->relax(j), f[j], torque[j], on_j);

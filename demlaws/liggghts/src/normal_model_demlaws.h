@@ -185,14 +185,19 @@ public:
   double stressStrainExponent() { return 1.5; }
 
   inline void surfacesIntersect(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
+    if (data.is_wall) touch<true>(data, on_i, on_j);
+    else touch<false>(data, on_i, on_j);
+  }
+
+  template <bool WALL> inline void touch(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
-    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
+    const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
     if (type.radius > 0. && !(fabs(radius - type.radius) <= radius_tolerance_ * type.radius)) refuse_radius(data, radius, type);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
-    if (data.is_wall && update)
+    if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
     if (__builtin_expect(now.outside, 0)) refuse_overlap(data, radius, type);
@@ -205,7 +210,7 @@ public:
     data.kt = type.tangential * now.stiffness;
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
-    if (data.is_wall) {
+    if (WALL) {
       if (data.computeflag) enter(type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
