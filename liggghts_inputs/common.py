@@ -68,13 +68,20 @@ def run_main(file, simulate, description):
     parser = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="a smaller size, as the tests run it")
     parser.add_argument("-np", type=int, default=1, help="number of MPI ranks")
+    parser.add_argument("--figure", help="draw the result here (cases that have a picture)")
     parser.add_argument("--out", default=str(Path(file).parent / "out"), help="folder for tables and output")
     options = parser.parse_args()
+    check = load(Path(file).parent / "check.py")
+    if options.figure and not hasattr(check, "draw"):
+        parser.error("this case has no picture: leave --figure out")
     begin = time.perf_counter()
     folder = copy_inputs(file, options.out)
     simulate(folder, options.np, options.quick)
     print(f"ran in {time.perf_counter() - begin:.1f} s, output in {folder}")
-    sys.exit(0 if report(load(Path(file).parent / "check.py").check(folder)) else 1)
+    good = report(check.check(folder))
+    if options.figure:
+        print(f"wrote {check.draw(folder, options.figure)}")
+    sys.exit(0 if good else 1)
 
 
 def check_main(file, check):

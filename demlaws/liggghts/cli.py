@@ -66,6 +66,7 @@ def register(subparsers):
     run.add_argument("input", help="input script; LIGGGHTS runs in its folder")
     run.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
     run.add_argument("-var", nargs=2, action="append", default=[], metavar=("NAME", "VALUE"), help="a variable of the script")
+    run.add_argument("--portable", action="store_true", help="the plugin that `build --portable` makes")
     run.add_argument("--stock", action="store_true", help="without the plugin")
     run.set_defaults(func=_run)
 
@@ -129,4 +130,5 @@ def _export(arguments):
 def _run(arguments):
     from demlaws.liggghts.run import run
 
-    run(arguments.input, arguments.np, dict(arguments.var), plugin=not arguments.stock, echo=True)
+    variables = dict(arguments.var)
+    run(arguments.input, arguments.np, variables, plugin=not arguments.stock, echo=True, portable=arguments.portable)

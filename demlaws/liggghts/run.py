@@ -41,15 +41,17 @@ def versions():
     return _versions_of(executable())
 
 
-def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True):
-    """The command line and the environment of a run. Root needs --allow-run-as-root and
-    --oversubscribe of mpirun, more ranks than cores the latter."""
+def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True, portable=False):
+    """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` makes.
+
+    Root needs --allow-run-as-root and --oversubscribe of mpirun, more ranks than cores the latter.
+    """
     if ranks < 1:
         raise DemlawsError(f"ranks = {ranks}: at least 1")
     environment = dict(os.environ)
     if plugin:
         versions()  # loaded into another LIGGGHTS, the plugin would crash it or worse
-        environment["LD_PRELOAD"] = ":".join(p for p in (str(build()), environment.get("LD_PRELOAD")) if p)
+        environment["LD_PRELOAD"] = ":".join(p for p in (str(build(portable)), environment.get("LD_PRELOAD")) if p)
     line = [executable(), "-in", str(script), "-log", str(log)]
     for name, value in (variables or {}).items():
         line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
@@ -68,10 +70,13 @@ def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True):
     return line, environment
 
 
-def run(script, ranks=1, variables=None, folder=None, log="log.liggghts", plugin=True, echo=False, timeout=None):
+def run(
+    script, ranks=1, variables=None, folder=None, log="log.liggghts", plugin=True, echo=False, timeout=None, portable=False
+):
     """Run `script` in `folder` (default: the script's own) and return what its log's thermo tables hold.
 
-    variables: {name: value} for the script's ${name}; echo: show LIGGGHTS's output as it comes.
+    variables: {name: value} for the script's ${name}; echo: show LIGGGHTS's output as it comes; portable: the plugin
+    without -march=native, for a cluster of unlike nodes.
     Returns a dict column → array over all rows (see `read_log`). Raises DemlawsError with LIGGGHTS's own error.
     """
     script = Path(script)
@@ -79,7 +84,7 @@ def run(script, ranks=1, variables=None, folder=None, log="log.liggghts", plugin
         folder, script = script.resolve().parent, Path(script.name)
     if not (Path(folder) / script).is_file():
         raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws liggghts export` writes one")
-    line, environment = command(script, ranks, variables, log, plugin)
+    line, environment = command(script, ranks, variables, log, plugin, portable)
     # a screen must stay: LIGGGHTS dies in mesh cases with -screen none
     lines = []
     with subprocess.Popen(

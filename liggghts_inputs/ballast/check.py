@@ -1,4 +1,4 @@
-"""The servo follows the load; the bed settles with the cycles; plastic contacts dissipate, never the other way."""
+"""The plate carries the load asked for; the bed settles with the cycles, ever less; plastic flow never gives back."""
 
 import sys
 from pathlib import Path
@@ -8,23 +8,49 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
+from demlaws import plots
 from demlaws.liggghts import read_log
 
 
-def check(folder):
-    period = common.load(Path(__file__).parent / "run.py").PERIOD
+def cycles(folder):
+    """The log, its rows in the cycles, and at the end of every cycle settlement [m] and energy taken [J] since the start."""
+    case = common.load(Path(__file__).parent / "run.py")
     log = read_log(Path(folder) / "log.liggghts")
-    cyclic = log["Step"] > 200000
-    phase = ((log["Step"] - 200000) % period) == 0
-    ends = log["plate"][cyclic & phase]
-    settlement = (ends[0] - ends[-1]) * 1e3
-    print(f"settlement between the first and the last of {ends.size} cycles: {settlement:.4f} mm")
-    follow = np.abs(np.abs(log["carried"]) - log["load"])[cyclic]
+    step = log["Step"] - case.SETTLE - case.PRESS
+    ends = (step >= 0) & (step % case.PERIOD == 0)
+    return log, step > 0, log["plate"][ends][0] - log["plate"][ends], log["lost"][ends] - log["lost"][ends][0]
+
+
+def check(folder):
+    log, cyclic, settlement, taken = cycles(folder)
+    height = log["bed"][0]
+    count = settlement.size - 1
+    print(f"bed {height * 1e3:.0f} mm high under {log['load'][cyclic].min():.0f} to {log['load'].max():.0f} N")
+    print(f"{'cycle':>6} {'settlement mm':>14} {'strain %':>9} {'plastic flow took J':>20}")
+    for n in sorted({n for n in (1, 2, 3, 5, 10, 15, 20, count) if n <= count}):
+        print(f"{n:6d} {settlement[n] * 1e3:14.4f} {settlement[n] / height * 100:9.4f} {taken[n]:20.5f}")
+    error = np.abs(log["carried"] - log["load"])[cyclic] / log["load"].max()
+    steps = np.diff(settlement)
+    at_rest = log["KinEng"][0] / log["KinEng"].max()
     return [
-        ("load carried against asked for, median, of the largest load", np.median(follow) / log["load"].max(), 0.1),
-        ("heave instead of settlement [mm]", max(0.0, -settlement), 0.0),
+        ("kinetic energy when the plate starts, of the largest later", at_rest, 0.1),
+        ("load carried against asked for, median, of the largest load", np.median(error), 0.02),
+        # the worst row is a grain that slips and takes the load off the plate for an instant
+        ("load carried against asked for, 95 of 100 rows, of the largest load", np.quantile(error, 0.95), 0.05),
+        ("heave instead of settlement [mm]", max(0.0, -settlement[-1]) * 1e3, 0.0),
+        ("settlement of the last cycle, of the first", steps[-1] / steps[0], 1.0),
         ("plastic dissipation that went backwards", max(0.0, -np.diff(log["lost"]).min()) / log["lost"][-1], 1e-12),
     ]
+
+
+def draw(folder, path):
+    log, cyclic, settlement, _ = cycles(folder)
+    figure, (left, right) = plots.figure(columns=2)
+    left.plot((log["plate"][cyclic][0] - log["plate"][cyclic]) * 1e3, log["carried"][cyclic] / 1e3, linewidth=0.6)
+    left.set(xlabel="way of the plate (mm)", ylabel="load carried (kN)")
+    right.plot(np.arange(settlement.size), settlement * 1e3, "o-", markersize=3)
+    right.set(xlabel="cycle", ylabel="permanent settlement (mm)")
+    return plots.save(figure, path)
 
 
 if __name__ == "__main__":

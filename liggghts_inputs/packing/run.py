@@ -1,4 +1,4 @@
-"""10,000 polydisperse granite spheres settle under gravity; 2 minutes on 2 ranks (600 spheres with --quick, 10 s).
+"""10,000 polydisperse granite spheres settle under gravity; 3 minutes on 2 ranks (600 spheres with --quick, 10 s).
 
 python run.py -np 2
 """
@@ -20,9 +20,9 @@ def law(unloading="hertz"):
 def simulate(folder, ranks=1, quick=False):
     common.table(folder, "granite.tbl", law())
     if quick:
-        variables = {"half": 0.015, "height": 0.14, "count": 600, "settle": 60000}
+        variables = {"half": 0.015, "height": 0.14, "count": 600, "settle": 100000}
     else:
-        variables = {"half": 0.04, "height": 0.19, "count": 10000, "settle": 80000}
+        variables = {"half": 0.04, "height": 0.19, "count": 10000, "settle": 120000}
     run(folder / "in.packing", ranks, variables, echo=not quick)
 
 

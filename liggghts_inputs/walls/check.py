@@ -1,4 +1,4 @@
-"""Force of either wall against the Python law, and of one wall against the other."""
+"""Force and energies of either wall against the Python law, and the force of one wall against the other."""
 
 import sys
 from pathlib import Path
@@ -16,9 +16,12 @@ def check(folder, unloading="hertz", limit=1e-5):
     findings, logs = [], {}
     for wall in ("primitive", "mesh"):
         log = logs[wall] = read_log(Path(folder) / f"log.{wall}")
-        expected = law.follow(log["overlap"]).force
-        error = np.abs(log["force"] - expected).max() / expected.max()
+        path = law.follow(log["overlap"])
+        error = np.abs(log["force"] - path.force).max() / path.force.max()
         findings.append((f"{wall} wall: force against the law, of the maximum", error, limit))
+        for name, expected in (("stored", path.stored), ("lost", path.dissipated)):
+            error = np.abs(log[name] - expected).max() / path.work.max()
+            findings.append((f"{wall} wall: energy {name} against the law, of the largest work", error, limit))
     force = [logs[wall]["force"] for wall in ("primitive", "mesh")]
     findings.append(("mesh against primitive, of the maximum", np.abs(force[0] - force[1]).max() / force[0].max(), 1e-9))
     return findings

@@ -84,6 +84,12 @@ public:
     tangential.surfacesIntersect(d, i, j);
     rolling.surfacesIntersect(d, i, j);
   }
+  inline void pairsIntersect(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    surface.surfacesIntersect(d, i, j);
+    normal.template touch<false>(d, i, j);
+    tangential.surfacesIntersect(d, i, j);
+    rolling.surfacesIntersect(d, i, j);
+  }
   void endSurfacesIntersect(SurfacesIntersectData &d, class TriMesh *mesh, ForceData &i, ForceData &) {
     surface.endSurfacesIntersect(d, mesh, i.delta_F);
   }
@@ -140,7 +146,8 @@ private:
   std::vector<char *> kept_;
 };
 
-// compute ID GROUP demlaws/energy: what the pairs of this model hold and what their plastic flow took, [1] and [2] [J].
+// compute ID GROUP demlaws/energy: what the contacts of this model hold and what their plastic flow took, [1] and [2] [J],
+// pairs and walls.
 struct EnergySource {
   virtual ~EnergySource() {}
   virtual void energies(double &stored, double &dissipated) = 0; // of this rank; a pair across ranks counts half
@@ -158,8 +165,12 @@ public:
     size_vector = 2;
     extvector = 1;
     vector = new double[2]();
+    Ledger::of(lmp).readers++;
   }
-  ~ComputeEnergy() { delete[] vector; }
+  ~ComputeEnergy() {
+    Ledger::of(lmp).readers--;
+    delete[] vector;
+  }
   void init() {
     if (!EnergySource::of(lmp)) error->all(FLERR, "compute demlaws/energy needs pair_style gran model demlaws/table");
   }
@@ -181,6 +192,47 @@ template <class TAG, typename TAG::type MEMBER> struct Access {
   friend typename TAG::type get(TAG) { return MEMBER; }
 };
 template struct Access<ComputeMap, &Modify::compute_map>;
+struct FixMap {
+  typedef std::map<std::string, Fix *(*)(LAMMPS *, int, char **)> *Modify::*type;
+  friend type get(FixMap);
+};
+template struct Access<FixMap, &Modify::fix_map>;
+
+// Takes the ledger's sum through restart files. The pair style makes it; there is one.
+class FixEnergy : public Fix {
+public:
+  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), ledger_(Ledger::of(lmp)) {
+    restart_global = 1;
+    ledger_.taken = 0.;
+  }
+  ~FixEnergy() { ledger_.taken = 0.; }
+  int setmask() { return FixConst::PRE_FORCE; }
+  void setup_pre_force(int vflag) { pre_force(vflag); }
+  void pre_force(int) {
+    for (std::set<WallBook *>::iterator it = ledger_.walls.begin(); it != ledger_.walls.end(); ++it) (*it)->forget();
+  }
+  void write_restart(FILE *file) {
+    double sum = 0.;
+    MPI_Reduce(&ledger_.taken, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, world);
+    if (comm->me != 0) return;
+    const int size = sizeof sum;
+    fwrite(&size, sizeof size, 1, file);
+    fwrite(&sum, sizeof sum, 1, file);
+  }
+  void restart(char *data) {
+    if (comm->me == 0) memcpy(&ledger_.taken, data, sizeof ledger_.taken);
+  }
+  static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixEnergy(lmp, narg, arg); }
+  static void ensure(Modify *modify) {
+    if (modify->find_fix_style_strict(name(), 0)) return;
+    const char *words[] = {"demlaws_energy", "all", name()};
+    modify->add_fix(3, const_cast<char **>(words));
+  }
+  static const char *name() { return "demlaws/energy"; }
+
+private:
+  Ledger &ledger_;
+};
 
 // The pair loop: what the stock loop does for spheres, in two passes. The first finds the touching neighbours without a
 // branch for each (whether a neighbour touches is what the processor cannot predict); the second computes the contacts.
@@ -190,7 +242,8 @@ public:
   PairStyle(LAMMPS *lmp, PairGran *parent, const int64_t hash)
       : Pointers(lmp), model_(lmp, parent, false, hash), parent_(parent) {
     EnergySource::of(lmp) = this;
-    ((*modify).*get(ComputeMap()))->operator[]("demlaws/energy") = &ComputeEnergy::create;
+    ((*modify).*get(ComputeMap()))->operator[](FixEnergy::name()) = &ComputeEnergy::create;
+    ((*modify).*get(FixMap()))->operator[](FixEnergy::name()) = &FixEnergy::create;
   }
   ~PairStyle() {
     if (EnergySource::of(lmp) == this) EnergySource::of(lmp) = NULL;
@@ -204,7 +257,10 @@ public:
     if (!good) error->all(FLERR, settings.error_message.c_str());
     model_.postSettings(setup);
   }
-  void init_granular() { model_.connectToProperties(force->registry); }
+  void init_granular() {
+    model_.connectToProperties(force->registry);
+    FixEnergy::ensure(modify); // here what a restart file holds for it is still there
+  }
   void write_restart_settings(FILE *file) {
     int64_t hash = model_.hashcode();
     fwrite(&hash, sizeof hash, 1, file);
@@ -292,8 +348,11 @@ public:
   }
 
   void energies(double &stored, double &dissipated) {
+    const Ledger &ledger = Ledger::of(lmp);
     stored = 0.;
-    dissipated = model_.normal.released();
+    dissipated = ledger.taken;
+    for (std::set<WallBook *>::const_iterator it = ledger.walls.begin(); it != ledger.walls.end(); ++it)
+      stored += (*it)->stored();
     const NeighList *const list = parent_->list;
     if (!list) return;
     const NeighList *const past = parent_->listgranhistory;
@@ -411,7 +470,7 @@ private:
       data.en[1] = touch.delta[1] * inverse;
       data.en[2] = touch.delta[2] * inverse;
       ForceData on_i, on_j;
-      model_.surfacesIntersect(data, on_i, on_j);
+      model_.pairsIntersect(data, on_i, on_j);
       if (apply) {
         add(parent->relax(i), f[i], torque[i], on_i);
         if (j < local) add(parent->relax(j), f[j], torque[j], on_j);
@@ -477,11 +536,51 @@ template <class MODEL> class WallStyle : public Walls::Granular<MODEL> {
 
 public:
   WallStyle(LAMMPS *lmp, FixWallGran *parent, const int64_t hash)
-      : Walls::Granular<MODEL>(lmp, parent, hash), lmp_(lmp) {}
+      : Walls::Granular<MODEL>(lmp, parent, hash), lmp_(lmp), step_(-1), mesh_(-1), triangle_(-1) {}
+  // Within some 1e-8 m of an edge both coplanar triangles claim a sphere that comes from the one with the higher number,
+  // and the stock wall lets both push. Here the second only takes over the history, in case the sphere turns back.
+  void compute_force(FixWallGran *wall, SurfacesIntersectData &data, bool intersects, double *velocity,
+                     FixMeshSurface *fix_mesh, int number, TriMesh *mesh, int triangle) {
+    if (mesh && intersects) {
+      const size_t i = data.i;
+      if (step_ != lmp_->update->ntimestep || mesh_ != number || triangle < triangle_) faces_.clear();
+      step_ = lmp_->update->ntimestep;
+      mesh_ = number;
+      triangle_ = triangle;
+      if (newest_.size() <= i) newest_.resize(lmp_->atom->nmax + 1, none());
+      size_t n = newest_[i];
+      for (; n < faces_.size() && faces_[n].particle == i; n = faces_[n].earlier) {
+        if (faces_[n].triangle == triangle) { // the forces of this step once more
+          faces_.clear();
+          break;
+        }
+        if (!mesh->areCoplanarNodeNeighs(mesh->id(triangle), mesh->id(faces_[n].triangle))) continue;
+        if (wall->dnum() > 0) std::copy(faces_[n].history, faces_[n].history + wall->dnum(), data.contact_history);
+        return;
+      }
+      const bool first = newest_[i] >= faces_.size() || faces_[newest_[i]].particle != i;
+      const Face face = {i, first ? none() : newest_[i], triangle, data.contact_history};
+      newest_[i] = faces_.size();
+      faces_.push_back(face);
+    }
+    Walls::Granular<MODEL>::compute_force(wall, data, intersects, velocity, fix_mesh, number, mesh, triangle);
+  }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp_, count, arguments);
     Walls::Granular<MODEL>::settings(count, arguments, setup);
   }
+
+private:
+  static size_t none() { return (size_t)-1; }
+  struct Face {
+    size_t particle, earlier;
+    int triangle;
+    double *history;
+  };
+  bigint step_;
+  int mesh_, triangle_;
+  std::vector<Face> faces_;    // the triangles that pushed a sphere in this step
+  std::vector<size_t> newest_; // the last of them for each sphere; stale where it names another sphere
 };
 
 template <class MODEL> PairStyles::IGranularPairStyle *make_pair_style(LAMMPS *lmp, PairGran *parent, const int64_t hash) {

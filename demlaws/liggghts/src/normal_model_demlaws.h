@@ -10,11 +10,13 @@
 #ifndef DEMLAWS_NORMAL_MODEL_H
 #define DEMLAWS_NORMAL_MODEL_H
 #include <memory>
+#include <set>
 #include "contact_models.h"
 #include "normal_model_base.h"
 #include "global_properties.h"
 #include "neighbor.h"
 #include "comm.h"
+#include "update.h"
 #include "demlaws_table.h"
 
 namespace demlaws {
@@ -41,6 +43,61 @@ struct TypePair {
   double radius;             // > 0: the only radius the table is valid for
 };
 
+// The wall contacts of one wall in the last step, for their stored energy.
+class WallContacts {
+public:
+  WallContacts() : step_(-1) {}
+  void add(bigint step, const Pair &pair, double radius, double overlap, const double *state, int size) {
+    if (step != step_) forget();
+    step_ = step;
+    contacts_.push_back(Contact(pair, radius, overlap));
+    states_.insert(states_.end(), state, state + size);
+  }
+  void forget() {
+    contacts_.clear();
+    states_.clear();
+  }
+  double stored(bigint step, int size) const {
+    double sum = 0., stored, dissipated;
+    for (size_t n = 0; step == step_ && n < contacts_.size(); n++) {
+      const Contact &c = contacts_[n];
+      stored_and_dissipated(*c.pair, c.radius, c.overlap, size ? &states_[n * size] : NULL, stored, dissipated);
+      sum += stored;
+    }
+    return sum;
+  }
+
+private:
+  struct Contact {
+    const Pair *pair;
+    double radius, overlap;
+    Contact(const Pair &p, double r, double o) : pair(&p), radius(r), overlap(o) {}
+  };
+  bigint step_;
+  std::vector<Contact> contacts_;
+  std::vector<double> states_;
+};
+
+// Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended and
+// in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the model; so
+// the dissipation of walls is added up while it happens, not when a contact ends.
+struct Ledger {
+  double taken;
+  int readers; // computes that will ask for what walls store
+  std::set<class WallBook *> walls;
+  Ledger() : taken(0.), readers(0) {}
+  static Ledger &of(void *lmp) {
+    static std::map<void *, Ledger> ledgers;
+    return ledgers[lmp];
+  }
+};
+class WallBook {
+public:
+  virtual ~WallBook() {}
+  virtual double stored() const = 0; // [J]
+  virtual void forget() = 0;         // before forces are computed anew
+};
+
 } // namespace demlaws
 
 namespace MODEL_PARAMS {
@@ -54,12 +111,15 @@ namespace ContactModels {
 
 static const int DEMLAWS_TABLE = 60; // a free 6-bit id (stock uses 0 to 12)
 
-template <> class NormalModel<DEMLAWS_TABLE> : public NormalModelBase {
+template <> class NormalModel<DEMLAWS_TABLE> : public NormalModelBase, private demlaws::WallBook {
 public:
   NormalModel(LAMMPS *lmp, IContactHistorySetup *setup, class ContactModelBase *base)
       : NormalModelBase(lmp, setup, base), base_(base), effective_modulus_(NULL), effective_shear_(NULL), beta_(NULL),
         roughness_(NULL), damp_tangentially_(true), limit_force_(false), use_roughness_(false),
-        radius_tolerance_(0.01), offset_(-1), state_size_(0), types_(0), released_(0.) {}
+        radius_tolerance_(0.01), offset_(-1), state_size_(0), types_(0), ledger_(demlaws::Ledger::of(lmp)) {
+    if (base->is_wall()) ledger_.walls.insert(this);
+  }
+  ~NormalModel() { ledger_.walls.erase(this); }
 
   void registerSettings(Settings &settings) {
     settings.registerOnOff("tangential_damping", damp_tangentially_, true);
@@ -90,7 +150,7 @@ public:
       }
       state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
     }
-    static const char *const names[] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
+    static const char *const names[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
     for (int i = 0; i < state_size_; i++) {
       const int at = setup->add_history_value(names[i], "0"); // the same seen from either particle
       base->add_history_offset(names[i], at);
@@ -125,12 +185,20 @@ public:
   double stressStrainExponent() { return 1.5; }
 
   inline void surfacesIntersect(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
+    if (data.is_wall) touch<true>(data, on_i, on_j);
+    else touch<false>(data, on_i, on_j);
+  }
+
+  template <bool WALL> inline void touch(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
-    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
+    const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
     if (type.radius > 0. && !(fabs(radius - type.radius) <= radius_tolerance_ * type.radius)) refuse_radius(data, radius, type);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
+    double before[MOST_STATE];
+    if (WALL && update)
+      for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
     if (__builtin_expect(now.outside, 0)) refuse_overlap(data, radius, type);
 
@@ -142,7 +210,8 @@ public:
     data.kt = type.tangential * now.stiffness;
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
-    if (data.is_wall) {
+    if (WALL) {
+      if (data.computeflag) enter(type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
     } else
@@ -160,7 +229,7 @@ public:
     if (!data.is_wall) {
       double stored, dissipated;
       energies(data, 0., stored, dissipated);
-      released_ += data.j < atom->nlocal ? dissipated : 0.5 * dissipated;
+      ledger_.taken += data.j < atom->nlocal ? dissipated : 0.5 * dissipated;
     }
     for (int i = 0; i < state_size_; i++) state[i] = 0.;
   }
@@ -168,17 +237,28 @@ public:
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
 
-  // Energies of one contact [J], and the dissipation of the contacts of this rank that are gone.
+  // Energies of one contact [J].
   void energies(const SurfacesCloseData &data, double overlap, double &stored, double &dissipated) const {
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
     demlaws::stored_and_dissipated(type.pair, radius, overlap, state_size_ ? &data.contact_history[offset_] : NULL, stored,
                                    dissipated);
   }
-  double released() const { return released_; }
   int state_size() const { return state_size_; }
 
 private:
+  static const int MOST_STATE = 3;
+  double stored() const { return contacts_.stored(update->ntimestep, state_size_); }
+  void forget() { contacts_.forget(); }
+  // A wall contact after its step: what it holds, and what its plastic flow took since `before`.
+  inline void enter(const demlaws::Pair &pair, double radius, double overlap, const double *state, const double *before) {
+    if (ledger_.readers) contacts_.add(update->ntimestep, pair, radius, overlap, state, state_size_);
+    if (!before || std::equal(before, before + state_size_, state)) return;
+    double stored, earlier, now;
+    demlaws::stored_and_dissipated(pair, radius, overlap, before, stored, earlier);
+    demlaws::stored_and_dissipated(pair, radius, overlap, state, stored, now);
+    ledger_.taken += now - earlier;
+  }
   void connect(int i, int j) {
     demlaws::TypePair &type = pairs_[i * types_ + j];
     demlaws::Files::const_iterator it = files_.find(std::make_pair(i, j));
@@ -251,7 +331,8 @@ private:
   bool damp_tangentially_, limit_force_, use_roughness_;
   double radius_tolerance_;
   int offset_, state_size_, types_;
-  double released_;
+  demlaws::Ledger &ledger_;
+  demlaws::WallContacts contacts_;
   std::vector<demlaws::TypePair> pairs_;
   demlaws::Files files_;
   std::map<std::string, std::shared_ptr<demlaws::Table> > tables_;

@@ -15,7 +15,7 @@ import demlaws as dl
 import demlaws.liggghts as lg
 from demlaws import cli
 from demlaws.errors import DemlawsError
-from demlaws.liggghts.check import TWO_PARTICLES, versions
+from demlaws.liggghts.check import TWO_PARTICLES, packages, versions
 from demlaws.liggghts.run import command
 
 # demlaws.liggghts.build and .run are functions of the package; these are the modules
@@ -120,6 +120,8 @@ def test_run_sets_what_root_needs(monkeypatch):
     assert "--allow-run-as-root" not in line and "--oversubscribe" not in line
     line, environment = command("in.case", 1)
     assert "mpirun" not in line and str(lg.build()) in environment["LD_PRELOAD"]
+    _, environment = command("in.case", 1, portable=True)
+    assert str(lg.build(portable=True)) in environment["LD_PRELOAD"] and lg.build(portable=True) != lg.build()
     _, environment = command("in.case", 1, plugin=False)
     assert "demlaws" not in environment.get("LD_PRELOAD", "")
 
@@ -153,6 +155,15 @@ def test_check_proves_the_plugin(capsys):
     lg.check()
     out = capsys.readouterr().out
     assert "3.8.0" in out and out.count("self-test") == 4 and "all good" in out
+
+
+def test_packages_of_unlike_versions_are_refused(tmp_path, monkeypatch):
+    fake = tmp_path / "dpkg-query"
+    fake.write_text("#!/bin/sh\nprintf 'liggghts 3.8.0-1\\nliggghts3 3.8.0-1\\nlibliggghts-dev 3.8.0-2\\n'\n")
+    fake.chmod(0o755)
+    monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
+    with pytest.raises(DemlawsError, match=r"differ in version.*3\.8\.0-2"):
+        packages()
 
 
 def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):

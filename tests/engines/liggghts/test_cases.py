@@ -32,15 +32,15 @@ def assert_good(findings):
 
 
 def test_every_case_named_by_the_documentation_is_there():
-    assert CASES == ["ballast", "compression", "impact", "migration", "packing", "restart", "two_spheres", "walls"]
+    assert CASES == ["ballast", "compression", "energy", "impact", "migration", "packing", "restart", "two_spheres", "walls"]
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_case(common, tmp_path, case):
-    assert_good(simulate_and_check(common, case, tmp_path, 2 if case == "migration" else 1))
+    assert_good(simulate_and_check(common, case, tmp_path, 2 if case in ("energy", "migration", "packing") else 1))
 
 
-@pytest.mark.parametrize("case", ["two_spheres", "walls", "restart", "migration"])
+@pytest.mark.parametrize("case", ["two_spheres", "walls", "restart", "migration", "energy"])
 @pytest.mark.parametrize("unloading", ["elastic", "thornton"])
 def test_case_with_other_unloading(common, tmp_path, case, unloading):
     folder = common.copy_inputs(INPUTS / case / "run.py", tmp_path)
@@ -56,7 +56,3 @@ def test_fine_table_in_the_engine(common, tmp_path):
     folder = common.copy_inputs(INPUTS / "two_spheres" / "run.py", tmp_path)
     common.load(INPUTS / "two_spheres" / "run.py").simulate(folder, 1, True, rtol=1e-9)
     assert_good(common.load(INPUTS / "two_spheres" / "check.py").check(folder, limit=1e-8))
-
-
-def test_packing_on_two_ranks(common, tmp_path):
-    assert_good(simulate_and_check(common, "packing", tmp_path, 2))

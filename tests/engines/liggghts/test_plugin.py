@@ -2,6 +2,7 @@
 
 import math
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -117,6 +118,18 @@ def test_viscous_damping(tmp_path, granite_pair, restitution):
     assert damping[touching][0] < 0.1 * damping.max()
 
 
+def test_limit_force(tmp_path, granite_pair):
+    """With strong damping a contact that opens pulls, unless limitForce is on."""
+    law = dl.law("pohrt-popov", granite_pair, unloading="hertz")
+    table = save(law, tmp_path / "law.tbl")
+    force = {}
+    for limit in ("off", "on"):
+        style = GRAN + f"table {table} limitForce {limit}"
+        force[limit] = simulate(tmp_path, two_spheres(style, LOAD_UNLOAD[:2], restitution=0.06))["force"]
+    assert force["off"].min() < 0
+    assert np.array_equal(force["on"], np.maximum(force["off"], 0))
+
+
 def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
     law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus(), radius=8.7e-3), unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
@@ -150,6 +163,55 @@ def test_energies_across_ranks(tmp_path, granite_pair):
     assert np.abs(log["force"] - path.force).max() <= 3e-8 * path.force.max()
     assert np.abs(log["stored"] - path.stored).max() <= 1e-7 * path.work.max()
     assert np.abs(log["lost"] - path.dissipated).max() <= 1e-7 * path.work.max()
+
+
+@pytest.mark.parametrize("unloading", ["elastic", "hertz"])
+@pytest.mark.parametrize("way", [1, -1])
+def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
+    """Within 1e-8 m of an edge both triangles claim the sphere: one force all the same, there and back."""
+    walls = Path(__file__).parents[3] / "liggghts_inputs" / "walls"
+    law = dl.law("pohrt-popov", dl.Contact(6.05e-3, modulus(), 2.4e-6, 2.22), unloading=unloading)
+    law.tabulate(rtol=1e-8).save(tmp_path / "granite.tbl")
+    for name in ("mesh.inc", "plate.stl"):
+        (tmp_path / name).write_text((walls / name).read_text())
+    text = (walls / "in.walls").read_text().split("velocity        all set 0 0 -0.2")[0]
+    text = text.replace("${wall}", "mesh.inc").replace("${every}", "100").replace("single 0.000507", f"single {-2.03e-8 * way}")
+    text += "velocity all set 0 0 -0.2\nrun 40000\nvelocity all set 0 0 0.2\nrun 10000\n"
+    text += f"velocity all set {0.01 * way} 0 0\nrun 4000\nvelocity all set {-0.01 * way} 0 0\nrun 2000\n"
+    # deeper than ever while both claim it, and out on the first triangle
+    text += f"velocity all set 0 0 -0.2\nrun 20000\nvelocity all set {-0.01 * way} 0 0\nrun 2000\n"
+    text += "velocity all set 0 0 0.2\nrun 20000\n"
+    log = simulate(tmp_path, text)
+    path = law.follow(log["overlap"])
+    assert np.abs(log["force"] - path.force).max() <= 3e-8 * path.force.max()
+    assert np.abs(log["stored"] - path.stored).max() <= 1e-7 * path.work.max()
+    assert np.abs(log["lost"] - path.dissipated).max() <= 1e-7 * path.work.max()
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_dissipation_of_ended_contacts_comes_back_after_a_restart(tmp_path, granite_pair, ranks):
+    """A pair loads, parts, and a restart file is written; a new process, on as many ranks or on one, goes on."""
+    law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
+    table = save(law, tmp_path / "law.tbl", rtol=1e-8)
+    more = "compute e all demlaws/energy\nvariable stored equal c_e[1]\nvariable lost equal c_e[2]\n"
+    more += "thermo_style custom step v_overlap v_stored v_lost"
+    text = two_spheres(GRAN + f"table {table}", [], every=1000)
+    text = text.replace("thermo_style    custom step v_overlap v_force v_side", more)
+    head, tail = text.split("region          box", 1)
+    after = "\n".join(line for line in tail.splitlines()[1:] if not line.startswith(("create_", "set ")))
+    part, again = "run 50000\nvelocity right set 0.2 0 0\nrun 90000\n", "velocity right set -0.2 0 0\n"
+    first = text + again + part + "write_restart parted.restart\n" + again + part
+    first = first.replace("region          box", f"processors {ranks} 1 1\nregion          box")
+    whole = simulate(tmp_path, first, ranks)
+    path = law.follow(whole["overlap"])
+    assert np.abs(whole["lost"] - path.dissipated).max() <= 1e-7 * path.work.max()
+    for later in {1, ranks}:
+        second = simulate(tmp_path, f"{head}processors {later} 1 1\nread_restart parted.restart\n{after}\n{again}{part}", later)
+        same = np.isin(whole["Step"], second["Step"])
+        assert second["Step"].size == same.sum() == 141
+        assert second["lost"][0] > 0.4 * path.dissipated[-1]  # the first contact's
+        for name in ("stored", "lost"):
+            assert np.abs(whole[name][same] - second[name]).max() <= 1e-12 * path.work.max()
 
 
 def test_the_impact_of_the_python_driver(tmp_path):
@@ -216,6 +278,10 @@ def test_type_that_the_box_does_not_have(tmp_path, granite_pair):
     "models, named",
     [
         ("tangential history cohesion sjkr", "cohesion sjkr"),
+        ("tangential history cohesion sjkr2", "cohesion sjkr2"),
+        ("tangential history cohesion washino/capillary/viscous", "cohesion washino/capillary/viscous"),
+        ("tangential history cohesion easo/capillary/viscous", "cohesion easo/capillary/viscous"),
+        ("tangential history rolling_friction epsd3", "rolling_friction epsd3"),
         ("tangential tan_luding", "tan_luding"),
         ("tangential history rolling_friction luding", "rolling_friction luding"),
         ("tangential history surface superquadric", "superquadric"),
