@@ -114,7 +114,7 @@ class Source:
 
     def _table_shape(self, surface):
         contact = self.table.contact
-        if surface.roughness == 0.0 and self.table.shape.length_over_roughness:
+        if surface.roughness == 0.0 and self.table.loading_shape.length_over_roughness:
             return None
         for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
             wanted, made_for = getattr(surface, name), getattr(contact, name)
