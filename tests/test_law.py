@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
-from demlaws.law import largest_stiffness_ratio, registry
+from demlaws.law import example, largest_stiffness_ratio, registry
 from demlaws.surface import HeightMap
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -227,12 +227,12 @@ def two_steps(law, dtype=np.float64, **options):
 @every_pair
 def test_contacts_in_arrays_equal_one_at_a_time(name, unloading):
     options = options_of(name)
-    many = dl.law(name, BATCH_OF_CONTACTS, unloading, **options)
+    many = example(name, BATCH_OF_CONTACTS, unloading, **options)
     together = np.array(two_steps(many))
     rtol = 1e-4 if registry()[name].solved else 32 * EPS  # solved laws blend two curves
     for i in range(BATCH_OF_CONTACTS.size):
         one = GRANITE.with_values(**{k: float(getattr(BATCH_OF_CONTACTS, k)[i]) for k in ("radius", "modulus", "roughness")})
-        alone = dl.law(name, one, unloading, **options)
+        alone = example(name, one, unloading, **options)
         first = np.linspace(2e-6, 9e-6, 5)[[i]]
         second = first * np.linspace(0.7, 0.95, 5)[[i]] * (i > 0)
         state = alone.new_state(1) if alone.state_size else None

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
+from demlaws.law import example as example_law
 from demlaws.liggghts import header_folder
 
 # the paths go where a source does not support its law; the header must agree there, too
@@ -49,10 +50,16 @@ def path_of(law, force):
         ("bahrami", "elastic", {}),
         ("yip-venart", "elastic", {}),
         ("greenwood-tripp", "elastic", {}),
+        ("hertz", "table", {}),
+        ("rms", "table", {}),
+        ("pohrt-popov", "table", {}),
+        ("goddard", "table", {"slope": 0.035}),
+        ("rough-plastic", "table", {"yield_pressure": 1.66e9}),
+        ("yip-venart", "table", {}),
     ],
 )
 def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unloading, options):
-    law = dl.law(name, granite_pair, unloading=unloading, **options)
+    law = example_law(name, granite_pair, unloading, **options)
     rtol = 1e-5 if law.definition.solved else 1e-8
     table = law.tabulate(rtol=rtol)
     table.save(tmp_path / "law.tbl")
