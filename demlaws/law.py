@@ -467,6 +467,19 @@ def rule_and_curve(unloading):
     return unloading, None
 
 
+def rebound(unloading, contact):
+    """What `law` takes as `unloading`, for another contact: a law as the same law there, a table that collapses likewise."""
+    rule, curve = rule_and_curve(unloading)
+    if curve is None:
+        return rule
+    names = ("radius", "modulus", "roughness")
+    if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in names):
+        return curve
+    if hasattr(curve, "bound_to"):
+        return curve.bound_to(contact)
+    return law(curve.name, contact, **curve.options)
+
+
 def joined_shape(law, curve):
     """Shape of `law` and an unloading curve: their contacts may differ, in a ratio that is one for all contacts."""
     from demlaws.table import quick_to_invert
@@ -476,12 +489,14 @@ def joined_shape(law, curve):
         own, others = np.asarray(getattr(law.contact, name), float), np.asarray(getattr(curve.contact, name), float)
         with np.errstate(divide="ignore", invalid="ignore"):
             try:
-                ratio = np.where(own == others, 1.0, others / own)
+                ratio = others / own
             except ValueError:
                 raise DemlawsError(
                     f"the law holds {law.contact.size} contacts, its unloading curve {curve.contact.size}"
                 ) from None
-        low, high = float(np.min(ratio)), float(np.max(ratio))
+        if np.all(own == others):  # smooth contacts, too
+            ratio = np.ones(1)
+        low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
         if not (math.isfinite(high) and high - low <= 1e-9 * high):
             raise DemlawsError(
                 f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: it must be the law's own "

@@ -408,14 +408,15 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
     return np.column_stack([s0 - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
 
 
-def _below(u0, s0, exponent, first, bits_per_octave, octaves):
+def _below(u0, s0, exponent, first, bits_per_octave, seated, floor):
     """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
 
-    octaves: how far down, or 0 for a curve that starts from a seating load (p near 0) and goes on straight, with the slope
-    of the first node.
+    floor: s about where the power law ends, or None: 40 octaves of u down. A curve that starts from a seating load (p near
+    0) goes on straight, with the slope of the first node.
     """
-    u = node(np.arange(first - (octaves or _OCTAVES_BELOW) * 2**bits_per_octave, first + 1), bits_per_octave)
-    if not octaves:
+    octaves = _OCTAVES_BELOW if floor is None or seated else max(1.0, math.log2(s0 / floor) / exponent)
+    u = node(np.arange(first - round(octaves * 2**bits_per_octave), first + 1), bits_per_octave)
+    if seated:
         seat, slope = s0 * (1.0 - exponent), exponent * s0 / u0
         width = np.append(u[0], np.diff(u))  # the slope as it is: differences of s would be nothing but rounding here
         none = np.zeros(u.size)
@@ -427,11 +428,11 @@ def _below(u0, s0, exponent, first, bits_per_octave, octaves):
 
 
 def shape_from_nodes(
-    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0), octaves_below=None
+    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0), seated=None, floor=None
 ):
     """Cubic Hermite cells through the rows of a table; bulk_yield: see TableShape.yield_overlap and what follows it.
 
-    octaves_below: see `_below`; None decides by the exponent of the first node whether the curve starts from a seat.
+    seated: whether the curve starts from a seating load, None to decide by the exponent of the first node; floor: see `_below`.
     """
     u, s, slope = nodes.curve()
     shift = 52 - bits_per_octave
@@ -454,9 +455,8 @@ def shape_from_nodes(
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
     # a kink that lies on the grid splits no cell: the cells on either side have their own slopes there
     pair = [*(float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)), math.inf, math.inf]
-    if octaves_below is None:
-        octaves_below = 0 if exponent < _SEATED else _OCTAVES_BELOW
-    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, octaves_below)
+    seated = exponent < _SEATED if seated is None else seated
+    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, seated, floor)
     end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
     cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only
     return TableShape(
@@ -538,11 +538,14 @@ def quick_to_invert(shape, kinks=()):
     """A table's shape with its reverse; any other shape, whose `inverse` is a formula, as it is. kinks: u of the table's."""
     if not isinstance(shape, TableShape):
         return shape
-    bits_per_octave = 52 - shape.shift
+    bits_per_octave = 53 - shape.shift  # finer by a bit, so that one step of Newton's method is exact to rounding
     # the curve in its own units: length 1
     p = scale_one(shape._replace(length_over_roughness=0.0, length_over_radius=1.0), 1.0, 1.0, 0.0)
-    lowest, highest = float(shape.starts[0, 1]), float(shape.cells[-1, 0])
-    seat = lowest * (1.0 - shape.exponent) if shape.exponent < _SEATED else 0.0
+    highest, seat = float(shape.cells[-1, 0]), 0.0
+    lowest = float(shape.cells[0, 1])  # where the curve begins to be straight: the reverse of a straight line is one
+    if shape.exponent < _SEATED:
+        lowest = float(shape.starts[0, 1])
+        seat = lowest * (1.0 - shape.exponent)
     corners = np.array([k for k in kinks if shape.lowest < k < shape.highest])
     last = node_number(highest - seat, bits_per_octave)  # this node and those before it lie on the curve
     end = float(node(last - 1, bits_per_octave))
@@ -557,9 +560,8 @@ def quick_to_invert(shape, kinks=()):
     for corner in corners:
         first, second = np.flatnonzero(y == corner)
         u[second] = u[first]
-    # the power law below the first node, as far down in u as the curve's own
-    below = 0 if seat else math.ceil(_OCTAVES_BELOW * max(shape.exponent, 1.0))
-    reverse = shape_from_nodes(Nodes.from_curve(y, u, slope), bits_per_octave, 0.0, 0.0, octaves_below=below)
+    nodes = Nodes.from_curve(y, u, slope)
+    reverse = shape_from_nodes(nodes, bits_per_octave, 0.0, 0.0, seated=seat > 0.0, floor=float(u[0]))
     lengths = {"length_over_roughness": shape.length_over_roughness, "length_over_radius": shape.length_over_radius}
     return CurveShape(shape, reverse._replace(**lengths), seat)
 
@@ -676,7 +678,8 @@ def _join(table, curve):
         nodes = source.nodes(min(source.lowest(table.rtol), largest / 64.0), largest, bits_per_octave)
         if not np.all(np.isfinite(nodes.force)):  # a table as the curve ends within the last cell
             continue
-        shape = shape_from_nodes(nodes, bits_per_octave, own.length_over_roughness, own.length_over_radius)
+        lengths = own.length_over_roughness, own.length_over_radius
+        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, floor=_floor(own))
         certificate = source.certify(shape, bind_params(shape, one))
         if max(certificate) <= table.rtol:
             law = Law(curve.definition, table.contact, "elastic", curve.options, shape)
@@ -684,6 +687,11 @@ def _join(table, curve):
             rows.made_for = curve.made_for if isinstance(curve, Table) else curve.contact
             return _joined_table(table, rows)
     raise _out_of_reach(curve, table.rtol, certificate)
+
+
+def _floor(shape):
+    """s where the power law of a loading curve ends below: the unloading curve's ends there, too, and stays the stiffer one."""
+    return None if shape.exponent < _SEATED else float(shape.cells[0, 1])
 
 
 def _joined_table(table, rows):
@@ -902,13 +910,13 @@ class Table(Law):
         lengths = (read("length_over_roughness", *positive), read("length_over_radius", *positive))
         rtol = read("rtol", *positive)
 
-        def table(rows, prefix, unloading, contact, bulk_yield=(math.inf, 0.0, 0.0)):
+        def table(rows, prefix, unloading, contact, bulk_yield=(math.inf, 0.0, 0.0), floor=None):
             """What the rows and the keys with this prefix make."""
             nodes = Nodes(*np.array(rows).T)
             options = read(f"{prefix}options", json.loads, lambda value: isinstance(value, dict))
             definition = read(f"{prefix}law", find)
             suits = lambda value: 1 <= value <= _MOST_BITS and _fits_grid(nodes.u, value)  # noqa: E731
-            shape = shape_from_nodes(nodes, read(f"{prefix}bits", int, suits), *lengths, bulk_yield)
+            shape = shape_from_nodes(nodes, read(f"{prefix}bits", int, suits), *lengths, bulk_yield, floor=floor)
             # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
             source = Law(definition, contact, unloading, options, shape)
             certificate = Certificate(read(f"{prefix}force_error", *positive), read(f"{prefix}stiffness_error", *positive))
@@ -931,9 +939,10 @@ class Table(Law):
             refuse(
                 places["end"], f"unloading {GIVEN!r} needs 2 rows or more below {_UNLOADING_TITLES!r}, got {len(curve_rows)}"
             )
-        curve = table(curve_rows, "unloading_", "elastic", contact)
+        first = table(rows, "", "elastic", contact, bulk_yield)
+        curve = table(curve_rows, "unloading_", "elastic", contact, floor=_floor(first.shape))
         curve.made_for = read("unloading_contact", lambda text: Contact(**json.loads(text)))
-        return _joined_table(table(rows, "", "elastic", contact, bulk_yield), curve)
+        return _joined_table(first, curve)
 
 
 def _first(contact):

@@ -562,7 +562,7 @@ inline double Curve::invert(double s) const {
 }
 
 inline void Curve::build_reverse(const Curve &curve, double rtol) {
-  bits_ = curve.bits_;
+  bits_ = curve.bits_ + 1; // so that one step of Newton's method is exact to rounding
   shift_ = 52 - bits_;
   const double seat = curve.seat();
   const int64_t begin = index(curve.s_first_ - seat), end = index(curve.s_last_ - seat);
