@@ -15,7 +15,7 @@ from demlaws.law import registry
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-PAIRS = pairs()
+PAIRS = pairs(with_curves=dl.laws())
 WITH_HISTORY = [pair for pair in PAIRS if pair[1] != "elastic"]
 every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
 every_history = pytest.mark.parametrize(("name", "unloading"), WITH_HISTORY)
@@ -41,7 +41,8 @@ def test_no_closed_path_returns_work(name, unloading, turns):
     np.testing.assert_allclose(path.work, work, rtol=0.0, atol=tolerance)
     assert np.all(path.stored >= 0.0)
     assert np.all(path.stored[parted] == 0.0)
-    rounding = (16 if unloading == "table" else 4) * EPS * scale  # two integrals of tables differ by more
+    # δp may fall by what the check of passivity lets pass, 1e-9 of a step, where both curves have become Hertz's
+    rounding = (1e-10 if unloading == "table" else 4 * EPS) * scale
     assert np.all(np.diff(path.dissipated) >= -rounding)
     assert path.dissipated[0] >= -rounding
     if unloading == "elastic":
