@@ -66,7 +66,7 @@ class JoinedParams(NamedTuple):
     hertz_coefficient: float  # of the loading [N/m^1.5]
     loading: tuple
     unloading: tuple
-    ratio: float  # δ_H of a force on the curve's contact over that on the law's
+    equivalent_ratio: float  # δ_H of a force on the curve's contact over that on the law's
 
 
 @kernel
@@ -94,7 +94,7 @@ def _joined_energy(p, overlap):
 
 @kernel
 def _joined_parts(p):
-    return p.loading, p.unloading, p.ratio
+    return p.loading, p.unloading, p.equivalent_ratio
 
 
 bind(JoinedShape, scale=_joined_scale)
