@@ -1,5 +1,7 @@
 """The force that native YADE applied against the law, every step, in every geometry."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
@@ -47,8 +49,13 @@ def test_two_spheres_every_law(omega, name, rule):
     assert tangent <= 1e-13
 
 
-@pytest.mark.parametrize("form", ["closed form", "table", "family"])
-@pytest.mark.parametrize("name", dl.laws())
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        *product(dl.laws(), ["closed form", "table", "family"]),
+        *product(["pohrt-popov", "rough-plastic", "yip-venart"], ["joined closed form", "joined table"]),
+    ],
+)
 def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
     """A contact's row holds only those of its Params that its law's Shape does not hold under the same name."""
     import numba
@@ -58,8 +65,8 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
 
     radius = [4e-3, 5e-3] if form == "family" else 4e-3
     contact = dl.Contact(radius, 32e9, 2.4e-6, 2.22, 6.3e9)
-    law = dl.law(name, contact, **find(name).example)
-    if form == "table":
+    law = example(name, contact, GIVEN if form.startswith("joined") else "elastic")
+    if form.endswith("table"):
         law = law.tabulate(1e-3, 100.0)
     for radius in (4e-3, 4.7e-3):
         p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
