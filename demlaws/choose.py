@@ -289,7 +289,7 @@ class _Loaded:
         """Overlap at which loading has taken `work`, by bisection."""
         low, high = np.zeros(work.size), np.broadcast_to(np.asarray(self.law.contact.radius, float), work.size).copy()
         if isinstance(self.law, Table):
-            high = np.minimum(high, self.law.shape.highest * np.broadcast_to(self.law.params.length, work.size))
+            high = np.minimum(high, self.law.loading_shape.highest * np.broadcast_to(self.law.length, work.size))
         for _ in range(70):
             middle = 0.5 * (low + high)
             less = np.asarray(self.law.energy(middle)) < work

@@ -9,8 +9,19 @@ from demlaws.errors import DemlawsError
 def add_law_arguments(parser):
     """Arguments that name a law and its contact."""
     parser.add_argument("--law", required=True, help="name of the law (demlaws curve --law ? lists them)")
-    parser.add_argument("--unloading", default="elastic", help="elastic, hertz or thornton (default: elastic)")
+    parser.add_argument(
+        "--unloading",
+        default="elastic",
+        help="elastic, hertz, thornton, or a table file whose curve the contact unloads along (default: elastic)",
+    )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
+    curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
+    curve.add_argument("--unloading-law", help="name of that law")
+    curve.add_argument(
+        "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
+    )
+    curve.add_argument("--unloading-roughness", type=float, help="its σ in m (default: the contact's)")
+    curve.add_argument("--unloading-radius", type=float, help="its R in m (default: the contact's)")
     add_contact_arguments(parser)
 
 
@@ -36,7 +47,29 @@ def law_from(arguments):
     options = dict(arguments.option)
     if arguments.test is not None:
         options = {**granite.options_for(definition.name, granite.find_test(arguments.test)), **options}
-    return law(definition.name, contact_from(arguments), arguments.unloading, **options)
+    contact = contact_from(arguments)
+    return law(definition.name, contact, _unloading_from(arguments, contact), **options)
+
+
+def _unloading_from(arguments, contact):
+    """A rule, or the law whose curve the contact unloads along."""
+    from demlaws import granite
+    from demlaws.law import find, law
+
+    changes = {n: getattr(arguments, f"unloading_{n}") for n in ("roughness", "radius")}
+    changes = {name: value for name, value in changes.items() if value is not None}
+    if arguments.unloading_law is None:
+        if changes or arguments.unloading_option:
+            raise DemlawsError(
+                "--unloading-option, -roughness and -radius describe the curve of --unloading-law: name that law"
+            )
+        return arguments.unloading
+    if arguments.unloading not in ("elastic", "table"):
+        raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
+    options = dict(arguments.unloading_option)
+    if arguments.test is not None:
+        options = {**granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test)), **options}
+    return law(arguments.unloading_law, contact.with_values(**changes), **options)
 
 
 def contact_from(arguments):
@@ -85,7 +118,9 @@ def register(subparsers):
         help="a law as a certified table",
         description="Writes the dimensionless force and stiffness table of a law, with its certificate in the header.",
         **example(
-            '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png'
+            '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
+            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
+            "      --unloading-law pohrt-popov --unloading-roughness 0.5e-6"
         ),
     )
     add_law_arguments(table)
@@ -112,7 +147,8 @@ def run_curve(arguments):
         for row in list(zip(path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, strict=True))[::every]:
             print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
     if arguments.figure is not None:
-        title = f"{law.name}, {law.unloading} unloading"
+        curve = law.unloading_law
+        title = f"{law.name}, {f'{law.unloading} unloading' if curve is None else f'unloading along {curve.name}'}"
         print(plots.save(plots.path_figure(path, title), arguments.figure))
 
 
@@ -123,11 +159,17 @@ def run_table(arguments):
     table = law.tabulate(arguments.rtol, arguments.max_force)
     table.save(arguments.out)
     print(
-        f"{arguments.out}: {table.nodes.u.size} rows, {2 ** (52 - table.shape.shift)} cells an octave, "
+        f"{arguments.out}: {table.nodes.u.size} rows, {2 ** (52 - table.loading_shape.shift)} cells an octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )
-    if not table.definition.collapses:
+    curve = table.unloading_law
+    if curve is not None:
+        print(
+            f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
+            f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
+        )
+    if not table.collapses:
         print(f"the curve of {law.name!r} has no single dimensionless form: this table holds for this contact only")
     if arguments.figure is not None:
         print(plots.save(plots.table_figure(table, law), arguments.figure))

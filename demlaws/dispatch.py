@@ -34,7 +34,7 @@ def bind(cls, **functions):
 
 def _kernel_of(argument, name):
     cls = getattr(argument, "instance_class", None)
-    return _KERNELS[cls].functions[name] if cls in _KERNELS else None
+    return _KERNELS[cls].functions.get(name) if cls in _KERNELS else None
 
 
 def scale(shape, radius, modulus, roughness):
@@ -69,6 +69,30 @@ def inverse(p, force):
 def _inverse(p, force):
     kernel = _kernel_of(p, "inverse")
     return lambda p, force: kernel(p, force)
+
+
+def recover(p, force, equivalent):
+    """As `inverse`, from both the force > 0 [N] and its Hertz-equivalent overlap [m], and perhaps rough: one step of Newton's
+    method with `virgin` makes it exact. A law that binds nothing has its `inverse` called."""
+
+
+@overload(recover, jit_options=_INLINED)
+def _recover(p, force, equivalent):
+    kernel = _kernel_of(p, "recover")
+    if kernel is None:
+        return lambda p, force, equivalent: inverse(p, force)
+    return lambda p, force, equivalent: kernel(p, force, equivalent)
+
+
+def parts(p):
+    """Params of first loading and of the given unloading curve, and the factor from a Hertz-equivalent overlap of the one
+    to that of the other at equal force. A law without such a curve goes back along its own."""
+
+
+@overload(parts, jit_options=_INLINED)
+def _parts(p):
+    kernel = _kernel_of(p, "parts")
+    return (lambda p: (p, p, 1.0)) if kernel is None else (lambda p: kernel(p))
 
 
 def energy(p, overlap):
@@ -128,10 +152,20 @@ class _Source:
             return f"{name}({items})"
         return f"float({expression}[i])" if isinstance(kind, types.Array) and kind.ndim == 1 else expression
 
-    def fix(self, kind, expression):
-        """The same tuple with `read_only` pointers in place of 2-D arrays."""
+    def fix(self, kind, expression, joined=False):
+        """The same tuple with `read_only` pointers in place of 2-D arrays.
+
+        Of Params with an unloading curve (joined), a curve without a `recover` of its own keeps its arrays: its `inverse`
+        searches them.
+        """
+        if joined and isinstance(kind, types.BaseNamedTuple) and not _kernel_of(kind, "recover"):
+            return expression
         if isinstance(kind, types.BaseTuple):
-            items = "".join(f"{self.fix(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
+            joined = _kernel_of(kind, "parts") is not None
+            names = getattr(kind, "fields", [""] * len(kind))
+            items = "".join(
+                f"{self.fix(item, f'{expression}[{n}]', joined and names[n] == 'unloading')}, " for n, item in enumerate(kind)
+            )
             if not isinstance(kind, types.BaseNamedTuple):
                 return f"({items})"
             name = f"Class{len(self.names)}"

@@ -199,6 +199,6 @@ def stiffest(law, max_force):
     largest = float(stiffness.max())
     if law.state_size:
         state = law.new_state(1)
-        path = law.follow(np.array([end, end * (1.0 - 1e-12)]), state)
-        largest = max(largest, float(path.stiffness[1]))
+        path = law.follow(end * np.append([1.0, 1.0 - 1e-12], np.linspace(1.0, 0.0, 400)[1:-1]), state)
+        largest = max(largest, float(path.stiffness.max()))
     return largest

@@ -17,7 +17,7 @@ from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law, evaluate_loop, find, inverse_loop, registry, scale_one
 from demlaws.law import law as bind_law
-from demlaws.unloading import RULES
+from demlaws.unloading import GIVEN, RULES
 
 ZERO = "zero"
 
@@ -249,8 +249,9 @@ def fit(points, contact, laws=None, unloading=None, free=None, options=None, dis
         if force.size < len(wanted) + 4:
             raise DemlawsError(f"{force.size} points with a force above 0: at least {len(wanted) + 4} are needed for {name}")
         for rule in [unloading] if unloading else _rules(name, falls):
-            if rule not in RULES:
-                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules are {', '.join(RULES)}")
+            if rule == GIVEN or rule not in RULES:  # a given curve has no parameters of the law's
+                known = ", ".join(name for name in RULES if name != GIVEN)
+                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
             label = name if rule == "elastic" else f"{name}, {rule} unloading"
             try:
                 model = _Model(name, contact, rule, wanted, (options or {}).get(name, {}))

@@ -6,6 +6,7 @@ units and shapes, and raises errors.
 
 import importlib
 import math
+import os
 import warnings
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
@@ -17,7 +18,7 @@ from demlaws.dispatch import gather, scatter, stored_and_dissipated
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.fastmath import interleave, loop
 from demlaws.laws.definition import Definition
-from demlaws.unloading import RULES, STATE_NAMES, Elastic
+from demlaws.unloading import GIVEN, RULES, STATE_NAMES, Elastic, JoinedParams, JoinedShape
 
 SMOOTHEST = 1e-40
 """σ/R below which roughness counts as this: no effect left in double precision, and no division by zero at σ = 0."""
@@ -133,6 +134,11 @@ def _map_leaves(function, params):
     return type(params)(*values) if hasattr(params, "_fields") else tuple(values)
 
 
+def loading_part(params):
+    """Of a law's Shape or Params what belongs to first loading: all of it, unless it has an unloading curve joined to it."""
+    return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
+
+
 def bind_params(shape, contact):
     """Params of a contact, or of an array of contacts: values that differ become arrays, the others stay numbers."""
     roughness = np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
@@ -161,12 +167,13 @@ class Law:
     same; with a contact that is an array of contacts, arrays have one entry a contact.
     """
 
-    def __init__(self, definition, contact, unloading, options, shape, params=None):
+    def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
         self.definition = definition
         self.name = definition.name
         self.contact = contact
         self.options = dict(options)
         self.unloading = unloading
+        self.unloading_law = unloading_law  # the curve of rule "table", else None
         self.rule = RULES[unloading]
         self.state_names = STATE_NAMES[unloading]
         self.state_size = len(self.state_names)
@@ -177,7 +184,40 @@ class Law:
 
     def __repr__(self):
         options = "".join(f", {k}={v!r}" for k, v in self.options.items())
-        return f"demlaws.law({self.name!r}, {self.contact!r}, unloading={self.unloading!r}{options})"
+        unloading = self.unloading if self.unloading_law is None else self.unloading_law
+        return f"demlaws.law({self.name!r}, {self.contact!r}, unloading={unloading!r}{options})"
+
+    # --- joining with a rule
+
+    def joined(self, unloading):
+        """The same law of first loading with another unloading rule: a name, or a law or a `Table` as the curve to follow.
+
+        Raises DemlawsError where the pair is not passive.
+        """
+        rule, curve = rule_and_curve(unloading)
+        shape, params = loading_part(self.shape), loading_part(self.params)
+        if curve is not None:
+            shape, params = joined_shape(self, curve), None
+        result = Law(self.definition, self.contact, rule, self.options, shape, params, curve)
+        if rule != "elastic":
+            # a table's stiffness is what its certificate says, not more exact
+            _refuse_unless_passive(
+                result, *(getattr(law, "stiffness_error", 0.0) for law in (self, curve) if curve is not None)
+            )
+        return result
+
+    @property
+    def collapses(self):
+        """Whether one dimensionless curve (with a given unloading curve: one pair of curves) serves all contacts."""
+        if self.unloading_law is None or not self.definition.collapses:
+            return self.definition.collapses
+        curve = self.unloading_law
+        # Hertz's curve has no length of its own
+        return curve.collapses and (curve.name == "hertz" or curve.definition.length == self.definition.length)
+
+    def kinks(self):
+        """Overlaps [m] at which the stiffness of first loading (of one contact) jumps or has a kink."""
+        return list(self.definition.kinks(loading_part(self.params), **self.options))
 
     # --- first loading
 
@@ -209,7 +249,9 @@ class Law:
 
     def _out_of_range(self, overlap):
         radius = float(np.max(self.contact.radius))
-        return f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
+        text = f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
+        end = getattr(self.unloading_law, "largest_force", None)
+        return text if end is None else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
     def force(self, overlap):
         """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
@@ -382,13 +424,14 @@ def find(name) -> Definition:
 
 
 def law(name, contact, unloading="elastic", **options):
-    """Bind law `name` to `contact` and join it with the rule `unloading` ("elastic", "hertz", "thornton").
+    """Bind law `name` to `contact` and join it with a rule `unloading`: "elastic", "hertz", "thornton", or a curve.
 
+    A curve is a law, a `Table` or the path of a saved table: the contact then unloads along that law's curve of first
+    loading through its largest overlap (rule "table"). Its contact is this one, or one in a constant ratio to it.
     Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
     """
     definition = find(name)
-    if unloading not in RULES:
-        raise DemlawsError(f"unknown unloading rule {unloading!r}: the rules are {', '.join(RULES)}")
+    rule, curve = rule_and_curve(unloading)
     for field in definition.needs:
         if getattr(contact, field) is None:
             raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")
@@ -398,24 +441,108 @@ def law(name, contact, unloading="elastic", **options):
         if options and "argument" in str(error):
             raise DemlawsError(f"law {name!r}: {str(error).split(') ')[-1]}") from None
         raise
-    result = Law(definition, contact, unloading, options, shape)
-    if unloading != "elastic":
-        _refuse_unless_passive(result)
-    return result
+    result = Law(definition, contact, "elastic", options, shape)
+    return result if rule == "elastic" else result.joined(rule if curve is None else curve)
 
 
-def _refuse_unless_passive(law):
-    """Hertz-like unloading is passive exactly where K(P) ≤ K_H(P), that is dδ_H/dδ ≤ 1, at every load."""
-    excess, force = largest_stiffness_ratio(law)
-    if excess > 1.0 + 1e-9:
+def rule_and_curve(unloading):
+    """(rule, unloading curve or None) of what a user gave as `unloading`."""
+    if isinstance(unloading, os.PathLike) or (isinstance(unloading, str) and ("/" in unloading or "." in unloading)):
+        from demlaws.table import Table
+
+        unloading = Table.load(unloading)
+    if isinstance(unloading, Law):
+        if unloading.unloading != "elastic":
+            raise DemlawsError(
+                f"the unloading curve is elastic, this {unloading.name!r} has {unloading.unloading!r} unloading itself: "
+                "give it with unloading='elastic' (law.joined('elastic'))"
+            )
+        return GIVEN, unloading
+    if unloading == GIVEN:
         raise DemlawsError(
-            f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {excess:.4g} times "
-            "Hertz's, so that unloading would return more work than loading took; use unloading='elastic'"
+            f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
+        )
+    if not isinstance(unloading, str) or unloading not in RULES:
+        raise DemlawsError(f"unknown unloading rule {unloading!r}: the rules are {', '.join(RULES)}")
+    return unloading, None
+
+
+def rebound(unloading, contact):
+    """What `law` takes as `unloading`, for another contact: a law as the same law there, a table that collapses likewise."""
+    rule, curve = rule_and_curve(unloading)
+    if curve is None:
+        return rule
+    names = ("radius", "modulus", "roughness")
+    if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in names):
+        return curve
+    if hasattr(curve, "bound_to"):
+        return curve.bound_to(contact)
+    return law(curve.name, contact, **curve.options)
+
+
+def joined_shape(law, curve):
+    """Shape of `law` and an unloading curve: their contacts may differ, in a ratio that is one for all contacts."""
+    from demlaws.table import quick_to_invert
+
+    ratios = {}
+    for name in ("radius", "modulus", "roughness"):
+        own, others = np.asarray(getattr(law.contact, name), float), np.asarray(getattr(curve.contact, name), float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            try:
+                ratio = others / own
+            except ValueError:
+                raise DemlawsError(
+                    f"the law holds {law.contact.size} contacts, its unloading curve {curve.contact.size}"
+                ) from None
+        if np.all(own == others):  # smooth contacts, too
+            ratio = np.ones(1)
+        low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
+        if not (math.isfinite(high) and high - low <= 1e-9 * high):
+            raise DemlawsError(
+                f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: it must be the law's own "
+                "or in one ratio to it; make the curve for the same contact or array of contacts"
+            )
+        ratios[name] = low if high > low else high
+    shape = curve.shape
+    if hasattr(curve, "nodes"):  # a table, not a law that is one inside
+        shape = quick_to_invert(shape, curve.nodes.kinks)
+    return JoinedShape(loading_part(law.shape), quick_to_invert(shape), **ratios)
+
+
+def example_curve(name, contact, **options):
+    """The unloading curve with which tests and measurements join law `name` to rule "table".
+
+    The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
+    """
+    definition = find(name)
+    options = {**definition.example, **options, **definition.example_curve}
+    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), **options)
+
+
+def example(name, contact, unloading="elastic", **options):
+    """Law `name` as tests and measurements make it, joined with any rule of `unloading.RULES`."""
+    curve = example_curve(name, contact, **options) if unloading == GIVEN else unloading
+    return law(name, contact, curve, **{**find(name).example, **options})
+
+
+def _refuse_unless_passive(law, *uncertainties):
+    """Passive where at every load K(P) ≤ that of the unloading curve; for the Hertz-like rules dδ_H/dδ ≤ 1."""
+    excess, force = largest_stiffness_ratio(law)
+    curve = law.unloading_law
+    if excess > 1.0 + 1e-9 + sum(uncertainties):
+        whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.name!r})"
+        ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
+        raise DemlawsError(
+            f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
+            f"{whose}, so that unloading would return more work than loading took; use unloading='elastic'"
         )
 
 
 def largest_stiffness_ratio(law, points=2000):
-    """Largest K(P)/K_H(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs."""
+    """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs.
+
+    K_U is the stiffness of the given unloading curve, or else Hertz's.
+    """
     contact, worst, where = law.contact, 0.0, 0.0
     chosen = [0]
     if contact.size is not None:  # the extremes of relative roughness and the middle stand for the rest
@@ -428,7 +555,16 @@ def largest_stiffness_ratio(law, points=2000):
         force, stiffness = np.empty(points), np.empty(points)
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
         usable = np.isfinite(force) & (force > 0)
-        ratio = stiffness[usable] / (1.5 * p.hertz_coefficient ** (2 / 3) * force[usable] ** (1 / 3))
+        if isinstance(p, JoinedParams):
+            place, own, other = (np.empty(points) for _ in range(3))
+            inverse_loop(p.unloading, force, place)
+            evaluate_loop(Elastic(), p.unloading, place, (), own, other)
+            usable &= place > 0.0  # at a seating load the curve is a step; beyond its end there is none
+            if not np.any(usable):
+                raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
+        else:
+            other = 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
+        ratio = stiffness[usable] / other[usable]
         k = int(np.argmax(ratio))
         if ratio[k] > worst:
             worst, where = float(ratio[k]), float(force[usable][k])

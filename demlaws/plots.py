@@ -75,18 +75,23 @@ def path_figure(path, title=""):
 
 
 def table_figure(table, law):
-    """A table's curve with its nodes, and its errors against the law."""
-    u = np.geomspace(table.nodes.u[0], table.nodes.u[-1] * (1 - 1e-12), 4000)
-    length = float(np.ravel(table.length)[0])
+    """A table's curve with its nodes, and its errors against the law; the unloading curve likewise, where it has one."""
     fig, (left, right) = figure(columns=2)
-    left.loglog(table.nodes.u, table.nodes.force, ".", ms=3, label="nodes")
-    left.set(xlabel="overlap/length", ylabel="force/(E* √R length$^{1.5}$)", title=f"{table.name}: {table.nodes.u.size} rows")
-    overlap = u * length
-    for name, exact, given in (
-        ("force", law.force(overlap), table.force(overlap)),
-        ("stiffness", law.stiffness(overlap), table.stiffness(overlap)),
-    ):
-        right.loglog(u, np.maximum(np.abs(given / exact - 1), 1e-17), lw=0.8, label=name)
+    length, title, end = float(np.ravel(table.length)[0]), f"{table.name}: {table.nodes.u.size} rows", table.nodes.force[-1]
+    curves = [(table, law, "")]
+    if table.unloading_law is not None:
+        curves.append((table.unloading_law, law.unloading_law, "unloading "))
+        title += f"; unloading, {table.unloading_law.name}: {table.unloading_law.nodes.u.size}"
+    for rows, exact, name in curves:
+        shown = rows.nodes.force <= end
+        left.loglog(rows.nodes.u[shown], rows.nodes.force[shown], ".", ms=3, label=f"{name or 'loading '}nodes")
+        u = np.geomspace(rows.nodes.u[0], rows.nodes.u[shown][-1] * (1 - 1e-12), 4000)
+        for quantity in ("force", "stiffness"):
+            error = getattr(rows, quantity)(u * length) / getattr(exact, quantity)(u * length) - 1
+            right.loglog(u, np.maximum(np.abs(error), 1e-17), lw=0.8, label=name + quantity)
+    left.set(xlabel="overlap/length", ylabel="force/(E* √R length$^{1.5}$)", title=title)
+    if len(curves) > 1:
+        left.legend(fontsize=8)
     right.axhline(table.rtol, color="k", ls="--", lw=0.8, label="asked for")
     right.set(xlabel="overlap/length", ylabel="relative error")
     right.legend(fontsize=8)

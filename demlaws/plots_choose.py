@@ -57,7 +57,7 @@ def choices_figure(choices):
     return fig
 
 
-_RULES = {"elastic": "-", "hertz": "--", "thornton": ":"}
+_RULES = {"elastic": "-", "hertz": "--", "thornton": ":", "table": "-."}
 _ENGINES = {"YADE": "o", "LIGGGHTS": "x"}
 
 

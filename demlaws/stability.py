@@ -14,13 +14,12 @@ from numba.extending import overload
 
 from demlaws import dispatch
 from demlaws.contact import Contact
-from demlaws.dispatch import energy, gather, scatter, stored_and_dissipated, virgin
+from demlaws.dispatch import energy, gather, parts, scatter, stored_and_dissipated, virgin
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.fastmath import loop
-from demlaws.law import law as bind_law
-from demlaws.law import registry
-from demlaws.unloading import RULES
+from demlaws.law import example, registry
+from demlaws.unloading import RULES, Given
 
 EPS = float(np.finfo(float).eps)
 DIMENSIONS = (2.0, 2.22, 3.0)
@@ -44,7 +43,7 @@ class Case(NamedTuple):
         options = registry()[self.law].example
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            law = bind_law(self.law, contact, self.unloading, **options)
+            law = example(self.law, contact, self.unloading, **options)
             if self.evaluation == "closed form":
                 return law
             place = 0.099 if registry()[self.law].solved else table_end  # solved curves end at a tenth of the radius
@@ -60,7 +59,7 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
             continue
         for rule in unloadings or RULES:
             try:
-                bind_law(name, GRANITE, rule, **definition.example)
+                example(name, GRANITE, rule)
             except DemlawsError:
                 continue
             found += [Case(name, rule, evaluation) for evaluation in evaluations]
@@ -107,6 +106,17 @@ def _plastic_of(state):
     return (lambda state: state[1]) if len(state) else (lambda state: 0.0)
 
 
+def _held(rule, p, force, place):
+    """Energy of the unloading curve at `place` past its foot, where it carries `force`."""
+
+
+@overload(_held)
+def _held_by(rule, p, force, place):
+    if rule.instance_class is Given:
+        return lambda rule, p, force, place: energy(parts(p)[1], place) if place > 0.0 else 0.0
+    return lambda rule, p, force, place: 0.4 * force * place
+
+
 @loop
 def finite_loop(params, contacts, largest, count, random):
     """Random first loading from denormal overlaps to `largest`: not finite, negative, decreasing."""
@@ -132,7 +142,8 @@ def finite_loop(params, contacts, largest, count, random):
 def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, random):
     """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
 
-    Work of first loading is the law's energy, on an unloading curve 0.4 (P x) from the forces that `step` returned.
+    Work of first loading is the law's energy, on a Hertz-like unloading curve 0.4 (P x) from the forces that `step` returned,
+    on a given one that curve's energy.
     """
     returned = 0
     worst = 0.0
@@ -177,7 +188,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                 x_here = max(here - plastic, 0.0)
                 if there >= maximum:
                     if maximum > 0.0:
-                        gained = 0.4 * (peak_force * max(maximum - plastic, 0.0) - force_here * x_here)
+                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0)) - _held(rule, p, force_here, x_here)
                     now = energy(p, there) if there > 0.0 else 0.0
                     gained += now - held
                     held = now
@@ -187,7 +198,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                     closing = max(there, 1e-300)  # with a seating load force ends in a step at zero overlap
                     last = force if there > 0.0 else dispatch.step(rule, p, closing, s)[0]
                     x_there = max(closing - plastic, 0.0)
-                    gained = 0.4 * (last * x_there - force_here * x_here)
+                    gained = _held(rule, p, last, x_there) - _held(rule, p, force_here, x_here)
             work += gained
             # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
             scale = max(held, 0.4 * peak_force * (maximum - _plastic(new)) if maximum > 0.0 else 0.0)
@@ -470,7 +481,7 @@ def _ratcheting(law, cycles):
 def _kink(law):
     """Jump of force between the two doubles that enclose each kink, in ε of the force, less what the slope explains."""
     worst = 0.0
-    for place in law.definition.kinks(_closed_params(law), **law.options):
+    for place in law.kinks():
         if not 0.0 < place < 0.4 * law.contact.radius:
             continue
         for _ in range(3):
@@ -479,10 +490,6 @@ def _kink(law):
             slope = max(law.stiffness(low), law.stiffness(high)) * (high - low)
             worst = max(worst, (abs(above - below) - slope) / above / EPS)
     return float(max(worst, 0.0))
-
-
-def _closed_params(law):
-    return bind_law(law.name, law.contact, **law.options).params
 
 
 def _reload(law):
@@ -494,9 +501,10 @@ def _reload(law):
         if path.force[0] <= 0.0:
             continue
         worst = max(worst, abs(path.force[2] / path.force[0] - 1.0), abs(path.force[4] / path.force[0] - 1.0))
-        # below the maximum the state holds δp = δ - δ_H: force there has the condition number 1.5 δ/δ_H
+        # below the maximum the state holds δp: force there has the condition number K δ/P, with Hertz's curve 1.5 δ/δ_H
         drop = path.stiffness[3] * (top - below) / path.force[0]
         condition = max(1.0, 1.5 * top / float((path.force[0] / law.params.hertz_coefficient) ** (2 / 3)))
+        condition = max(condition, float(path.stiffness[3]) * top / path.force[0])
         worst = max(worst, (abs(path.force[3] / path.force[0] - 1.0) - drop) / condition)
     return float(worst / EPS)
 
@@ -556,13 +564,14 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
         if preloaded:
             law.follow(np.array([float(law.overlap(largest))]), state)
             overlap = float(law.unloading_overlap(load, state))
+            foot = max(float(state.plastic_overlap[0]), 0.0)
         else:
-            overlap = float(law.overlap(load))
-        if overlap <= 1e-12 * law.contact.radius:  # at or below a law's seating load
+            overlap, foot = float(law.overlap(load)), 0.0
+        if overlap - foot <= 1e-12 * law.contact.radius:  # at or below a law's seating load
             continue
         size = (load / law.params.hertz_coefficient) ** (2 / 3)
         for kick in (1e-6, 1e-3, 3e-2):
-            kick = min(kick, 0.1 * overlap / size)  # a seated contact: less than would part it
+            kick = min(kick, 0.1 * (overlap - foot) / size)  # a seated contact: less than would part it
             for ratio in np.arange(0.7, 3.0, 0.02):
                 dt = ratio * promised
                 if dt >= smallest:

@@ -15,15 +15,28 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.dispatch import bind
+from demlaws.dispatch import bind, energy, virgin
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import bits, from_bits, kernel, row_of_four, sqrt
+from demlaws.fastmath import bits, from_bits, kernel, loop, row_of_four, sqrt
 from demlaws.files import write_atomically
-from demlaws.law import SMOOTHEST, Law, bind_params, evaluate_loop, find
+from demlaws.law import (
+    SMOOTHEST,
+    Law,
+    bind_params,
+    evaluate_loop,
+    find,
+    inverse_loop,
+    loading_part,
+    one_of,
+    rule_and_curve,
+    scale_one,
+)
 from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
-from demlaws.unloading import RULES, Elastic
+from demlaws.unloading import GIVEN, RULES, Elastic, JoinedShape
 
 FORMAT = "# demlaws-table 1"
+_TITLES = "overlap force stiffness"
+_UNLOADING_TITLES = "unloading overlap force stiffness"
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _MOST_BITS = 12
 _OCTAVES_BELOW = 40
@@ -267,6 +280,76 @@ bind(TableShape, scale=_scale)
 bind(TableParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
+class CurveShape(NamedTuple):
+    """A table to unload along: the curve s(u) and its reverse, u as a curve of s less the seat, on a grid of the same kind."""
+
+    curve: TableShape
+    reverse: TableShape
+    seat: float  # s at u = 0+: 0, but for curves that begin with a seating load
+
+
+class CurveParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float
+    curve: TableParams
+    reverse: TableParams
+    seat: float
+
+
+@kernel
+def _curve_scale(shape, radius, modulus, roughness):
+    curve = scale_table(shape.curve, radius, modulus, roughness, 0.0)
+    reverse = scale_table(shape.reverse, radius, modulus, roughness, 0.0)
+    return CurveParams(curve.hertz_coefficient, curve, reverse, shape.seat)
+
+
+@kernel
+def _curve_virgin(p, overlap):
+    return virgin(p.curve, overlap)
+
+
+@kernel
+def _curve_inverse(p, force):
+    return _inverse(p.curve, force)
+
+
+@kernel
+def _curve_energy(p, overlap):
+    return energy(p.curve, overlap)
+
+
+@kernel
+def _curve_recover(p, force, equivalent):
+    """One look-up where `inverse` searches; NaN above the last node of the reverse."""
+    above = equivalent * p.curve.inverse_length - p.seat
+    u, _ = read_curve(p.reverse, 0.0 if above <= 0.0 else above, 0)
+    return (p.curve.highest if u > p.curve.highest else u) * p.curve.length
+
+
+bind(CurveShape, scale=_curve_scale)
+bind(CurveParams, virgin=_curve_virgin, inverse=_curve_inverse, recover=_curve_recover, energy=_curve_energy)
+
+
+@loop
+def _invert_loop(p, s, u):
+    for i in range(s.size):
+        u[i] = invert_curve(p, s[i])
+
+
+@loop
+def _read_loop(p, u, s, slope):
+    for i in range(u.size):
+        s[i], slope[i] = read_curve(p, u[i], 0)
+
+
+def _read(p, u):
+    """s and ds/du at an array of u."""
+    s, slope = np.empty(u.size), np.empty(u.size)
+    _read_loop(p, u, s, slope)
+    return s, slope
+
+
 # --- building
 
 
@@ -291,6 +374,11 @@ class Nodes(NamedTuple):
     def from_curve(cls, u, s, slope):
         """From the Hertz-equivalent overlap s(u) and its slope."""
         return cls(u, 4.0 / 3.0 * s * np.sqrt(s), 2.0 * np.sqrt(s) * slope)
+
+    @property
+    def kinks(self):
+        """u of the kinks."""
+        return self.u[:-1][np.diff(self.u) == 0.0]
 
     def curve(self):
         """u, s, ds/du: what the cells interpolate."""
@@ -320,13 +408,15 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
     return np.column_stack([s0 - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
 
 
-def _below(u0, s0, exponent, first, bits_per_octave):
+def _below(u0, s0, exponent, first, bits_per_octave, seated, floor):
     """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
 
-    A law that starts from a seating load (p near 0) goes on straight, with the slope of the first node.
+    floor: s about where the power law ends, or None: 40 octaves of u down. A curve that starts from a seating load (p near
+    0) goes on straight, with the slope of the first node.
     """
-    u = node(np.arange(first - _OCTAVES_BELOW * 2**bits_per_octave, first + 1), bits_per_octave)
-    if exponent < _SEATED:
+    octaves = _OCTAVES_BELOW if floor is None or seated else max(1.0, math.log2(s0 / floor) / exponent)
+    u = node(np.arange(first - round(octaves * 2**bits_per_octave), first + 1), bits_per_octave)
+    if seated:
         seat, slope = s0 * (1.0 - exponent), exponent * s0 / u0
         width = np.append(u[0], np.diff(u))  # the slope as it is: differences of s would be nothing but rounding here
         none = np.zeros(u.size)
@@ -337,8 +427,13 @@ def _below(u0, s0, exponent, first, bits_per_octave):
     return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
 
 
-def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0)):
-    """Cubic Hermite cells through the rows of a table; bulk_yield: see TableShape.yield_overlap and what follows it."""
+def shape_from_nodes(
+    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0), seated=None, floor=None
+):
+    """Cubic Hermite cells through the rows of a table; bulk_yield: see TableShape.yield_overlap and what follows it.
+
+    seated: whether the curve starts from a seating load, None to decide by the exponent of the first node; floor: see `_below`.
+    """
     u, s, slope = nodes.curve()
     shift = 52 - bits_per_octave
     kinks = u[:-1][np.diff(u) == 0.0]
@@ -360,7 +455,8 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
     # a kink that lies on the grid splits no cell: the cells on either side have their own slopes there
     pair = [*(float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)), math.inf, math.inf]
-    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave)
+    seated = exponent < _SEATED if seated is None else seated
+    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, seated, floor)
     end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
     cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only
     return TableShape(
@@ -382,28 +478,92 @@ def shape_from_nodes(nodes, bits_per_octave, length_over_roughness, length_over_
     )
 
 
-def _law_nodes(law, length, lowest, highest, kinks, bits_per_octave):
-    u, kinks = grid(lowest, highest, kinks, bits_per_octave)
-    place = u.copy()
-    for kink in kinks:  # one-sided stiffness: just left and just right of the kink
-        first, second = np.flatnonzero(u == kink)
-        place[first] = kink * (1.0 - 1e-14)
-        place[second] = kink * (1.0 + 1e-14)
-    s, slope = curve_of(law, place, length)
-    for kink in kinks:
-        second = np.flatnonzero(u == kink)[1]
-        if abs(s[second] / s[second - 1] - 1.0) < 1e-10:  # no jump of force: one value for both sides
-            s[second] = s[second - 1]
-    return Nodes.from_curve(u, s, slope)
+class Source(NamedTuple):
+    """A curve to tabulate: Params of one contact, and the scales of the table."""
+
+    params: tuple
+    length: float  # [m]
+    hertz_coefficient: float  # [N/m^1.5]
+    kinks: list  # u
+    solved: bool
+
+    def curve(self, u):
+        """s(u) and ds/du."""
+        force, stiffness = np.empty(u.size), np.empty(u.size)
+        evaluate_loop(Elastic(), self.params, u * self.length, (), force, stiffness)
+        equivalent = np.cbrt(force / self.hertz_coefficient) ** 2
+        return equivalent / self.length, stiffness / (1.5 * self.hertz_coefficient * np.sqrt(equivalent))
+
+    def nodes(self, lowest, highest, bits_per_octave):
+        """Rows of the table from `lowest` to `highest` u."""
+        u, kinks = grid(lowest, highest, self.kinks, bits_per_octave)
+        place = u.copy()
+        for kink in kinks:  # one-sided stiffness: just left and just right of the kink
+            first, second = np.flatnonzero(u == kink)
+            place[first] = kink * (1.0 - 1e-14)
+            place[second] = kink * (1.0 + 1e-14)
+        s, slope = self.curve(place)
+        for kink in kinks:
+            second = np.flatnonzero(u == kink)[1]
+            if abs(s[second] / s[second - 1] - 1.0) < 1e-10:  # no jump of force: one value for both sides
+                s[second] = s[second - 1]
+        return Nodes.from_curve(u, s, slope)
+
+    def lowest(self, rtol):
+        """Largest u, but at least 2^-30, below which the curve is its own power law within a small part of rtol."""
+        u = 2.0 ** np.arange(-30.0, 1.0)
+        s, slope = self.curve(u)
+        exponent = u * slope / s
+        with np.errstate(all="ignore"):
+            bend = np.abs(exponent - exponent[0])
+        good = np.flatnonzero(bend <= 0.02 * rtol)
+        return float(u[good[-1]]) if good.size else float(u[0])
+
+    def certify(self, shape, table):
+        """`Certificate` of a table's shape, bound to the contact as `table`."""
+        u = np.append(shape.starts[:, 3] + shape.starts[:, 4] * shape.starts[:, 0], shape.highest)
+        # where cubics through exact ends err most in value and in slope; closer together for laws that have cells of their own
+        fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
+        width = np.diff(u)
+        points = (u[:-1, None] + width[:, None] * fractions).ravel() * self.length
+        force, stiffness, exact_force, exact_stiffness = (np.empty(points.size) for _ in range(4))
+        evaluate_loop(Elastic(), table, points, (), force, stiffness)
+        evaluate_loop(Elastic(), self.params, points, (), exact_force, exact_stiffness)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
+        return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
 
 
-def curve_of(law, u, length):
-    """s(u) and ds/du of a law of one contact, `length` in m."""
-    force, stiffness = np.empty(u.size), np.empty(u.size)
-    evaluate_loop(Elastic(), law.params, u * length, (), force, stiffness)
-    coefficient = law.params.hertz_coefficient
-    equivalent = np.cbrt(force / coefficient) ** 2
-    return equivalent / length, stiffness / (1.5 * coefficient * np.sqrt(equivalent))
+def quick_to_invert(shape, kinks=()):
+    """A table's shape with its reverse; any other shape, whose `inverse` is a formula, as it is. kinks: u of the table's."""
+    if not isinstance(shape, TableShape):
+        return shape
+    bits_per_octave = 53 - shape.shift  # finer by a bit, so that one step of Newton's method is exact to rounding
+    # the curve in its own units: length 1
+    p = scale_one(shape._replace(length_over_roughness=0.0, length_over_radius=1.0), 1.0, 1.0, 0.0)
+    highest, seat = float(shape.cells[-1, 0]), 0.0
+    lowest = float(shape.cells[0, 1])  # where the curve begins to be straight: the reverse of a straight line is one
+    if shape.exponent < _SEATED:
+        lowest = float(shape.starts[0, 1])
+        seat = lowest * (1.0 - shape.exponent)
+    corners = np.array([k for k in kinks if shape.lowest < k < shape.highest])
+    last = node_number(highest - seat, bits_per_octave)  # this node and those before it lie on the curve
+    end = float(node(last - 1, bits_per_octave))
+    y, corners = grid(lowest - seat, end, list(_read(p, corners)[0] - seat), bits_per_octave)
+    place = y.copy()
+    for corner in corners:
+        first, second = np.flatnonzero(y == corner)
+        place[first], place[second] = corner * (1.0 - 1e-14), corner * (1.0 + 1e-14)
+    u = np.empty(y.size)
+    _invert_loop(p, place + seat, u)
+    slope = 1.0 / _read(p, u)[1]
+    for corner in corners:
+        first, second = np.flatnonzero(y == corner)
+        u[second] = u[first]
+    nodes = Nodes.from_curve(y, u, slope)
+    reverse = shape_from_nodes(nodes, bits_per_octave, 0.0, 0.0, seated=seat > 0.0, floor=float(u[0]))
+    lengths = {"length_over_roughness": shape.length_over_roughness, "length_over_radius": shape.length_over_radius}
+    return CurveShape(shape, reverse._replace(**lengths), seat)
 
 
 class Certificate(NamedTuple):
@@ -411,21 +571,6 @@ class Certificate(NamedTuple):
 
     force_error: float
     stiffness_error: float
-
-
-def _certify(shape, law, contact, length):
-    table = bind_params(shape, contact)
-    u = np.append(shape.starts[:, 3] + shape.starts[:, 4] * shape.starts[:, 0], shape.highest)
-    # where cubics through exact ends err most in value and in slope; closer together for laws that have cells of their own
-    fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if law.definition.solved else 12)[1:-1]])
-    width = np.diff(u)
-    points = (u[:-1, None] + width[:, None] * fractions).ravel()
-    force, stiffness, exact_force, exact_stiffness = (np.empty(points.size) for _ in range(4))
-    evaluate_loop(Elastic(), table, points * length, (), force, stiffness)
-    evaluate_loop(Elastic(), law.params, points * length, (), exact_force, exact_stiffness)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
-    return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
 
 
 def _length(definition, contact):
@@ -447,25 +592,15 @@ def tabulate(law, rtol=1e-5, max_force=None):
     if not 1e-12 <= rtol <= 0.1:
         raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
     definition, contact = law.definition, law.contact
-    if definition.solved and rtol < 1e-5:
-        raise DemlawsError(
-            f"rtol = {rtol:g}: the curve of {law.name!r} comes from a solver, to 1e-6 itself; ask for 1e-5 or more"
-        )
-    if contact.size is not None and not definition.collapses:
+    _refuse_too_fine(law, rtol)
+    if contact.size is not None and not law.collapses:
         raise DemlawsError(
             f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"
         )
-    one = contact
+    if law.unloading_law is not None:
+        return _join(tabulate(law.joined("elastic"), rtol, max_force), law.unloading_law)
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
-    if contact.size is not None:
-        pick = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
-        one = contact.with_values(
-            **{
-                name: float(np.broadcast_to(getattr(contact, name), contact.size)[pick])
-                for name in ("radius", "modulus", "roughness")
-            }
-        )
-    source = Law(definition, one, "elastic", law.options, law.shape)
+    index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
     roughness = max(one.roughness, SMOOTHEST * one.radius)
     length = over_roughness * roughness + over_radius * one.radius
@@ -474,21 +609,96 @@ def tabulate(law, rtol=1e-5, max_force=None):
 
         force = number(max_force, "max_force", "N")
         largest = float(np.max(law.overlap(np.broadcast_to(force, contact.size or ()))) / length) * (1.0 + 1e-9)
-    kinks = [k / length for k in definition.kinks(source.params, **law.options)]
-    smallest = min(_lowest(source, length, rtol), largest / 64.0)
-    bulk_yield = _bulk_yield(source.params, length)
+    params = loading_part(bind_params(law.shape, one))
+    kinks = [k / length for k in _kinks_of_one(law, index)]
+    source = Source(params, length, params.hertz_coefficient, kinks, definition.solved)
+    smallest = min(source.lowest(rtol), largest / 64.0)
+    bulk_yield = _bulk_yield(params, length)
     for bits_per_octave in range(1, _MOST_BITS + 1):
-        nodes = _law_nodes(source, length, smallest, largest, kinks, bits_per_octave)
+        nodes = source.nodes(smallest, largest, bits_per_octave)
         shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius, bulk_yield)
-        certificate = _certify(shape, source, one, length)
+        certificate = source.certify(shape, bind_params(shape, one))
         if max(certificate) <= rtol:
-            break
-    else:
+            return Table(law, shape, nodes, certificate, rtol)
+    raise _out_of_reach(law, rtol, certificate)
+
+
+def _out_of_reach(law, rtol, certificate):
+    return DemlawsError(
+        f"rtol = {rtol:g} is out of reach: with {2**_MOST_BITS} cells an octave the table of {law.name!r} errs by "
+        f"{max(certificate):.2g}; ask for more than that"
+    )
+
+
+def _refuse_too_fine(law, rtol):
+    if law.definition.solved and rtol < 1e-5:
         raise DemlawsError(
-            f"rtol = {rtol:g} is out of reach: with {2**_MOST_BITS} cells an octave the table of {law.name!r} errs by "
-            f"{max(certificate):.2g}; ask for more than that"
+            f"rtol = {rtol:g}: the curve of {law.name!r} comes from a solver, to 1e-6 itself; ask for 1e-5 or more"
         )
-    return Table(law, shape, nodes, certificate, rtol)
+
+
+def _pick(contact):
+    """The contact of an array of contacts for which its one table is made: the smoothest has the longest range."""
+    if contact.size is None:
+        return 0, contact
+    index = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
+    names = ("radius", "modulus", "roughness")
+    return index, contact.with_values(**{n: float(np.broadcast_to(getattr(contact, n), contact.size)[index]) for n in names})
+
+
+def _kinks_of_one(law, index):
+    """Overlaps [m] of the kinks of contact `index`."""
+    if isinstance(law, Table):
+        return list(law.nodes.kinks * np.ravel(law.length)[min(index, np.size(law.length) - 1)])
+    if law.contact.size is None:
+        return law.kinks()
+    return list(law.definition.kinks(one_of(loading_part(law.params), index), **law.options))
+
+
+def _join(table, curve):
+    """A `Table` of an elastic one and an unloading curve; the curve's rows are its own, in the table's scales."""
+    _refuse_too_fine(curve, table.rtol)
+    joined = Law.joined(table, curve)
+    index, one = _pick(table.contact)
+    own = loading_part(table.shape)
+    params = bind_params(joined.shape, one)
+    length, coefficient = params.loading.length, params.hertz_coefficient
+    kinks = [k / length for k in _kinks_of_one(curve, index)]
+    source = Source(params.unloading, length, coefficient, kinks, curve.definition.solved)
+    end, top = 0.75 * coefficient * length**1.5 * table.nodes.force[-1], np.empty(1)
+    for bits_per_octave in range(52 - own.shift, _MOST_BITS + 1):
+        # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
+        inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits_per_octave)]), top)
+        if not np.isfinite(top[0]):
+            raise DemlawsError(
+                f"the unloading curve, a table of {curve.name!r}, must reach beyond this table's {end:.4g} N: make it with a "
+                "larger max_force, or this one with a smaller"
+            )
+        largest = top[0] / length
+        nodes = source.nodes(min(source.lowest(table.rtol), largest / 64.0), largest, bits_per_octave)
+        if not np.all(np.isfinite(nodes.force)):  # a table as the curve ends within the last cell
+            continue
+        lengths = own.length_over_roughness, own.length_over_radius
+        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, floor=_floor(own))
+        certificate = source.certify(shape, bind_params(shape, one))
+        if max(certificate) <= table.rtol:
+            law = Law(curve.definition, table.contact, "elastic", curve.options, shape)
+            rows = Table(law, shape, nodes, certificate, table.rtol)
+            rows.made_for = curve.made_for if isinstance(curve, Table) else curve.contact
+            return _joined_table(table, rows)
+    raise _out_of_reach(curve, table.rtol, certificate)
+
+
+def _floor(shape):
+    """s where the power law of a loading curve ends below: the unloading curve's ends there, too, and stays the stiffer one."""
+    return None if shape.exponent < _SEATED else float(shape.cells[0, 1])
+
+
+def _joined_table(table, rows):
+    """`table` with another table in its scales as its unloading curve."""
+    shape = JoinedShape(loading_part(table.shape), quick_to_invert(rows.shape, rows.nodes.kinks), 1.0, 1.0, 1.0)
+    law = Law(table.definition, table.contact, GIVEN, table.options, shape, None, rows)
+    return Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
 
 
 def _bulk_yield(params, length):
@@ -505,17 +715,6 @@ def _lengths(definition, contact):
     return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
 
 
-def _lowest(law, length, rtol):
-    """Largest u, but at least 2^-30, below which the law is its own power law within a small part of rtol."""
-    u = 2.0 ** np.arange(-30.0, 1.0)
-    s, slope = curve_of(law, u, length)
-    exponent = u * slope / s
-    with np.errstate(all="ignore"):
-        bend = np.abs(exponent - exponent[0])
-    good = np.flatnonzero(bend <= 0.02 * rtol)
-    return float(u[good[-1]]) if good.size else float(u[0])
-
-
 # --- the table as a law, and its file
 
 
@@ -523,31 +722,52 @@ class Table(Law):
     """A law read from its certified table: all methods of `Law`, and `force_error`, `stiffness_error`, `save`, `load`."""
 
     def __init__(self, law, shape, nodes, certificate, rtol, contact=None):
-        super().__init__(law.definition, contact or law.contact, law.unloading, law.options, shape)
+        curve = law.unloading_law
+        if curve is not None and contact is not None:
+            curve = curve.bound_to(contact)
+        super().__init__(law.definition, contact or law.contact, law.unloading, law.options, shape, None, curve)
         self.nodes = nodes
         self.force_error, self.stiffness_error = certificate
         self.rtol = rtol
+        self.made_for = self.contact  # of a table that is the unloading curve of another: the contact of its law
 
     def __repr__(self):
-        return (
+        text = (
             f"demlaws.Table of {self.name!r}: {self.nodes.u.size} rows, force within {self.force_error:.1e}, "
             f"stiffness within {self.stiffness_error:.1e}"
         )
+        return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
+
+    def joined(self, unloading):
+        """This table with another unloading rule: a name, or a law or a `Table` as the curve; see `Law.joined`."""
+        rule, curve = rule_and_curve(unloading)
+        shape, certificate = self.loading_shape, (self.force_error, self.stiffness_error)
+        elastic = Law(self.definition, self.contact, "elastic", self.options, shape, loading_part(self.params))
+        plain = Table(elastic if curve is not None else elastic.joined(rule), shape, self.nodes, certificate, self.rtol)
+        return plain if curve is None else _join(plain, curve)
+
+    def kinks(self):
+        return list(self.nodes.kinks * np.ravel(self.length)[0])
+
+    @property
+    def loading_shape(self):
+        """`TableShape` of first loading."""
+        return loading_part(self.shape)
 
     @property
     def length(self):
         """Length [m] that makes overlaps dimensionless, one a contact."""
-        return self.params.length
+        return loading_part(self.params).length
 
     @property
     def largest_overlap(self):
         """End of the table [m]."""
-        return self.shape.highest * np.min(self.params.length)
+        return self.loading_shape.highest * np.min(self.length)
 
     @property
     def largest_force(self):
         """Force [N] at the end of the table."""
-        scale = 0.75 * np.min(self.params.hertz_coefficient * np.asarray(self.params.length) ** 1.5)
+        scale = 0.75 * np.min(self.params.hertz_coefficient * np.asarray(self.length) ** 1.5)
         return float(scale * self.nodes.force[-1])
 
     def _out_of_range(self, overlap):
@@ -561,56 +781,54 @@ class Table(Law):
 
     def bound_to(self, contact):
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
-        if not self.definition.collapses:
+        if not self.collapses:
             raise DemlawsError(
                 f"the table of {self.name!r} holds for the contact it was made for only: make one for this contact"
             )
-        if self.shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
+        if self.loading_shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
         return Table(self, self.shape, self.nodes, (self.force_error, self.stiffness_error), self.rtol, contact)
 
     def save(self, path):
-        """Write the table as text with its certificate; see `Table.load`."""
-        contact = self.contact
-        if contact.size is not None:  # one curve for all of them; the file names the first
-            contact = contact.with_values(
-                **{n: float(np.ravel(getattr(contact, n))[0]) for n in ("radius", "modulus", "roughness")}
-            )
-        u, force, stiffness = self.nodes
+        """Write the table as text with its certificate, its unloading curve below it; see `Table.load`."""
         from demlaws import __version__
 
-        length = float(np.ravel(self.params.length)[0])
-        kinks = [float(k) for k in u[:-1][np.diff(u) == 0.0]]
+        shape, curve = self.loading_shape, self.unloading_law
         header = {
             "law": self.name,
             "description": f"{self.definition.description}; {self.definition.equation}",
             "source": self.definition.source,
             "unloading": self.unloading,
             "options": json.dumps(self.options, default=lambda value: value.record()),
-            "contact": json.dumps(contact.as_dict()),
-            "collapses": "yes" if self.definition.collapses else "no",
+            "contact": json.dumps(_first(self.contact).as_dict()),
+            "collapses": "yes" if self.collapses else "no",
             "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
-            "length": repr(length),
-            "length_over_roughness": repr(self.shape.length_over_roughness),
-            "length_over_radius": repr(self.shape.length_over_radius),
-            "bits": str(52 - self.shape.shift),
-            "kinks": " ".join(map(repr, kinks)),
-            "range_overlap": f"{u[0]!r} {u[-1]!r}",
-            "range_force": f"{float(force[0])!r} {float(force[-1])!r}",
+            "length": repr(float(np.ravel(self.length)[0])),
+            "length_over_roughness": repr(shape.length_over_roughness),
+            "length_over_radius": repr(shape.length_over_radius),
+            **_describe_rows(self),
             "rtol": repr(self.rtol),
-            "force_error": repr(self.force_error),
-            "stiffness_error": repr(self.stiffness_error),
             "demlaws": __version__,
-            "rows": str(u.size),
         }
-        if math.isfinite(self.shape.yield_overlap):  # f at yield, and d(a²/(R length))/df after it
-            header["yield_overlap"] = repr(self.shape.yield_overlap)
-            header["yield_force"] = repr(4.0 / 3.0 * self.shape.yield_area**1.5)
-            header["yield_area"] = repr(self.shape.yield_area)
-            header["yield_area_slope"] = repr(0.75 * self.shape.yield_area_slope)
-        rows = [f"{a:.17g} {f:.17g} {k:.17g}" for a, f, k in zip(u, force, stiffness, strict=True)]
-        lines = [*(f"{key}: {value}".rstrip() for key, value in header.items()), "overlap force stiffness", *rows]
-        lines.append(f"end: {u.size} rows")
+        if math.isfinite(shape.yield_overlap):  # f at yield, and d(a²/(R length))/df after it
+            header["yield_overlap"] = repr(shape.yield_overlap)
+            header["yield_force"] = repr(4.0 / 3.0 * shape.yield_area**1.5)
+            header["yield_area"] = repr(shape.yield_area)
+            header["yield_area_slope"] = repr(0.75 * shape.yield_area_slope)
+        if curve is not None:
+            about = {
+                "law": curve.name,
+                "description": f"{curve.definition.description}; {curve.definition.equation}",
+                "source": curve.definition.source,
+                "options": json.dumps(curve.options, default=lambda value: value.record()),
+                "contact": json.dumps(_first(curve.made_for).as_dict()),
+                **_describe_rows(curve),
+            }
+            header |= {f"unloading_{key}": value for key, value in about.items()}
+        lines = [*(f"{key}: {value}".rstrip() for key, value in header.items()), _TITLES, *_text_rows(self.nodes)]
+        if curve is not None:
+            lines += [_UNLOADING_TITLES, *_text_rows(curve.nodes)]
+        lines.append(f"end: {self.nodes.u.size + (0 if curve is None else curve.nodes.u.size)} rows")
         text, check = FORMAT + "\n", zlib.crc32((FORMAT + "\n").encode())
         parts = [text]
         for line in lines:
@@ -635,7 +853,8 @@ class Table(Law):
         if lines[0].decode(errors="replace") != FORMAT:
             refuse(1, f"not a demlaws table (the first line must be {FORMAT!r})")
         check = zlib.crc32(lines[0] + b"\n")
-        header, rows, in_rows, ended, places = {}, [], False, None, {}
+        header, rows, curve_rows, ended, places = {}, [], [], None, {}
+        reading = None
         for number, raw in enumerate(lines[1:], start=2):
             if ended is not None:
                 if raw:
@@ -652,12 +871,18 @@ class Table(Law):
                 places[line.partition(":")[0]] = number
                 if line.startswith("end: "):
                     ended = line
-                    if line != f"end: {len(rows)} rows" or header.get("rows") != str(len(rows)):
+                    count = len(rows) + len(curve_rows)
+                    if line != f"end: {count} rows" or header.get("rows") != str(len(rows)):
                         refuse(number, f"{len(rows)} rows were read, {header.get('rows')} were promised")
-                elif in_rows:
-                    rows.append(_row(line, rows))
-                elif line == "overlap force stiffness":
-                    in_rows = True
+                    if header.get("unloading_rows", "0") != str(len(curve_rows)):
+                        promised = header.get("unloading_rows", "none")
+                        refuse(number, f"{len(curve_rows)} rows of unloading were read, {promised} were promised")
+                elif line == _UNLOADING_TITLES and reading is rows:
+                    reading = curve_rows
+                elif reading is not None:
+                    reading.append(_row(line, reading))
+                elif line == _TITLES:
+                    reading = rows
                 else:
                     key, _, value = line.partition(": ")
                     header[key.rstrip(":")] = value
@@ -672,7 +897,7 @@ class Table(Law):
 
         def read(key, convert, suits=lambda value: True):
             if key not in header:
-                refuse(places["overlap force stiffness"], f"the lines above lack {key!r}")
+                refuse(places[_TITLES], f"the lines above lack {key!r}")
             try:
                 value = convert(header[key])
                 if suits(value):
@@ -681,13 +906,24 @@ class Table(Law):
                 pass
             refuse(places[key], f"{header[key]!r} will not do")
 
-        nodes = Nodes(*np.array(rows).T)
-        contact = read("contact", lambda text: Contact(**json.loads(text)))
-        options = read("options", json.loads, lambda value: isinstance(value, dict))
-        unloading = read("unloading", str, lambda value: value in RULES)
-        definition = read("law", find)
-        bits_per_octave = read("bits", int, lambda value: 1 <= value <= _MOST_BITS and _fits_grid(nodes.u, value))
         positive = (float, lambda value: 0.0 <= value < math.inf)
+        lengths = (read("length_over_roughness", *positive), read("length_over_radius", *positive))
+        rtol = read("rtol", *positive)
+
+        def table(rows, prefix, unloading, contact, bulk_yield=(math.inf, 0.0, 0.0), floor=None):
+            """What the rows and the keys with this prefix make."""
+            nodes = Nodes(*np.array(rows).T)
+            options = read(f"{prefix}options", json.loads, lambda value: isinstance(value, dict))
+            definition = read(f"{prefix}law", find)
+            suits = lambda value: 1 <= value <= _MOST_BITS and _fits_grid(nodes.u, value)  # noqa: E731
+            shape = shape_from_nodes(nodes, read(f"{prefix}bits", int, suits), *lengths, bulk_yield, floor=floor)
+            # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
+            source = Law(definition, contact, unloading, options, shape)
+            certificate = Certificate(read(f"{prefix}force_error", *positive), read(f"{prefix}stiffness_error", *positive))
+            return cls(source, shape, nodes, certificate, rtol)
+
+        contact = read("contact", lambda text: Contact(**json.loads(text)))
+        unloading = read("unloading", str, lambda value: value in RULES)
         bulk_yield = (math.inf, 0.0, 0.0)
         if "yield_overlap" in header:
             bulk_yield = (
@@ -695,17 +931,43 @@ class Table(Law):
                 read("yield_area", *positive),
                 read("yield_area_slope", *positive) / 0.75,
             )
-        shape = shape_from_nodes(
-            nodes,
-            bits_per_octave,
-            read("length_over_roughness", *positive),
-            read("length_over_radius", *positive),
-            bulk_yield,
-        )
-        # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
-        source = Law(definition, contact, unloading, options, shape)
-        certificate = Certificate(read("force_error", *positive), read("stiffness_error", *positive))
-        return cls(source, shape, nodes, certificate, read("rtol", *positive))
+        if unloading != GIVEN:
+            if curve_rows:
+                refuse(places["unloading"], f"unloading {unloading!r} has no rows of its own, this file has {len(curve_rows)}")
+            return table(rows, "", unloading, contact, bulk_yield)
+        if len(curve_rows) < 2:
+            refuse(
+                places["end"], f"unloading {GIVEN!r} needs 2 rows or more below {_UNLOADING_TITLES!r}, got {len(curve_rows)}"
+            )
+        first = table(rows, "", "elastic", contact, bulk_yield)
+        curve = table(curve_rows, "unloading_", "elastic", contact, floor=_floor(first.shape))
+        curve.made_for = read("unloading_contact", lambda text: Contact(**json.loads(text)))
+        return _joined_table(first, curve)
+
+
+def _first(contact):
+    """The contact that a file names: of an array of contacts, which one curve serves, the first."""
+    if contact.size is None:
+        return contact
+    return contact.with_values(**{n: float(np.ravel(getattr(contact, n))[0]) for n in ("radius", "modulus", "roughness")})
+
+
+def _describe_rows(table):
+    """What the header says of a table's rows."""
+    u, force, _ = table.nodes
+    return {
+        "bits": str(52 - table.loading_shape.shift),
+        "kinks": " ".join(repr(float(k)) for k in table.nodes.kinks),
+        "range_overlap": f"{u[0]!r} {u[-1]!r}",
+        "range_force": f"{float(force[0])!r} {float(force[-1])!r}",
+        "force_error": repr(table.force_error),
+        "stiffness_error": repr(table.stiffness_error),
+        "rows": str(u.size),
+    }
+
+
+def _text_rows(nodes):
+    return [f"{u:.17g} {f:.17g} {k:.17g}" for u, f, k in zip(*nodes, strict=True)]
 
 
 def _row(line, rows):

@@ -4,9 +4,10 @@ A rule is a tag type, the names of its state, and pure compiled functions over o
 floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
 """
 
+import math
 from typing import NamedTuple
 
-from demlaws.dispatch import bind, energy, inverse, virgin
+from demlaws.dispatch import bind, energy, inverse, parts, recover, scale, virgin
 from demlaws.fastmath import cbrt, kernel, sqrt
 
 
@@ -29,12 +30,75 @@ class Thornton(NamedTuple):
     """
 
 
-RULES = {"elastic": Elastic(), "hertz": Hertz(), "thornton": Thornton()}
+class Given(NamedTuple):
+    """Back along a given elastic curve U, moved so that it goes through (δmax, Pmax): P = U(δ - δp), δp = δmax - U⁻¹(Pmax).
+
+    U is the first loading of another law, or a table. Reloading follows the same curve to (δmax, Pmax), then first
+    loading; for 0 < δ < δp the bodies overlap and carry no force. `Hertz` is U = Hertz. Along first loading
+    dδp/dδ = 1 - K(P)/K_U(P), so the rule is passive exactly where K(P) ≤ K_U(P) at every load. [our derivation]
+    """
+
+
+GIVEN = "table"
+"""Name of the one rule that needs a curve beside the law."""
+RULES = {"elastic": Elastic(), "hertz": Hertz(), "thornton": Thornton(), GIVEN: Given()}
 STATE_NAMES = {
     "elastic": (),
     "hertz": ("maximum_overlap", "plastic_overlap"),
     "thornton": ("maximum_overlap", "plastic_overlap", "radius_ratio"),
+    GIVEN: ("maximum_overlap", "plastic_overlap"),
 }
+
+
+class JoinedShape(NamedTuple):
+    """What contacts share of a law that is given an unloading curve."""
+
+    loading: tuple
+    unloading: tuple
+    radius: float  # R, E*, σ of the curve's contact over those of the law's
+    modulus: float
+    roughness: float
+
+
+class JoinedParams(NamedTuple):
+    """One contact: to all but `Given` the law of first loading."""
+
+    hertz_coefficient: float  # of the loading [N/m^1.5]
+    loading: tuple
+    unloading: tuple
+    equivalent_ratio: float  # δ_H of a force on the curve's contact over that on the law's
+
+
+@kernel
+def _joined_scale(shape, radius, modulus, roughness):
+    loading = scale(shape.loading, radius, modulus, roughness)
+    unloading = scale(shape.unloading, radius * shape.radius, modulus * shape.modulus, roughness * shape.roughness)
+    root = cbrt(loading.hertz_coefficient / unloading.hertz_coefficient)
+    return JoinedParams(loading.hertz_coefficient, loading, unloading, root * root)
+
+
+@kernel
+def _joined_virgin(p, overlap):
+    return virgin(p.loading, overlap)
+
+
+@kernel
+def _joined_inverse(p, force):
+    return inverse(p.loading, force)
+
+
+@kernel
+def _joined_energy(p, overlap):
+    return energy(p.loading, overlap)
+
+
+@kernel
+def _joined_parts(p):
+    return p.loading, p.unloading, p.equivalent_ratio
+
+
+bind(JoinedShape, scale=_joined_scale)
+bind(JoinedParams, virgin=_joined_virgin, inverse=_joined_inverse, energy=_joined_energy, parts=_joined_parts)
 
 
 @kernel
@@ -133,6 +197,56 @@ def _thornton_unloaded(rule, p, force, state):
     return state[1] + root * root
 
 
+@kernel
+def _given_step(rule, p, overlap, state):
+    loading, curve, ratio = parts(p)
+    positive = 0.0 if overlap <= 0.0 else overlap
+    loads = overlap >= state[0]
+    if loads:
+        force, stiffness, equivalent, _ = virgin(loading, positive)
+        wanted = equivalent * ratio
+        place = recover(curve, force, wanted)
+        force = force if place == place else math.nan  # beyond the curve's end
+        maximum, plastic = overlap, 0.0
+    else:
+        force, stiffness, wanted = 0.0, 0.0, 0.0
+        maximum, plastic = state
+        place = positive - plastic
+        place = 0.0 if place <= 0.0 else place
+    # one reading of the curve for both: where the contact is, or the last step of the search for Pmax on it
+    here, tangent, equivalent, _ = virgin(curve, place)
+    if loads:
+        # in δ_H, which is straighter than the force: dδ_H/dδ = K δ_H/(1.5 P)
+        rise = tangent * equivalent
+        found = place - (1.5 * here * (equivalent - wanted) / rise if place > 0.0 and rise > 0.0 else 0.0)
+        plastic = overlap - (0.0 if found <= 0.0 else found)
+    else:
+        force = 0.0 if place <= 0.0 else here
+        stiffness = 0.0 if place <= 0.0 else tangent
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic)
+
+
+@kernel
+def _given_stored_and_dissipated(rule, p, overlap, state):
+    loading, curve, _ = parts(p)
+    if state[0] <= 0.0:
+        return 0.0, 0.0
+    # as in `_balance`: what the curve holds below δ = 0 is never returned
+    lost = energy(curve, -state[1]) if state[1] < 0.0 else 0.0
+    elastic = overlap - state[1]
+    stored = energy(curve, elastic) - lost if overlap > 0.0 and elastic > 0.0 else 0.0
+    whole = state[0] - state[1]
+    held = energy(curve, whole) if whole > 0.0 else 0.0
+    return max(stored, 0.0), energy(loading, state[0]) - (held - lost)
+
+
+@kernel
+def _given_unloaded(rule, p, force, state):
+    return state[1] + (inverse(parts(p)[1], force) if force > 0.0 else 0.0)
+
+
 bind(
     Elastic,
     step=_elastic_step,
@@ -145,4 +259,10 @@ bind(
     step=_thornton_step,
     stored_and_dissipated=_thornton_stored_and_dissipated,
     unloaded=_thornton_unloaded,
+)
+bind(
+    Given,
+    step=_given_step,
+    stored_and_dissipated=_given_stored_and_dissipated,
+    unloaded=_given_unloaded,
 )

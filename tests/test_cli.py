@@ -52,6 +52,28 @@ def test_table(tmp_path, capsys):
     assert picture.stat().st_size > 1000
 
 
+def test_table_with_an_unloading_curve(tmp_path, capsys):
+    """By the name of a law, then the file of that law's own table; both in one file."""
+    both, curve, again, picture = (tmp_path / name for name in ("both.tbl", "curve.tbl", "again.tbl", "both.png"))
+    smoother = [*CONTACT[:-3], "0.5e-6", *CONTACT[-2:]]
+    options = ["--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6"]
+    assert main(["table", "--law", "pohrt-popov", *CONTACT, *options, "--out", str(both), "--figure", str(picture)]) == 0
+    assert "unloading along 'pohrt-popov'" in capsys.readouterr().out
+    assert picture.stat().st_size > 1000
+    assert main(["table", "--law", "pohrt-popov", *smoother, "--out", str(curve)]) == 0
+    options = ["--unloading", str(curve), "--out", str(again), "--max-force", "100"]
+    assert main(["table", "--law", "pohrt-popov", *CONTACT, *options]) == 0
+    one, other = Table.load(both), Table.load(again)
+    assert one.unloading == other.unloading == "table"
+    assert one.unloading_law.made_for.roughness == other.unloading_law.made_for.roughness == 0.5e-6
+    path = [1e-5, 9e-6, 8e-6]
+    assert one.follow(path).force == pytest.approx(other.follow(path).force, rel=1e-4)
+    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6", "--forces", "9", "0"]
+    assert main(["curve", "--law", "pohrt-popov", *CONTACT, *forces]) == 0
+    assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading-radius", "1e-3", "--forces", "9"]) == 2
+    assert "name that law" in capsys.readouterr().err
+
+
 def test_granite(tmp_path, capsys):
     assert main(["granite", "--test", "SS(12-18)", "--law", "pohrt-popov", "--out", str(tmp_path)]) == 0
     out = capsys.readouterr().out

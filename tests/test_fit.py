@@ -132,3 +132,17 @@ def test_points_of_a_file(tmp_path):
     best = dl.fit(granite.read_points(file), PAIR.with_values(roughness=5e-6), laws="rms").best
     assert best.unloading == "hertz"
     assert best.parameters["roughness"].value == pytest.approx(2.4e-6, rel=0.05)
+
+
+def test_a_fitted_unloading_branch_is_a_curve_to_unload_along():
+    """Points of an unloading branch alone, of a contact that loading has made smoother: fitted, then joined to the law."""
+    law = dl.law("pohrt-popov", PAIR, dl.law("pohrt-popov", PAIR.with_values(roughness=0.2 * PAIR.roughness)))
+    path = dl.driver.force_controlled(law, [50.0, 0.2], 40)
+    branch = np.column_stack([path.overlap, path.force])[41:]
+    best = dl.fit(branch, PAIR, laws="pohrt-popov", unloading="elastic", free=["roughness"]).best
+    assert best.law.contact.roughness == pytest.approx(0.2 * PAIR.roughness, rel=1e-4)
+    assert best.parameters["zero"].value == pytest.approx(path.plastic_overlap[-1], rel=1e-4)
+    again = dl.law("pohrt-popov", PAIR, unloading=best.law).follow(path.overlap)
+    np.testing.assert_allclose(again.force, path.force, atol=1e-4 * path.force.max())
+    with pytest.raises(dl.DemlawsError, match="the rules that a fit takes are elastic, hertz, thornton"):
+        dl.fit(branch, PAIR, laws="pohrt-popov", unloading="table")

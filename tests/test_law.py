@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
-from demlaws.law import largest_stiffness_ratio, registry
+from demlaws.law import example, largest_stiffness_ratio, registry
 from demlaws.surface import HeightMap
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -82,7 +82,7 @@ def test_stiffness_is_the_derivative_of_the_force(name, contact):
 @every_contact
 def test_stiffness_on_either_side_of_a_kink(name, contact):
     law = make(name, contact=contact)
-    for kink in law.definition.kinks(law.params, **law.options):
+    for kink in law.kinks():
         left, right = kink * (1 - 1e-12), kink * (1 + 1e-12)
         width, degree = (3e-3, 5) if registry()[name].solved else (0.1, 12)
         slopes = derivative(law.force, left, width, degree)[0], derivative(law.force, right, width, degree)[1]
@@ -99,7 +99,7 @@ def test_energy_is_the_integral_of_the_force(name, contact):
     x, weights = np.polynomial.legendre.leggauss(16)
     largest = 0.1 * law.contact.radius
     edges = largest * 2.0 ** np.arange(-60.0, 1 / panels, 1 / panels)
-    edges = np.unique([0.0, *edges, *law.definition.kinks(law.params, **law.options)])
+    edges = np.unique([0.0, *edges, *law.kinks()])
     edges = edges[edges <= largest]
     half = 0.5 * np.diff(edges)
     force = law.force((edges[:-1, None] + half[:, None] * (1 + x)).ravel()).reshape(half.size, x.size)
@@ -113,7 +113,7 @@ def test_monotone_positive_and_finite(name, contact):
     law = make(name, contact=contact)
     overlap = np.geomspace(1e-9 * law.contact.roughness, 0.2 * law.contact.radius, 20000)
     force, stiffness, energy = law.force(overlap), law.stiffness(overlap), law.energy(overlap)
-    kinks = [k for k in law.definition.kinks(law.params, **law.options)]
+    kinks = law.kinks()
     for values in (force, stiffness, energy):
         assert np.all(np.isfinite(values))
         assert np.all(values > 0)
@@ -227,12 +227,12 @@ def two_steps(law, dtype=np.float64, **options):
 @every_pair
 def test_contacts_in_arrays_equal_one_at_a_time(name, unloading):
     options = options_of(name)
-    many = dl.law(name, BATCH_OF_CONTACTS, unloading, **options)
+    many = example(name, BATCH_OF_CONTACTS, unloading, **options)
     together = np.array(two_steps(many))
     rtol = 1e-4 if registry()[name].solved else 32 * EPS  # solved laws blend two curves
     for i in range(BATCH_OF_CONTACTS.size):
         one = GRANITE.with_values(**{k: float(getattr(BATCH_OF_CONTACTS, k)[i]) for k in ("radius", "modulus", "roughness")})
-        alone = dl.law(name, one, unloading, **options)
+        alone = example(name, one, unloading, **options)
         first = np.linspace(2e-6, 9e-6, 5)[[i]]
         second = first * np.linspace(0.7, 0.95, 5)[[i]] * (i > 0)
         state = alone.new_state(1) if alone.state_size else None

@@ -20,7 +20,8 @@ from demlaws.stability import (
     step_ratios,
 )
 
-ALL = cases()
+# of rule "table", whose closed forms take long to compile, the table of a solved law and both forms of one that is not
+ALL = [c for c in cases() if c.unloading != "table" or c.law == "pohrt-popov" or c[:3:2] == ("yip-venart", "table")]
 PATHS = 100_000 // len(ALL)
 
 

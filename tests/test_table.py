@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import demlaws as dl
-from demlaws.law import registry
+from demlaws.law import _leaves, registry
 from demlaws.table import FORMAT
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -81,7 +81,7 @@ def test_tolerance_sets_the_size(name):
 @pytest.mark.parametrize("name", ["pohrt-popov", "goddard", "rough-plastic", "bahrami"])
 def test_kinks_are_nodes(name):
     table, law = table_of(name), make(name)
-    kinks = np.array(law.definition.kinks(law.params, **law.options)) / table.length
+    kinks = np.array(law.kinks()) / table.length
     double = table.nodes.u[:-1][np.diff(table.nodes.u) == 0.0]
     inside = kinks[kinks < table.nodes.u[-1]]
     np.testing.assert_allclose(double, np.sort(inside), rtol=1e-12)
@@ -208,7 +208,7 @@ def test_a_saved_table_comes_back_bit_for_bit(name, unloading, tmp_path, rng):
     assert (loaded.force_error, loaded.stiffness_error, loaded.rtol) == (table.force_error, table.stiffness_error, table.rtol)
     for a, b in zip(loaded.nodes, table.nodes, strict=True):
         np.testing.assert_array_equal(a, b)
-    for a, b in zip(loaded.shape, table.shape, strict=True):
+    for a, b in zip(_leaves(loaded.shape), _leaves(table.shape), strict=True):
         np.testing.assert_array_equal(a, b)
     overlap = rng.uniform(0.0, 1e-5, 200)
     for quantity in ("force", "stiffness", "work", "plastic_overlap"):
@@ -238,14 +238,81 @@ def test_the_file_can_be_read_by_a_person(tmp_path):
 
 
 @functools.cache
-def small_file():
+def small_file(unloading="hertz"):
     """Bytes of the smallest table with a kink."""
     import tempfile
     from pathlib import Path
 
     with tempfile.TemporaryDirectory() as folder:
-        table = make("pohrt-popov", "hertz").tabulate(rtol=0.05, max_force=100.0)
+        table = make("pohrt-popov", unloading).tabulate(rtol=0.05, max_force=100.0)
         return table.save(Path(folder) / "small.tbl").read_bytes()
+
+
+def sealed(lines):
+    """The file of these lines (without their check marks), marked anew: what a program that edits tables would write."""
+    data = (lines[0] + "\n").encode()
+    for line in lines[1:]:
+        data += line.encode()
+        data += b" %08x\n" % zlib.crc32(data)
+    return data
+
+
+def unsealed(data):
+    first, *rest = data.decode().splitlines()
+    return [first, *(line.rpartition(" ")[0] for line in rest)]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda lines: [line.replace("unloading: table", "unloading: hertz") for line in lines], "has no rows of its own"),
+        (lambda lines: [line for line in lines if not line.startswith("unloading_law")], "lack 'unloading_law'"),
+        (
+            lambda lines: [line.replace("unloading_law: pohrt-popov", "unloading_law: popov") for line in lines],
+            "'popov' will not do",
+        ),
+        (lambda lines: [line for line in lines if line != "unloading overlap force stiffness"], "does not increase"),
+        (lambda lines: [line.replace("unloading_rows: ", "unloading_rows: 1") for line in lines], "were promised"),
+        (lambda lines: [line.replace("unloading_bits: 1", "unloading_bits: 2") for line in lines], "'2' will not do"),
+    ],
+)
+def test_a_wrong_unloading_curve_is_refused_with_its_line(change, message, tmp_path):
+    lines = unsealed(small_file("table"))
+    assert sealed(lines) == small_file("table")
+    assert message in refuse(tmp_path / "wrong.tbl", sealed(change(lines)))[1]
+
+
+def test_an_edited_line_of_either_curve_is_named(tmp_path):
+    whole = small_file("table").splitlines(keepends=True)
+    for place in range(1, len(whole)):
+        edited = [*whole[:place], whole[place].replace(b" ", b"  ", 1), *whole[place + 1 :]]
+        assert refuse(tmp_path / "edited.tbl", b"".join(edited))[0] == place + 1
+
+
+def test_a_table_is_given_a_curve_and_other_rules():
+    """Loaded tables, too: the rows of first loading stay as they are, the curve gets rows in their scales."""
+    table = table_of("pohrt-popov")
+    joined = table.joined(make("pohrt-popov", "table").unloading_law)
+    np.testing.assert_array_equal(joined.nodes, table.nodes)
+    path = GRANITE.roughness * np.array([1.0, 0.9, 5.0, 4.7])
+    expected = table_of("pohrt-popov", "table").follow(path)
+    np.testing.assert_array_equal(joined.follow(path).force, expected.force)
+    np.testing.assert_array_equal(
+        joined.joined("hertz").follow(path).force, table_of("pohrt-popov", "hertz").follow(path).force
+    )
+    assert joined.joined("elastic").state_size == 0
+    bound = joined.bound_to(SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension))
+    curve = bound.unloading_law
+    state = bound.new_state(1)
+    path = bound.follow(SMOOTHER.roughness * np.array([3.0, 2.8]), state)
+    assert path.force[1] == pytest.approx(curve.force(path.overlap[1] - path.plastic_overlap[1]), rel=1e-12)
+
+
+def test_a_curve_that_ends_too_early_is_refused():
+    curve = make("pohrt-popov", "table").unloading_law.tabulate(max_force=10.0)
+    with pytest.raises(dl.DemlawsError, match="must reach beyond this table's"):
+        dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=50.0)
+    assert dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=5.0).unloading == "table"
 
 
 def refuse(path, data):

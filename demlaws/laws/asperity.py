@@ -274,4 +274,5 @@ LAW = Definition(
     implicit=True,
     solved=True,
     example={"surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6)},
+    example_curve={"curve": "reloading", "load": 100.0},
 )

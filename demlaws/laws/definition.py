@@ -46,6 +46,7 @@ class Definition(NamedTuple):
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
+    example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
 
 
 def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):

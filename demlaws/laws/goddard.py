@@ -84,4 +84,5 @@ LAW = Definition(
     kinks=_kinks,
     length="radius",
     example={"slope": 0.035},
+    example_curve={"slope": 0.03},
 )

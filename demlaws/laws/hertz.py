@@ -42,12 +42,17 @@ def hertz_overlap(p, force):
 
 
 @kernel
+def _recover(p, force, equivalent):
+    return equivalent
+
+
+@kernel
 def _energy(p, overlap):
     return 0.4 * p.hertz_coefficient * overlap * overlap * sqrt(overlap)
 
 
 bind(HertzShape, scale=_scale)
-bind(HertzParams, virgin=_virgin, inverse=hertz_overlap, energy=_energy)
+bind(HertzParams, virgin=_virgin, inverse=hertz_overlap, recover=_recover, energy=_energy)
 
 
 def _prepare(contact):

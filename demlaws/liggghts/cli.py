@@ -38,7 +38,13 @@ def register(subparsers):
     export = parts.add_parser("export", help="write a ready case: tables, input, runscript", epilog=EXPORT_EXAMPLE, **raw)
     export.add_argument("folder", help="folder to write")
     export.add_argument("--law", default="pohrt-popov", help="name of the law (default %(default)s)")
-    export.add_argument("--unloading", default="hertz", choices=("elastic", "hertz", "thornton"))
+    export.add_argument(
+        "--unloading",
+        default="hertz",
+        help="elastic, hertz, thornton, or a table file whose curve all contacts unload along (default %(default)s)",
+    )
+    export.add_argument("--unloading-law", help="name of a law whose curve each contact unloads along, in place of --unloading")
+    export.add_argument("--unloading-option", action="append", default=[], metavar="NAME=VALUE", help="an option of that law")
     export.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the law")
     export.add_argument("--radius", type=float, nargs="+", required=True, help="grain radius [m], one a particle type")
     for name, default, text in (
@@ -90,8 +96,22 @@ def _each(arguments, name, count):
     return values if len(values) == count else values * count
 
 
+def _options(texts, flag):
+    options = {}
+    for text in texts:
+        name, separator, value = text.partition("=")
+        if not separator:
+            raise DemlawsError(f"{flag} {text}: write it as name=value")
+        try:
+            options[name.replace("-", "_")] = json.loads(value)
+        except ValueError:
+            options[name.replace("-", "_")] = value
+    return options
+
+
 def _export(arguments):
     from demlaws.contact import Material, Surface
+    from demlaws.law import law
     from demlaws.liggghts.export import Grain, export
 
     count = len(arguments.radius)
@@ -102,20 +122,15 @@ def _export(arguments):
         Grain(radius, Material(young, poisson, hardness, density), Surface(roughness, dimension, hardness))
         for radius, roughness, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
     ]
-    options = {}
-    for text in arguments.option:
-        name, separator, value = text.partition("=")
-        if not separator:
-            raise DemlawsError(f"--option {text}: write it as name=value")
-        try:
-            options[name.replace("-", "_")] = json.loads(value)
-        except ValueError:
-            options[name.replace("-", "_")] = value
+    options, unloading = _options(arguments.option, "--option"), arguments.unloading
+    if arguments.unloading_law is not None:
+        contact = grains[0].contact(grains[0])
+        unloading = law(arguments.unloading_law, contact, **_options(arguments.unloading_option, "--unloading-option"))
     path = export(
         arguments.folder,
         arguments.law,
         grains,
-        arguments.unloading,
+        unloading,
         options,
         rtol=arguments.rtol,
         stock=arguments.stock,

@@ -18,6 +18,7 @@ from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.law import law as make_law
+from demlaws.law import rebound, rule_and_curve
 from demlaws.laws.definition import number
 
 
@@ -118,7 +119,7 @@ def _tables(folder, name, grains, unloading, options, rtol):
     """Write the tables; return the words of the pair_style line and of the wall lines, and per-type roughness or None."""
 
     def bound(contact):
-        return make_law(name, contact, unloading=unloading, **options)
+        return make_law(name, contact, unloading=rebound(unloading, contact), **options)
 
     first = bound(grains[0].contact(grains[0]))
     alike = all(
@@ -126,7 +127,7 @@ def _tables(folder, name, grains, unloading, options, rtol):
         == (grains[0].surface.fractal_dimension, grains[0].surface.hardness, grains[0].material.hardness)
         for g in grains
     )
-    if first.definition.collapses and alike:
+    if first.collapses and alike:
         # the table ends at a tenth of the radius over the length: take the pair for which that is most
         pairs = [grains[i].contact(grains[j]) for i, j in _pairs(grains)] + [g.contact(g, wall=True) for g in grains]
         widest = max(pairs, key=lambda c: c.radius / (c.roughness or c.radius))
@@ -169,10 +170,10 @@ def export(
 ):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    law, unloading, options: as for `demlaws.law`; grains: `Grain`s, one a particle type. Written are the tables (one for
-    all pairs where the law collapses, else one a pair of types and a wall), in.case with its property block, run.sh and
-    post/. stock: "hertz" or "edinburgh" writes a case for the stock binary alone, fitted at `load` [N] on the
-    first grain's contact with itself; in.case and fit.txt state the error at other loads.
+    law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one a
+    particle type. Written are the tables (one for all pairs where the law collapses, else one a pair of types and a wall),
+    in.case with its property block, run.sh and post/. stock: "hertz" or "edinburgh" writes a case for the stock binary
+    alone, fitted at `load` [N] on the first grain's contact with itself; in.case and fit.txt state the error at other loads.
     """
     grains = list(grains)
     if not grains:
@@ -185,12 +186,15 @@ def export(
     except OSError as error:
         raise DemlawsError(f"cannot make folder {folder / 'post'}: {error.strerror}") from error
     n, roughness, fit, notes = len(grains), None, None, []
+    rule, curve = rule_and_curve(unloading)
+    unloading = rule if curve is None else curve
     young = [g.material.young for g in grains]
     if stock is None:
         words, walls, roughness = _tables(folder, law, grains, unloading, options, rtol)
         model = "demlaws/table"
     else:
-        one = make_law(law, grains[0].contact(grains[0]), unloading=unloading, **options)
+        first = grains[0].contact(grains[0])
+        one = make_law(law, first, unloading=rebound(unloading, first), **options)
         fit = stock_fit(one, load, stock)
         words, model = "", fit.model
         walls = [words] * n
@@ -198,7 +202,7 @@ def export(
         if model == "hertz":
             young = []
             for grain in grains:
-                own = stock_fit(make_law(law, grain.contact(grain), unloading=unloading, **options), load, "hertz")
+                own = stock_fit(make_law(law, grain.contact(grain), **options), load, "hertz")
                 young.append(2.0 * own.parameters["effective modulus [Pa]"] * (1.0 - grain.material.poisson**2))
         else:
             notes.append("one rank only, no damping: stock edinburgh loses its history across ranks and blows up with damping")
@@ -206,7 +210,8 @@ def export(
         write_atomically(folder / "fit.txt", "\n".join(notes) + "\n")
     types = n + 1  # the walls have a type of their own, made of the first grain's stuff
     young, poisson = [*young, young[0]], [g.material.poisson for g in [*grains, grains[0]]]
-    bound = [make_law(law, g.contact(g), unloading=unloading, **options) for g in grains]
+    contacts = [g.contact(g) for g in grains]
+    bound = [make_law(law, c, unloading=rebound(unloading, c), **options) for c in contacts]
     # a grain has several contacts in one direction: a tenth of the single-contact limit
     step = 0.1 * min(timestep(one, 0.5 * g.mass, load) for one, g in zip(bound, grains, strict=True))
     step = float(f"{step:.1e}")
@@ -214,9 +219,9 @@ def export(
     side = 12.0 * largest
     volume = count / n * sum(4.0 / 3.0 * math.pi * g.radius**3 for g in grains)
     height = max(volume / (0.28 * side**2), 6.0 * largest)
+    unloads = f"{rule} unloading" if curve is None else f"unloading along {curve.name}"
     values = {
-        "title": f"{count} grains settle in a box: law {law}, {unloading} unloading"
-        + (f", as a fit of stock {fit.model}" if fit else ""),
+        "title": f"{count} grains settle in a box: law {law}, {unloads}" + (f", as a fit of stock {fit.model}" if fit else ""),
         "version": demlaws.__version__,
         "notes": "".join(f"# {line}\n" for line in notes),
         "side": side,
@@ -248,7 +253,13 @@ def export(
     write_atomically(
         folder / "case.json",
         json.dumps(
-            {"law": law, "unloading": unloading, "options": options, "stock": fit.model if fit else None},
+            {
+                "law": law,
+                "unloading": rule,
+                "options": options,
+                **({"unloading_law": curve.name, "unloading_options": curve.options} if curve else {}),
+                "stock": fit.model if fit else None,
+            },
             indent=1,
             default=lambda value: value.record(),
         )

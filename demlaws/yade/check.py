@@ -33,21 +33,25 @@ def main():
 
 def self_tests(dl):
     """Two spheres through loading, unloading, parting and touching again, for each law and rule; the number of failures."""
-    from demlaws.law import find
-    from demlaws.unloading import RULES
+    from demlaws.law import example, find
+    from demlaws.unloading import GIVEN, RULES
     from demlaws.yade import selftest
     from demlaws.yade.functor import Binding
     from demlaws.yade.pairs import Pairs, Span
 
     surfaces = {"granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)}
     print(f"{'law':18}{'unloading':11}{'steps':>6}{'|F - F_law|/F_max':>20}{'ready in':>10}")
+    contact = dl.Contact(4.35e-3, 32.32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
     spans = {("granite", "granite"): Span((4.35e-3, 4.35e-3), (32.32e9, 32.32e9))}
     failures = 0
     for name in dl.laws():
         for rule in RULES:
             started = time.perf_counter()
             try:
-                binding = Binding("check", Pairs(name, surfaces, rule, find(name).example, spans), None, "native")
+                given, options, unloading = name, find(name).example, rule
+                if rule == GIVEN:
+                    given, options, unloading = example(name, contact, rule), {}, None
+                binding = Binding("check", Pairs(given, surfaces, unloading, options, spans), None, "native")
             except dl.DemlawsError as error:
                 print(f"{name:18}{rule:11}  not joined: {_short(error)}")
                 continue

@@ -347,10 +347,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     """A demlaws law as a YADE Law2 functor: put it where Law2_ScGeom_MindlinPhys_Mindlin would go.
 
     law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, or the path of a saved table; unloading: "elastic",
-    "hertz" or "thornton"; surfaces: label of a YADE material → `demlaws.Surface`; a material whose label is not listed is
-    smooth, and a pair of smooth surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2². tangential_ratio: K_t/K; None takes
-    YADE's, 2(1-ν)/(2-ν) for equal materials. bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the
-    native one is not available). label: how guard and saved files know the law; one label a law. radii, moduli: smallest and
+    "hertz", "thornton", or a `Law` or `Table` whose curve the contacts unload along (on their own surfaces); surfaces:
+    label of a YADE material → `demlaws.Surface`; a material whose label is not listed is smooth, and a pair of smooth
+    surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2². tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for
+    equal materials. bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not
+    available). label: how guard and saved files know the law; one label a law. radii, moduli: smallest and
     largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart,
     Greenwood–Tripp) must know; by default those of the bodies that the scene holds now. Further arguments are the
     law's own options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy,

@@ -13,11 +13,11 @@ import numpy as np
 
 from demlaws.contact import Contact, Surface
 from demlaws.errors import DemlawsError
-from demlaws.law import SMOOTHEST, Law, find, law, scale_one
+from demlaws.law import SMOOTHEST, Law, find, law, loading_part, rebound, rule_and_curve, scale_one
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap
 from demlaws.table import Table
-from demlaws.unloading import RULES, STATE_NAMES
+from demlaws.unloading import GIVEN, RULES, STATE_NAMES
 from demlaws.yade import kernel
 
 _MAP = "height map"
@@ -70,10 +70,14 @@ def _from_plain(value):
 
 
 class Source:
-    """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table."""
+    """What a user gave as a law: a name with options, a `Law`, a `Table`, or the path of a saved table.
+
+    curve: the `Source` of the law to unload along, on a contact whose R, E* and σ are `ratios` of the law's own. (A table
+    holds its own.)
+    """
 
     def __init__(self, given, options):
-        self.table = None
+        self.table, self.curve, self.ratios = None, None, (1.0, 1.0, 1.0)
         if isinstance(given, Path) or (isinstance(given, str) and ("/" in given or "." in given)):
             given = Table.load(given)
         if isinstance(given, Table):
@@ -90,35 +94,64 @@ class Source:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
         self.unloading = getattr(given, "unloading", "elastic")
         self.definition = find(self.name)
+        if self.table is None and self.unloading == GIVEN:
+            self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
+
+    def unload_along(self, curve):
+        """Unload along a law or a `Table`, on the contact's own surfaces."""
+        if self.table is not None:
+            self.table = self.table.joined(curve)
+        else:
+            self.curve, self.ratios = Source(curve, {}), (1.0, 1.0, 1.0)
+        self.unloading = GIVEN
 
     @property
     def needs_span(self):
         """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
         loading = self.options.get("loading")
-        return self.table is None and (self.definition.solved or (isinstance(loading, str) and find(loading).solved))
+        own = self.table is None and (self.definition.solved or (isinstance(loading, str) and find(loading).solved))
+        return own or (self.curve is not None and self.curve.needs_span)
+
+    def _bound(self, contact, unloading):
+        """The `Law` (or `Table`) of a contact with a rule."""
+        if self.table is not None:
+            return rebound(self.table, contact)
+        if unloading == GIVEN:
+            if self.curve is None:
+                raise DemlawsError(f"unloading {GIVEN!r} needs its curve: give a law or a table as `unloading`")
+            changes = zip(("radius", "modulus", "roughness"), self.ratios, strict=True)
+            own = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
+            unloading = self.curve._bound(own, "elastic")
+        return law(self.name, contact, unloading, **self.options)
 
     def shape(self, surface, unloading, span):
         """The law's Shape for a combined surface, or None where the pair is Hertz."""
         if self.table is not None:
-            return self._table_shape(surface)
+            return self._table_shape(surface, unloading)
         dimension = surface.fractal_dimension
         if surface.roughness == 0.0 and dimension is None:
             dimension = 2.0  # without roughness it does not matter, but the law wants one
         contact = Contact(
             roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **span.arguments()
         )
-        if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in self.definition.needs):
+        needs = self.definition.needs + (() if self.curve is None else self.curve.definition.needs)
+        if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
             return None
-        shape = law(self.name, contact, unloading, **self.options).shape
-        return None if isinstance(shape, HertzShape) else shape
+        shape = self._bound(contact, unloading).shape
+        curve = getattr(shape, "unloading", HertzShape())
+        if isinstance(loading_part(shape), HertzShape) and isinstance(curve, HertzShape) and self.ratios[:2] == (1.0, 1.0):
+            return None
+        return shape
 
-    def _table_shape(self, surface):
+    def _table_shape(self, surface, unloading):
+        if unloading == GIVEN and self.table.unloading != GIVEN:
+            raise DemlawsError(f"unloading {GIVEN!r} needs its curve: the table of {self.name!r} holds none")
         contact = self.table.contact
-        if surface.roughness == 0.0 and self.table.shape.length_over_roughness:
+        if surface.roughness == 0.0 and self.table.loading_shape.length_over_roughness:
             return None
         for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
             wanted, made_for = getattr(surface, name), getattr(contact, name)
-            free = name == "roughness" and self.definition.collapses
+            free = name == "roughness" and self.table.collapses
             if free or wanted is None or made_for is None:
                 continue
             if not math.isclose(wanted, made_for, rel_tol=1e-6):
@@ -127,13 +160,22 @@ class Source:
 
     def only_for(self):
         """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
-        if self.table is None or self.definition.collapses:
-            return 0.0, 0.0
-        return self.table.contact.radius, self.table.contact.modulus
+        for source in (self, self.curve):
+            if source is not None and source.table is not None and not source.table.collapses:
+                return tuple(
+                    value / ratio
+                    for value, ratio in zip(
+                        (source.table.contact.radius, source.table.contact.modulus),
+                        (1.0, 1.0) if source is self else self.ratios[:2],
+                        strict=True,
+                    )
+                )
+        return 0.0, 0.0
 
     def as_dict(self):
         if self.table is None:
-            return {"law": self.name, "options": {name: _plain(value) for name, value in self.options.items()}}
+            content = {"law": self.name, "options": {name: _plain(value) for name, value in self.options.items()}}
+            return content if self.curve is None else {**content, "curve": self.curve.as_dict(), "ratios": self.ratios}
         with tempfile.TemporaryDirectory() as folder:
             text = self.table.save(Path(folder) / "table.txt").read_bytes()
         return {"table": base64.b64encode(zlib.compress(text, 9)).decode()}
@@ -141,7 +183,11 @@ class Source:
     @classmethod
     def from_dict(cls, content):
         if "table" not in content:
-            return cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
+            source = cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
+            if "curve" in content:
+                source.curve, source.ratios = cls.from_dict(content["curve"]), tuple(content["ratios"])
+                source.unloading = GIVEN
+            return source
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "table.txt"
             path.write_bytes(zlib.decompress(base64.b64decode(content["table"])))
@@ -174,9 +220,12 @@ class Pairs:
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
             raise DemlawsError(f"the laws come with different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
-        self.unloading = (rules.pop() if rules else "elastic") if unloading is None else unloading
-        if self.unloading not in RULES:
-            raise DemlawsError(f"unknown unloading rule {self.unloading!r}: the rules are {', '.join(RULES)}")
+        self.unloading = rules.pop() if rules else "elastic"
+        if unloading is not None and not (unloading == GIVEN and rules == {GIVEN}):
+            self.unloading, curve = (unloading, None) if unloading == GIVEN else rule_and_curve(unloading)
+            for source in (self.default, *self.special.values()) if curve is not None else ():
+                if source is not None:
+                    source.unload_along(curve)
         self.rule = RULES[self.unloading]
         self.state_names = STATE_NAMES[self.unloading]
         combined = [Surface(), *self.surfaces.values()]

@@ -9,7 +9,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-import demlaws as dl
+from demlaws.law import example
 from demlaws.liggghts import run
 
 START = -3.613e-5  # [m] along x; in its first contact the sphere passes x = 0, an edge of the mesh and the border of two ranks
@@ -17,7 +17,7 @@ FIRST = 600  # steps to the restart file: in the first contact, after x = 0
 
 
 def law(unloading="hertz"):
-    return dl.law("pohrt-popov", common.contact(6.05e-3), unloading=unloading)
+    return example("pohrt-popov", common.contact(6.05e-3), unloading)
 
 
 def simulate(folder, ranks=1, quick=False, unloading="hertz", rtol=1e-8):

@@ -9,7 +9,7 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-import demlaws as dl
+from demlaws.law import example
 from demlaws.liggghts import run
 
 SPEED = 0.2
@@ -17,7 +17,7 @@ DT = 5e-9
 
 
 def law(unloading="hertz"):
-    return dl.law("pohrt-popov", common.contact(8e-3, 8e-3), unloading=unloading)
+    return example("pohrt-popov", common.contact(8e-3, 8e-3), unloading)
 
 
 def simulate(folder, ranks=1, quick=False, unloading="hertz", rtol=1e-9):

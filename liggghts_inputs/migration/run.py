@@ -11,12 +11,12 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-import demlaws as dl
+from demlaws.law import example
 from demlaws.liggghts import run
 
 
 def law(unloading="hertz"):
-    return dl.law("pohrt-popov", common.contact(8.76e-3, 8.63e-3), unloading=unloading)
+    return example("pohrt-popov", common.contact(8.76e-3, 8.63e-3), unloading)
 
 
 def write_block(path):

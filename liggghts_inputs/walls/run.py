@@ -9,12 +9,12 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-import demlaws as dl
+from demlaws.law import example
 from demlaws.liggghts import run
 
 
 def law(unloading="hertz"):
-    return dl.law("pohrt-popov", common.contact(6.05e-3), unloading=unloading)
+    return example("pohrt-popov", common.contact(6.05e-3), unloading)
 
 
 def simulate(folder, ranks=1, quick=False, unloading="hertz", rtol=1e-5):

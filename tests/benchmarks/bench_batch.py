@@ -24,7 +24,7 @@ import numba
 import numpy as np
 
 import demlaws as dl
-from demlaws.law import _leaves, _map_leaves, _threads, evaluate_loop, registry
+from demlaws.law import _leaves, _map_leaves, _threads, evaluate_loop, example, registry
 from demlaws.unloading import RULES
 
 EXTREMES = ("virgin", "mixture")
@@ -89,9 +89,8 @@ def contact(scales, n, seed=1):
 
 def make(case, n):
     """The law of a case, or None where it does not exist: not passive, or without one table for contacts that differ."""
-    definition = registry()[case.law]
     try:
-        law = dl.law(case.law, contact(case.scales, n), unloading=case.unloading, **definition.example)
+        law = example(case.law, contact(case.scales, n), case.unloading)
         return law.tabulate(1e-5) if case.form == "table" else law
     except dl.DemlawsError as error:
         if "cannot take" in str(error) or "no single dimensionless curve" in str(error):

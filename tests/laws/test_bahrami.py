@@ -28,7 +28,7 @@ def test_branches_meet_with_the_continuous_constant():
     jumps = {}
     for constant in (CONTINUOUS, PRINTED):
         law = dl.law("bahrami", GRANITE, constant=constant)
-        (kink,) = law.definition.kinks(law.params)
+        (kink,) = law.kinks()
         force = law.force(kink * np.array([1 - 1e-9, 1 + 1e-9]))
         jumps[constant] = force[1] / force[0] - 1
     assert abs(jumps[CONTINUOUS]) < 1e-4

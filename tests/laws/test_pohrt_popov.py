@@ -23,7 +23,7 @@ def test_granite_numbers():
 def test_threshold_force_of_the_granite_tests(test):
     """57.5 N for SS(18-18), not the 73 N of the paper's text. At F the stiffness joins Hertz's, and stays there."""
     law, hertz = dl.law("pohrt-popov", test.contact), dl.law("hertz", test.contact)
-    (kink,) = law.definition.kinks(law.params)
+    (kink,) = law.kinks()
     assert quiet(law.force, kink) == pytest.approx(test.threshold, abs=0.005 if test is SMOOTH_GRANITE else 0.06)
     for factor, ratio in ((1.0, 1.0), (3.0, 1.0), (0.5, 0.5 ** (stiffness_exponent(test.contact.fractal_dimension) - 1 / 3))):
         force = factor * quiet(law.force, kink)
@@ -70,7 +70,7 @@ def test_errors_next_to_the_threshold(dimension):
     contact = GRANITE.with_values(fractal_dimension=dimension)
     law = dl.law("pohrt-popov", contact)
     reference = PohrtPopov(contact.radius, contact.modulus, contact.roughness, dimension)
-    (kink,) = law.definition.kinks(law.params)
+    (kink,) = law.kinks()
     assert kink == pytest.approx(float(reference.overlap_at_threshold), rel=8 * EPS)
     overlap = kink * (1 + np.array([-1e-3, -1e-9, -4 * EPS, 0.0, 4 * EPS, 1e-9, 1e-3]))
     for values, exact in ((quiet(law.force, overlap), reference.force), (quiet(law.stiffness, overlap), reference.stiffness)):

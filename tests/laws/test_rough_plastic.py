@@ -19,7 +19,7 @@ def test_yield_of_the_cones():
         (CONE.with_values(radius=0.33e-3), 2.35e9, 2437e3, 7.0),
     ):
         law = dl.law("rough-plastic", contact, loading="hertz", yield_pressure=pressure)
-        (kink,) = law.definition.kinks(law.params, **law.options)
+        (kink,) = law.kinks()
         assert law.force(kink) == pytest.approx(force, rel=0.01)
         exact = math.pi**3 * contact.radius**2 * pressure**3 / (6 * contact.modulus**2)
         assert law.force(kink) == pytest.approx(exact, rel=1e-13)

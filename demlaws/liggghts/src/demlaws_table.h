@@ -3,6 +3,7 @@
 // A table file (written by `demlaws table`) is a normal contact law without units:
 //     u = overlap / length,   s(u) = Hertz-equivalent overlap / length,
 //     force P = (4/3) E* sqrt(R) S^1.5 with S = s length,   tangent stiffness K = 2 E* sqrt(R S) ds/du.
+// With `unloading: table` the file holds a second curve of the same kind, which a contact unloads along.
 // One table serves every pair of radii and moduli of a law that collapses; length comes from the roughness.
 //
 //     demlaws::Table table("granite.tbl");                        // throws std::runtime_error that names file and line
@@ -30,19 +31,20 @@
 
 namespace demlaws {
 
-enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2 };
+enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3 };
 
 inline const char *unloading_name(Unloading rule) {
-  return rule == ELASTIC ? "elastic" : rule == HERTZ ? "hertz" : "thornton";
+  return rule == ELASTIC ? "elastic" : rule == HERTZ ? "hertz" : rule == THORNTON ? "thornton" : "table";
 }
 
-// Number of doubles a contact must keep: elastic 0, hertz 2, thornton 3.
-inline int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == HERTZ ? 2 : 3; }
+// Number of doubles a contact must keep: elastic 0, hertz 2, thornton 3, table (a given curve) 2.
+inline int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == THORNTON ? 3 : 2; }
 
 inline bool unloading_from_name(const std::string &name, Unloading &rule) {
   if (name == "elastic") rule = ELASTIC;
   else if (name == "hertz") rule = HERTZ;
   else if (name == "thornton") rule = THORNTON;
+  else if (name == "table") rule = GIVEN;
   else return false;
   return true;
 }
@@ -70,45 +72,22 @@ struct Cell {
   double c[4];
 };
 
-class Table {
+// A row of a curve: u, s(u), ds/du, and the line of the file where it stands.
+struct Row {
+  double u, s, slope;
+  int line;
+};
+
+// What is wrong with a row.
+struct BadRow {
+  int line;
+  std::string what;
+};
+
+// A curve s(u): cells on a grid of 2^bits linear parts in each octave, whose number stands in the bits of the double u.
+class Curve {
 public:
-  Table() : bits_(0), first_(0), count_(0), rule_(ELASTIC) {}
-  explicit Table(const std::string &path) { read(path); }
-
-  // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
-  void read(const std::string &path);
-
-  const std::string &path() const { return path_; }
-  const std::map<std::string, std::string> &header() const { return header_; }
-  bool has(const std::string &key) const { return header_.count(key) != 0; }
-  std::string text(const std::string &key) const {
-    std::map<std::string, std::string>::const_iterator it = header_.find(key);
-    return it == header_.end() ? std::string() : it->second;
-  }
-  // A header value as a number; `otherwise` when the key is absent or not one number.
-  double number(const std::string &key, double otherwise) const {
-    const std::string value = text(key);
-    char *end = NULL;
-    const double x = strtod(value.c_str(), &end);
-    return value.empty() || end == value.c_str() || *end ? otherwise : x;
-  }
-  // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
-  double of_contact(const std::string &name, double otherwise) const {
-    const std::string json = text("contact"), key = "\"" + name + "\":";
-    const size_t at = json.find(key);
-    if (at == std::string::npos) return otherwise;
-    const char *const begin = json.c_str() + at + key.size();
-    char *end = NULL;
-    const double x = strtod(begin, &end);
-    return end == begin ? otherwise : x;
-  }
-  // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
-  bool collapses() const { return text("collapses") != "no"; }
-  Unloading unloading() const { return rule_; }
-  double first_overlap() const { return u_first_; }
-  double last_overlap() const { return u_last_; }
-  double last_force() const { return f_last_; }
-  bool yields() const { return yield_force_ < HUGE_VAL; }
+  Curve() : bits_(0), first_(0), count_(0) {}
 
   // s(u) and its slope for first <= u < last; returns false outside (then use outside()).
   inline bool look_up(double u, double &s, double &slope) const {
@@ -152,13 +131,6 @@ public:
     return look_up(u, s, slope) || outside(u, s, slope);
   }
 
-  // Squared contact radius over (R length): s, or what Thornton's limit pressure makes of it after yield
-  // (a^2 = a_y^2 + (P - P_y)/(pi p_y)).
-  inline double area(double s) const {
-    if (s <= yield_s_) return s;
-    return yield_s_ + ((4. / 3.) * s * sqrt(s) - yield_force_) * yield_area_slope_;
-  }
-
   // Dimensionless work of virgin loading from 0 to u: integral of f du; Gauss quadrature, for output only.
   double energy(double u) const {
     if (!(u > 0.)) return u > 0. || u <= 0. ? 0. : u;
@@ -172,34 +144,40 @@ public:
     return work_[low] + gauss(nodes_[low], u);
   }
 
-private:
-  struct Row {
-    double u, f, k;
-    int line;
-  };
+  // u at which the curve reaches s > 0, by bisection and secant; between the first and the last row, and below.
+  double invert(double s) const;
 
-  std::string path_;
-  std::map<std::string, std::string> header_;
+  double first() const { return u_first_; }
+  double last() const { return u_last_; }
+  double first_s() const { return s_first_; }
+  double last_s() const { return s_last_; }
+  // s at u = 0+: 0, but for a law that starts from a seating force.
+  double seat() const { return straight_ ? s_first_ * (1. - power_first_) : 0.; }
+  const std::vector<double> &kinks() const { return kinks_; }
+  int bits() const { return bits_; }
+
+  // From its rows; throws BadRow. straight: whether it goes on straight below the first row, -1: if it must (seat()).
+  void build(const std::vector<Row> &rows, int bits, double rtol, int straight = -1);
+  // The reverse of a curve: u over s - seat, on a grid of its own that ends within the last cell of the curve.
+  void build_reverse(const Curve &curve, double rtol);
+
+private:
   int bits_, shift_;
   int64_t first_, count_;
   uint64_t inverse_width_;
-  double kink_[2];
-  Unloading rule_;
-  double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, f_last_;
-  double yield_force_, yield_s_, yield_area_slope_;
+  double kink_[2]; // those that split a cell
+  bool straight_;
+  double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_;
   std::vector<Cell> storage_; // kept so that cells_ can be aligned
   const Cell *cells_;
-  std::vector<double> nodes_, work_;
+  std::vector<double> nodes_, work_, kinks_;
 
-  Table(const Table &);            // cells_ points into storage_: not copied
-  Table &operator=(const Table &);
+  Curve(const Curve &); // cells_ points into storage_: not copied
+  Curve &operator=(const Curve &);
 
-  void fail(int line, const std::string &what) const {
-    std::ostringstream out;
-    out << path_;
-    if (line > 0) out << ", line " << line;
-    out << ": " << what;
-    throw std::runtime_error(out.str());
+  static void bad(int line, const std::string &what) {
+    BadRow row = {line, what};
+    throw row;
   }
   int64_t index(double u) const {
     uint64_t b;
@@ -221,17 +199,9 @@ private:
     }
     return half * sum;
   }
-  double to_number(const std::string &token, int line, const char *what) const {
-    char *end = NULL;
-    errno = 0;
-    const double x = strtod(token.c_str(), &end);
-    if (token.empty() || *end || !(x - x == 0.))
-      fail(line, std::string(what) + " is '" + token + "', not a finite number");
-    return x;
-  }
-  void build(const std::vector<Row> &rows);
-  void extend_below(std::vector<Cell> &cells);
-  bool seated() const { return power_first_ < 0.5; }
+  void extend_below(std::vector<Cell> &cells, double rtol);
+  static Row reversed(const Curve &curve, double y, double seat, double beside);
+  bool seated() const { return straight_; }
   void below(double u, double &s, double &slope) const {
     if (seated()) {
       slope = power_first_ * s_first_ / u_first_;
@@ -263,10 +233,107 @@ private:
   }
 };
 
+class Table {
+public:
+  Table() : rule_(ELASTIC), seat_(0.) {}
+  explicit Table(const std::string &path) : rule_(ELASTIC), seat_(0.) { read(path); }
+
+  // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
+  void read(const std::string &path);
+
+  const std::string &path() const { return path_; }
+  const std::map<std::string, std::string> &header() const { return header_; }
+  bool has(const std::string &key) const { return header_.count(key) != 0; }
+  std::string text(const std::string &key) const {
+    std::map<std::string, std::string>::const_iterator it = header_.find(key);
+    return it == header_.end() ? std::string() : it->second;
+  }
+  // A header value as a number; `otherwise` when the key is absent or not one number.
+  double number(const std::string &key, double otherwise) const {
+    const std::string value = text(key);
+    char *end = NULL;
+    const double x = strtod(value.c_str(), &end);
+    return value.empty() || end == value.c_str() || *end ? otherwise : x;
+  }
+  // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
+  double of_contact(const std::string &name, double otherwise) const {
+    const std::string json = text("contact"), key = "\"" + name + "\":";
+    const size_t at = json.find(key);
+    if (at == std::string::npos) return otherwise;
+    const char *const begin = json.c_str() + at + key.size();
+    char *end = NULL;
+    const double x = strtod(begin, &end);
+    return end == begin ? otherwise : x;
+  }
+  // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
+  bool collapses() const { return text("collapses") != "no"; }
+  double rtol() const { return number("rtol", 0.); }
+  Unloading unloading() const { return rule_; }
+  double first_overlap() const { return loading_.first(); }
+  double last_overlap() const { return loading_.last(); }
+  double last_force() const { return f_last_; }
+  bool yields() const { return yield_force_ < HUGE_VAL; }
+
+  // s(u) and its slope; false beyond the table. See Curve.
+  inline bool look_up(double u, double &s, double &slope) const { return loading_.look_up(u, s, slope); }
+  bool outside(double u, double &s, double &slope) const { return loading_.outside(u, s, slope); }
+  inline bool evaluate(double u, double &s, double &slope) const { return loading_.evaluate(u, s, slope); }
+
+  // The curve to unload along; empty unless unloading() is GIVEN.
+  const Curve &unloading_curve() const { return unloading_; }
+  // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
+  inline double recover(double s) const {
+    const double above = s - seat_;
+    if (above <= 0.) return 0.;
+    double u, slope, here;
+    reverse_.evaluate(above, u, slope);
+    unloading_.evaluate(u, here, slope);
+    const double found = u - (slope > 0. ? (here - s) / slope : 0.);
+    return found <= 0. ? 0. : found;
+  }
+
+  // Squared contact radius over (R length): s, or what Thornton's limit pressure makes of it after yield
+  // (a^2 = a_y^2 + (P - P_y)/(pi p_y)).
+  inline double area(double s) const {
+    if (s <= yield_s_) return s;
+    return yield_s_ + ((4. / 3.) * s * sqrt(s) - yield_force_) * yield_area_slope_;
+  }
+
+  // Dimensionless work of virgin loading from 0 to u.
+  double energy(double u) const { return loading_.energy(u); }
+
+private:
+  std::string path_;
+  std::map<std::string, std::string> header_;
+  Unloading rule_;
+  Curve loading_, unloading_, reverse_;
+  double seat_; // s of the unloading curve at u = 0+
+  double f_last_, yield_force_, yield_s_, yield_area_slope_;
+
+  Table(const Table &); // a curve is not copied
+  Table &operator=(const Table &);
+
+  void fail(int line, const std::string &what) const {
+    std::ostringstream out;
+    out << path_;
+    if (line > 0) out << ", line " << line;
+    out << ": " << what;
+    throw std::runtime_error(out.str());
+  }
+  double to_number(const std::string &token, int line, const char *what) const {
+    char *end = NULL;
+    errno = 0;
+    const double x = strtod(token.c_str(), &end);
+    if (token.empty() || *end || !(x - x == 0.))
+      fail(line, std::string(what) + " is '" + token + "', not a finite number");
+    return x;
+  }
+  void build(Curve &curve, const std::vector<Row> &rows, int bits) const;
+};
+
 inline void Table::read(const std::string &path) {
   path_ = path;
   header_.clear();
-  count_ = 0;
   std::string data;
   {
     FILE *file = fopen(path.c_str(), "rb");
@@ -285,8 +352,10 @@ inline void Table::read(const std::string &path) {
   uint32_t crc = crc32(0, data.data(), at);
   size_t summed = at;
   int line = 1, expected_rows = -1, rows_line = 0;
-  enum { HEADER, TITLES, ROWS, ENDED } part = HEADER;
-  std::vector<Row> rows;
+  enum { HEADER, ROWS, ENDED } part = HEADER;
+  std::vector<Row> rows, more;
+  std::vector<Row> *into = &rows;
+  int bits = -1, more_bits = -1, expected_more = 0;
   while (at < data.size()) {
     line++;
     if (part == ENDED) fail(line, "something follows the 'end:' line");
@@ -319,24 +388,28 @@ inline void Table::read(const std::string &path) {
       if (header_.count(key)) fail(line, "key '" + key + "' appears twice");
       const std::string value = colon == std::string::npos ? "" : body.substr(colon + 2);
       header_[key] = value;
-      if (key == "rows") {
+      if (key == "rows" || key == "unloading_rows") {
         const double n = to_number(value, line, "rows");
         if (!(n >= 2 && n < 1e8 && n == floor(n))) fail(line, "rows: " + value + " is not a whole number of at least 2");
-        expected_rows = (int)n;
-        rows_line = line;
-      } else if (key == "bits") {
+        (key == "rows" ? expected_rows : expected_more) = (int)n;
+        if (key == "rows") rows_line = line;
+      } else if (key == "bits" || key == "unloading_bits") {
         const double n = to_number(value, line, "bits");
         if (!(n >= 0 && n <= 20 && n == floor(n))) fail(line, "bits: " + value + " is not a whole number from 0 to 20");
-        bits_ = (int)n;
+        (key == "bits" ? bits : more_bits) = (int)n;
       } else if (key == "unloading" && !unloading_from_name(value, rule_))
-        fail(line, "unloading: " + value + " is none of elastic, hertz, thornton");
+        fail(line, "unloading: " + value + " is none of elastic, hertz, thornton, table");
       continue;
     }
     if (body.compare(0, 5, "end: ") == 0) {
       std::ostringstream wanted;
-      wanted << "end: " << rows.size() << " rows";
+      wanted << "end: " << rows.size() + more.size() << " rows";
       if (body != wanted.str()) fail(line, "'" + body + "', but " + wanted.str().substr(5) + " were read");
       part = ENDED;
+      continue;
+    }
+    if (body == "unloading overlap force stiffness" && into == &rows) {
+      into = &more;
       continue;
     }
     Row row;
@@ -350,12 +423,15 @@ inline void Table::read(const std::string &path) {
       p = q + 1;
     }
     row.u = to_number(token[0], line, "overlap");
-    row.f = to_number(token[1], line, "force");
-    row.k = to_number(token[2], line, "stiffness");
-    if (!(row.u > 0.) || !(row.f > 0.) || !(row.k > 0.)) fail(line, "overlap, force and stiffness must be positive");
-    if (!rows.empty() && (row.u < rows.back().u || (row.u > rows.back().u && !(row.f > rows.back().f))))
+    const double f = to_number(token[1], line, "force"), k = to_number(token[2], line, "stiffness");
+    if (!(row.u > 0.) || !(f > 0.) || !(k > 0.)) fail(line, "overlap, force and stiffness must be positive");
+    const double root = cbrt(0.75 * f); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
+    row.s = root * root;
+    row.slope = k / (2. * root);
+    if (!into->empty() && (row.u < into->back().u || (row.u > into->back().u && !(row.s > into->back().s))))
       fail(line, "overlap and force must increase from row to row");
-    rows.push_back(row);
+    if (into == &rows) f_last_ = f;
+    into->push_back(row);
   }
   if (part != ENDED) fail(line + 1, "the file stops before its 'end:' line");
   static const char *const needed[] = {"law", "unloading", "bits", "rows"};
@@ -367,30 +443,56 @@ inline void Table::read(const std::string &path) {
     what << "rows: " << expected_rows << ", but the table has " << rows.size();
     fail(rows_line, what.str());
   }
-  build(rows);
+  if (expected_more != (int)more.size()) {
+    std::ostringstream what;
+    what << "unloading_rows: " << expected_more << ", but the table has " << more.size();
+    fail(0, what.str());
+  }
+  if ((rule_ == GIVEN) != !more.empty()) fail(0, "rows of an unloading curve belong to 'unloading: table', and only to it");
+  build(loading_, rows, bits);
+  if (rule_ == GIVEN) {
+    if (more_bits < 0) fail(0, "the header has no 'unloading_bits:'");
+    build(unloading_, more, more_bits);
+    reverse_.build_reverse(unloading_, rtol());
+    seat_ = unloading_.seat();
+  }
+  yield_force_ = yield_s_ = HUGE_VAL;
+  yield_area_slope_ = 0.;
+  if (has("yield_force") && text("yield_force") != "none") {
+    const double f = number("yield_force", -1.), slope = number("yield_area_slope", -1.);
+    if (!(f > 0.) || !(slope > 0.)) fail(0, "'yield_force' and 'yield_area_slope' must both be positive numbers");
+    yield_force_ = f;
+    const double root = cbrt(0.75 * f);
+    yield_s_ = root * root;
+    yield_area_slope_ = slope;
+  }
 }
 
-inline void Table::build(const std::vector<Row> &rows) {
+inline void Table::build(Curve &curve, const std::vector<Row> &rows, int bits) const {
+  try {
+    curve.build(rows, bits, rtol());
+  } catch (const BadRow &bad) {
+    fail(bad.line, bad.what);
+  }
+}
+
+inline void Curve::build(const std::vector<Row> &rows, int bits, double rtol, int straight) {
+  bits_ = bits;
   shift_ = 52 - bits_;
   inverse_width_ = (uint64_t)(2046 + bits_) << 52;
-  int kinks = 0, split = 0;
+  int split = 0;
+  kinks_.clear();
   kink_[0] = kink_[1] = HUGE_VAL;
   const size_t n = rows.size();
-  std::vector<double> s(n), m(n);
-  for (size_t i = 0; i < n; i++) {
-    const double root = cbrt(0.75 * rows[i].f); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
-    s[i] = root * root;
-    m[i] = rows[i].k / (2. * root);
-  }
   u_first_ = rows[0].u;
-  s_first_ = s[0];
-  power_first_ = m[0] * rows[0].u / s[0];
+  s_first_ = rows[0].s;
+  power_first_ = rows[0].slope * rows[0].u / s_first_;
+  straight_ = straight < 0 ? power_first_ < 0.5 : straight != 0;
   u_last_ = rows[n - 1].u;
-  s_last_ = s[n - 1];
-  slope_last_ = m[n - 1];
-  f_last_ = rows[n - 1].f;
+  s_last_ = rows[n - 1].s;
+  slope_last_ = rows[n - 1].slope;
   first_ = index(u_first_);
-  if (start(first_) != u_first_) fail(rows[0].line, "the first overlap is not on the grid of the header's 'bits'");
+  if (start(first_) != u_first_) bad(rows[0].line, "the first overlap is not on the grid of the header's 'bits'");
   std::vector<Cell> cells;
   nodes_.clear();
   int64_t grid = first_;
@@ -398,21 +500,21 @@ inline void Table::build(const std::vector<Row> &rows) {
     const double a = start(grid), b = start(grid + 1), width = b - a;
     const double u0 = rows[i].u, u1 = rows[i + 1].u;
     if (u1 == u0) { // a kink: the same overlap twice
-      if (kinks == 2) fail(rows[i + 1].line, "more than two kinks");
-      if (i == 0 || i + 2 == n || rows[i - 1].u == u0) fail(rows[i + 1].line, "a kink at the end of the table");
-      kinks++;
+      if (kinks_.size() == 2) bad(rows[i + 1].line, "more than two kinks");
+      if (i == 0 || i + 2 == n || rows[i - 1].u == u0) bad(rows[i + 1].line, "a kink at the end of the table");
+      kinks_.push_back(u0);
       if (u0 != a) kink_[split++] = u0; // one on a grid point splits no cell
       continue;
     }
     const bool after_kink = i > 0 && rows[i - 1].u == u0;
     const bool before_kink = i + 2 < n && rows[i + 2].u == u1;
-    if (u0 != a && !after_kink) fail(rows[i].line, "overlap is not on the grid of the header's 'bits'");
-    if (u1 != b && !before_kink) fail(rows[i + 1].line, "overlap is not on the grid of the header's 'bits'");
-    if (u1 > b) fail(rows[i + 1].line, "a row is missing before this one");
+    if (u0 != a && !after_kink) bad(rows[i].line, "overlap is not on the grid of the header's 'bits'");
+    if (u1 != b && !before_kink) bad(rows[i + 1].line, "overlap is not on the grid of the header's 'bits'");
+    if (u1 > b) bad(rows[i + 1].line, "a row is missing before this one");
     // Hermite in x = (u - u0)/h, then in t = (u - a)/width = t0 + x d
     const double h = u1 - u0, d = h / width, t0 = (u0 - a) / width;
-    const double m0 = m[i] * h, m1 = m[i + 1] * h, rise = s[i + 1] - s[i];
-    double p0 = s[i], p1 = m0 / d, p2, p3;
+    const double m0 = rows[i].slope * h, m1 = rows[i + 1].slope * h, rise = rows[i + 1].s - rows[i].s;
+    double p0 = rows[i].s, p1 = m0 / d, p2, p3;
     if (d > 1e-3) {
       p2 = (3. * rise - 2. * m0 - m1) / (d * d);
       p3 = (m0 + m1 - 2. * rise) / (d * d * d);
@@ -430,32 +532,72 @@ inline void Table::build(const std::vector<Row> &rows) {
     if (u1 == b) grid++;
   }
   nodes_.push_back(u_last_);
-  if (start(grid) != u_last_) fail(rows[n - 1].line, "the last overlap is not on the grid of the header's 'bits'");
-  extend_below(cells);
+  if (start(grid) != u_last_) bad(rows[n - 1].line, "the last overlap is not on the grid of the header's 'bits'");
+  extend_below(cells, rtol);
   storage_.resize(cells.size() + 1);
   const uintptr_t raw = (uintptr_t)&storage_[0];
   Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
   std::copy(cells.begin(), cells.end(), aligned);
   cells_ = aligned;
   count_ = (int64_t)cells.size();
-  yield_force_ = yield_s_ = HUGE_VAL;
-  yield_area_slope_ = 0.;
-  if (has("yield_force") && text("yield_force") != "none") {
-    const double f = number("yield_force", -1.), slope = number("yield_area_slope", -1.);
-    if (!(f > 0.) || !(slope > 0.)) fail(0, "'yield_force' and 'yield_area_slope' must both be positive numbers");
-    yield_force_ = f;
-    const double root = cbrt(0.75 * f);
-    yield_s_ = root * root;
-    yield_area_slope_ = slope;
-  }
   work_.assign(nodes_.size(), 0.);
   work_[0] = energy_below(u_first_);
   for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
 }
 
+inline double Curve::invert(double s) const {
+  double low = 0., high = u_last_, value, slope;
+  if (s < s_first_) high = u_first_;
+  double u = 0.5 * high;
+  for (int i = 0; i < 200 && low < high; i++) {
+    evaluate(u, value, slope);
+    if (value > s) high = u;
+    else low = u;
+    double next = slope > 0. ? u - (value - s) / slope : low;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (fabs(next - u) <= 1e-16 * u) break;
+    u = next;
+  }
+  return u;
+}
+
+inline void Curve::build_reverse(const Curve &curve, double rtol) {
+  bits_ = curve.bits_ + 1; // so that one step of Newton's method is exact to rounding
+  shift_ = 52 - bits_;
+  const double seat = curve.seat();
+  const int64_t begin = index(curve.s_first_ - seat), end = index(curve.s_last_ - seat);
+  std::vector<double> corners;
+  for (size_t i = 0; i < curve.kinks_.size(); i++) {
+    double s, slope;
+    curve.evaluate(curve.kinks_[i], s, slope);
+    corners.push_back(s - seat);
+  }
+  std::vector<Row> rows;
+  size_t corner = 0;
+  for (int64_t grid = begin; grid <= end; grid++) {
+    const double y = start(grid);
+    // a corner stands twice, with the slopes on its either side
+    for (; corner < corners.size() && corners[corner] <= y; corner++) {
+      if (!(corners[corner] > start(begin)) || rows.empty()) continue;
+      for (int side = -1; side <= 1; side += 2) rows.push_back(reversed(curve, corners[corner], seat, 1. + side * 1e-14));
+      rows[rows.size() - 1].s = rows[rows.size() - 2].s;
+    }
+    if (rows.empty() || rows.back().u != y) rows.push_back(reversed(curve, y, seat, 1.));
+  }
+  build(rows, bits_, rtol, seat > 0.);
+}
+
+inline Row Curve::reversed(const Curve &curve, double y, double seat, double beside) {
+  Row row = {y, curve.invert(y * beside + seat), 0., 0};
+  double s, slope;
+  curve.evaluate(row.s, s, slope);
+  row.slope = 1. / slope;
+  return row;
+}
+
 // Cells for the power law below the first row: pow() costs as much as all the rest of a contact. Only where cells of this
 // width hold it within the table's own tolerance.
-inline void Table::extend_below(std::vector<Cell> &cells) {
+inline void Curve::extend_below(std::vector<Cell> &cells, double rtol) {
   const int octaves = std::min(40, std::max(4, 16384 >> bits_));
   const int64_t start_at = first_ - ((int64_t)octaves << bits_);
   std::vector<Cell> under;
@@ -478,7 +620,7 @@ inline void Table::extend_below(std::vector<Cell> &cells) {
       worst = std::max(worst, std::max(1.5 * fabs(s / exact - 1.), fabs(ds / slope - 1.)));
     }
   }
-  if (!(worst <= std::max(number("rtol", 0.), 1e-12))) return;
+  if (!(worst <= std::max(rtol, 1e-12))) return;
   cells.insert(cells.begin(), under.begin(), under.end());
   first_ = start_at;
 }
@@ -526,16 +668,21 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   Force now = {0., 0., false};
   if (overlap <= 0.) {
     if (update)
-      for (int i = 0; i < (RULE == ELASTIC ? 0 : RULE == HERTZ ? 2 : 3); i++) state[i] = 0.;
+      for (int i = 0; i < (RULE == ELASTIC ? 0 : RULE == THORNTON ? 3 : 2); i++) state[i] = 0.;
     return now;
   }
   double hertz_overlap, slope = 1., effective_radius = radius;
-  if (RULE == ELASTIC || !(overlap < state[0])) { // NaN comes here, too
-    double length = pair.length, inverse_length = pair.inverse_length;
+  const bool loads = RULE == ELASTIC || !(overlap < state[0]); // NaN, too
+  double length = 0., inverse_length = 0.;
+  if (RULE == GIVEN || loads) {
+    length = pair.length;
+    inverse_length = pair.inverse_length;
     if (!(length > 0.)) {
       length = pair.length_per_radius * radius;
       inverse_length = 1. / length;
     }
+  }
+  if (loads) {
     double s;
     if (!pair.table->look_up(overlap * inverse_length, s, slope))
       now.outside = !pair.table->outside(overlap * inverse_length, s, slope);
@@ -543,6 +690,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
     if (RULE != ELASTIC && update && s == s) {
       state[0] = overlap;
       if (RULE == HERTZ) state[1] = overlap - hertz_overlap;
+      else if (RULE == GIVEN) state[1] = overlap - pair.table->recover(s) * length;
       else {
         const double ratio = s / pair.table->area(s); // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
         state[1] = overlap - hertz_overlap * sqrt(ratio);
@@ -552,6 +700,11 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   } else {
     hertz_overlap = overlap - state[1];
     if (hertz_overlap <= 0.) return now;
+    if (RULE == GIVEN) {
+      double s;
+      pair.table->unloading_curve().evaluate(hertz_overlap * inverse_length, s, slope);
+      hertz_overlap = s * length;
+    }
     if (RULE == THORNTON) effective_radius *= state[2];
   }
   const double root = pair.modulus * sqrt(effective_radius * hertz_overlap);
@@ -563,7 +716,8 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
 inline Force step(const Pair &pair, double radius, double overlap, double *state, bool update = true) {
   if (pair.rule == ELASTIC) return step_rule<ELASTIC>(pair, radius, overlap, state, update);
   if (pair.rule == HERTZ) return step_rule<HERTZ>(pair, radius, overlap, state, update);
-  return step_rule<THORNTON>(pair, radius, overlap, state, update);
+  if (pair.rule == THORNTON) return step_rule<THORNTON>(pair, radius, overlap, state, update);
+  return step_rule<GIVEN>(pair, radius, overlap, state, update);
 }
 
 inline Force step(const Pair &pair, double radius, double overlap, State &state) {
@@ -581,6 +735,14 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
     return;
   }
   if (!(state[0] > 0.)) return;
+  if (pair.rule == GIVEN) {
+    const Curve &curve = pair.table->unloading_curve();
+    const double below = state[1] < 0. ? curve.energy(-state[1] / length) : 0.;
+    const double held = curve.energy(std::max(0., state[0] - state[1]) / length);
+    if (overlap > 0. && overlap > state[1]) stored = std::max(0., scale * (curve.energy((overlap - state[1]) / length) - below));
+    dissipated = scale * (pair.table->energy(state[0] / length) - (held - below));
+    return;
+  }
   const double r = pair.rule == THORNTON ? radius * state[2] : radius;
   const double recoverable = state[0] - state[1], left = overlap - state[1];
   const double hertz = (8. / 15.) * pair.modulus * sqrt(r);

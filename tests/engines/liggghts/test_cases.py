@@ -41,7 +41,7 @@ def test_case(common, tmp_path, case):
 
 
 @pytest.mark.parametrize("case", ["two_spheres", "walls", "restart", "migration", "energy"])
-@pytest.mark.parametrize("unloading", ["elastic", "thornton"])
+@pytest.mark.parametrize("unloading", ["elastic", "thornton", "table"])
 def test_case_with_other_unloading(common, tmp_path, case, unloading):
     folder = common.copy_inputs(INPUTS / case / "run.py", tmp_path)
     if case == "two_spheres" and unloading == "elastic":

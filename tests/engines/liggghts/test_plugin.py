@@ -10,6 +10,7 @@ from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
+from demlaws.law import example
 from demlaws.liggghts import run
 from demlaws.liggghts.check import two_particles
 
@@ -46,10 +47,12 @@ def error_of(log, law):
         ("bahrami", "elastic", {}),
         ("yip-venart", "elastic", {}),
         ("greenwood-tripp", "elastic", {}),
+        ("pohrt-popov", "table", {}),
+        ("yip-venart", "table", {}),
     ],
 )
 def test_force_is_the_laws(granite_pair, name, unloading, options):
-    law = dl.law(name, granite_pair, unloading=unloading, **options)
+    law = example(name, granite_pair, unloading, **options)
     overlap, force, expected = two_particles(law)
     assert overlap.max() > 1e-5
     assert np.abs(force - expected).max() <= 1e-5 * expected.max()

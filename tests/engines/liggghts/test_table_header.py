@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
+from demlaws.law import example as example_law
 from demlaws.liggghts import header_folder
 
 # the paths go where a source does not support its law; the header must agree there, too
@@ -49,10 +50,16 @@ def path_of(law, force):
         ("bahrami", "elastic", {}),
         ("yip-venart", "elastic", {}),
         ("greenwood-tripp", "elastic", {}),
+        ("hertz", "table", {}),
+        ("rms", "table", {}),
+        ("pohrt-popov", "table", {}),
+        ("goddard", "table", {"slope": 0.035}),
+        ("rough-plastic", "table", {"yield_pressure": 1.66e9}),
+        ("yip-venart", "table", {}),
     ],
 )
 def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unloading, options):
-    law = dl.law(name, granite_pair, unloading=unloading, **options)
+    law = example_law(name, granite_pair, unloading, **options)
     rtol = 1e-5 if law.definition.solved else 1e-8
     table = law.tabulate(rtol=rtol)
     table.save(tmp_path / "law.tbl")
@@ -68,6 +75,8 @@ def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unload
         for column, expected in zip(columns[2:4], (path.maximum_overlap, path.plastic_overlap), strict=True):
             assert np.abs(column - expected).max() <= 1e-7 * overlaps.max()
     assert np.abs(columns[4] - path.stored).max() <= 1e-7 * path.work.max()
+    first = np.flatnonzero(overlaps <= 0.0)[1]  # the header's dissipation is this contact's, a path's all of them
+    assert np.abs(columns[5] - path.dissipated)[:first].max() <= 1e-7 * path.work.max()
 
 
 def test_one_table_serves_every_radius_and_roughness(example, tmp_path, granite_pair):
@@ -79,8 +88,9 @@ def test_one_table_serves_every_radius_and_roughness(example, tmp_path, granite_
     assert np.abs(force - law.follow(overlaps).force).max() <= 3e-8 * force.max()
 
 
-def test_nan_and_negative_overlaps(example, tmp_path, granite_pair):
-    law = dl.law("pohrt-popov", granite_pair, unloading="hertz")
+@pytest.mark.parametrize("unloading", ["hertz", "table"])
+def test_nan_and_negative_overlaps(example, tmp_path, granite_pair, unloading):
+    law = example_law("pohrt-popov", granite_pair, unloading)
     law.tabulate().save(tmp_path / "law.tbl")
     result = example(tmp_path / "law.tbl", granite_pair, [1e-6, float("nan"), 0.5e-6, -1e-6, 1e-6, 0.0])
     rows = [line.split() for line in result.stdout.splitlines()]
@@ -118,9 +128,10 @@ def test_refused_files_name_the_line(example, tmp_path, granite_pair):
     assert result.returncode == 1 and "none.tbl" in result.stderr and "No such file" in result.stderr
 
 
-def test_every_flipped_byte_is_noticed(example, tmp_path, granite_pair):
+@pytest.mark.parametrize("unloading", ["elastic", "table"])
+def test_every_flipped_byte_is_noticed(example, tmp_path, granite_pair, unloading):
     good = tmp_path / "good.tbl"
-    dl.law("hertz", granite_pair).tabulate(rtol=1e-3).save(good)
+    example_law("hertz", granite_pair, unloading).tabulate(rtol=1e-3).save(good)
     data = good.read_bytes()
     for at in np.linspace(0, len(data) - 2, 60).astype(int):
         (tmp_path / "bad.tbl").write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])

@@ -1,20 +1,20 @@
 """The force that native YADE applied against the law, every step, in every geometry."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
 
 import demlaws as dl
-from demlaws.law import find
+from demlaws.law import example, find
+from demlaws.unloading import GIVEN, RULES
 
 TOLERANCE = 1e-14
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-COMBINATIONS = [
-    (name, rule)
-    for name in dl.laws()
-    for rule in ("elastic", "hertz", "thornton")
-    if not (name == "bahrami" and rule != "elastic")
-]
+REFUSED = [("bahrami", rule) for rule in RULES if rule != "elastic"]
+SLOW = [("asperity", GIVEN)]  # to make, not to run
+COMBINATIONS = [(name, rule) for name in dl.laws() for rule in RULES if (name, rule) not in REFUSED + SLOW]
 
 
 def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):
@@ -32,20 +32,30 @@ def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):
 def test_two_spheres_every_law(omega, name, rule):
     options = find(name).example
     modulus = 60.6e9 / (1 - 0.25**2) / 2
-    law = functor(name, rule, bridge="native", radii=(0.005, 0.005), moduli=(modulus, modulus), **options)
+    given = name, rule
+    if rule == GIVEN:  # a law that has its curve with it, on surfaces a quarter as rough
+        pair = GRANITE.combined(GRANITE)
+        contact = dl.Contact(0.005, modulus, pair.roughness, pair.fractal_dimension, pair.hardness)
+        given, options = (example(name, contact, rule), None), {}
+    law = functor(*given, bridge="native", radii=(0.005, 0.005), moduli=(modulus, modulus), **options)
     two_spheres(law)
     recorder = Recorder()
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
-    wrong, tangent, steps = recorder.worst(name, rule, **options)
+    wrong, tangent, steps = recorder.worst(name, rule, **find(name).example)
     assert steps > 300
     assert wrong <= TOLERANCE
     assert tangent <= 1e-13
 
 
-@pytest.mark.parametrize("form", ["closed form", "table", "family"])
-@pytest.mark.parametrize("name", dl.laws())
+@pytest.mark.parametrize(
+    ("name", "form"),
+    [
+        *product(dl.laws(), ["closed form", "table", "family"]),
+        *product(["pohrt-popov", "rough-plastic", "yip-venart"], ["joined closed form", "joined table"]),
+    ],
+)
 def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
     """A contact's row holds only those of its Params that its law's Shape does not hold under the same name."""
     import numba
@@ -55,8 +65,8 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
 
     radius = [4e-3, 5e-3] if form == "family" else 4e-3
     contact = dl.Contact(radius, 32e9, 2.4e-6, 2.22, 6.3e9)
-    law = dl.law(name, contact, **find(name).example)
-    if form == "table":
+    law = example(name, contact, GIVEN if form.startswith("joined") else "elastic")
+    if form.endswith("table"):
         law = law.tabulate(1e-3, 100.0)
     for radius in (4e-3, 4.7e-3):
         p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
@@ -137,6 +147,44 @@ def test_table(omega, tmp_path):
     recorder.step(400)
     wrong, tangent, _ = recorder.worst()
     assert 1e-12 < wrong <= 2e-6 and tangent <= 2e-6
+
+
+@pytest.mark.parametrize("as_table", [False, True])
+def test_a_curve_to_unload_along(omega, as_table):
+    """Given beside the law, as a law and as a table; saved with the scene."""
+    from demlaws.yade.pairs import Pairs
+
+    contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
+    curve = dl.law("hertz", contact).tabulate() if as_table else dl.law("hertz", contact)
+    law = functor("pohrt-popov", curve, bridge="native")
+    assert law.binding.pairs.unloading == "table"
+    two_spheres(law)
+    recorder = Recorder()
+    recorder.step(400)
+    wrong, tangent, _ = recorder.worst("pohrt-popov", "hertz")  # what this curve amounts to
+    assert wrong <= TOLERANCE and tangent <= 1e-12
+    assert law.totals().dissipated > 0.0
+    again = Pairs.from_text(law.binding.pairs.as_text())
+    assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
+
+
+def test_a_table_with_its_own_unloading_curve(omega, tmp_path):
+    contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
+    smoother = dl.law("pohrt-popov", contact.with_values(roughness=0.5 * contact.roughness))
+    table = dl.law("pohrt-popov", contact, smoother).tabulate(1e-6)
+    law = functor(str(table.save(tmp_path / "both.tbl")), None, bridge="native")
+    assert law.binding.pairs.unloading == "table"
+    two_spheres(law)
+    recorder = Recorder()
+    recorder.step(400)
+    exact, _, _ = recorder.worst(unloading=lambda contact: table.bound_to(contact))
+    assert exact <= TOLERANCE
+
+    def by_formula(contact):
+        return dl.law("pohrt-popov", contact, dl.law("pohrt-popov", contact.with_values(roughness=0.5 * contact.roughness)))
+
+    wrong, tangent, _ = recorder.worst(unloading=by_formula)
+    assert 1e-12 < wrong <= 4e-6 and tangent <= 4e-6
 
 
 def test_radii_from_one_to_hundred(omega):

@@ -6,6 +6,7 @@ from collections import defaultdict
 import numpy as np
 
 import demlaws as dl
+from demlaws.law import example
 
 YOUNG, POISSON = 60.6e9, 0.25
 GRANITE = dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
@@ -80,7 +81,8 @@ class Recorder:
             keep = overlap >= 0
             if not keep.any():
                 continue
-            path = dl.law(law, contact, unloading, **options).follow(overlap[keep])
+            one = unloading(contact) if callable(unloading) else example(law, contact, unloading, **options)
+            path = one.follow(overlap[keep])
             wrong = max(wrong, np.abs(path.force - force[keep]).max())
             largest = max(largest, path.force.max())
             positive = path.stiffness > 0
