@@ -28,9 +28,8 @@ GRANITE = Material(60.6e9, 0.25, 6.27e9, 2680.0)
 SURFACE = Surface(1.7e-6, 2.22, 6.27e9)
 RADII = (3.5e-3, 4.5e-3)
 YIELD = 1.66e9
-CDM = (1.66e9, 0.5)
-"""sigmaMax [Pa] and alpha of YADE's Conical Damage Model: strength as the yield pressure, slope of the cone as found best
-by `demlaws.peers`."""
+CDM = (YIELD, 1.4)
+"""sigmaMax [Pa] and alpha of YADE's Conical Damage Model: the yield pressure, and the slope that is nearest to RICHEST."""
 SHAKEN = 1e-9
 PERCENTILES = (10, 50, 90, 99)
 

@@ -152,6 +152,7 @@ def one_contact(given, way, paths, steps=300):
             yade.ForceResetter(),
             yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
             yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [physics], [law]),
+            yade.NewtonIntegrator(),  # the collider asks for it; the spheres are fixed
         ]
         O.dt = 1e-9
         forces = []
