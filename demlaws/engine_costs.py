@@ -45,7 +45,7 @@ def describe(way, folder, contact, number):
     if way.rtol:
         given = str(Path(folder) / f"{number}.tbl")
         way.bind(contact).save(given)
-    return {**way._asdict(), "options": {} if way.rtol else way.options, "given": given}
+    return {**way._asdict(), "options": {} if way.rtol else dict(way.options), "given": given}
 
 
 def under_yade(script, given, progress=None):
@@ -106,7 +106,7 @@ def liggghts_costs(ways, given, side=12, rounds=5, steps=200, progress=lambda th
     from demlaws.liggghts.cost import measure
 
     own = [Way("hertz", model="hertz"), *ways]
-    described = [{**way._asdict(), "options": way.options} for way in own]
+    described = [{**way._asdict(), "options": dict(way.options)} for way in own]
     found = measure(given, described, side, rounds, steps, progress)
     stock = found[0]["step"]
     costs = []

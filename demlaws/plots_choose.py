@@ -31,7 +31,9 @@ def fit_figure(ranking, source=""):
 
 def _key(ax, lines, title=None):
     """A legend beside the axes: number in the picture and what it stands for."""
-    handles = [ax.plot([], [], "none", marker=f"${n}$", ms=6 if n < 10 else 8, color="k", label=text)[0] for n, text in lines]
+    handles = [
+        ax.plot([], [], ls="none", marker=f"${n}$", ms=5 if n < 10 else 7, color="k", mew=0.3, label=text)[0] for n, text in lines
+    ]
     keep = ax.get_legend()
     ax.legend(handles=handles, fontsize=6.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), title=title, title_fontsize=7)
     if keep is not None:
@@ -48,7 +50,8 @@ def _number(ax, points, gap=0.035):
         while any(abs(place[0] - u) < gap and abs(place[1] - v) < gap for u, v in taken):
             place[1] += gap
         taken.append(tuple(place))
-        ax.text(*place, str(n), transform=ax.transAxes, fontsize=7, zorder=5)
+        white = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 0.4}
+        ax.text(*place, str(n), transform=ax.transAxes, fontsize=7, zorder=5, bbox=white)
 
 
 def choices_figure(choices):

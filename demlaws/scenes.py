@@ -42,22 +42,18 @@ class Way(NamedTuple):
     unloading: str = "elastic"
     rtol: float = 0.0  # of a table; 0: closed form
     model: str = ""  # the engine's own: "hertz", "cdm", "edinburgh"
+    options: tuple = ()  # of the law: (name, value) pairs
     shaken: bool = False
-
-    @property
-    def options(self):
-        """Options of the law."""
-        return {"yield_pressure": YIELD} if self.law == "rough-plastic" else {}
 
     def bind(self, contact):
         """The law on a contact; the table, where it is one."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            law = bind_law(self.law, contact, self.unloading, **self.options)
+            law = bind_law(self.law, contact, self.unloading, **dict(self.options))
             return law.tabulate(self.rtol) if self.rtol else law
 
 
-RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton")
+RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton", options=(("yield_pressure", YIELD),))
 
 
 def ways(engine):
@@ -71,8 +67,8 @@ def ways(engine):
     closed = [] if table else [Way("pohrt-popov, hertz", "pohrt-popov", "hertz")]
     return [
         RICHEST._replace(rtol=table),
-        Way("the same, shaken", RICHEST.law, RICHEST.unloading, table, shaken=True),
-        Way("rough-plastic, hertz", "rough-plastic", "hertz", table),
+        RICHEST._replace(label="the same, shaken", rtol=table, shaken=True),
+        RICHEST._replace(label="rough-plastic, hertz", unloading="hertz", rtol=table),
         *closed,
         *tables,
         Way("pohrt-popov, elastic", "pohrt-popov", "elastic", table),
@@ -258,7 +254,7 @@ def run(engine, setup=None, chosen=None, progress=lambda label: None):
             for number, way in enumerate(chosen):
                 progress(f"{number + 1} {way.label}")
                 places = (centres + shift if way.shaken else centres).tolist()
-                described = {**way._asdict(), "options": way.options}
+                described = {**way._asdict(), "options": dict(way.options)}
                 raw.append(oedometer(Path(scratch) / str(number), {**given, "centres": places}, described))
     return [outcome(way, setup, found) for way, found in zip(chosen, raw, strict=True)]
 

@@ -205,14 +205,23 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
     return _mark_front(entries), floor
 
 
-def _mark_front(entries):
-    ordered = sorted(entries, key=lambda e: (e.ns, e.richest["force"]))
+GAIN = 0.99
+"""By what factor an error must fall, at least, for a dearer way to be on the Pareto front: less is rounding."""
+
+
+def pareto(points):
+    """Places of the (cost, error) pairs that no cheaper one matches within `GAIN`."""
     front, best = set(), math.inf
-    for entry in ordered:
-        if entry.richest["force"] < best:
-            best = entry.richest["force"]
-            front.add(entry[:4])
-    return [e._replace(front=e[:4] in front) for e in entries]
+    for place in sorted(range(len(points)), key=lambda n: points[n]):
+        if points[place][1] < GAIN * best:
+            best = points[place][1]
+            front.add(place)
+    return front
+
+
+def _mark_front(entries):
+    front = pareto([(e.ns, e.richest["force"]) for e in entries])
+    return [e._replace(front=n in front) for n, e in enumerate(entries)]
 
 
 def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name="pohrt-popov", rule="hertz"):
@@ -286,12 +295,8 @@ def engine_trade(engine, quick=False, progress=lambda things: things):
             costs = liggghts_costs(ways, given, *((8, 2, 100) if quick else (12, 9, 300)), progress=progress)
         yielding = RICHEST[2]["yield_pressure"]
         entries = [EngineEntry(c, peers.force_error(c.way, reference, peaks, yielding)) for c in costs]
-    best, marked = math.inf, set()
-    for entry in sorted(entries, key=lambda e: (e.cost.over_hertz, e.error)):
-        if entry.error < best:
-            best = entry.error
-            marked.add(entry.cost.way.label)
-    return [e._replace(front=e.cost.way.label in marked) for e in entries]
+    front = pareto([(e.cost.over_hertz, e.error) for e in entries])
+    return [e._replace(front=n in front) for n, e in enumerate(entries)]
 
 
 def installed(names):

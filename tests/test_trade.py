@@ -36,7 +36,7 @@ def test_front(measured):
     front = sorted((e for e in entries if e.front), key=lambda e: e.ns)
     assert len(front) >= 2
     for e in entries:
-        assert any(f.ns <= e.ns and f.richest["force"] <= e.richest["force"] for f in front)
+        assert any(f.ns <= e.ns and trade.GAIN * f.richest["force"] <= e.richest["force"] for f in front)
 
 
 def test_steps():
