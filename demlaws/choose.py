@@ -798,7 +798,11 @@ def choose(scene, tables=True):
             judged[table[0]] = table[1]
     judged = {plan: error for plan, error in judged.items() if _runs_in(plan, scene.engine)}
     if not judged:
-        raise DemlawsError("no law can serve this scene: " + "; ".join(f"{k}: {v}" for k, v in ruled_out.items()))
+        named = {}
+        for label, why in ruled_out.items():
+            named.setdefault(why, []).append(label.split(",")[0])
+        reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in named.items())
+        raise DemlawsError(f"no law can serve this scene: {reasons}")
     batches = {}
     for plan in list(judged):
         try:
