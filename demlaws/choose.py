@@ -383,11 +383,10 @@ _MEASURES = {
 
 def samples(scene, points=_POINTS, random=None):
     """One Sample a pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
-    low, high = scene.effective_radii()
     result = []
     # of sizes that come in classes each pair has a sample, so that each may have a table
-    spans = [(r, r) for r in scene.pair_radii()] or [(low, high)]
-    for pair, (low, high) in itertools.product(scene.contacts(low), spans):
+    spans = [(r, r) for r in scene.pair_radii()] or [scene.effective_radii()]
+    for pair, (low, high) in itertools.product(scene.contacts(spans[0][0]), spans):
         sizes = 1 if low == high else 7
         if random is None:
             radius = np.repeat(np.geomspace(low, high, sizes), points // sizes)

@@ -38,7 +38,9 @@ def register(subparsers):
     )
     parser.add_argument("scene", type=Path, help="scene file (TOML)")
     parser.add_argument("--all", action="store_true", help="list also those that miss the tolerance")
-    parser.add_argument("--out", type=Path, help="table file to write, one a pair of kinds of grain; for LIGGGHTS the folder of a whole case")
+    parser.add_argument(
+        "--out", type=Path, help="table file to write, one a pair of kinds of grain; for LIGGGHTS the folder of a whole case"
+    )
     parser.add_argument("--csv", type=Path, help="file to write all candidates to")
     parser.add_argument("--figure", type=Path, help="picture to draw: error against cost")
     parser.set_defaults(func=run)
@@ -73,10 +75,32 @@ def run(arguments):
         print(f"note: {note}")
     if arguments.csv is not None:
         rows = [
-            (c.describe(), c.error, c.mean_error, c.ns, c.engine_ns, c.step_factor, c.step, c.state_bytes, c.table_rows, c.meets)
+            (
+                c.describe(),
+                c.error,
+                c.mean_error,
+                c.ns,
+                c.engine_ns,
+                c.step_factor,
+                c.step,
+                c.state_bytes,
+                c.table_rows,
+                c.meets,
+            )
             for c in choices
         ]
-        titles = ("choice", "error", "mean_error", "ns", "engine_ns", "step_factor", "step_s", "state_bytes", "table_rows", "meets")
+        titles = (
+            "choice",
+            "error",
+            "mean_error",
+            "ns",
+            "engine_ns",
+            "step_factor",
+            "step_s",
+            "state_bytes",
+            "table_rows",
+            "meets",
+        )
         print(granite.save_csv(arguments.csv, titles, rows))
     if arguments.figure is not None:
         print(plots.save(plots_choose.choices_figure(choices), arguments.figure))

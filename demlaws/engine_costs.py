@@ -75,7 +75,7 @@ def under_yade(script, given, progress=None):
         return json.loads(files[1].read_text())
 
 
-def yade_costs(ways, given, contact, side=10, repeats=30):
+def yade_costs(ways, given, contact, side=8, repeats=40):
     """`StepCost` of each way in YADE. given: young, poisson, density, surface, radius, overlap; contact: of two grains."""
     with tempfile.TemporaryDirectory() as scratch:
         own = [Way("hertz", model="hertz"), *ways]

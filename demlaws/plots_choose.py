@@ -32,7 +32,8 @@ def fit_figure(ranking, source=""):
 def _key(ax, lines, title=None):
     """A legend beside the axes: number in the picture and what it stands for."""
     handles = [
-        ax.plot([], [], ls="none", marker=f"${n}$", ms=5 if n < 10 else 7, color="k", mew=0.3, label=text)[0] for n, text in lines
+        ax.plot([], [], ls="none", marker=f"${n}$", ms=5 if n < 10 else 7, color="k", mew=0.3, label=text)[0]
+        for n, text in lines
     ]
     keep = ax.get_legend()
     ax.legend(handles=handles, fontsize=6.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), title=title, title_fontsize=7)
@@ -46,7 +47,7 @@ def _number(ax, points, gap=0.035):
     fig = ax.figure
     fig.canvas.draw()
     for n, (x, y) in points:
-        place = ax.transAxes.inverted().transform(ax.transData.transform((x, y))) + (0.014, 0.014)
+        place = 0.014 + ax.transAxes.inverted().transform(ax.transData.transform((x, y)))
         while any(abs(place[0] - u) < gap and abs(place[1] - v) < gap for u, v in taken):
             place[1] += gap
         taken.append(tuple(place))

@@ -19,8 +19,8 @@ import numpy as np
 from demlaws.contact import Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.law import law as bind_law
 from demlaws.files import write_atomically
+from demlaws.law import law as bind_law
 from demlaws.liggghts.export import Grain
 
 ENGINES = ("yade", "liggghts")
@@ -153,7 +153,7 @@ def prepare(setup):
     centres, radii = setup.start()
     settled = under_yade("oedometer.py", {**setup.given(radii, centres), "ways": []})
     rows = "".join(" ".join(f"{1e6 * v:.5f}" for v in (r, *c)) + "\n" for r, c in zip(radii, settled, strict=True))
-    head = f"# radius, x, y, z [um] of granite spheres at rest under gravity; python -m demlaws.scenes makes it: {setup}\n"
+    head = "# radius, x, y, z [um] of granite spheres at rest under gravity; made by python -m demlaws.scenes\n"
     return write_atomically(Path(__file__).parent / "packings" / f"granite-{setup.count}.txt", head + rows)
 
 
@@ -229,7 +229,6 @@ def errors(found, richest):
     )
 
 
-
 def run(engine, setup=None, chosen=None, progress=lambda label: None):
     """`Outcome` of every way of an engine (or of the chosen ones), the richest first. Raises where the engine is missing."""
     from demlaws.engine_costs import available, describe, under_yade
@@ -263,7 +262,7 @@ def table(outcomes, setup):
     """The outcomes as text, errors against the first."""
     stress = [f"{x * setup.stress / 1e3:g}" for x in (0.15, 0.75, 0.9)]
     lines = [
-        f"{'':34}{'height':>9}{'packing stiffness (MPa) and its error at':^42}{'normal force over its mean,':^33}{'':>7}{'time':>8}",
+        f"{'':34}{'height':>9}{'packing stiffness (MPa), error, at':^42}{'normal force over its mean':^32}{'':8}{'time':>8}",
         f"{'':34}{'error':>9}{f'{stress[0]} kPa':>14}{f'{stress[1]} kPa':>14}{'unloading':>14}"
         + "".join(f"{f'{p} %':>8}" for p in PERCENTILES)
         + f"{'K-S':>8}{'s':>8}{'steps':>7}{'µs/step':>9}",

@@ -271,9 +271,9 @@ class EngineEntry(NamedTuple):
     front: bool = False
 
 
-def engine_trade(engine, quick=False, progress=lambda things: things):
-    """`EngineEntry` of every way of an engine, its own models included, on the granite pair of this module."""
-    ways = [way for way in scenes.ways(engine) if not way.shaken]
+def engine_trade(engine, quick=False, progress=lambda things: things, chosen=None):
+    """`EngineEntry` of every way of an engine (or the chosen ones), its own models included, on this module's granite pair."""
+    ways = chosen or [way for way in scenes.ways(engine) if not way.shaken]
     grain = scenes.Grain(2.0 * GRANITE.radius, scenes.GRANITE, scenes.SURFACE)
     contact = grain.contact(grain)
     peaks = _sample(60).peak

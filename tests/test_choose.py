@@ -191,7 +191,7 @@ YIELDING = {"yield_pressure": 1.66e9, "force": (50.0, 2000.0), "quantity": "over
 
 def test_liggghts_wants_a_table_for_each_pair_of_sizes(monkeypatch, tmp_path):
     monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
-    with pytest.raises(dl.DemlawsError, match="rough-plastic: its curve depends on the radius.* give them as classes"):
+    with pytest.raises(dl.DemlawsError, match=r"rough-plastic: its curve depends on the radius.* give them as classes"):
         dl.choose(scene(engine="liggghts", radii=(3e-3, 5e-3), **YIELDING))
     classes = scene(engine="liggghts", radii=(), classes=(3e-3, 5e-3), **YIELDING)
     choices = dl.choose(classes)

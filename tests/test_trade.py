@@ -97,7 +97,7 @@ def test_packing(setup):
 def test_edinburgh_meets_the_law_at_its_load():
     law = dl.law("pohrt-popov", trade.GRANITE, "hertz")
     fit = stock_fit(law, 20.0, "edinburgh")
-    overlaps, forces = peers.reference_paths(law, np.array([20.0]))
+    overlaps, _ = peers.reference_paths(law, np.array([20.0]))
     found = peers.edinburgh_force(fit, overlaps)
     assert found[0, 0] == pytest.approx(20.0, rel=1e-12)
     assert np.all(np.diff(found[0]) <= 0.0)

@@ -1,12 +1,10 @@
 """The scene of `demlaws.scenes` in LIGGGHTS: one run a way of computing it."""
 
-import os
 import resource
 from pathlib import Path
 
 import numpy as np
 
-from demlaws.law import law as bind_law
 from demlaws.liggghts.export import Grain, _tables, stock_fit
 from demlaws.liggghts.run import run
 
@@ -88,7 +86,14 @@ def _data(centres, radii, width, density, types=3):
     kinds = {radius: n + 1 for n, radius in enumerate(sorted(set(radii)))}
     low, high = -2.0 * max(radii), width + 2.0 * max(radii)
     lines = ["start", "", f"{len(radii)} atoms", f"{types} atom types", ""]
-    lines += [f"{low} {high} xlo xhi", f"{low} {high} ylo yhi", f"{low} {centres[:, 2].max() + 6.0 * max(radii)} zlo zhi", "", "Atoms", ""]
+    lines += [
+        f"{low} {high} xlo xhi",
+        f"{low} {high} ylo yhi",
+        f"{low} {centres[:, 2].max() + 6.0 * max(radii)} zlo zhi",
+        "",
+        "Atoms",
+        "",
+    ]
     for n, (place, radius) in enumerate(zip(centres, radii, strict=True)):
         x, y, z = (f"{v:.17g}" for v in place)
         lines.append(f"{n + 1} {kinds[radius]} {2 * radius:.17g} {density:.17g} {x} {y} {z}")

@@ -99,16 +99,17 @@ def rest_time(steps=20):
     return sum(e.execTime for e in O.engines if not isinstance(e, yade.InteractionLoop)) / steps
 
 
+@numba.cfunc(types.uint8(*[types.int64] * 4))
+def do_nothing(this, geom, phys, interaction):
+    """A `go` without forces."""
+    return 1
+
+
 def silent(attachment):
     """A table of virtual functions as the attachment's, but with a `go` that does nothing."""
-
-    @numba.cfunc(types.uint8(*[types.int64] * 4))
-    def go(this, geom, phys, interaction):
-        return 1
-
     table = attachment.table.copy()
-    table[2 + attachment.layout.slot[1]] = go.address
-    return table, go
+    table[2 + attachment.layout.slot[1]] = do_nothing.address
+    return table
 
 
 def measure(given, ways, side, repeats):
@@ -120,8 +121,8 @@ def measure(given, ways, side, repeats):
         attachment = law.binding.attachment if hasattr(law, "binding") else None
         tables = [None]
         if attachment is not None:
-            table, go = silent(attachment)
-            keep += [table, go]
+            table = silent(attachment)
+            keep.append(table)
             tables = [attachment.table.ctypes.data + 16, attachment.native_table, table.ctypes.data + 16]
         rest = [rest_time() for _ in range(5)]
         made.append((number, law, tables, [[] for _ in tables], undisturbed(rest), O.interactions.countReal()))

@@ -103,6 +103,7 @@ class Box:
 
     def bring_to(self, pressure, speed):
         """Move the plate until its stress stays near `pressure` while it rests."""
+        self.looking.iterPeriod = EVERY // 2  # the plate is fast
         for _ in range(200):
             self.run(2_000)
             now = self.state()[1]
@@ -133,7 +134,7 @@ def prepare(given):
     global box
     hertz = {"model": "hertz"}
     centres, radii = np.array(given["centres"]), np.array(given["radii"])
-    pressed = 3e3
+    pressed, plate = 3e3, None
     for softer in (1000, 300, 100, 30, 10, 3, 1):
         box = Box(given, centres, radii, hertz, 0.05, given["young"] / softer, gravity=3 * GRAVITY if softer == 1000 else 0.0)
         O.dt = given["dt"] * min(softer, 30) ** 0.5
