@@ -809,7 +809,7 @@ def choose(scene, tables=True):
         except DemlawsError as error:
             ruled_out[_label(plan)] = str(error)
             del judged[plan]
-    cost, floor = nanoseconds(batches)
+    cost, floor = nanoseconds(batches, rounds=21)
     in_engine, measured_in = _engine_costs(judge, list(judged), notes)
     base = judge.step(reference)
     choices = []

