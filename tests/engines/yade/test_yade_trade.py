@@ -49,7 +49,7 @@ def test_choice_by_the_cost_of_a_step():
     scene = Scene(
         (5e-3, 2e-2), scenes.GRANITE, dl.Surface(1.7e-6, 2.22), force=(1.0, 100.0), cyclic=True, tolerance=0.3, engine="yade"
     )
-    choices = dl.choose(scene)
+    choices = dl.choose(scene, tables=False)
     assert choices.measured_in == "a step of YADE"
     assert all(50.0 < c.engine_ns < 5000.0 for c in choices)
     met = [c for c in choices if c.meets]
