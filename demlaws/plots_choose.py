@@ -29,7 +29,7 @@ def fit_figure(ranking, source=""):
     return fig
 
 
-def _key(ax, lines, title=None):
+def _numbered_key(ax, lines, title=None):
     """A legend beside the axes: number in the picture and what it stands for."""
     handles = [
         ax.plot([], [], ls="none", marker=f"${n}$", ms=5 if n < 10 else 7, color="k", mew=0.3, label=text)[0]
@@ -41,18 +41,20 @@ def _key(ax, lines, title=None):
         ax.add_artist(keep)
 
 
-def _number(ax, points, gap=0.035):
-    """Number points (x, y) of logarithmic axes in order; a number that would cover another moves up."""
-    taken = []
-    fig = ax.figure
-    fig.canvas.draw()
+def _number(ax, points, near=0.03):
+    """Number points (n, (x, y)) of axes whose limits are set; points that nearly coincide share a list of numbers."""
+    groups = []
     for n, (x, y) in points:
-        place = 0.014 + ax.transAxes.inverted().transform(ax.transData.transform((x, y)))
-        while any(abs(place[0] - u) < gap and abs(place[1] - v) < gap for u, v in taken):
-            place[1] += gap
-        taken.append(tuple(place))
-        white = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 0.4}
-        ax.text(*place, str(n), transform=ax.transAxes, fontsize=7, zorder=5, bbox=white)
+        place = ax.transAxes.inverted().transform(ax.transData.transform((x, y)))
+        close = next((g for g in groups if max(abs(g[0] - place)) < near), None)
+        if close is None:
+            groups.append((place, [n]))
+        else:
+            close[1].append(n)
+    white = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 0.4}
+    for place, numbers in groups:
+        text = ", ".join(map(str, numbers))
+        ax.text(*(place + 0.014), text, transform=ax.transAxes, fontsize=7, zorder=5, bbox=white)
 
 
 def choices_figure(choices):
@@ -79,7 +81,7 @@ def choices_figure(choices):
     ax.legend(fontsize=7)
     _number(ax, [(n + 1, (c.cost, max(c.error, lowest))) for n, c in enumerate(choices)])
     labels = [f"{c.name}{c.branch}, {c.unloading}, {c.evaluation}" for c in choices]
-    _key(ax, [(n + 1, text) for n, text in enumerate(labels)], "in the order of the choice")
+    _numbered_key(ax, [(n + 1, text) for n, text in enumerate(labels)], "in the order of the choice")
     return fig
 
 
@@ -200,7 +202,7 @@ def trade_figure(entries, floor, steps=(), engines=None):
     ax.set(title="against rough-plastic, thornton; line: Pareto front")
     _number(ax, [(n + 1, f[:2]) for n, f in enumerate(front)])
     labels = [f"{e.law}, {e.unloading}, {e.evaluation} {e.detail}" for _, _, e in front]
-    _key(ax, [(n + 1, text) for n, text in enumerate(labels)], "Pareto front")
+    _numbered_key(ax, [(n + 1, text) for n, text in enumerate(labels)], "Pareto front")
     ax = axes.pop(0)
     _against(ax, entries, floor, "own")
     ax.set(title="against the closed form of the same law")
@@ -245,7 +247,7 @@ def _engine_panel(ax, engine, found):
         title=f"{'YADE' if engine == 'yade' else 'LIGGGHTS'}; stars: its own models; line: Pareto front",
     )
     _number(ax, [(n + 1, (e.cost.over_hertz, max(e.error, lowest))) for n, e in enumerate(ordered)])
-    _key(ax, [(n + 1, e.cost.way.label) for n, e in enumerate(ordered)])
+    _numbered_key(ax, [(n + 1, e.cost.way.label) for n, e in enumerate(ordered)])
 
 
 def scene_figure(found, setup):
