@@ -52,11 +52,12 @@ class Scene:
     contacts unload and reload; quantity: what must be right, a key of `QUANTITIES`; tolerance: largest error of it;
     engine: one of `ENGINES`; walls: grains touch flats of their own kind; yield_pressure p_y [Pa], where the bulk may
     yield; reference, reference_options: law to hold the others against (default: the richest that the quantities given
-    determine); porosity, coordination: of the packing, for pressure and time step.
+    determine); porosity, coordination: of the packing, for pressure and time step; classes: radii [m] of grains that come
+    in a few sizes, such as LIGGGHTS's particle types, in place of `radii`.
     """
 
-    radii: float | tuple
-    materials: Material | tuple
+    radii: float | tuple = ()
+    materials: Material | tuple = ()
     surfaces: Surface | tuple = field(default_factory=Surface)
     force: tuple | None = None
     pressure: tuple | None = None
@@ -72,10 +73,13 @@ class Scene:
     reference_options: dict = field(default_factory=dict)
     porosity: float = 0.4
     coordination: float = 6.0
+    classes: tuple = ()
     name: str = ""
 
     def __post_init__(self):
-        radii = tuple(number(r, "radii", "m") for r in np.ravel(self.radii))
+        classes = tuple(sorted({number(r, "classes", "m") for r in np.ravel(self.classes)}))
+        object.__setattr__(self, "classes", classes)
+        radii = classes or tuple(number(r, "radii", "m") for r in np.ravel(self.radii))
         if not radii:
             raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
         object.__setattr__(self, "radii", (min(radii), max(radii)))
@@ -147,6 +151,22 @@ class Scene:
     def effective_radii(self):
         """Smallest and largest effective radius [m]."""
         return 0.5 * self.radii[0], self.radii[1] if self.walls else 0.5 * self.radii[1]
+
+    def pair_radii(self):
+        """Every effective radius [m] that grains of `classes` can have."""
+        pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
+        return sorted({*pairs, *(self.classes if self.walls else ())})
+
+    def kinds(self):
+        """Pairs of numbers of kinds of grain, in the order of `contacts`."""
+        return list(itertools.combinations_with_replacement(range(len(self.materials)), 2))
+
+    def grains(self):
+        """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
+        from demlaws.liggghts.export import Grain
+
+        sizes = self.classes or tuple(dict.fromkeys(self.radii))
+        return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]
 
     def mass(self, radius):
         """Mass [kg] of the lightest kind of grain whose contact with its like has effective radius `radius` [m]."""
@@ -363,10 +383,11 @@ _MEASURES = {
 
 def samples(scene, points=_POINTS, random=None):
     """One Sample a pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
-    low, high = scene.effective_radii()
-    sizes = 1 if low == high else 7
     result = []
-    for pair in scene.contacts(low):
+    # of sizes that come in classes each pair has a sample, so that each may have a table
+    spans = [(r, r) for r in scene.pair_radii()] or [scene.effective_radii()]
+    for pair, (low, high) in itertools.product(scene.contacts(spans[0][0]), spans):
+        sizes = 1 if low == high else 7
         if random is None:
             radius = np.repeat(np.geomspace(low, high, sizes), points // sizes)
             place = np.tile(np.linspace(0.0, 1.0, points // sizes), sizes)
@@ -420,7 +441,8 @@ class Choice:
     plan: Plan
     error: float  # bound of the scene's quantity over its contacts and loads, against the reference
     mean_error: float  # over the load distribution
-    ns: float  # a contact and evaluation, measured
+    ns: float  # a contact and evaluation, measured alone
+    engine_ns: float | None  # a contact and whole step in the scene's engine, measured there; None: not measured
     step_factor: float  # stable time step over the reference's
     step: float  # stable time step of the scene [s]
     state_bytes: int  # a contact
@@ -436,7 +458,36 @@ class Choice:
     @property
     def cost(self):
         """ns a contact and reference time step: a law that allows longer steps is evaluated less often."""
-        return self.ns / self.step_factor
+        return (self.ns if self.engine_ns is None else self.engine_ns) / self.step_factor
+
+    @property
+    def branch(self):
+        """The branch of the law that is computed, in brackets, if not all."""
+        return "".join(f" ({v})" for k, v in self.plan.options if k == "branch")
+
+    def tables(self):
+        """Pair of kinds of grain → `Table` of the largest grains (for LIGGGHTS, `export` writes those of all sizes)."""
+        scene = self.scene
+        rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
+        plan = self.plan._replace(evaluation="table", rtol=rtol)
+        contacts = scene.contacts(scene.effective_radii()[1])
+        return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
+
+    def export(self, folder):
+        """Write a LIGGGHTS case: this law for every kind and size of grain of the scene, with all the tables it needs."""
+        from demlaws.liggghts import export
+
+        own = self.evaluation != "table"  # LIGGGHTS's own Hertz
+        options = {"stock": "hertz"} if own else {"rtol": self.plan.rtol}
+        return export(
+            folder,
+            self.name,
+            self.scene.grains(),
+            self.unloading,
+            dict(self.plan.options),
+            load=self.max_force / 1.5,
+            **options,
+        )
 
     def law(self, contact):
         """The law on your contact (or array of contacts)."""
@@ -471,7 +522,10 @@ class Choice:
         options = "".join(f", {k}={v!r}" for k, v in self.plan.options)
         unloading = "" if self.unloading == "elastic" else f', unloading="{self.unloading}"'
         if self.scene.engine == "yade":
-            source = f'"{table}"' if self.evaluation == "table" else f'"{self.name}"'
+            source = f'"{self.name}"'
+            if self.evaluation == "table":
+                names = [f'("kind{i}", "kind{j}"): "{table_name(table, self.scene, (i, j))}"' for i, j in self.scene.kinds()]
+                source = f'"{table}"' if len(names) == 1 else f"{{{', '.join(names)}}}"
             surfaces = ", ".join(
                 f'"kind{i}": dl.Surface({s.roughness:g}, {s.fractal_dimension!r}, {s.hardness or m.hardness!r})'
                 for i, (m, s) in enumerate(zip(self.scene.materials, self.scene.surfaces, strict=True))
@@ -485,33 +539,31 @@ class Choice:
                 f"# O.dt = {self.step:.3g}"
             )
         if self.scene.engine == "liggghts":
-            flags = "".join(f" --option {k}={v}" for k, v in self.plan.options)
-            s, m = self.scene.surfaces[0], self.scene.materials[0]
-            radii = " ".join(f"{r:g}" for r in dict.fromkeys(self.scene.radii))
-            dimension = f" --fractal-dimension {s.fractal_dimension:g}" if s.fractal_dimension is not None else ""
-            hardness = f" --hardness {m.hardness:g}" if m.hardness is not None else ""
-            density = f" --density {m.density:g}" if m.density is not None else ""
-            rtol = f" --rtol {self.plan.rtol:g}" if self.plan.rtol else ""
-            return (
-                f"demlaws liggghts export case --law {self.name} --unloading {self.unloading}{flags} --radius {radii} "
-                f"--young {m.young:g} --poisson {m.poisson:g} --roughness {s.roughness:g}{dimension}{hardness}{density}{rtol}\n"
-                f"# timestep {self.step:.3g}"
-            )
+            grains = self.scene.grains()
+            types = ", ".join(f"{n + 1}: radius {g.radius:g} m" for n, g in enumerate(grains))
+            return f"choice.export(folder), or --out FOLDER, writes the case; types {types}; timestep {self.step:.3g}"
         tail = f".tabulate(rtol={self.plan.rtol:g}, max_force={self.max_force:g})" if self.evaluation == "table" else ""
         kept = "  # state = law.new_state(n, np.float32), overlaps float32" if self.evaluation.endswith("float32") else ""
         return f'law = dl.law("{self.name}", contact{unloading}{options}){tail}{kept}'
 
 
+def table_name(path, scene, kinds):
+    """File of the table of a pair of kinds of grain: the path itself where there is one kind."""
+    path = Path(path)
+    return path if len(scene.materials) == 1 else path.with_name(f"{path.stem}-{kinds[0]}-{kinds[1]}{path.suffix}")
+
+
 class Choices(list):
     """Choices, those that meet the tolerance first, the cheapest of them first."""
 
-    def __init__(self, choices, scene, reference, ruled_out, notes, floor):
+    def __init__(self, choices, scene, reference, ruled_out, notes, floor, measured_in):
         super().__init__(choices)
         self.scene = scene
         self.reference = reference  # Plan
         self.ruled_out = ruled_out  # text → reason
         self.notes = notes
         self.floor = floor  # ns a contact of a copy kernel
+        self.measured_in = measured_in  # what `cost` is of
 
     @property
     def best(self):
@@ -579,6 +631,12 @@ def _range_problem(plan, law, smallest, largest, known):
     return None
 
 
+_NO_TABLE = (
+    "its curve depends on the radius, so that it needs one table for each pair of sizes, and radii is a range: if the grains "
+    "come in a few sizes, give them as classes"
+)
+
+
 class _Judge:
     """Errors, step factors and state sizes of plans on one scene."""
 
@@ -600,7 +658,7 @@ class _Judge:
                 one = sample.contact
                 if plan.evaluation == "table" and not find(plan.name).collapses:
                     if np.ptp(one.radius) > 0.0:
-                        raise DemlawsError("its curve differs from contact to contact: one table cannot serve all radii")
+                        raise DemlawsError(_NO_TABLE)
                     single = one.with_values(radius=float(one.radius[0]))
                     laws.append(plan.bind(single, self._table_end(plan, single)))
                 else:
@@ -739,7 +797,11 @@ def choose(scene, tables=True):
             judged[table[0]] = table[1]
     judged = {plan: error for plan, error in judged.items() if _runs_in(plan, scene.engine)}
     if not judged:
-        raise DemlawsError("no law can serve this scene: " + "; ".join(f"{k}: {v}" for k, v in ruled_out.items()))
+        named = {}
+        for label, why in ruled_out.items():
+            named.setdefault(why, []).append(label.split(",")[0])
+        reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in named.items())
+        raise DemlawsError(f"no law can serve this scene: {reasons}")
     batches = {}
     for plan in list(judged):
         try:
@@ -747,7 +809,8 @@ def choose(scene, tables=True):
         except DemlawsError as error:
             ruled_out[_label(plan)] = str(error)
             del judged[plan]
-    cost, floor = nanoseconds(batches)
+    cost, floor = nanoseconds(batches, rounds=21)
+    in_engine, measured_in = _engine_costs(judge, list(judged), notes)
     base = judge.step(reference)
     choices = []
     for plan, (error, mean) in judged.items():
@@ -759,6 +822,7 @@ def choose(scene, tables=True):
                 error,
                 mean,
                 cost[plan],
+                in_engine.get(plan),
                 step / base,
                 step,
                 len(law.state_names) * np.dtype(plan.storage).itemsize,
@@ -768,9 +832,69 @@ def choose(scene, tables=True):
                 judge,
             )
         )
-    choices.sort(key=lambda c: (not c.meets, c.cost if c.meets else c.error))
+    least = min((c.cost for c in choices if c.meets), default=0.0)
+    choices.sort(key=lambda c: (not c.meets, *_rank(c, least)))
     choices = [replace(c, left_out=_left_out(judge, c.plan)) for c in choices]
-    return Choices(choices, scene, reference, ruled_out, notes, floor)
+    return Choices(choices, scene, reference, ruled_out, notes, floor, measured_in)
+
+
+_EQUAL = 1.03
+"""Costs of steps in an engine that differ by less are measured as equal: then the law's own cost decides."""
+
+
+def _rank(choice, least):
+    if not choice.meets:
+        return (choice.error,)
+    if choice.engine_ns is None:
+        return (choice.cost,)
+    return int(math.log(choice.cost / least, _EQUAL)), choice.ns / choice.step_factor
+
+
+def _engine_costs(judge, plans, notes):
+    """Plan → ns a contact and step, measured in the scene's engine (nothing where it cannot be), and what that is of."""
+    from demlaws.engine_costs import available, liggghts_costs, yade_costs
+    from demlaws.liggghts.export import Grain
+    from demlaws.scenes import Way
+
+    scene, alone = judge.scene, "the law alone"
+    if scene.engine == "python":
+        return {}, alone
+    name = {"yade": "YADE", "liggghts": "LIGGGHTS"}[scene.engine]
+    problem = available(scene.engine)
+    if problem is None:
+        contact = scene.contacts(scene.effective_radii()[1])[0]
+        radius = scene.radii[1]
+        if not scene.walls:
+            contact = scene.contacts(0.5 * radius)[0]
+        low, high = (float(v) for v in scene.force_range(contact))
+        material, surface = scene.materials[0], scene.surfaces[0]
+        given = {
+            "young": material.young,
+            "poisson": material.poisson,
+            "density": 2650.0 if material.density is None else material.density,
+            "surface": {**vars(surface), "hardness": contact.hardness},
+            "radius": radius,
+            "overlap": float(judge.reference.bind(contact).overlap(math.sqrt(low * high))),
+        }
+        ways = []
+        for plan in plans:
+            own = scene.engine == "liggghts" and plan.evaluation != "table"
+            law = "" if own else plan.name
+            ways.append(Way(_label(plan), law, plan.unloading, plan.rtol, "hertz" if own else "", plan.options))
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", ValidityWarning)
+                if scene.engine == "yade":
+                    costs = yade_costs(ways, given, scene.contacts(0.5 * radius)[0])
+                else:
+                    grains = [Grain(r, material, surface) for r in (radius, 1.01 * radius)]
+                    given |= {"contact": scene.contacts(0.5 * radius)[0], "grains": grains}
+                    costs = liggghts_costs(ways, given)
+            return {plan: cost.step for plan, cost in zip(plans, costs, strict=True)}, f"a step of {name}"
+        except DemlawsError as error:
+            problem = str(error)
+    notes.append(f"the cost in {name} could not be measured ({problem}): ranked by the cost of the law alone")
+    return {}, alone
 
 
 def _label(plan):

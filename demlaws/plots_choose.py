@@ -29,9 +29,37 @@ def fit_figure(ranking, source=""):
     return fig
 
 
+def _numbered_key(ax, lines, title=None):
+    """A legend beside the axes: number in the picture and what it stands for."""
+    handles = [
+        ax.plot([], [], ls="none", marker=f"${n}$", ms=5 if n < 10 else 7, color="k", mew=0.3, label=text)[0]
+        for n, text in lines
+    ]
+    keep = ax.get_legend()
+    ax.legend(handles=handles, fontsize=6.5, loc="upper left", bbox_to_anchor=(1.01, 1.0), title=title, title_fontsize=7)
+    if keep is not None:
+        ax.add_artist(keep)
+
+
+def _number(ax, points, near=0.03):
+    """Number points (n, (x, y)) of axes whose limits are set; points that nearly coincide share a list of numbers."""
+    groups = []
+    for n, (x, y) in points:
+        place = ax.transAxes.inverted().transform(ax.transData.transform((x, y)))
+        close = next((g for g in groups if max(abs(g[0] - place)) < near), None)
+        if close is None:
+            groups.append((place, [n]))
+        else:
+            close[1].append(n)
+    white = {"facecolor": "white", "alpha": 0.6, "edgecolor": "none", "pad": 0.4}
+    for place, numbers in groups:
+        text = ", ".join(map(str, numbers))
+        ax.text(*(place + 0.014), text, transform=ax.transAxes, fontsize=7, zorder=5, bbox=white)
+
+
 def choices_figure(choices):
-    """Error against cost of the candidates of a scene."""
-    fig, ax = figure(width=6.4, height=4.6)
+    """Error against cost of the candidates of a scene, numbered in the order of the choice."""
+    fig, ax = figure(width=8.2, height=4.6)
     markers = {"closed form": "o", "table": "s", "closed form, float32": "^"}
     lowest = 1e-9
     for evaluation, marker in markers.items():
@@ -40,20 +68,20 @@ def choices_figure(choices):
             colours = [COLOURS.get(c.name, "#888888") for c in chosen]
             cost = [c.cost for c in chosen]
             ax.scatter(cost, [max(c.error, lowest) for c in chosen], c=colours, marker=marker, s=42, label=evaluation, zorder=3)
-    for c in choices:
-        text = f"{c.name}{'' if c.unloading == 'elastic' else ', ' + c.unloading}"
-        ax.annotate(text, (c.cost, max(c.error, lowest)), xytext=(4, 3), textcoords="offset points", fontsize=6)
-    ax.axhline(choices.scene.tolerance, color="k", ls="--", lw=0.9)
+    ax.axhline(choices.scene.tolerance, color="k", ls="--", lw=0.9, label="tolerance")
     best = choices.best
     ax.scatter([best.cost], [max(best.error, lowest)], s=180, facecolors="none", edgecolors="k", lw=1.5, zorder=4)
     ax.set(
         xscale="log",
         yscale="log",
-        xlabel="ns a contact and reference time step",
+        xlabel=f"ns a contact and reference time step, {choices.measured_in}",
         ylabel=f"largest error of {choices.scene.quantity} (below {lowest:g} drawn there)",
         title=choices.scene.name or "choices",
     )
     ax.legend(fontsize=7)
+    _number(ax, [(n + 1, (c.cost, max(c.error, lowest))) for n, c in enumerate(choices)])
+    labels = [f"{c.name}{c.branch}, {c.unloading}, {c.evaluation}" for c in choices]
+    _numbered_key(ax, [(n + 1, text) for n, text in enumerate(labels)], "in the order of the choice")
     return fig
 
 
@@ -162,31 +190,29 @@ def _against(ax, entries, floor, errors):
     ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest error of force")
 
 
-def trade_figure(entries, floor, steps=(), peers=None):
-    """Force error against cost with the Pareto front; the time step; engines beside their own laws."""
-    panels = 2 + bool(steps) + len(peers or {})
-    fig, axes = figure(columns=2 if panels > 2 else panels, rows=(panels + 1) // 2, width=6.6, height=4.6)
+def trade_figure(entries, floor, steps=(), engines=None):
+    """Force error against cost with the Pareto front; the time step; the same in a step of each engine, with its own models."""
+    panels = 2 + bool(steps) + len(engines or {})
+    fig, axes = figure(columns=2 if panels > 2 else panels, rows=(panels + 1) // 2, width=8.4, height=4.8)
     axes = list(np.ravel(axes))
     ax = axes.pop(0)
     _against(ax, entries, floor, "richest")
     front = sorted((e.ns, max(e.richest["force"], 1e-16), e) for e in entries if e.front)
     ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=1.0)
-    named = set()
-    for ns, error, e in front:
-        if (e.law, e.unloading) not in named:
-            named.add((e.law, e.unloading))
-            text = f"{e.law}, {e.unloading}, {e.evaluation}"
-            ax.annotate(text, (ns, error), xytext=(5, -2 - 9 * (len(named) % 2)), textcoords="offset points", fontsize=6)
     ax.set(title="against rough-plastic, thornton; line: Pareto front")
+    _number(ax, [(n + 1, f[:2]) for n, f in enumerate(front)])
+    labels = [f"{e.law}, {e.unloading}, {e.evaluation} {e.detail}" for _, _, e in front]
+    _numbered_key(ax, [(n + 1, text) for n, text in enumerate(labels)], "Pareto front")
+    ax = axes.pop(0)
+    _against(ax, entries, floor, "own")
+    ax.set(title="against the closed form of the same law")
     for name, marker in _MARKERS.items():
         ax.plot([], [], marker, color="#666666", label=name, ms=4)
     for law, colour in COLOURS.items():
         if any(e.law == law for e in entries):
             ax.plot([], [], "-", color=colour, label=law)
-    ax.legend(fontsize=6, ncols=2, title="dotted: copy kernel; small: with history", title_fontsize=6)
-    ax = axes.pop(0)
-    _against(ax, entries, floor, "own")
-    ax.set(title="against the closed form of the same law")
+    ax.plot([], [], "k:", lw=0.8, label="copy kernel")
+    ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0), title="small: with history", title_fontsize=7)
     if steps:
         ax = axes.pop(0)
         ax.loglog([e.steps for e in steps], [max(e.gain, 1e-17) for e in steps], "o-", ms=3, label="energy drift of an impact")
@@ -195,14 +221,58 @@ def trade_figure(entries, floor, steps=(), peers=None):
         )
         ax.set(xlabel="steps per contact", ylabel="largest error", title="time step (pohrt-popov, hertz unloading)")
         ax.legend(fontsize=7)
-    for engine, values in (peers or {}).items():
-        ax = axes.pop(0)
-        names = [n for n in values if values[n][1] < 5.0]
-        ax.barh(range(len(names)), [values[n][1] for n in names], color="#1f77b4", height=0.6)
-        ax.set_yticks(range(len(names)), names, fontsize=6)
-        ax.invert_yaxis()
-        ax.axvline(1.0, color="k", lw=0.8)
-        ax.set(xlabel="cost over its own Hertz", title=engine)
+    for engine, found in (engines or {}).items():
+        _engine_panel(axes.pop(0), engine, found)
     for ax in axes:
         ax.set_visible(False)
+    return fig
+
+
+def _engine_panel(ax, engine, found):
+    """Force error against the cost of a step; the engine's own models are stars."""
+    lowest = 1e-7
+    ordered = sorted(found, key=lambda e: (e.cost.over_hertz, e.error))
+    for e in ordered:
+        own = bool(e.cost.way.model)
+        marker = "*" if own else "s" if e.cost.way.rtol else "o"
+        colour = "k" if own else COLOURS.get(e.cost.way.law)
+        ax.plot(e.cost.over_hertz, max(e.error, lowest), marker, color=colour, ms=10 if own else 6)
+    front = [e for e in ordered if e.front]
+    ax.step([e.cost.over_hertz for e in front], [max(e.error, lowest) for e in front], "k-", where="post", lw=1.0)
+    ax.axvline(1.0, color="k", lw=0.8, ls=":")
+    ax.set(
+        yscale="log",
+        xlabel="time of a step over that with the engine's own Hertz",
+        ylabel=f"largest error of force (below {lowest:g} there)",
+        title=f"{'YADE' if engine == 'yade' else 'LIGGGHTS'}; stars: its own models; line: Pareto front",
+    )
+    _number(ax, [(n + 1, (e.cost.over_hertz, max(e.error, lowest))) for n, e in enumerate(ordered)])
+    _numbered_key(ax, [(n + 1, e.cost.way.label) for n, e in enumerate(ordered)])
+
+
+def scene_figure(found, setup):
+    """What each law makes of the scene: errors of the packing's stiffness, and the distribution of forces."""
+    from demlaws.scenes import errors
+
+    fig, axes = figure(columns=2, rows=len(found), width=6.4, height=4.2)
+    for (engine, outcomes), (left, right) in zip(found.items(), np.reshape(axes, (-1, 2)), strict=True):
+        title = f"{setup.count} granite spheres in {'YADE' if engine == 'yade' else 'LIGGGHTS'}"
+        kinds = (("low", 0.15), ("loading", 0.75), ("unloading", 0.9))
+        place = np.arange(len(outcomes))
+        for n, (kind, share) in enumerate(kinds):
+            values = [100.0 * getattr(errors(o, outcomes[0]), kind) for o in outcomes]
+            name = {"unloading": "unloading from"}.get(kind, "loading at")
+            left.barh(place + 0.27 * (n - 1), values, height=0.25, label=f"{name} {share * setup.stress / 1e3:g} kPa")
+        left.set_yticks(place, [o.way.label for o in outcomes], fontsize=7)
+        left.invert_yaxis()
+        left.axvline(0.0, color="k", lw=0.8)
+        left.set(xlabel=f"error of the packing's stiffness against {outcomes[0].way.label} (%)", title=title)
+        left.legend(fontsize=7)
+        for o in outcomes:
+            colour = COLOURS.get(o.way.law, "#7f7f7f" if o.way.model == "hertz" else "#bcbd22")
+            style = ":" if o.way.model else "-" if o.way.unloading != "elastic" else "--"
+            above = 1.0 - (np.arange(o.forces.size) + 0.5) / o.forces.size
+            right.semilogy(o.shape, above, style, color=colour, lw=1.0, label=o.way.label)
+        right.set(xlabel="normal force over its mean", ylabel="share of contacts above", title="forces after the hold")
+        right.legend(fontsize=6)
     return fig

@@ -6,18 +6,17 @@ Costs are ns a contact of batches whose rounds are interleaved, with a copy kern
 """
 
 import math
-import subprocess
-import sys
 import time
 import warnings
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws import dispatch
+from demlaws import dispatch, peers, scenes
 from demlaws.choose import Sample, error_of
 from demlaws.dispatch import gather, scatter
 from demlaws.driver import _elastic_contact
+from demlaws.engine_costs import StepCost, available, liggghts_costs, yade_costs
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.fastmath import loop
 from demlaws.law import law as bind_law
@@ -206,14 +205,23 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
     return _mark_front(entries), floor
 
 
-def _mark_front(entries):
-    ordered = sorted(entries, key=lambda e: (e.ns, e.richest["force"]))
+GAIN = 0.99
+"""By what factor an error must fall, at least, for a dearer way to be on the Pareto front: less is rounding."""
+
+
+def pareto(points):
+    """Places of the (cost, error) pairs that no cheaper one matches within `GAIN`."""
     front, best = set(), math.inf
-    for entry in ordered:
-        if entry.richest["force"] < best:
-            best = entry.richest["force"]
-            front.add(entry[:4])
-    return [e._replace(front=e[:4] in front) for e in entries]
+    for place in sorted(range(len(points)), key=lambda n: points[n]):
+        if points[place][1] < GAIN * best:
+            best = points[place][1]
+            front.add(place)
+    return front
+
+
+def _mark_front(entries):
+    front = pareto([(e.ns, e.richest["force"]) for e in entries])
+    return [e._replace(front=n in front) for n, e in enumerate(entries)]
 
 
 def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name="pohrt-popov", rule="hertz"):
@@ -255,30 +263,49 @@ def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name="pohrt
 # --- engines
 
 
-def yade_costs(script, threads=1, quick=True):
-    """From yade_scripts/cost.py: name → ns a contact of YADE's interaction loop, ratio to native Hertz-Mindlin."""
-    import json
+class EngineEntry(NamedTuple):
+    """One way in one engine."""
 
-    from demlaws.yade.run import run
-
-    done = run(str(script), ["--child", *(["--quick"] if quick else [])], threads, capture_output=True, text=True)
-    line = next((x for x in done.stdout.splitlines() if x.startswith("RESULT ")), None)
-    if line is None:
-        raise DemlawsError(f"{script} gave no result: {(done.stderr or done.stdout).strip()[-300:]}")
-    return {name: tuple(values[:2]) for name, values in json.loads(line.removeprefix("RESULT "))["times"].items()}
+    cost: StepCost
+    error: float  # largest force error against RICHEST
+    front: bool = False
 
 
-def liggghts_costs(script, arguments=("--ranks", "1", "--rounds", "3")):
-    """From tests/benchmarks/bench_liggghts.py: name → µs a step of LIGGGHTS, ratio to its own hertz."""
-    done = subprocess.run([sys.executable, str(script), *arguments], capture_output=True, text=True)
-    found = {}
-    for line in done.stdout.splitlines():
-        parts = line[32:].split()
-        if len(parts) == 5 and line[:32].strip() not in ("law",):
-            found[line[:32].strip()] = float(parts[0]), float(parts[1])
-    if not found:
-        raise DemlawsError(f"{script} gave no result: {(done.stderr or done.stdout).strip()[-300:]}")
-    return found
+def engine_trade(engine, quick=False, progress=lambda things: things, chosen=None):
+    """`EngineEntry` of every way of an engine (or the chosen ones), its own models included, on this module's granite pair."""
+    ways = chosen or [way for way in scenes.ways(engine) if not way.shaken]
+    grain = scenes.Grain(2.0 * GRANITE.radius, scenes.GRANITE, scenes.SURFACE)
+    contact = grain.contact(grain)
+    peaks = _sample(60).peak
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ValidityWarning)
+        reference = _bind(*RICHEST)
+        given = {
+            "young": scenes.GRANITE.young,
+            "poisson": scenes.GRANITE.poisson,
+            "density": scenes.GRANITE.density,
+            "surface": vars(scenes.SURFACE),
+            "radius": grain.radius,
+            "overlap": float(reference.overlap(math.sqrt(LOADS[0] * LOADS[1]))),
+        }
+        if engine == "yade":
+            costs = yade_costs(ways, given, contact, *((6, 10) if quick else (10, 40)))
+        else:
+            given |= {"contact": contact, "mean_force": math.sqrt(LOADS[0] * LOADS[1])}
+            costs = liggghts_costs(ways, given, *((8, 2, 100) if quick else (12, 9, 300)), progress=progress)
+        yielding = RICHEST[2]["yield_pressure"]
+        entries = [EngineEntry(c, peers.force_error(c.way, reference, peaks, yielding)) for c in costs]
+    front = pareto([(e.cost.over_hertz, e.error) for e in entries])
+    return [e._replace(front=n in front) for n, e in enumerate(entries)]
+
+
+def installed(names):
+    """The engines of these names; with none given, those that are here. Raises where one that was asked for is missing."""
+    missing = {name: available(name) for name in names or scenes.ENGINES}
+    here = [name for name, problem in missing.items() if problem is None]
+    if (names and len(here) < len(missing)) or not here:
+        raise DemlawsError("; ".join(problem for problem in missing.values() if problem))
+    return here
 
 
 # --- output
@@ -304,6 +331,23 @@ def table(entries, floor):
             f"{e.rows or '-':>6}{e.refreshed:6.2f}  {errors}{'  *' if e.front else ''}"
         )
     lines.append(f"* on the Pareto front of cost and force error against {RICHEST[0]}; copy kernel {floor:.2f} ns")
+    return "\n".join(lines)
+
+
+def engine_table(entries):
+    """Ways in an engine as text."""
+    model = "Law2" if any(e.cost.way.model == "cdm" for e in entries) else "pair loop"
+    lines = [
+        f"{'':36}{'force error':>12}{'ns a contact':>13}{'step over':>11}{'share of the step (%)':>24}",
+        f"{'':36}{'':>12}{'and step':>13}{'its Hertz':>11}{'normal law':>13}{model:>11}",
+    ]
+    for e in entries:
+        c = e.cost
+        law = "-" if math.isnan(c.law) else f"{100 * c.law:.1f}"
+        lines.append(
+            f"{c.way.label:36}{e.error:12.1e}{c.step:13.1f}{c.over_hertz:11.3f}{law:>13}{100 * c.model:11.1f}"
+            f"{'  *' if e.front else ''}"
+        )
     return "\n".join(lines)
 
 

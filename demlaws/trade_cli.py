@@ -4,23 +4,41 @@ from pathlib import Path
 
 from demlaws.cli import example
 
+ENGINES = ("yade", "liggghts")
+NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS"}
+
 
 def register(subparsers):
     parser = subparsers.add_parser(
         "trade",
         help="measure cost against error of every law and evaluation",
         description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
-        "unloading × evaluation, and of the time step; marks the Pareto front.",
+        "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE and of "
+        "a LIGGGHTS step that a law takes, and the engines' own models; with --scene the errors of a whole packing.",
         **example(
-            "  demlaws trade --csv trade.csv --figure trade.png\n"
-            "  demlaws trade --law hertz --law pohrt-popov --yade yade_scripts/cost.py"
+            "  demlaws trade --engines --csv trade.csv --figure trade.png\n"
+            "  demlaws trade --scene yade liggghts --figure scene.png\n"
+            "  demlaws trade --law hertz --law pohrt-popov"
         ),
     )
     parser.add_argument("--law", action="append", help="only this law (may be repeated)")
     parser.add_argument("--contacts", type=float, default=2e5, help="contacts of a batch (default 2e5)")
     parser.add_argument("--rounds", type=int, default=9, help="rounds of timing (default 9)")
-    parser.add_argument("--yade", type=Path, metavar="SCRIPT", help="also run yade_scripts/cost.py: our laws and YADE's own")
-    parser.add_argument("--liggghts", type=Path, metavar="SCRIPT", help="also run tests/benchmarks/bench_liggghts.py (minutes)")
+    parser.add_argument(
+        "--engines",
+        nargs="*",
+        choices=ENGINES,
+        metavar="ENGINE",
+        help="also measure steps of yade and liggghts, with the engines' own models (default: those that are installed)",
+    )
+    parser.add_argument(
+        "--scene",
+        nargs="+",
+        choices=ENGINES,
+        metavar="ENGINE",
+        help="only this: 1,000 spheres settle and are compressed under each law in yade or liggghts, or in both",
+    )
+    parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds in the engines")
     parser.add_argument("--csv", type=Path, help="file to write every figure to")
     parser.add_argument("--figure", type=Path, help="picture to draw: error against cost with the Pareto front")
     parser.set_defaults(func=run)
@@ -33,6 +51,9 @@ def run(arguments):
     from demlaws.law import find
     from demlaws.laws.definition import number
 
+    if arguments.scene:
+        return _scenes(arguments)
+    engines = [] if arguments.engines is None else trade.installed(arguments.engines)
     laws = [find(n).name for n in arguments.law] if arguments.law else None
     count = int(number(arguments.contacts, "--contacts", low=1000.0, allow_low=True))
     rounds = int(number(arguments.rounds, "--rounds", low=1.0, allow_low=True))
@@ -48,18 +69,32 @@ def run(arguments):
         steps = trade.steps_trade(chosen.ns)
         print("\nimpacts of a granite sphere, 1e-3 to 1 m/s, any phase of the step, pohrt-popov with hertz unloading")
         print(trade.steps_table(steps))
-    peers = {}
-    for engine, script, measure, unit in (
-        ("YADE", arguments.yade, trade.yade_costs, "ns a contact of the interaction loop"),
-        ("LIGGGHTS", arguments.liggghts, trade.liggghts_costs, "µs a step"),
-    ):
-        if script is None:
-            continue
-        peers[engine] = measure(script)
-        print(f"\n{engine}: {unit}, ratio to its own Hertz")
-        for name, (cost, ratio) in peers[engine].items():
-            print(f"  {name:44}{cost:10.1f}{ratio:8.3f}")
+    found = {}
+    for engine in engines:
+        found[engine] = trade.engine_trade(engine, arguments.quick, progress)
+        print(f"\na step of {NAMES[engine]}, a close packing, one thread; force error against {trade.RICHEST[0]}")
+        print(trade.engine_table(found[engine]))
     if arguments.csv is not None:
         print(granite.save_csv(arguments.csv, trade.TITLES, map(trade.csv_row, entries)))
     if arguments.figure is not None:
-        print(plots.save(plots_choose.trade_figure(entries, floor, steps, peers), arguments.figure))
+        print(plots.save(plots_choose.trade_figure(entries, floor, steps, found), arguments.figure))
+    return None
+
+
+def _scenes(arguments):
+    from tqdm import tqdm
+
+    from demlaws import granite, plots, plots_choose, scenes, trade
+
+    setup = scenes.QUICK if arguments.quick else scenes.Setup()
+    found = {}
+    for engine in trade.installed(arguments.scene):
+        with tqdm(total=len(scenes.ways(engine)), desc=engine, leave=False, disable=None) as bar:
+            found[engine] = scenes.run(engine, setup, progress=lambda label, bar=bar: bar.update())
+        print(f"{setup.count} granite spheres in {NAMES[engine]}, compressed to {setup.stress / 1e3:g} kPa")
+        print(scenes.table(found[engine], setup) + "\n")
+    if arguments.csv is not None:
+        rows = [row for engine, outcomes in found.items() for row in scenes.csv_rows(engine, outcomes)]
+        print(granite.save_csv(arguments.csv, scenes.TITLES, rows))
+    if arguments.figure is not None:
+        print(plots.save(plots_choose.scene_figure(found, setup), arguments.figure))

@@ -68,8 +68,12 @@ def test_predictions(name):
             assert choice.error <= 1.5 * max(found, 1e-5), (choice.describe(), found, choice.error)
         if found <= choice.scene.tolerance:
             met.append(choice)
-    again, _ = nanoseconds({c.plan: c.batch() for c in met}, rounds=15)
-    cost = {c.plan: again[c.plan] / c.step_factor for c in met}
+    cost = dict.fromkeys((c.plan for c in met), math.inf)
+    for _ in range(4):  # other processes can only add time: the least counts
+        again, _ = nanoseconds({c.plan: c.batch() for c in met}, rounds=11)
+        cost = {c.plan: min(cost[c.plan], again[c.plan] / c.step_factor) for c in met}
+        if cost[choices.best.plan] <= 1.10 * min(cost.values()):
+            break
     assert cost[choices.best.plan] <= 1.10 * min(cost.values()), {c.describe(): cost[c.plan] for c in met}
 
 
@@ -175,6 +179,54 @@ def test_scene_from_measured_points(tmp_path):
     assert loaded.reference == "rms"
     assert loaded.contacts(4.35e-3)[0].roughness == pytest.approx(3e-6, rel=0.05)
     assert loaded.contacts(4.35e-3)[0].modulus == pytest.approx(32.32e9, rel=1e-6)
+
+
+def test_without_its_engine_a_scene_is_ranked_by_the_law_alone(monkeypatch):
+    monkeypatch.setenv("YADE", "nowhere")
+    choices = dl.choose(scene(engine="yade", cyclic=True))
+    assert choices.measured_in == "the law alone"
+    assert any("could not be measured (no 'nowhere' command" in note for note in choices.notes)
+    assert choices.best.engine_ns is None
+    assert choices.best.name == "pohrt-popov"
+
+
+YIELDING = {"yield_pressure": 1.66e9, "force": (50.0, 2000.0), "quantity": "overlap", "cyclic": True}
+
+
+def test_liggghts_wants_a_table_for_each_pair_of_sizes(monkeypatch, tmp_path):
+    monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
+    with pytest.raises(dl.DemlawsError, match=r"rough-plastic: its curve depends on the radius.* give them as classes"):
+        dl.choose(scene(engine="liggghts", radii=(3e-3, 5e-3), **YIELDING))
+    classes = scene(engine="liggghts", radii=(), classes=(3e-3, 5e-3), **YIELDING)
+    choices = dl.choose(classes)
+    best = choices.best
+    assert best.name == "rough-plastic"
+    assert best.meets
+    case = best.export(tmp_path / "case")
+    text = case.read_text()
+    for pair in ("1-1", "1-2", "2-2", "1-wall", "2-wall"):
+        file = f"rough-plastic.{pair}.tbl"
+        assert file in text
+        assert dl.Table.load(tmp_path / "case" / file).unloading == best.unloading
+    # each pair's own radius, not one for all
+    small, large = (dl.Table.load(tmp_path / "case" / f"rough-plastic.{p}.tbl").contact.radius for p in ("1-1", "2-2"))
+    assert (small, large) == pytest.approx((1.5e-3, 2.5e-3))
+    for choice in choices:
+        assert measured_error(choice) <= choice.error
+
+
+def test_two_kinds_have_three_tables(monkeypatch, tmp_path, capsys):
+    from demlaws.cli import main
+
+    monkeypatch.setenv("YADE", "nowhere")
+    two = TOML.replace("[material]", "[[materials]]").replace("[surface]", "[[surfaces]]")
+    two += "[[surfaces]]\nroughness = 3e-6\nfractal_dimension = 2.3\n[[materials]]\nyoung = 50e9\npoisson = 0.2\n"
+    (tmp_path / "two.toml").write_text(two)
+    assert main(["choose", str(tmp_path / "two.toml"), "--out", str(tmp_path / "law.tbl")]) == 0
+    assert capsys.readouterr().out.count("wrote") == 3
+    tables = [dl.Table.load(tmp_path / f"law-{pair}.tbl") for pair in ("0-0", "0-1", "1-1")]
+    assert len({t.contact.roughness for t in tables}) == 3
+    assert tables[0].contact.fractal_dimension == 2.22
 
 
 def test_plan_labels():

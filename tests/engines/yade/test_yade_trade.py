@@ -1,0 +1,79 @@
+"""The scene of `demlaws trade` in YADE, what a law costs there, and its Conical Damage Model on one contact."""
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws import peers, scenes, trade
+from demlaws.choose import Scene
+from demlaws.engine_costs import under_yade
+
+HERTZ = scenes.Way("hertz", "hertz")
+NATIVE = scenes.Way("YADE's Hertz-Mindlin", model="hertz")
+PAIR = dl.Contact(4.35e-3, 32.32e9, 2.40e-6, 2.22, 6.266e9)
+
+
+def test_scene():
+    wanted = [scenes.RICHEST, scenes.RICHEST._replace(label="the same, shaken", shaken=True), HERTZ, NATIVE]
+    said = []
+    rough, shaken, hertz, native = scenes.run("yade", scenes.QUICK, wanted, said.append)
+    assert len(said) == 4
+    # Hertz by the bridge is YADE's: the same law from the same state
+    same = scenes.errors(hertz, native)
+    assert abs(same.height) < 1e-9
+    assert max(abs(same.low), abs(same.loading)) < 0.01
+    # chance is less than what the law makes
+    chance, law = scenes.errors(shaken, rough), scenes.errors(hertz, rough)
+    assert abs(chance.height) < 1e-7 < 3e-6 < law.height < 3e-5  # grains on rough contacts sink by micrometres
+    assert abs(chance.low) < 0.05 < 0.2 < law.low < 1.0
+    for found in (rough, hertz):
+        assert found.stress == pytest.approx(scenes.QUICK.stress, rel=0.05)
+        assert found.low < found.loading < found.unloading
+        assert 200 < found.forces.size < 400
+        # the mean force of a packing under this stress (Rothenburg & Bathurst)
+        assert found.forces.mean() == pytest.approx(0.1 * scenes.QUICK.largest_force, rel=0.4)
+
+
+def test_the_conical_damage_model_is_hertz_until_it_yields():
+    hertz = dl.law("hertz", PAIR)
+    peaks = np.array([1.0, 30.0])
+    assert peers.cdm_error(hertz, peaks, 5e9)[0] < 1e-6
+    overlaps, forces = peers.reference_paths(hertz, peaks)
+    given = {"young": 60.6e9, "poisson": 0.25, "density": 2650.0, "radius": 8.7e-3, "paths": overlaps.tolist()}
+    weak = np.array(under_yade("cost.py", {**given, "ways": [{"model": "cdm", "cdm": (0.5e9, 0.5)}]}))[0]
+    assert weak[1, 0] < 0.5 * forces[1, 0]
+    assert np.all(np.diff(weak[1]) <= 0.0)
+
+
+def test_choice_by_the_cost_of_a_step():
+    scene = Scene(
+        (5e-3, 2e-2), scenes.GRANITE, dl.Surface(1.7e-6, 2.22), force=(1.0, 100.0), cyclic=True, tolerance=0.3, engine="yade"
+    )
+    choices = dl.choose(scene, tables=False)
+    assert choices.measured_in == "a step of YADE"
+    assert all(50.0 < c.engine_ns < 5000.0 for c in choices)
+    met = [c for c in choices if c.meets]
+    assert choices.best.cost <= 1.10 * min(c.cost for c in met)
+    assert "Law2_ScGeom_MindlinPhys_Demlaws" in choices.best.script()
+
+
+def test_costs_and_peers_on_the_picture(tmp_path):
+    from demlaws import plots, plots_choose
+
+    cdm = scenes.Way("YADE's Conical Damage Model", model="cdm")
+    found = trade.engine_trade("yade", quick=True, chosen=[scenes.RICHEST, HERTZ, NATIVE, cdm])
+    labels = {e.cost.way.label: e for e in found}
+    native, cone = labels["YADE's Hertz-Mindlin"], labels["YADE's Conical Damage Model"]
+    hertz, richest = labels["hertz"], labels[scenes.RICHEST.label]
+    assert native.error == pytest.approx(hertz.error, rel=1e-9)
+    assert native.error > 1.0
+    assert 0.0 < cone.error <= 1.01 * native.error  # below its strength it is Hertz
+    assert richest.error < 1e-12
+    assert richest.front
+    assert native.cost.over_hertz == pytest.approx(1.0, abs=0.4)
+    assert 0.9 < richest.cost.over_hertz < 2.0
+    assert -0.1 < richest.cost.law < richest.cost.model < 0.95
+    assert 50.0 < richest.cost.step < 5000.0
+    figure = plots.save(plots_choose.trade_figure([], 1.0, (), {"yade": found}), tmp_path / "yade.png")
+    assert figure.stat().st_size > 10_000
+    assert "Law2" in trade.engine_table(found)
