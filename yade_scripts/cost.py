@@ -19,10 +19,10 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import yade
-from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
+from demlaws.yade.cost import spheres, undisturbed
 from demlaws.yade.run import run
 
 O = yade.O  # noqa: E741
@@ -47,23 +47,11 @@ BRIDGE = {
 PEERS = ("native Hertz-Mindlin", "native linear", "native Conical Damage Model", "public way, pohrt-popov")
 
 
-def spheres(side, material):
-    """A close packing with some 5.4 contacts a sphere, overlaps of 1e-4 of the radius."""
-    O.materials.append(material)
-    for i in range(side):
-        for j in range(side):
-            for k in range(side):
-                x, y, z = 2 * i + (j + k) % 2, 3**0.5 * (j + (k % 2) / 3), 2 * 6**0.5 / 3 * k
-                place = [0.9999 * RADIUS * c for c in (x, y, z)]
-                O.bodies.append(utils.sphere(place, RADIUS * (1 + 1e-6 * np.sin(len(O.bodies))), material=material))
-    O.dt = 1e-9
-
-
 def scene(side, law, physics, material):
     """A new scene with a packing under `law`; returns its number."""
     number = O.addScene()
     O.switchToScene(number)
-    spheres(side, material)
+    spheres(side, RADIUS, 2e-4 * RADIUS, material)
     O.engines = [
         yade.PyRunner(command="clock.tick()", iterPeriod=1, initRun=True, dead=True, label="ticker"),
         yade.ForceResetter(),
@@ -123,11 +111,6 @@ class Clock:
 
 
 clock = Clock()
-
-
-def undisturbed(samples):
-    """Lower decile: other processes can only add time."""
-    return float(np.quantile(samples, 0.1))
 
 
 def spread(ratios):

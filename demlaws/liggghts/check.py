@@ -11,17 +11,10 @@ from demlaws.contact import Contact
 from demlaws.errors import DemlawsError
 from demlaws.law import law as make_law
 from demlaws.liggghts.build import PACKAGES, build
-from demlaws.liggghts.run import executable, run, versions
+from demlaws.liggghts.run import HEAD, executable, run, versions
 
-TWO_PARTICLES = """\
 # two spheres at prescribed approach: load, unload, reload, separate, load again
-atom_style      granular
-atom_modify     map array
-boundary        f f f
-newton          off
-communicate     single vel yes
-units           si
-hard_particles  yes
+TWO_PARTICLES = """\
 processors      1 1 1
 region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
 create_box      1 box
@@ -82,7 +75,7 @@ def two_particles(law, rtol=1e-5, radius=None, folder=None, ranks=1):
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(folder or scratch)
         law.tabulate(rtol=rtol).save(folder / "law.tbl")
-        (folder / "in.two_particles").write_text(TWO_PARTICLES)
+        (folder / "in.two_particles").write_text(HEAD + TWO_PARTICLES)
         young = 2 * law.contact.modulus * (1 - 0.25**2)
         log = run(folder / "in.two_particles", ranks, {"young": repr(young), "radius": repr(radius), "table": "law.tbl"})
     overlap, force = log["overlap"], log["force"]

@@ -9,17 +9,10 @@ import numpy as np
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import FLAGS, SOURCES, _compiler
 from demlaws.liggghts.oedometer import MATERIAL, _data, model_lines, pairwise
-from demlaws.liggghts.run import run, timings
+from demlaws.liggghts.run import HEAD, run, timings
 
 # setforce keeps the grains still; fix freeze would keep them out of the list of neighbours
 CASE = """\
-atom_style      granular
-atom_modify     map array
-boundary        f f f
-newton          off
-communicate     single vel yes
-units           si
-hard_particles  yes
 processors      1 1 1
 read_data       start.data
 neighbor        {skin:.10g} bin
@@ -75,7 +68,7 @@ def measure(given, ways, side=12, rounds=5, steps=200, progress=lambda things: t
             values["young"] = " ".join([f"{given['young']:.10g}"] * 3)
             values["poisson"] = " ".join([f"{given['poisson']:.10g}"] * 3)
             values["restitution"], values["friction"] = pairwise([1.0] * 5)[2:], pairwise([0.5] * 5)[2:]
-            text = CASE.format(material=MATERIAL.format(**values), steps=steps, skin=0.1 * radius)
+            text = HEAD + CASE.format(material=MATERIAL.format(**values), steps=steps, skin=0.1 * radius)
             (folder / "start.data").write_text(_data(centres, radii, 3.0 * side * radius, given["density"]))
             (folder / "in.cost").write_text(text)
             alone = None

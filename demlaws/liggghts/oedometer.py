@@ -6,18 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.liggghts.export import Grain, _tables, stock_fit
-from demlaws.liggghts.run import run
+from demlaws.liggghts.run import HEAD, run
 
 DRAG = 3e3  # of the smaller grain's speed [1/s]: the same for every law; damping in contacts differs, and edinburgh bears none
 
-HEAD = """\
-atom_style      granular
-atom_modify     map array
-boundary        f f f
-newton          off
-communicate     single vel yes
-units           si
-hard_particles  yes
+START = """\
 processors      1 1 1
 read_data       start.data
 neighbor        4e-4 bin
@@ -195,7 +188,7 @@ def oedometer(folder, given, way):
         "hold": round(given["hold"] / given["dt"]),
         "every": EVERY,
     }
-    (folder / "in.oedometer").write_text((HEAD + MATERIAL + CASE).format(**values))
+    (folder / "in.oedometer").write_text((HEAD + START + MATERIAL + CASE).format(**values))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     log = run(folder / "in.oedometer", plugin=model == "demlaws/table")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -13,6 +13,16 @@ from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
 
 VERSION = "3.8.0"
+HEAD = """\
+atom_style      granular
+atom_modify     map array
+boundary        f f f
+newton          off
+communicate     single vel yes
+units           si
+hard_particles  yes
+"""
+"""How our own inputs begin: spheres, SI units, moduli of stone."""
 
 
 def executable():
