@@ -71,8 +71,9 @@ def choices_figure(choices):
     ax.axhline(choices.scene.tolerance, color="k", ls="--", lw=0.9, label="tolerance")
     best = choices.best
     ax.scatter([best.cost], [max(best.error, lowest)], s=180, facecolors="none", edgecolors="k", lw=1.5, zorder=4)
+    costs = [c.cost for c in choices]
     ax.set(
-        xscale="log",
+        xscale="log" if max(costs) > 4.0 * min(costs) else "linear",
         yscale="log",
         xlabel=f"ns a contact and reference time step, {choices.measured_in}",
         ylabel=f"largest error of {choices.scene.quantity} (below {lowest:g} drawn there)",
