@@ -14,7 +14,7 @@ from demlaws.liggghts.build import PACKAGES, build
 from demlaws.liggghts.run import HEAD, executable, run, versions
 
 # two spheres at prescribed approach: load, unload, reload, separate, load again
-TWO_PARTICLES = """\
+_PARTICLES = """\
 processors      1 1 1
 region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
 create_box      1 box
@@ -52,6 +52,7 @@ run             90000
 velocity        right set -0.2 0 0
 run             40000
 """
+TWO_PARTICLES = HEAD + _PARTICLES
 
 
 def packages():
@@ -75,7 +76,7 @@ def two_particles(law, rtol=1e-5, radius=None, folder=None, ranks=1):
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(folder or scratch)
         law.tabulate(rtol=rtol).save(folder / "law.tbl")
-        (folder / "in.two_particles").write_text(HEAD + TWO_PARTICLES)
+        (folder / "in.two_particles").write_text(TWO_PARTICLES)
         young = 2 * law.contact.modulus * (1 - 0.25**2)
         log = run(folder / "in.two_particles", ranks, {"young": repr(young), "radius": repr(radius), "table": "law.tbl"})
     overlap, force = log["overlap"], log["force"]

@@ -554,9 +554,11 @@ def _erasing(native, contacts):
 
 
 def _of_body(bodies, number, eraseClumpMembers=False):
-    body = bodies[number]
+    body = bodies[number] if 0 <= number < len(bodies) else None
+    if body is None:
+        return []
     members = body.shape.members if eraseClumpMembers and isinstance(body.shape, yade.Clump) else ()
-    return [contact for one in (number, *members) for contact in bodies[one].intrs()] if body else []
+    return [contact for one in (number, *members) for contact in bodies[one].intrs()]
 
 
 def _of_two(interactions, first, second):
