@@ -7,7 +7,6 @@ contacts in the same memory, so that the differences are the law's. Models of YA
 
 import ctypes
 import json
-import os
 import sys
 import time
 
@@ -19,7 +18,7 @@ from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, bridge
-from demlaws.yade.oedometer import material
+from demlaws.yade.oedometer import hand_over, material
 
 O = yade.O  # noqa: E741
 BLOCK = 2  # steps timed in a row: short, so that some blocks are not interrupted
@@ -180,11 +179,8 @@ def main():
         found = [one_contact({**given, "cdm": way["cdm"]}, way, given["paths"]) for way in given["ways"]]
     else:
         found = measure(given, given["ways"], given["side"], given["repeats"])
-    with open(sys.argv[2], "w") as file:
-        json.dump(found, file)
+    hand_over(found)
 
 
 if __name__ == "__main__":
     main()
-    sys.stdout.flush()
-    os._exit(0)

@@ -194,11 +194,16 @@ def main():
         for number, way in enumerate(given["ways"]):
             print(f"PROGRESS {number + 1} {way['label']}", flush=True)
             found.append(oedometer(given, centres + (np.array(given["shift"]) if way["shaken"] else 0.0), way))
+    hand_over(found)
+
+
+def hand_over(found):
+    """Write what was found to RESULT and end YADE at once."""
     with open(sys.argv[2], "w") as file:
         json.dump(found, file)
+    sys.stdout.flush()
+    os._exit(0)
 
 
 if __name__ == "__main__":
     main()
-    sys.stdout.flush()
-    os._exit(0)
