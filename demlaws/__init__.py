@@ -1,29 +1,49 @@
 """demlaws: contact laws of rough and yielding grains for the discrete element method."""
 
-from demlaws import driver
-from demlaws.choose import Scene, choose
-from demlaws.contact import Contact, Material, Surface
-from demlaws.driver import timestep
-from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.fit import fit
-from demlaws.law import Law, law, laws
-from demlaws.table import Table
+import importlib
+import sys
+import types
 
 __version__ = "0.1.0"
 
-__all__ = [
-    "Contact",
-    "DemlawsError",
-    "Law",
-    "Material",
-    "Scene",
-    "Surface",
-    "Table",
-    "ValidityWarning",
-    "choose",
-    "driver",
-    "fit",
-    "law",
-    "laws",
-    "timestep",
-]
+_HOMES = {
+    "Contact": "demlaws.contact",
+    "DemlawsError": "demlaws.errors",
+    "Law": "demlaws.law",
+    "Material": "demlaws.contact",
+    "Scene": "demlaws.advice.choose",
+    "Surface": "demlaws.contact",
+    "Table": "demlaws.table",
+    "ValidityWarning": "demlaws.errors",
+    "choose": "demlaws.advice.choose",
+    "driver": "demlaws.driver",
+    "fit": "demlaws.advice.fit",
+    "law": "demlaws.make",
+    "laws": "demlaws.laws.registry",
+    "timestep": "demlaws.driver",
+}
+"""Public name → the module that it is loaded from on first use: numba is imported when a law is made, not before."""
+
+__all__ = sorted(_HOMES)
+
+
+class _Package(types.ModuleType):
+    """The package with its public names; import would set the sub-modules `law` and `laws` over the functions."""
+
+    def __getattr__(self, name):
+        if name not in _HOMES:
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        home = importlib.import_module(_HOMES[name])
+        value = home if _HOMES[name] == f"{__name__}.{name}" else getattr(home, name)
+        self.__dict__[name] = value
+        return value
+
+    def __setattr__(self, name, value):
+        if not (isinstance(value, types.ModuleType) and name in ("law", "laws")):
+            super().__setattr__(name, value)
+
+    def __dir__(self):
+        return sorted({*self.__dict__, *_HOMES})
+
+
+sys.modules[__name__].__class__ = _Package

@@ -6,13 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws import dispatch
-from demlaws.dispatch import gather, scatter, stored_and_dissipated
+from demlaws.checks import number
+from demlaws.core import dispatch
+from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
+from demlaws.core.fastmath import loop
+from demlaws.core.loops import evaluate_loop
+from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import loop
-from demlaws.law import evaluate_loop
-from demlaws.laws.definition import number
-from demlaws.unloading import Elastic
 
 
 def _points(turning_points, unit):

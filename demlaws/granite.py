@@ -18,7 +18,9 @@ from demlaws import driver
 from demlaws.contact import Contact, Material
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
-from demlaws.law import Path, law, registry
+from demlaws.law import Path
+from demlaws.laws.registry import registry
+from demlaws.make import law
 
 GRANITE = Material(young=60.6e9, poisson=0.25, hardness=639 * 9.80665e6, density=2680.0)
 """Mount Sorrel granite: Table 1 of the paper (639 kgf/mm²)."""
@@ -480,7 +482,7 @@ def _cone_claims(get, points):
 
 def effective_radius(alpha):
     """a*/a_H against α: the RMS fit, and Greenwood & Tripp for μ = 4 and 17."""
-    from demlaws.axisymmetric import solve_greenwood_tripp
+    from demlaws.solvers.axisymmetric import solve_greenwood_tripp
 
     alpha = np.asarray(alpha, float)
     force = 4.0 / 3.0 * alpha**-1.5

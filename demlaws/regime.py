@@ -14,9 +14,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.checks import number
 from demlaws.contact import Contact, Material
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import number
 
 YIELD_RATIO = 0.6
 """p(0)/H_m at which the bulk begins to yield (Tabor)."""

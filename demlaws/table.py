@@ -14,468 +14,22 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.checks import number
 from demlaws.contact import Contact
-from demlaws.dispatch import bind, energy, virgin
+from demlaws.core.curve import SEATED
+from demlaws.core.grid import MOST_BITS, Nodes, grid, node, node_number, quick_to_invert, shape_from_nodes
+from demlaws.core.loops import evaluate_loop, inverse_loop
+from demlaws.core.params import SMOOTHEST, bind_params, loading_part, one_of
+from demlaws.core.unloading import GIVEN, RULES, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import bits, from_bits, kernel, loop, row_of_four, sqrt
 from demlaws.files import write_atomically
-from demlaws.law import (
-    SMOOTHEST,
-    Law,
-    bind_params,
-    evaluate_loop,
-    find,
-    inverse_loop,
-    loading_part,
-    one_of,
-    rule_and_curve,
-    scale_one,
-)
-from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
-from demlaws.unloading import GIVEN, RULES, Elastic, JoinedShape
+from demlaws.joining import joined_law
+from demlaws.law import Law
+from demlaws.laws.registry import find
 
 FORMAT = "# demlaws-table 1"
 _TITLES = "overlap force stiffness"
 _UNLOADING_TITLES = "unloading overlap force stiffness"
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
-_MOST_BITS = 12
-_OCTAVES_BELOW = 40
-"""Octaves of cells that continue the power law below the first node, so that reading it takes no power."""
-_SEATED = 0.5
-"""Exponent of s at the first node below which the law starts from a force, not from 0: K ∝ u^(1.5 p - 1) would explode."""
-
-
-class TableShape(NamedTuple):
-    """One dimensionless curve."""
-
-    cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; first those of `_below`
-    starts: np.ndarray  # (cells between nodes, 5): t, s, ∫f du where a cell or its part after a kink begins; grid u, width
-    shift: int  # 52 - bits
-    first: int  # grid number of row 0 of `cells`
-    kink1: float  # u of the kinks, infinity where there is none
-    kink2: float
-    lowest: float  # u of the first node
-    highest: float  # u of the last node
-    floor: float  # u where the cells below the first node begin; linear to 0 from there
-    inverse_floor: float
-    exponent: float  # of the power law below the first node
-    yield_overlap: float  # u above which the bulk has yielded (infinity: never): there the contact radius follows
-    yield_area: float  # a²/(R length) = yield_area + yield_area_slope (s^1.5 - yield_area^1.5)
-    yield_area_slope: float
-    length_over_roughness: float  # length = this σ + the next R
-    length_over_radius: float
-    count: int  # rows of `cells`
-
-
-class TableParams(NamedTuple):
-    """One contact."""
-
-    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    length: float  # [m]
-    inverse_length: float  # [1/m]
-    offset: float  # added to u before the curve is read: 0, but for laws with a seating load
-    cells: np.ndarray
-    starts: np.ndarray
-    shift: int
-    first: int
-    kink1: float
-    kink2: float
-    lowest: float
-    highest: float
-    floor: float
-    inverse_floor: float
-    exponent: float
-    yield_overlap: float
-    yield_area: float
-    yield_area_slope: float
-    count: int
-
-
-@kernel
-def scale_table(shape, radius, modulus, roughness, offset):
-    """TableParams of one contact, with an offset in u."""
-    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
-    return TableParams(
-        hertz_coefficient(radius, modulus),
-        length,
-        1.0 / length,
-        offset,
-        shape.cells,
-        shape.starts,
-        shape.shift,
-        shape.first,
-        shape.kink1,
-        shape.kink2,
-        shape.lowest,
-        shape.highest,
-        shape.floor,
-        shape.inverse_floor,
-        shape.exponent,
-        shape.yield_overlap,
-        shape.yield_area,
-        shape.yield_area_slope,
-        shape.count,
-    )
-
-
-@kernel
-def _scale(shape, radius, modulus, roughness):
-    return scale_table(shape, radius, modulus, roughness, 0.0)
-
-
-@kernel
-def cell_and_place(p, u):
-    """Row of the cell that holds u, the place t in it, and the reciprocal of the grid cell's width.
-
-    Beyond the last node: its own. No branch and no integer that could leave the table: the loop vectorises.
-    """
-    inside = u if u <= p.highest else p.highest
-    inside = inside if inside >= p.floor else p.floor
-    pattern = bits(inside)
-    cell = (pattern >> p.shift) - p.first
-    cell += (1 if inside >= p.kink1 else 0) + (1 if inside >= p.kink2 else 0)
-    # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
-    t = from_bits(((pattern << (52 - p.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
-    inverse_width = from_bits(((2046 + 52 - p.shift) << 52) - (pattern & 0x7FF0000000000000))
-    below = u < p.floor
-    cell = 0 if below else cell
-    t = u * p.inverse_floor if below else t
-    inverse_width = p.inverse_floor if below else inverse_width
-    return cell, t, inverse_width
-
-
-@kernel
-def read_curve(p, u, row):
-    """s(u) ≥ 0 and ds/du of the curve whose cells begin at `row`; s is NaN above the last node and where u is NaN."""
-    cell, t, inverse_width = cell_and_place(p, u)
-    c0, c1, c2, c3 = row_of_four(p.cells, cell + row)
-    s = c0 + t * (c1 + t * (c2 + t * c3))
-    slope = (c1 + t * (2.0 * c2 + t * (3.0 * c3))) * inverse_width
-    return s if u <= p.highest else math.nan, slope
-
-
-@kernel
-def _virgin(p, overlap):
-    u = overlap * p.inverse_length + p.offset
-    s, slope = read_curve(p, u, 0)
-    equivalent = s * p.length
-    root = p.hertz_coefficient * sqrt(equivalent)
-    more = p.yield_area_slope * (s * sqrt(s) - p.yield_area * sqrt(p.yield_area))
-    area = (p.yield_area + more) * p.length if u > p.yield_overlap else equivalent
-    return root * equivalent, 1.5 * root * slope, equivalent, area
-
-
-@kernel
-def _rows_below(p):
-    """Rows of `cells` before the first node's."""
-    return p.count - p.starts.shape[0] - 1
-
-
-@kernel
-def invert_curve(p, s):
-    """u at which the curve reaches s: bisection over cells, then Newton inside the cell; NaN above the last node."""
-    starts = p.starts
-    if not (s <= p.cells[p.count - 1, 0] * (1.0 + 1e-12)):
-        return math.nan
-    below = _rows_below(p)
-    t_low = 0.0
-    if s >= starts[0, 1]:
-        low = 0
-        high = starts.shape[0]
-        while high - low > 1:
-            middle = (low + high) // 2
-            if starts[middle, 1] <= s:
-                low = middle
-            else:
-                high = middle
-        t_low = starts[low, 0]
-        base = starts[low, 3]
-        width = starts[low, 4]
-        low += below
-    else:
-        low = 0
-        high = below
-        while high - low > 1:
-            middle = (low + high) // 2
-            if p.cells[middle, 0] <= s:
-                low = middle
-            else:
-                high = middle
-        base = from_bits((p.first + low) << p.shift) if low > 0 else 0.0
-        width = from_bits((p.first + low + 1) << p.shift) - base if low > 0 else p.floor
-    c0, c1, c2, c3 = row_of_four(p.cells, low)
-    t_high = 1.0
-    t = 0.5 * (t_low + t_high)
-    for _ in range(80):
-        value = c0 + t * (c1 + t * (c2 + t * c3)) - s
-        if value > 0.0:
-            t_high = t
-        else:
-            t_low = t
-        slope = c1 + t * (2.0 * c2 + t * (3.0 * c3))
-        new = t - value / slope if slope > 0.0 else 0.5 * (t_low + t_high)
-        if not (t_low <= new <= t_high):
-            new = 0.5 * (t_low + t_high)
-        if abs(new - t) <= 1e-17 or t_high - t_low <= 1e-16:
-            t = new
-            break
-        t = new
-    return min(base + width * t, p.highest)
-
-
-@kernel
-def _inverse(p, force):
-    u = invert_curve(p, hertz_overlap(p, force) * p.inverse_length)
-    return max((u - p.offset) * p.length, 0.0) if u == u else u
-
-
-@kernel
-def integrate_curve(p, u):
-    """∫f du from 0 to u."""
-    if u <= 0.0:
-        return 0.0
-    s, _ = read_curve(p, u, 0)
-    if u < p.lowest and p.exponent < _SEATED:
-        seat = p.starts[0, 1] * (1.0 - p.exponent)
-        total = 0.0
-        for k in range(_NODES.size):
-            y = seat + 0.5 * (1.0 + _NODES[k]) * (s - seat)
-            total += _WEIGHTS[k] * y * sqrt(y)
-        return 2.0 / 3.0 * u * total
-    if u < p.lowest:
-        return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * p.exponent + 1.0)
-    cell, t, inverse_width = cell_and_place(p, u)
-    c0, c1, c2, c3 = row_of_four(p.cells, cell)
-    begin = cell - _rows_below(p)
-    if begin >= p.starts.shape[0]:  # the last node is the end of the last cell
-        begin = p.starts.shape[0] - 1
-        c0, c1, c2, c3 = row_of_four(p.cells, cell - 1)
-        t = 1.0
-        inverse_width = 1.0 / p.starts[begin, 4]
-    start = p.starts[begin, 0]
-    half = 0.5 * (t - start)
-    total = 0.0
-    for k in range(_NODES.size):
-        x = start + half * (1.0 + _NODES[k])
-        y = c0 + x * (c1 + x * (c2 + x * c3))
-        total += _WEIGHTS[k] * y * sqrt(y)
-    return p.starts[begin, 2] + 4.0 / 3.0 * total * half / inverse_width
-
-
-@kernel
-def _energy(p, overlap):
-    more = overlap * p.inverse_length
-    if more < 1e-3 * p.offset:  # far below a seat the difference of two energies would cancel
-        half = 0.5 * more
-        scaled = 0.0
-        for k in range(_NODES.size):
-            s, _ = read_curve(p, p.offset + half * (1.0 + _NODES[k]), 0)
-            scaled += half * _WEIGHTS[k] * 4.0 / 3.0 * s * sqrt(s)
-    else:
-        scaled = integrate_curve(p, more + p.offset) - integrate_curve(p, p.offset)
-    return 0.75 * p.hertz_coefficient * p.length * p.length * sqrt(p.length) * scaled
-
-
-bind(TableShape, scale=_scale)
-bind(TableParams, virgin=_virgin, inverse=_inverse, energy=_energy)
-
-
-class CurveShape(NamedTuple):
-    """A table to unload along: the curve s(u) and its reverse, u as a curve of s less the seat, on a grid of the same kind."""
-
-    curve: TableShape
-    reverse: TableShape
-    seat: float  # s at u = 0+: 0, but for curves that begin with a seating load
-
-
-class CurveParams(NamedTuple):
-    """One contact."""
-
-    hertz_coefficient: float
-    curve: TableParams
-    reverse: TableParams
-    seat: float
-
-
-@kernel
-def _curve_scale(shape, radius, modulus, roughness):
-    curve = scale_table(shape.curve, radius, modulus, roughness, 0.0)
-    reverse = scale_table(shape.reverse, radius, modulus, roughness, 0.0)
-    return CurveParams(curve.hertz_coefficient, curve, reverse, shape.seat)
-
-
-@kernel
-def _curve_virgin(p, overlap):
-    return virgin(p.curve, overlap)
-
-
-@kernel
-def _curve_inverse(p, force):
-    return _inverse(p.curve, force)
-
-
-@kernel
-def _curve_energy(p, overlap):
-    return energy(p.curve, overlap)
-
-
-@kernel
-def _curve_recover(p, force, equivalent):
-    """One look-up where `inverse` searches; NaN above the last node of the reverse."""
-    above = equivalent * p.curve.inverse_length - p.seat
-    u, _ = read_curve(p.reverse, 0.0 if above <= 0.0 else above, 0)
-    return (p.curve.highest if u > p.curve.highest else u) * p.curve.length
-
-
-bind(CurveShape, scale=_curve_scale)
-bind(CurveParams, virgin=_curve_virgin, inverse=_curve_inverse, recover=_curve_recover, energy=_curve_energy)
-
-
-@loop
-def _invert_loop(p, s, u):
-    for i in range(s.size):
-        u[i] = invert_curve(p, s[i])
-
-
-@loop
-def _read_loop(p, u, s, slope):
-    for i in range(u.size):
-        s[i], slope[i] = read_curve(p, u[i], 0)
-
-
-def _read(p, u):
-    """s and ds/du at an array of u."""
-    s, slope = np.empty(u.size), np.empty(u.size)
-    _read_loop(p, u, s, slope)
-    return s, slope
-
-
-# --- building
-
-
-def node_number(u, bits_per_octave):
-    """Number of the grid cell that holds u."""
-    return int(np.float64(u).view(np.int64)) >> (52 - bits_per_octave)
-
-
-def node(number, bits_per_octave):
-    """u at which the grid cell of this number begins."""
-    return np.asarray(np.asarray(number, dtype=np.int64) << (52 - bits_per_octave)).view(np.float64)
-
-
-class Nodes(NamedTuple):
-    """Rows of a table: u, f, df/du; a kink is two rows with one u, left and right stiffness."""
-
-    u: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-
-    @classmethod
-    def from_curve(cls, u, s, slope):
-        """From the Hertz-equivalent overlap s(u) and its slope."""
-        return cls(u, 4.0 / 3.0 * s * np.sqrt(s), 2.0 * np.sqrt(s) * slope)
-
-    @property
-    def kinks(self):
-        """u of the kinks."""
-        return self.u[:-1][np.diff(self.u) == 0.0]
-
-    def curve(self):
-        """u, s, ds/du: what the cells interpolate."""
-        s = np.cbrt(0.75 * self.force) ** 2
-        return self.u, s, self.stiffness / (2.0 * np.sqrt(s))
-
-
-def grid(lowest, highest, kinks, bits_per_octave):
-    """Node positions from the grid cell that holds `lowest` to the end of the one that holds `highest`; kinks twice."""
-    first, last = node_number(lowest, bits_per_octave), node_number(highest, bits_per_octave) + 1
-    u = node(np.arange(first, last + 1), bits_per_octave)
-    inside = [k for k in kinks if u[0] < k < u[-1]]
-    extra = [k for k in inside if k not in u]
-    u = np.sort(np.concatenate([u, inside, extra]))
-    return u, inside
-
-
-def _hermite(t0, t1, width, s0, s1, slope0, slope1):
-    """Coefficients in t of the cubics that have values s0, s1 and slopes ds/du at t0, t1 of cells of this width in u."""
-    # in r = (t - t0)/h, then expanded in t
-    h = t1 - t0
-    b, end, rise = slope0 * width * h, slope1 * width * h, s1 - s0
-    sliver = h < 1e-3  # a part beside a kink so narrow that a cubic through it would be rounding noise
-    c = np.where(sliver, 0.5 * (end - b), 3.0 * rise - 2.0 * b - end)
-    d = np.where(sliver, 0.0, b + end - 2.0 * rise)
-    b, c, d = b / h, c / h**2, d / h**3
-    return np.column_stack([s0 - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
-
-
-def _below(u0, s0, exponent, first, bits_per_octave, seated, floor):
-    """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
-
-    floor: s about where the power law ends, or None: 40 octaves of u down. A curve that starts from a seating load (p near
-    0) goes on straight, with the slope of the first node.
-    """
-    octaves = _OCTAVES_BELOW if floor is None or seated else max(1.0, math.log2(s0 / floor) / exponent)
-    u = node(np.arange(first - round(octaves * 2**bits_per_octave), first + 1), bits_per_octave)
-    if seated:
-        seat, slope = s0 * (1.0 - exponent), exponent * s0 / u0
-        width = np.append(u[0], np.diff(u))  # the slope as it is: differences of s would be nothing but rounding here
-        none = np.zeros(u.size)
-        return np.column_stack([seat + slope * np.append(0.0, u[:-1]), slope * width, none, none]), float(u[0])
-    s = s0 * (u / u0) ** exponent
-    slope = exponent * s / u
-    cells = _hermite(0.0, 1.0, np.diff(u), s[:-1], s[1:], slope[:-1], slope[1:])
-    return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
-
-
-def shape_from_nodes(
-    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0), seated=None, floor=None
-):
-    """Cubic Hermite cells through the rows of a table; bulk_yield: see TableShape.yield_overlap and what follows it.
-
-    seated: whether the curve starts from a seating load, None to decide by the exponent of the first node; floor: see `_below`.
-    """
-    u, s, slope = nodes.curve()
-    shift = 52 - bits_per_octave
-    kinks = u[:-1][np.diff(u) == 0.0]
-    keep = np.diff(u) > 0.0
-    left, right = np.flatnonzero(keep), np.flatnonzero(keep) + 1
-    numbers = u[left].view(np.int64) >> shift
-    base = (numbers << shift).view(np.float64)
-    width = ((numbers + 1) << shift).view(np.float64) - base
-    t0, t1 = (u[left] - base) / width, (u[right] - base) / width
-    exponent = float(u[0] * slope[0] / s[0])
-    cells = _hermite(t0, t1, width, s[left], s[right], slope[left], slope[right])
-    x = 0.5 * (t0 + t1)[:, None] + 0.5 * (t1 - t0)[:, None] * _NODES
-    y = cells[:, :1] + x * (cells[:, 1:2] + x * (cells[:, 2:3] + x * cells[:, 3:4]))
-    pieces = 4.0 / 3.0 * (np.maximum(y, 0.0) ** 1.5 @ _WEIGHTS) * 0.5 * (t1 - t0) * width
-    below = 4.0 / 3.0 * s[0] ** 1.5 * u[0] / (1.5 * exponent + 1.0)
-    if exponent < _SEATED:
-        line = s[0] * (1.0 + exponent * (0.5 * (1.0 + _NODES) - 1.0))
-        below = 2.0 / 3.0 * float(line**1.5 @ _WEIGHTS) * u[0]
-    energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
-    # a kink that lies on the grid splits no cell: the cells on either side have their own slopes there
-    pair = [*(float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)), math.inf, math.inf]
-    seated = exponent < _SEATED if seated is None else seated
-    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, seated, floor)
-    end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
-    cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only
-    return TableShape(
-        cells,
-        np.ascontiguousarray(np.column_stack([t0, s[left], energy, base, width])),
-        shift,
-        int(numbers[0]) - below.shape[0],
-        pair[0],
-        pair[1],
-        float(u[0]),
-        float(u[-1]),
-        floor,
-        1.0 / floor,
-        exponent,
-        *map(float, bulk_yield),
-        float(length_over_roughness),
-        float(length_over_radius),
-        cells.shape[0],
-    )
 
 
 class Source(NamedTuple):
@@ -534,38 +88,6 @@ class Source(NamedTuple):
         return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
 
 
-def quick_to_invert(shape, kinks=()):
-    """A table's shape with its reverse; any other shape, whose `inverse` is a formula, as it is. kinks: u of the table's."""
-    if not isinstance(shape, TableShape):
-        return shape
-    bits_per_octave = 53 - shape.shift  # finer by a bit, so that one step of Newton's method is exact to rounding
-    # the curve in its own units: length 1
-    p = scale_one(shape._replace(length_over_roughness=0.0, length_over_radius=1.0), 1.0, 1.0, 0.0)
-    highest, seat = float(shape.cells[-1, 0]), 0.0
-    lowest = float(shape.cells[0, 1])  # where the curve begins to be straight: the reverse of a straight line is one
-    if shape.exponent < _SEATED:
-        lowest = float(shape.starts[0, 1])
-        seat = lowest * (1.0 - shape.exponent)
-    corners = np.array([k for k in kinks if shape.lowest < k < shape.highest])
-    last = node_number(highest - seat, bits_per_octave)  # this node and those before it lie on the curve
-    end = float(node(last - 1, bits_per_octave))
-    y, corners = grid(lowest - seat, end, list(_read(p, corners)[0] - seat), bits_per_octave)
-    place = y.copy()
-    for corner in corners:
-        first, second = np.flatnonzero(y == corner)
-        place[first], place[second] = corner * (1.0 - 1e-14), corner * (1.0 + 1e-14)
-    u = np.empty(y.size)
-    _invert_loop(p, place + seat, u)
-    slope = 1.0 / _read(p, u)[1]
-    for corner in corners:
-        first, second = np.flatnonzero(y == corner)
-        u[second] = u[first]
-    nodes = Nodes.from_curve(y, u, slope)
-    reverse = shape_from_nodes(nodes, bits_per_octave, 0.0, 0.0, seated=seat > 0.0, floor=float(u[0]))
-    lengths = {"length_over_roughness": shape.length_over_roughness, "length_over_radius": shape.length_over_radius}
-    return CurveShape(shape, reverse._replace(**lengths), seat)
-
-
 class Certificate(NamedTuple):
     """Largest relative errors measured between the nodes against the law itself."""
 
@@ -598,15 +120,13 @@ def tabulate(law, rtol=1e-5, max_force=None):
             f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"
         )
     if law.unloading_law is not None:
-        return _join(tabulate(law.joined("elastic"), rtol, max_force), law.unloading_law)
+        return with_curve(tabulate(law.joined("elastic"), rtol, max_force), law.unloading_law)
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
     roughness = max(one.roughness, SMOOTHEST * one.radius)
     length = over_roughness * roughness + over_radius * one.radius
     if max_force is not None:
-        from demlaws.laws.definition import number
-
         force = number(max_force, "max_force", "N")
         largest = float(np.max(law.overlap(np.broadcast_to(force, contact.size or ()))) / length) * (1.0 + 1e-9)
     params = loading_part(bind_params(law.shape, one))
@@ -614,7 +134,7 @@ def tabulate(law, rtol=1e-5, max_force=None):
     source = Source(params, length, params.hertz_coefficient, kinks, definition.solved)
     smallest = min(source.lowest(rtol), largest / 64.0)
     bulk_yield = _bulk_yield(params, length)
-    for bits_per_octave in range(1, _MOST_BITS + 1):
+    for bits_per_octave in range(1, MOST_BITS + 1):
         nodes = source.nodes(smallest, largest, bits_per_octave)
         shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius, bulk_yield)
         certificate = source.certify(shape, bind_params(shape, one))
@@ -625,7 +145,7 @@ def tabulate(law, rtol=1e-5, max_force=None):
 
 def _out_of_reach(law, rtol, certificate):
     return DemlawsError(
-        f"rtol = {rtol:g} is out of reach: with {2**_MOST_BITS} cells an octave the table of {law.name!r} errs by "
+        f"rtol = {rtol:g} is out of reach: with {2**MOST_BITS} cells an octave the table of {law.name!r} errs by "
         f"{max(certificate):.2g}; ask for more than that"
     )
 
@@ -655,10 +175,20 @@ def _kinks_of_one(law, index):
     return list(law.definition.kinks(one_of(loading_part(law.params), index), **law.options))
 
 
-def _join(table, curve):
+def take(law, rule, curve=None):
+    """A law or a table with another unloading rule, and its curve where the rule is "table"; see `Law.joined`."""
+    if not isinstance(law, Table):
+        return joined_law(law, rule, curve)
+    shape, certificate = law.loading_shape, (law.force_error, law.stiffness_error)
+    elastic = Law(law.definition, law.contact, "elastic", law.options, shape, loading_part(law.params))
+    plain = Table(elastic if curve is not None else joined_law(elastic, rule), shape, law.nodes, certificate, law.rtol)
+    return plain if curve is None else with_curve(plain, curve)
+
+
+def with_curve(table, curve):
     """A `Table` of an elastic one and an unloading curve; the curve's rows are its own, in the table's scales."""
     _refuse_too_fine(curve, table.rtol)
-    joined = Law.joined(table, curve)
+    joined = joined_law(table, GIVEN, curve)
     index, one = _pick(table.contact)
     own = loading_part(table.shape)
     params = bind_params(joined.shape, one)
@@ -666,7 +196,7 @@ def _join(table, curve):
     kinks = [k / length for k in _kinks_of_one(curve, index)]
     source = Source(params.unloading, length, coefficient, kinks, curve.definition.solved)
     end, top = 0.75 * coefficient * length**1.5 * table.nodes.force[-1], np.empty(1)
-    for bits_per_octave in range(52 - own.shift, _MOST_BITS + 1):
+    for bits_per_octave in range(52 - own.shift, MOST_BITS + 1):
         # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
         inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits_per_octave)]), top)
         if not np.isfinite(top[0]):
@@ -691,7 +221,7 @@ def _join(table, curve):
 
 def _floor(shape):
     """s where the power law of a loading curve ends below: the unloading curve's ends there, too, and stays the stiffer one."""
-    return None if shape.exponent < _SEATED else float(shape.cells[0, 1])
+    return None if shape.exponent < SEATED else float(shape.cells[0, 1])
 
 
 def _joined_table(table, rows):
@@ -738,13 +268,8 @@ class Table(Law):
         )
         return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
 
-    def joined(self, unloading):
-        """This table with another unloading rule: a name, or a law or a `Table` as the curve; see `Law.joined`."""
-        rule, curve = rule_and_curve(unloading)
-        shape, certificate = self.loading_shape, (self.force_error, self.stiffness_error)
-        elastic = Law(self.definition, self.contact, "elastic", self.options, shape, loading_part(self.params))
-        plain = Table(elastic if curve is not None else elastic.joined(rule), shape, self.nodes, certificate, self.rtol)
-        return plain if curve is None else _join(plain, curve)
+    def quick_shape(self):
+        return quick_to_invert(self.shape, self.nodes.kinks)
 
     def kinks(self):
         return list(self.nodes.kinks * np.ravel(self.length)[0])
@@ -855,28 +380,28 @@ class Table(Law):
         check = zlib.crc32(lines[0] + b"\n")
         header, rows, curve_rows, ended, places = {}, [], [], None, {}
         reading = None
-        for number, raw in enumerate(lines[1:], start=2):
+        for place, raw in enumerate(lines[1:], start=2):
             if ended is not None:
                 if raw:
-                    refuse(number, f"text after the last line ({ended})")
+                    refuse(place, f"text after the last line ({ended})")
                 continue
             body, separator, mark = raw.rpartition(b" ")
             check = zlib.crc32(body, check)
             if not separator or mark != b"%08x" % check:
-                what = "the file ends here: it was cut short" if number >= len(lines) - 1 else "this line was changed"
-                refuse(number, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
+                what = "the file ends here: it was cut short" if place >= len(lines) - 1 else "this line was changed"
+                refuse(place, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
             check = zlib.crc32(b" " + mark + b"\n", check)
             try:
                 line = body.decode()
-                places[line.partition(":")[0]] = number
+                places[line.partition(":")[0]] = place
                 if line.startswith("end: "):
                     ended = line
                     count = len(rows) + len(curve_rows)
                     if line != f"end: {count} rows" or header.get("rows") != str(len(rows)):
-                        refuse(number, f"{len(rows)} rows were read, {header.get('rows')} were promised")
+                        refuse(place, f"{len(rows)} rows were read, {header.get('rows')} were promised")
                     if header.get("unloading_rows", "0") != str(len(curve_rows)):
                         promised = header.get("unloading_rows", "none")
-                        refuse(number, f"{len(curve_rows)} rows of unloading were read, {promised} were promised")
+                        refuse(place, f"{len(curve_rows)} rows of unloading were read, {promised} were promised")
                 elif line == _UNLOADING_TITLES and reading is rows:
                     reading = curve_rows
                 elif reading is not None:
@@ -889,7 +414,7 @@ class Table(Law):
             except DemlawsError:
                 raise
             except ValueError as error:
-                refuse(number, f"not a line of a table: {error}")
+                refuse(place, f"not a line of a table: {error}")
         if ended is None:
             refuse(len(lines), "the file ends without its 'end:' line: it was cut short")
         if len(rows) < 2:
@@ -915,7 +440,7 @@ class Table(Law):
             nodes = Nodes(*np.array(rows).T)
             options = read(f"{prefix}options", json.loads, lambda value: isinstance(value, dict))
             definition = read(f"{prefix}law", find)
-            suits = lambda value: 1 <= value <= _MOST_BITS and _fits_grid(nodes.u, value)  # noqa: E731
+            suits = lambda value: 1 <= value <= MOST_BITS and _fits_grid(nodes.u, value)  # noqa: E731
             shape = shape_from_nodes(nodes, read(f"{prefix}bits", int, suits), *lengths, bulk_yield, floor=floor)
             # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
             source = Law(definition, contact, unloading, options, shape)

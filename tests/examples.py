@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws as dl
-from demlaws.law import example, registry
-from demlaws.unloading import GIVEN, RULES
+from demlaws.core.unloading import GIVEN, RULES
+from demlaws.laws.registry import registry
+from demlaws.make import example
 
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 import demlaws as dl
 from demlaws import driver
-from demlaws.law import registry
+from demlaws.laws.registry import registry
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

@@ -10,7 +10,9 @@ from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
-from demlaws.law import example, largest_stiffness_ratio, registry
+from demlaws.joining import largest_stiffness_ratio
+from demlaws.laws.registry import registry
+from demlaws.make import example
 from demlaws.surface import HeightMap
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")

@@ -13,7 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import demlaws as dl
-from demlaws.law import _leaves, registry
+from demlaws.core.params import leaves
+from demlaws.laws.registry import registry
 from demlaws.table import FORMAT
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -208,7 +209,7 @@ def test_a_saved_table_comes_back_bit_for_bit(name, unloading, tmp_path, rng):
     assert (loaded.force_error, loaded.stiffness_error, loaded.rtol) == (table.force_error, table.stiffness_error, table.rtol)
     for a, b in zip(loaded.nodes, table.nodes, strict=True):
         np.testing.assert_array_equal(a, b)
-    for a, b in zip(_leaves(loaded.shape), _leaves(table.shape), strict=True):
+    for a, b in zip(leaves(loaded.shape), leaves(table.shape), strict=True):
         np.testing.assert_array_equal(a, b)
     overlap = rng.uniform(0.0, 1e-5, 200)
     for quantity in ("force", "stiffness", "work", "plastic_overlap"):
@@ -524,9 +525,10 @@ def test_saved_with_the_permissions_of_any_new_file(tmp_path):
 @pytest.mark.parametrize("place", [2.0, 2.0 * (1 + 1e-13), 2.0 * (1 - 1e-13), 2.1, 2.9999])
 def test_a_kink_anywhere_in_the_grid(bits, place):
     """On a node, a hair beside one, or inside a cell: two straight lines that meet there are read as they are."""
-    from demlaws.law import bind_params, evaluate_loop
-    from demlaws.table import Nodes, grid, shape_from_nodes
-    from demlaws.unloading import Elastic
+    from demlaws.core.grid import Nodes, grid, shape_from_nodes
+    from demlaws.core.loops import evaluate_loop
+    from demlaws.core.params import bind_params
+    from demlaws.core.unloading import Elastic
 
     u, _ = grid(0.5, 30.0, [place], bits)
     first, second = np.flatnonzero(u == place)

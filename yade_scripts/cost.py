@@ -21,8 +21,8 @@ import numpy as np
 import yade
 
 import demlaws as dl
+from demlaws.measure.yade_cost import spheres, undisturbed
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
-from demlaws.yade.cost import spheres, undisturbed
 from demlaws.yade.run import run
 
 O = yade.O  # noqa: E741

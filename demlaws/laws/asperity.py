@@ -10,14 +10,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.dispatch import bind
+from demlaws.checks import number
+from demlaws.core.curve import TableShape
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+from demlaws.core.grid import Nodes, grid, shape_from_nodes
+from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import kernel
-from demlaws.implicit import CurveNumber, FamilyShape, family_params
-from demlaws.laws.definition import Definition, Limit, bulk_yield, number
-from demlaws.laws.hertz import HertzShape, hertz_coefficient
+from demlaws.laws.definition import Definition, Limit, bulk_yield
+from demlaws.laws.family import CurveNumber, FamilyShape, family_params
+from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
-from demlaws.table import Nodes, TableShape, grid, shape_from_nodes
 
 _BITS = 6  # cells an octave
 _SAMPLES = 12  # cuts of the map an octave
@@ -76,7 +79,7 @@ class Curve(NamedTuple):
 
 
 def _curve(pair, surface, curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach):
-    from demlaws.asperity import RoughContact
+    from demlaws.solvers.patches import RoughContact
 
     rough = RoughContact(surface, pair, poisson, plastic_factor, plastic_ratio)
     start = 0.0

@@ -5,10 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.dispatch import bind
-from demlaws.fastmath import kernel
-from demlaws.laws.definition import Definition, Limit, number
-from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
+from demlaws.checks import number
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.laws.definition import Definition, Limit
 
 _JOINT = 0.47
 CONTINUOUS = 1.5975731915314553

@@ -1,10 +1,7 @@
 """What a law declares besides its compiled kernels."""
 
-import math
 from collections.abc import Callable
 from typing import NamedTuple
-
-from demlaws.errors import DemlawsError
 
 
 class Limit(NamedTuple):
@@ -47,17 +44,3 @@ class Definition(NamedTuple):
     needs: tuple = ()  # names of Contact fields that must be given
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
-
-
-def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
-    """`value` as a float above `low` (or from it) and up to `high`, or an error that names it."""
-    try:
-        result = float(value)
-    except (TypeError, ValueError):
-        raise DemlawsError(f"{name} must be one number, got {value!r}") from None
-    if math.isfinite(result) and (low < result or (allow_low and low == result)) and result <= high:
-        return result
-    end = "" if high == math.inf else f" and at most {high:g}"
-    raise DemlawsError(
-        f"{name} = {result:g} {unit}".rstrip() + f": must be {'at least' if allow_low else 'above'} {low:g}{end}"
-    )

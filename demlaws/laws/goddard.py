@@ -3,10 +3,11 @@
 import math
 from typing import NamedTuple
 
-from demlaws.dispatch import bind
-from demlaws.fastmath import cbrt, kernel, sqrt
-from demlaws.laws.definition import Definition, number
-from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
+from demlaws.checks import number
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import cbrt, kernel, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.laws.definition import Definition
 from demlaws.laws.pohrt_popov import transition_energy
 
 _RATIO = 4.0 / 3.0  # δ*/δ_H(P*): a cone's overlap over Hertz's at the load where they have one stiffness

@@ -2,9 +2,10 @@
 
 import math
 
+from demlaws.checks import number
 from demlaws.errors import DemlawsError
-from demlaws.implicit import SEATING_LOAD, CurveNumber, prepare
-from demlaws.laws.definition import Definition, Limit, number
+from demlaws.laws.definition import Definition, Limit
+from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
 
 _MODEL = "greenwood-tripp"
 

@@ -2,8 +2,9 @@
 
 from typing import NamedTuple
 
-from demlaws.dispatch import bind
-from demlaws.fastmath import cbrt, kernel, sqrt
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.laws.definition import Definition
 
 
@@ -18,12 +19,6 @@ class HertzParams(NamedTuple):
 
 
 @kernel
-def hertz_coefficient(radius, modulus):
-    """(4/3) E* √R [N/m^1.5]."""
-    return 4.0 * modulus * sqrt(radius) / 3.0
-
-
-@kernel
 def _scale(shape, radius, modulus, roughness):
     return HertzParams(hertz_coefficient(radius, modulus))
 
@@ -32,13 +27,6 @@ def _scale(shape, radius, modulus, roughness):
 def _virgin(p, overlap):
     stiffness = p.hertz_coefficient * sqrt(overlap)
     return stiffness * overlap, 1.5 * stiffness, overlap, overlap
-
-
-@kernel
-def hertz_overlap(p, force):
-    """δ_H(P) = (9 P²/(16 R E*²))^(1/3) [m] of any law's params."""
-    root = cbrt(force / p.hertz_coefficient)
-    return root * root
 
 
 @kernel

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.dispatch import bind
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel, power, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import kernel, power, sqrt
 from demlaws.laws.definition import Definition, Limit, bulk_yield
-from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 from demlaws.laws.pohrt_popov_branches import HertzBranchShape, PowerBranchShape
 
 

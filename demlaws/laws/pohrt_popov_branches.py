@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-from demlaws.dispatch import bind
-from demlaws.fastmath import kernel, power, sqrt
-from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel, power, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 
 
 class PowerBranchShape(NamedTuple):

@@ -5,10 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.dispatch import bind
-from demlaws.fastmath import kernel, sqrt
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.laws.definition import Definition, Limit, bulk_yield
-from demlaws.laws.hertz import hertz_coefficient, hertz_overlap
 
 
 class RmsShape(NamedTuple):

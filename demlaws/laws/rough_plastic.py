@@ -3,11 +3,12 @@
 import math
 from typing import NamedTuple
 
-from demlaws.dispatch import bind, energy, inverse, scale, virgin
+from demlaws.checks import number
+from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
+from demlaws.core.fastmath import bits, from_bits, kernel
+from demlaws.core.hertz import hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.fastmath import bits, from_bits, kernel
-from demlaws.laws.definition import Definition, number
-from demlaws.laws.hertz import hertz_overlap
+from demlaws.laws.definition import Definition
 
 
 class RoughPlasticShape(NamedTuple):
@@ -79,7 +80,7 @@ bind(RoughPlasticParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 def _loading_definition(loading):
-    from demlaws.law import find  # the registry imports this module
+    from demlaws.laws.registry import find  # the registry imports this module
 
     definition = find(loading)
     if definition.name == LAW.name:

@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from demlaws.implicit import SEATING_LOAD, SMOOTH, CurveNumber, prepare
 from demlaws.laws.definition import Definition, Limit
+from demlaws.laws.family import SEATING_LOAD, SMOOTH, CurveNumber, prepare
 
 _MODEL = "yip-venart"
 
@@ -20,7 +20,7 @@ def _prepare(contact, seating_load=SEATING_LOAD, rtol=1e-4):
 
 
 def _limits(contact, seating_load=SEATING_LOAD, rtol=1e-4):
-    from demlaws.axisymmetric import curve
+    from demlaws.solvers.axisymmetric import curve
 
     if not np.all(np.asarray(contact.roughness) >= SMOOTH * np.asarray(contact.radius)):
         return []

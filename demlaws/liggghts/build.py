@@ -12,6 +12,7 @@ import demlaws
 from demlaws.errors import DemlawsError
 
 SOURCES = Path(__file__).parent / "src"
+SHARED = Path(__file__).parent.parent / "cpp"
 HEADERS = Path("/usr/include/liggghts")
 PACKAGES = "sudo apt install liggghts libliggghts-dev libopenmpi-dev g++"
 
@@ -23,7 +24,7 @@ FLAGS += ["-fPIC", "-shared", "-w", "-DOMPI_SKIP_MPICXX"]
 
 def header_folder():
     """Folder of demlaws_table.h, the standalone C++11 header that any DEM code can include."""
-    return SOURCES
+    return SHARED
 
 
 def cache_folder():
@@ -68,7 +69,7 @@ def _mpi_flags():
 def _command(portable):
     architecture = [] if portable else ["-march=native"]
     headers = _headers()
-    includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{headers}", *_mpi_flags()]
+    includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}", f"-I{headers}", *_mpi_flags()]
     link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", "-lliggghts", "-l:libmpi.so.40"]
     return [_compiler(), *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
 
@@ -80,7 +81,7 @@ def _key(command, link, portable):
         parts.append(_output([command[0], "-march=native", "-Q", "--help=target"]))
     for text in parts:
         digest.update(text.encode() + b"\0")
-    for file in sorted(SOURCES.rglob("*")):
+    for file in sorted([*SOURCES.rglob("*"), *SHARED.glob("*.h")]):
         if file.is_file():
             digest.update(file.name.encode() + b"\0" + file.read_bytes())
     for file in sorted(_headers().glob("*.h")):  # an update of LIGGGHTS changes them

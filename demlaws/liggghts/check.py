@@ -9,9 +9,9 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError
-from demlaws.law import law as make_law
 from demlaws.liggghts.build import PACKAGES, build
 from demlaws.liggghts.run import HEAD, executable, run, versions
+from demlaws.make import law as make_law
 
 # two spheres at prescribed approach: load, unload, reload, separate, load again
 _PARTICLES = """\

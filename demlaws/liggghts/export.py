@@ -13,13 +13,13 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
+from demlaws.checks import number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
-from demlaws.law import law as make_law
-from demlaws.law import rebound, rule_and_curve
-from demlaws.laws.definition import number
+from demlaws.make import law as make_law
+from demlaws.make import rebound, rule_and_curve
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,9 @@ def main():
 
 def self_tests(dl):
     """Two spheres through loading, unloading, parting and touching again, for each law and rule; the number of failures."""
-    from demlaws.law import example, find
-    from demlaws.unloading import GIVEN, RULES
+    from demlaws.core.unloading import GIVEN, RULES
+    from demlaws.laws.registry import find
+    from demlaws.make import example
     from demlaws.yade import selftest
     from demlaws.yade.functor import Binding
     from demlaws.yade.pairs import Pairs, Span

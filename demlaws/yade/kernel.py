@@ -14,10 +14,11 @@ from llvmlite import ir
 from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
-from demlaws.dispatch import scale, step, stored_and_dissipated
-from demlaws.fastmath import callback, from_bits, kernel, loop
-from demlaws.law import SMOOTHEST
-from demlaws.laws.hertz import HertzParams, HertzShape, hertz_coefficient
+from demlaws.core.dispatch import scale, step, stored_and_dissipated
+from demlaws.core.fastmath import callback, from_bits, kernel, loop
+from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.params import SMOOTHEST
+from demlaws.laws.hertz import HertzParams, HertzShape
 
 # Words of the context.
 GO = 0  # the native function that applies the forces
@@ -311,7 +312,7 @@ def _write_state(rule, address, state):
 
 
 def _state_size(rule):
-    from demlaws.unloading import RULES, STATE_NAMES
+    from demlaws.core.unloading import RULES, STATE_NAMES
 
     return next(len(STATE_NAMES[name]) for name, tag in RULES.items() if type(tag) is rule.instance_class)
 

@@ -12,12 +12,16 @@ import numba
 import numpy as np
 
 from demlaws.contact import Contact, Surface
+from demlaws.core.loops import scale_one
+from demlaws.core.params import SMOOTHEST, loading_part
+from demlaws.core.unloading import GIVEN, RULES, STATE_NAMES
 from demlaws.errors import DemlawsError
-from demlaws.law import SMOOTHEST, Law, find, law, loading_part, rebound, rule_and_curve, scale_one
+from demlaws.law import Law
 from demlaws.laws.hertz import HertzShape
+from demlaws.laws.registry import find
+from demlaws.make import law, rebound, rule_and_curve
 from demlaws.surface import HeightMap
 from demlaws.table import Table
-from demlaws.unloading import GIVEN, RULES, STATE_NAMES
 from demlaws.yade import kernel
 
 _MAP = "height map"

@@ -9,8 +9,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-from demlaws.law import example
 from demlaws.liggghts import run
+from demlaws.make import example
 
 START = -3.613e-5  # [m] along x; in its first contact the sphere passes x = 0, an edge of the mesh and the border of two ranks
 FIRST = 600  # steps to the restart file: in the first contact, after x = 0

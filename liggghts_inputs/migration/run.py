@@ -11,8 +11,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-from demlaws.law import example
 from demlaws.liggghts import run
+from demlaws.make import example
 
 
 def law(unloading="hertz"):

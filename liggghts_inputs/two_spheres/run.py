@@ -9,8 +9,8 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-from demlaws.law import example
 from demlaws.liggghts import run
+from demlaws.make import example
 
 
 def law(unloading="hertz"):

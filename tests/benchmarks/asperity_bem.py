@@ -12,8 +12,8 @@ import numpy as np
 from ContactMechanics import make_system
 
 import demlaws as dl
-from demlaws.asperity import RoughContact
 from demlaws.files import write_atomically
+from demlaws.solvers.patches import RoughContact
 from demlaws.surface import self_affine
 
 PIXELS, PIXEL, MODULUS = 256, 0.5e-6, 50e9

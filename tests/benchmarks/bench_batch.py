@@ -24,8 +24,12 @@ import numba
 import numpy as np
 
 import demlaws as dl
-from demlaws.law import _leaves, _map_leaves, _threads, evaluate_loop, example, registry
-from demlaws.unloading import RULES
+from demlaws.core.loops import evaluate_loop
+from demlaws.core.params import leaves, map_leaves
+from demlaws.core.unloading import RULES
+from demlaws.law import _threads
+from demlaws.laws.registry import registry
+from demlaws.make import example
 
 EXTREMES = ("virgin", "mixture")
 FORMS = ("closed", "table")
@@ -120,7 +124,7 @@ def inputs(law, extreme, n, storage):
 
 
 def _arrays(params):
-    return [v for v in _leaves(params) if isinstance(v, np.ndarray) and v.ndim == 1]
+    return [v for v in leaves(params) if isinstance(v, np.ndarray) and v.ndim == 1]
 
 
 def arrays_read(law, overlap, states):
@@ -129,7 +133,7 @@ def arrays_read(law, overlap, states):
     overlap, states = overlap[first], tuple(s[first] for s in states)
 
     def run(spoiled):
-        params = _map_leaves(
+        params = map_leaves(
             lambda v: (
                 (np.full(overlap.size, np.nan) if v is spoiled else v[first])
                 if isinstance(v, np.ndarray) and v.ndim == 1

@@ -7,7 +7,7 @@ import pytest
 from examples import GRANITE, quiet
 
 import demlaws as dl
-from demlaws.axisymmetric import solve_greenwood_tripp
+from demlaws.solvers.axisymmetric import solve_greenwood_tripp
 
 
 @pytest.mark.parametrize("mu", [4.0, 17.0])

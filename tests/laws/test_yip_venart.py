@@ -5,7 +5,7 @@ import pytest
 from examples import GRANITE, granite_numbers, quiet
 
 import demlaws as dl
-from demlaws.axisymmetric import solve_yip_venart
+from demlaws.solvers.axisymmetric import solve_yip_venart
 
 
 def solved(contact, force):

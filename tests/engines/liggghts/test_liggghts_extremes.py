@@ -2,7 +2,7 @@
 
 import pytest
 
-from demlaws import extremes
+from demlaws.measure import extremes
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -26,6 +26,6 @@ def test_extremes():
     ],
 )
 def test_numbers_that_are_none_stop(touching, where, value, message):
-    from demlaws.liggghts.extremes import stopped_by
+    from demlaws.measure.liggghts_extremes import stopped_by
 
     assert message in stopped_by(touching, where, value)

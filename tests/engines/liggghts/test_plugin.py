@@ -10,9 +10,9 @@ from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
-from demlaws.law import example
 from demlaws.liggghts import run
 from demlaws.liggghts.check import two_particles
+from demlaws.make import example
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

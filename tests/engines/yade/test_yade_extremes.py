@@ -2,7 +2,7 @@
 
 import pytest
 
-from demlaws import extremes
+from demlaws.measure import extremes
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
     "law, unloading", [("pohrt-popov", "hertz"), ("rough-plastic", "thornton"), ("greenwood-tripp", "elastic")]
 )
 def test_extremes(omega, law, unloading):
-    from demlaws.yade.extremes import Yade
+    from demlaws.measure.yade_extremes import Yade
 
     (case,) = extremes.cases([law], [unloading])
     found = extremes.measure(Yade(), case, quick=True)
@@ -21,7 +21,7 @@ def test_extremes(omega, law, unloading):
 
 
 def test_numbers_that_are_none_stop_and_name_the_body(omega):
-    from demlaws.yade.extremes import Yade
+    from demlaws.measure.yade_extremes import Yade
 
     found = dict(Yade().stops())
     assert len(found) == 8 and extremes.stop_failures("YADE", found.items()) == []

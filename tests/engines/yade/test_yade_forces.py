@@ -7,8 +7,9 @@ import pytest
 from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
 
 import demlaws as dl
-from demlaws.law import example, find
-from demlaws.unloading import GIVEN, RULES
+from demlaws.core.unloading import GIVEN, RULES
+from demlaws.laws.registry import find
+from demlaws.make import example
 
 TOLERANCE = 1e-14
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -60,7 +61,7 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
     """A contact's row holds only those of its Params that its law's Shape does not hold under the same name."""
     import numba
 
-    from demlaws.dispatch import scale
+    from demlaws.core.dispatch import scale
     from demlaws.yade import kernel
 
     radius = [4e-3, 5e-3] if form == "family" else 4e-3

@@ -445,7 +445,7 @@ def test_laws_by_pair(omega):
 
 
 def test_measured_map_survives_saving():
-    from demlaws.law import find
+    from demlaws.laws.registry import find
     from demlaws.yade.pairs import Pairs, Span
 
     span = {("granite", "granite"): Span((0.005, 0.005), (32e9, 32e9))}

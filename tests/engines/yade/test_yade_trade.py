@@ -4,34 +4,34 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws import peers, scenes, trade
-from demlaws.choose import Scene
-from demlaws.engine_costs import under_yade
+from demlaws.advice.choose import Scene
+from demlaws.measure import candidates, packings, peers, trade
+from demlaws.measure.costs import under_yade
 
-HERTZ = scenes.Way("hertz", "hertz")
-NATIVE = scenes.Way("YADE's Hertz-Mindlin", model="hertz")
+HERTZ = candidates.Way("hertz", "hertz")
+NATIVE = candidates.Way("YADE's Hertz-Mindlin", model="hertz")
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.40e-6, 2.22, 6.266e9)
 
 
 def test_scene():
-    wanted = [scenes.RICHEST, scenes.RICHEST._replace(label="the same, shaken", shaken=True), HERTZ, NATIVE]
+    wanted = [candidates.RICHEST, candidates.RICHEST._replace(label="the same, shaken", shaken=True), HERTZ, NATIVE]
     said = []
-    rough, shaken, hertz, native = scenes.run("yade", scenes.QUICK, wanted, said.append)
+    rough, shaken, hertz, native = packings.run("yade", packings.QUICK, wanted, said.append)
     assert len(said) == 4
     # Hertz by the bridge is YADE's: the same law from the same state
-    same = scenes.errors(hertz, native)
+    same = packings.errors(hertz, native)
     assert abs(same.height) < 1e-9
     assert max(abs(same.low), abs(same.loading)) < 0.01
     # chance is less than what the law makes
-    chance, law = scenes.errors(shaken, rough), scenes.errors(hertz, rough)
+    chance, law = packings.errors(shaken, rough), packings.errors(hertz, rough)
     assert abs(chance.height) < 1e-7 < 3e-6 < law.height < 3e-5  # grains on rough contacts sink by micrometres
     assert abs(chance.low) < 0.05 < 0.2 < law.low < 1.0
     for found in (rough, hertz):
-        assert found.stress == pytest.approx(scenes.QUICK.stress, rel=0.05)
+        assert found.stress == pytest.approx(packings.QUICK.stress, rel=0.05)
         assert found.low < found.loading < found.unloading
         assert 200 < found.forces.size < 400
         # the mean force of a packing under this stress (Rothenburg & Bathurst)
-        assert found.forces.mean() == pytest.approx(0.1 * scenes.QUICK.largest_force, rel=0.4)
+        assert found.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
 
 
 def test_the_conical_damage_model_is_hertz_until_it_yields():
@@ -47,7 +47,13 @@ def test_the_conical_damage_model_is_hertz_until_it_yields():
 
 def test_choice_by_the_cost_of_a_step():
     scene = Scene(
-        (5e-3, 2e-2), scenes.GRANITE, dl.Surface(1.7e-6, 2.22), force=(1.0, 100.0), cyclic=True, tolerance=0.3, engine="yade"
+        (5e-3, 2e-2),
+        candidates.GRANITE,
+        dl.Surface(1.7e-6, 2.22),
+        force=(1.0, 100.0),
+        cyclic=True,
+        tolerance=0.3,
+        engine="yade",
     )
     choices = dl.choose(scene, tables=False)
     assert choices.measured_in == "a step of YADE"
@@ -58,13 +64,14 @@ def test_choice_by_the_cost_of_a_step():
 
 
 def test_costs_and_peers_on_the_picture(tmp_path):
-    from demlaws import plots, plots_choose
+    from demlaws import plots
+    from demlaws.plots import choose as plots_choose
 
-    cdm = scenes.Way("YADE's Conical Damage Model", model="cdm")
-    found = trade.engine_trade("yade", quick=True, chosen=[scenes.RICHEST, HERTZ, NATIVE, cdm])
+    cdm = candidates.Way("YADE's Conical Damage Model", model="cdm")
+    found = trade.engine_trade("yade", quick=True, chosen=[candidates.RICHEST, HERTZ, NATIVE, cdm])
     labels = {e.cost.way.label: e for e in found}
     native, cone = labels["YADE's Hertz-Mindlin"], labels["YADE's Conical Damage Model"]
-    hertz, richest = labels["hertz"], labels[scenes.RICHEST.label]
+    hertz, richest = labels["hertz"], labels[candidates.RICHEST.label]
     assert native.error == pytest.approx(hertz.error, rel=1e-9)
     assert native.error > 1.0
     assert 0.0 < cone.error <= 1.01 * native.error  # below its strength it is Hertz

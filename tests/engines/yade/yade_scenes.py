@@ -6,7 +6,7 @@ from collections import defaultdict
 import numpy as np
 
 import demlaws as dl
-from demlaws.law import example
+from demlaws.make import example
 
 YOUNG, POISSON = 60.6e9, 0.25
 GRANITE = dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)

@@ -1,0 +1,420 @@
+"""Laws fitted to measured points: parameters with uncertainty, and which law the points speak for.
+
+The points are a history of (displacement, force), loading and unloading in any order. A law predicts the overlap of
+each force, given the largest force before it; the displacement at which the bodies first touch is a free parameter, so
+that the zero of the measurement does not matter. Noise is taken as that of the displacement; noise of the force enters
+through the stiffness (effective variance). Laws are ranked by Akaike's information criterion, corrected for few points.
+"""
+
+import itertools
+import math
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one
+from demlaws.core.unloading import GIVEN, RULES
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.law import Law
+from demlaws.laws.registry import find, registry
+from demlaws.make import law as bind_law
+
+ZERO = "zero"
+
+
+class Parameter(NamedTuple):
+    """A quantity that can be fitted."""
+
+    unit: str
+    logarithmic: bool  # fitted and reported as ln(value): positive by nature
+    bounds: object  # contact → (lowest, highest)
+    starts: object  # contact → values to start from
+    option: bool  # of the law, not of the contact
+
+
+PARAMETERS = {
+    "modulus": Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus], False),
+    "roughness": Parameter(
+        "m",
+        True,
+        lambda c: (1e-7 * c.radius, 0.1 * c.radius),
+        lambda c: np.clip(
+            np.array([1.0, 0.2, 5.0]) * (c.roughness if c.roughness > 0 else 3e-4 * c.radius), 2e-7 * c.radius, 0.09 * c.radius
+        ),
+        False,
+    ),
+    "fractal_dimension": Parameter(
+        "", False, lambda c: (2.0, 3.0), lambda c: [c.fractal_dimension or 2.25, 2.1, 2.5, 2.8], False
+    ),
+    "hardness": Parameter(
+        "Pa", True, lambda c: (1e-3 * c.modulus, 10 * c.modulus), lambda c: [c.hardness or 0.2 * c.modulus], False
+    ),
+    "slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], True),
+    "yield_pressure": Parameter(
+        "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.geomspace(0.01, 0.3, 6), True
+    ),
+    "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [4.0], True),
+}
+DEFAULT_FREE = {
+    "hertz": ("modulus",),
+    "rms": ("roughness",),
+    "pohrt-popov": ("roughness", "fractal_dimension"),
+    "goddard": ("slope",),
+    "rough-plastic": ("roughness", "fractal_dimension", "yield_pressure"),
+    "bahrami": ("roughness",),
+    "yip-venart": ("roughness",),
+    "greenwood-tripp": ("roughness",),
+}
+"""What is fitted unless the user says otherwise. The modulus is a material constant that loading alone cannot tell from
+the roughness, so that it is free only for Hertz or on request."""
+_FAMILY_SPAN = 12.0  # Yip-Venart's curves are solved once over this factor of roughness either way
+
+
+class Estimate(NamedTuple):
+    """A fitted value, SI. low and high: 95 % interval (Student's t in the fitted coordinate)."""
+
+    value: float
+    error: float  # standard error; nan where the points do not determine it
+    low: float
+    high: float
+    note: str = ""
+
+
+class Fit(NamedTuple):
+    """One law, fitted."""
+
+    name: str
+    unloading: str
+    parameters: dict  # name → Estimate; "zero" is the displacement [m] at which the bodies touch
+    covariance: np.ndarray  # of the fitted coordinates: ln(value) of positive quantities, else the value
+    coordinates: tuple  # names, in the order of covariance
+    misfit: float  # root mean square difference in displacement [m]
+    aicc: float
+    delta: float  # aicc less the best law's
+    weight: float  # Akaike weight: probability of being the best of the laws tried
+    chi_squared: float  # per degree of freedom, where the noise was given; else nan
+    law: Law
+    displacement: np.ndarray  # predicted [m], for each point used
+    notes: tuple
+
+    @property
+    def contact(self):
+        return self.law.contact
+
+
+class Ranking(list):
+    """Fits from the best to the worst, with what was left aside."""
+
+    def __init__(self, fits, skipped, points):
+        super().__init__(fits)
+        self.skipped = skipped  # name → reason
+        self.points = points  # displacement and force of the points used, in their order
+
+    @property
+    def best(self):
+        return self[0]
+
+
+def history(law, force):
+    """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts on a virgin contact."""
+    peak = np.maximum.accumulate(force)
+    top, load, stiffness = (np.empty(force.size) for _ in range(3))
+    inverse_loop(law.params, peak, top)
+    if not law.state_size:
+        overlap = np.empty(force.size)
+        inverse_loop(law.params, force, overlap)
+        evaluate_loop(law.rule, law.params, overlap, (), load, stiffness)
+        return overlap, stiffness
+    state = law.new_state(force.size)
+    evaluate_loop(law.rule, law.params, top, state.arrays, load, stiffness)
+    ratio = state.radius_ratio if "radius_ratio" in law.state_names else 1.0
+    elastic = np.cbrt(force / (law.params.hertz_coefficient * np.sqrt(ratio))) ** 2
+    falling = force < peak
+    return np.where(falling, state.plastic_overlap + elastic, top), np.where(falling, 1.5 * force / elastic, stiffness)
+
+
+def _arrays(points):
+    """Displacement and force of (n, 2) values or granite.Points, without the points that carry no force."""
+    if hasattr(points, "displacement"):
+        displacement, force = np.asarray(points.displacement, float), np.asarray(points.force, float)
+    else:
+        try:
+            array = np.asarray(points, dtype=float)
+        except (TypeError, ValueError):
+            raise DemlawsError("points must be numbers: an array of shape (n, 2), displacement in m and force in N") from None
+        if array.ndim != 2 or array.shape[1] != 2:
+            raise DemlawsError(f"points have shape {array.shape}: give (n, 2), displacement in m and force in N")
+        displacement, force = array.T
+    if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(force))):
+        raise DemlawsError("points contain NaN or infinite values: remove those rows")
+    keep = force > 0.0
+    return displacement[keep], force[keep], int(np.sum(~keep))
+
+
+class _Model:
+    """A law with some quantities free: coordinates in, predicted displacement out."""
+
+    def __init__(self, name, contact, unloading, free, options):
+        self.definition = find(name)
+        self.unloading, self.free = unloading, tuple(free)
+        self.known = {PARAMETERS[n].option: {} for n in PARAMETERS}
+        fill = {}
+        for field in (*self.definition.needs, *(("fractal_dimension",) if name == "rough-plastic" else ())):
+            if getattr(contact, field) is None:
+                if field not in free:
+                    raise DemlawsError(f"{name} needs the contact's {field}: give it, or let it be fitted")
+                fill[field] = float(PARAMETERS[field].starts(contact)[0])
+        self.contact = contact.with_values(**fill)
+        self.options = dict(options)
+        self.family = None
+        if self.definition.name == "yip-venart" and ({"roughness", "modulus", "hardness"} & set(free)):
+            self._solve_family()
+
+    def _solve_family(self):
+        """One family of curves over the roughnesses in question, in place of a solution for each trial."""
+        start = float(PARAMETERS["roughness"].starts(self.contact)[0])
+        span = np.array([start / _FAMILY_SPAN, min(start * _FAMILY_SPAN, 0.09 * self.contact.radius)])
+        many = self.contact.with_values(radius=np.full(2, self.contact.radius), roughness=span)
+        self.family = self.definition.prepare(many, **{"rtol": 1e-3, **self.options})
+        self.span = span
+
+    def bounds(self):
+        pairs = []
+        for name in self.free:
+            low, high = PARAMETERS[name].bounds(self.contact)
+            if self.family is not None and name == "roughness":
+                low, high = self.span * (1.001, 0.999)
+            pairs.append((math.log(low), math.log(high)) if PARAMETERS[name].logarithmic else (low, high))
+        return np.array(pairs).reshape(-1, 2).T
+
+    def starts(self):
+        low, high = self.bounds()
+        choices = [np.atleast_1d(PARAMETERS[n].starts(self.contact)).astype(float) for n in self.free]
+        choices = [np.log(c) if PARAMETERS[n].logarithmic else c for n, c in zip(self.free, choices, strict=True)]
+        inside = [np.clip(c, a + 1e-9 * (b - a), b - 1e-9 * (b - a)) for c, a, b in zip(choices, low, high, strict=True)]
+        return [np.array(s) for s in itertools.product(*inside)]
+
+    def values(self, coordinates):
+        return {
+            n: float(math.exp(x) if PARAMETERS[n].logarithmic else x)
+            for n, x in zip(self.free, coordinates[: len(self.free)], strict=True)
+        }
+
+    def law(self, coordinates):
+        values = self.values(coordinates)
+        contact = self.contact.with_values(**{n: v for n, v in values.items() if not PARAMETERS[n].option})
+        options = {**self.options, **{n: v for n, v in values.items() if PARAMETERS[n].option}}
+        if self.family is not None and "hardness" not in values:
+            params = scale_one(self.family, contact.radius, contact.modulus, contact.roughness)
+            return Law(self.definition, contact, self.unloading, options, self.family, params)
+        shape = self.definition.prepare(contact, **options)
+        return Law(self.definition, contact, self.unloading, options, shape)
+
+    def overlap(self, coordinates, force):
+        overlap, stiffness = history(self.law(coordinates), force)
+        bad = ~np.isfinite(overlap)
+        if np.any(bad):  # out of a curve's range: far away rather than not a number
+            overlap = np.where(bad, 1e3 * self.contact.radius, overlap)
+        return overlap, stiffness
+
+
+def fit(points, contact, laws=None, unloading=None, free=None, options=None, displacement_noise=None, force_noise=0.0):
+    """Fit laws to measured points and rank them: a `Ranking` of `Fit`, the best first.
+
+    points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
+    `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
+    map); unloading: one rule (default: each that the law takes, if the points unload; else elastic); free: names of the
+    fitted quantities among `fit.PARAMETERS` (default: `fit.DEFAULT_FREE`); options: law name → options that stay as
+    they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
+    uncertainty, else the scatter of the points about the law does.
+
+    Raises DemlawsError for points that cannot determine anything. A law that cannot be fitted is listed in `.skipped`.
+    """
+    if not isinstance(contact, Contact) or contact.size is not None:
+        raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
+    displacement, force, dropped = _arrays(points)
+    names = [find(n).name for n in ([laws] if isinstance(laws, str) else laws or _default_laws())]
+    if force_noise and displacement_noise is None:
+        raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weighs the points")
+    for label, value in (("displacement_noise [m]", displacement_noise), ("force_noise [N]", force_noise)):
+        if value is not None and not (math.isfinite(value) and value >= 0.0):
+            raise DemlawsError(f"{label} = {value}: must be finite and not negative")
+    unknown = [n for n in free or () if n not in PARAMETERS]
+    if unknown:
+        raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(PARAMETERS)}")
+    falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
+    fits, skipped = [], {}
+    for name in names:
+        wanted = [n for n in (free or DEFAULT_FREE.get(name, ())) if _applies(n, name)]
+        if force.size < len(wanted) + 4:
+            raise DemlawsError(f"{force.size} points with a force above 0: at least {len(wanted) + 4} are needed for {name}")
+        for rule in [unloading] if unloading else _rules(name, falls):
+            if rule == GIVEN or rule not in RULES:  # a given curve has no parameters of the law's
+                known = ", ".join(name for name in RULES if name != GIVEN)
+                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
+            label = name if rule == "elastic" else f"{name}, {rule} unloading"
+            try:
+                model = _Model(name, contact, rule, wanted, (options or {}).get(name, {}))
+                fits.append(_fit_one(model, displacement, force, displacement_noise, force_noise))
+            except DemlawsError as error:
+                skipped[label] = str(error)
+    if not fits:
+        raise DemlawsError("no law could be fitted: " + "; ".join(f"{k}: {v}" for k, v in skipped.items()))
+    if dropped:
+        skipped[f"{dropped} points"] = "they carry no force: any displacement before contact fits them"
+    fits.sort(key=lambda f: f.aicc)
+    best = fits[0].aicc
+    total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
+    ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
+    return Ranking(ranked, skipped, (displacement, force))
+
+
+def _default_laws():
+    return [name for name, definition in registry().items() if not definition.needs_map]
+
+
+def _applies(parameter, name):
+    """Whether a law depends on a parameter."""
+    if parameter == "modulus":
+        return True
+    return parameter in {
+        "hertz": (),
+        "rms": ("roughness",),
+        "pohrt-popov": ("roughness", "fractal_dimension"),
+        "goddard": ("slope",),
+        "rough-plastic": ("roughness", "fractal_dimension", "yield_pressure"),
+        "bahrami": ("roughness", "hardness"),
+        "yip-venart": ("roughness", "hardness"),
+        "greenwood-tripp": ("roughness", "mu"),
+    }.get(name, ())
+
+
+def _rules(name, falls):
+    if not falls or name == "hertz":  # Hertz unloads along its own curve anyway
+        return ["elastic"]
+    return ["elastic", "hertz", "thornton"] if name == "rough-plastic" else ["elastic", "hertz"]
+
+
+def _fit_one(model, displacement, force, displacement_noise, force_noise):
+    from scipy.optimize import least_squares
+
+    scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
+    sigma = np.full(force.size, displacement_noise or scale)
+    low, high = model.bounds()
+
+    def residual(x):
+        return (displacement - x[-1] * scale - model.overlap(x, force)[0]) / sigma
+
+    def start(s):  # the zero that suits these values best
+        x = np.append(s, 0.0)
+        r = residual(x) * sigma
+        weights = 1.0 / sigma**2
+        x[-1] = float(np.sum(weights * r) / np.sum(weights)) / scale
+        return float(np.sum(residual(x) ** 2)), x
+
+    limits = (np.append(low, -np.inf), np.append(high, np.inf))
+    # the stiffness that turns force noise into displacement noise comes from the fit itself: two more rounds
+    for _ in range(3 if force_noise else 1):
+        trials = [
+            least_squares(residual, x, bounds=limits, x_scale="jac", max_nfev=12) for x in _spread(map(start, model.starts()))
+        ]
+        best = sorted(trials, key=lambda t: t.cost)[:2]
+        solutions = [
+            least_squares(residual, t.x, bounds=limits, jac="3-point", x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+            for t in best
+        ]
+        solution = min(solutions, key=lambda s: s.cost)
+        if force_noise:
+            sigma = np.hypot(displacement_noise, force_noise / model.overlap(solution.x, force)[1])
+    return _report(model, solution, displacement, force, scale, sigma, displacement_noise is not None)
+
+
+def _spread(scored, most=6):
+    """The best starts, one for each value of the last free quantity: a yield pressure that no load reaches has no slope."""
+    chosen = {}
+    for cost, x in scored:
+        key = float(x[-2]) if x.size > 1 else 0.0
+        if key not in chosen or cost < chosen[key][0]:
+            chosen[key] = cost, x
+    return [x for _, x in sorted(chosen.values(), key=lambda pair: pair[0])[:most]]
+
+
+def _report(model, solution, displacement, force, scale, sigma, absolute):
+    from scipy import stats
+
+    n, k = force.size, solution.x.size
+    rss = 2.0 * solution.cost
+    freedom = n - k
+    variance = 1.0 if absolute else rss / freedom
+    # a parameter at its bound, or without effect, is left out of the covariance
+    low, high = model.bounds()
+    size = np.linalg.norm(solution.jac, axis=0)
+    width = high - low
+    at_bound = np.append(np.minimum(solution.x[:-1] - low, high - solution.x[:-1]) < 1e-6 * width, False)
+    idle = size <= 1e-10 * max(size[-1], 1e-300)
+    used = ~(at_bound | idle)
+    jacobian = solution.jac[:, used] / size[used]
+    _, singular, right = np.linalg.svd(jacobian, full_matrices=False)
+    covariance = np.full((k, k), np.nan)
+    weak = np.zeros(k, bool)
+    if singular[-1] > 1e-7 * singular[0]:
+        inverse = (right.T / singular**2) @ right
+        covariance[np.ix_(used, used)] = variance * inverse / np.outer(size[used], size[used])
+    else:
+        weak = used.copy()
+    unit = np.append(np.ones(k - 1), scale)
+    covariance *= np.outer(unit, unit)
+    quantile = float(stats.norm.ppf(0.975) if absolute else stats.t.ppf(0.975, freedom))
+    estimates = {}
+    coordinates = (*model.free, ZERO)
+    final = np.append(solution.x[:-1], solution.x[-1] * scale)
+    for i, name in enumerate(coordinates):
+        logarithmic = name != ZERO and PARAMETERS[name].logarithmic
+        error = math.sqrt(covariance[i, i]) if covariance[i, i] >= 0 else math.nan
+        ends = final[i] - quantile * error, final[i] + quantile * error
+        if name == "fractal_dimension":
+            ends = max(ends[0], 2.0), min(ends[1], 3.0)
+        note = "at its bound" if at_bound[i] else "without effect on these points" if idle[i] else ""
+        note = "these points do not tell it from the others" if weak[i] else note
+        if logarithmic:
+            value = math.exp(final[i])
+            with np.errstate(over="ignore"):
+                estimates[name] = Estimate(value, value * error, float(np.exp(ends[0])), float(np.exp(ends[1])), note)
+        else:
+            estimates[name] = Estimate(float(final[i]), error, float(ends[0]), float(ends[1]), note)
+    # Gaussian likelihood: with known noise, or with the scatter as one more parameter
+    if absolute:
+        minus_two_log = rss + 2.0 * float(np.sum(np.log(sigma))) + n * math.log(2.0 * math.pi)
+        count = k
+    else:
+        floor = (1e-15 * scale) ** 2  # points without any noise would have an infinite likelihood
+        minus_two_log = n * (math.log(2.0 * math.pi * max(rss / n * scale**2, floor)) + 1.0)
+        count = k + 1
+    aicc = minus_two_log + 2.0 * count + (2.0 * count * (count + 1.0) / (n - count - 1.0) if n > count + 1 else math.inf)
+    overlap, _ = model.overlap(solution.x, force)
+    difference = displacement - final[-1] - overlap
+    notes = []
+    spread = float(np.sum(difference**2))
+    if n >= 20 and spread > 0 and float(np.sum(difference[1:] * difference[:-1])) > 0.5 * spread:
+        notes.append("the misfit is systematic, not scatter: the stated uncertainty is too small")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        best = model.law(solution.x)
+        ready = bind_law(best.name, best.contact, best.unloading, **best.options)  # refuses a pair that is not passive
+    return Fit(
+        model.definition.name,
+        model.unloading,
+        estimates,
+        covariance,
+        coordinates,
+        float(np.sqrt(np.mean(difference**2))),
+        aicc,
+        0.0,
+        1.0,
+        rss / freedom if absolute else math.nan,
+        ready,
+        overlap + final[-1],
+        tuple(notes),
+    )

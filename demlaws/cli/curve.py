@@ -1,0 +1,177 @@
+"""`demlaws curve` (one law, one contact, any path) and `demlaws table` (a certified table)."""
+
+from pathlib import Path
+
+from demlaws.cli import example, option
+from demlaws.errors import DemlawsError
+
+
+def add_law_arguments(parser):
+    """Arguments that name a law and its contact."""
+    parser.add_argument("--law", required=True, help="name of the law (demlaws curve --law ? lists them)")
+    parser.add_argument(
+        "--unloading",
+        default="elastic",
+        help="elastic, hertz, thornton, or a table file whose curve the contact unloads along (default: elastic)",
+    )
+    parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
+    curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
+    curve.add_argument("--unloading-law", help="name of that law")
+    curve.add_argument(
+        "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
+    )
+    curve.add_argument("--unloading-roughness", type=float, help="its σ in m (default: the contact's)")
+    curve.add_argument("--unloading-radius", type=float, help="its R in m (default: the contact's)")
+    add_contact_arguments(parser)
+
+
+def add_contact_arguments(parser):
+    """Arguments that describe one contact."""
+    contact = parser.add_argument_group("contact (SI units), or --test for one of the granite tests")
+    contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
+    contact.add_argument("--radius", type=float, help="effective radius R in m")
+    contact.add_argument("--modulus", type=float, help="effective modulus E* in Pa")
+    contact.add_argument("--young", type=float, help="Young's modulus of both bodies in Pa, in place of --modulus")
+    contact.add_argument("--poisson", type=float, help="Poisson's ratio of both bodies, with --young")
+    contact.add_argument("--roughness", type=float, help="combined rms roughness σ in m (default 0)")
+    contact.add_argument("--fractal-dimension", type=float, help="Df from 2 to 3")
+    contact.add_argument("--hardness", type=float, help="hardness in Pa")
+
+
+def law_from(arguments):
+    """The law that the arguments name."""
+    from demlaws import granite
+    from demlaws.laws.registry import find
+    from demlaws.make import law
+
+    definition = find(arguments.law)
+    options = dict(arguments.option)
+    if arguments.test is not None:
+        options = {**granite.options_for(definition.name, granite.find_test(arguments.test)), **options}
+    contact = contact_from(arguments)
+    return law(definition.name, contact, _unloading_from(arguments, contact), **options)
+
+
+def _unloading_from(arguments, contact):
+    """A rule, or the law whose curve the contact unloads along."""
+    from demlaws import granite
+    from demlaws.laws.registry import find
+    from demlaws.make import law
+
+    changes = {n: getattr(arguments, f"unloading_{n}") for n in ("roughness", "radius")}
+    changes = {name: value for name, value in changes.items() if value is not None}
+    if arguments.unloading_law is None:
+        if changes or arguments.unloading_option:
+            raise DemlawsError(
+                "--unloading-option, -roughness and -radius describe the curve of --unloading-law: name that law"
+            )
+        return arguments.unloading
+    if arguments.unloading not in ("elastic", "table"):
+        raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
+    options = dict(arguments.unloading_option)
+    if arguments.test is not None:
+        options = {**granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test)), **options}
+    return law(arguments.unloading_law, contact.with_values(**changes), **options)
+
+
+def contact_from(arguments):
+    """The contact that the arguments describe."""
+    from demlaws import granite
+    from demlaws.contact import Contact, Material
+
+    changes = {n: getattr(arguments, n) for n in ("radius", "modulus", "roughness", "fractal_dimension", "hardness")}
+    changes = {name: value for name, value in changes.items() if value is not None}
+    if (arguments.young is None) != (arguments.poisson is None):
+        raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
+    if arguments.young is not None:
+        if arguments.modulus is not None:
+            raise DemlawsError("give either --modulus or --young with --poisson")
+        changes["modulus"] = 0.5 * Material(arguments.young, arguments.poisson).plane_modulus
+    if arguments.test is not None:
+        return granite.find_test(arguments.test).contact.with_values(**changes)
+    missing = [f"--{n}" for n in ("radius", "modulus") if n not in changes]
+    if missing:
+        raise DemlawsError(f"{' and '.join(missing)} missing: give the contact, or --test for a granite test's")
+    return Contact(**changes)
+
+
+def register(subparsers):
+    curve = subparsers.add_parser(
+        "curve",
+        help="one law, one contact, any path",
+        description="Takes one contact along a path of forces or overlaps and writes the curve.",
+        **example(
+            '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
+            "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 1e-3 --modulus 3.2e10 \\\n"
+            "      --roughness 5e-6 --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
+        ),
+    )
+    add_law_arguments(curve)
+    way = curve.add_mutually_exclusive_group(required=True)
+    way.add_argument("--forces", type=float, nargs="+", metavar="N", help="turning points in N, from 0")
+    way.add_argument("--overlaps", type=float, nargs="+", metavar="M", help="turning points in m, from 0")
+    curve.add_argument("--steps", type=int, default=200, help="steps a branch (default 200)")
+    curve.add_argument("--csv", type=Path, help="file to write the curve to (default: print 20 rows)")
+    curve.add_argument("--figure", type=Path, help="picture to draw (png, pdf, svg)")
+    curve.set_defaults(func=run_curve)
+
+    table = subparsers.add_parser(
+        "table",
+        help="a law as a certified table",
+        description="Writes the dimensionless force and stiffness table of a law, with its certificate in the header.",
+        **example(
+            '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
+            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
+            "      --unloading-law pohrt-popov --unloading-roughness 0.5e-6"
+        ),
+    )
+    add_law_arguments(table)
+    table.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance in force and stiffness (default 1e-5)")
+    table.add_argument("--max-force", type=float, help="end of the table in N (default: overlap of a tenth of the radius)")
+    table.add_argument("--out", type=Path, required=True, help="file to write")
+    table.add_argument("--figure", type=Path, help="picture of the table and its errors")
+    table.set_defaults(func=run_table)
+
+
+def run_curve(arguments):
+    from demlaws import driver, granite, plots
+
+    law = law_from(arguments)
+    if arguments.forces is not None:
+        path = driver.force_controlled(law, arguments.forces, arguments.steps)
+    else:
+        path = driver.displacement_controlled(law, arguments.overlaps, arguments.steps)
+    if arguments.csv is not None:
+        print(f"{granite.save_path(arguments.csv, path)}: {path.overlap.size} points")
+    else:
+        print(f"{'overlap (µm)':>14} {'force (N)':>12} {'K (N/mm)':>12} {'plastic (µm)':>13} {'work (J)':>12}")
+        every = max(1, path.overlap.size // 20)
+        for row in list(zip(path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, strict=True))[::every]:
+            print(f"{row[0] * 1e6:14.4f} {row[1]:12.5g} {row[2] / 1e3:12.5g} {row[3] * 1e6:13.4f} {row[4]:12.4g}")
+    if arguments.figure is not None:
+        curve = law.unloading_law
+        title = f"{law.name}, {f'{law.unloading} unloading' if curve is None else f'unloading along {curve.name}'}"
+        print(plots.save(plots.path_figure(path, title), arguments.figure))
+
+
+def run_table(arguments):
+    from demlaws import plots
+
+    law = law_from(arguments)
+    table = law.tabulate(arguments.rtol, arguments.max_force)
+    table.save(arguments.out)
+    print(
+        f"{arguments.out}: {table.nodes.u.size} rows, {2 ** (52 - table.loading_shape.shift)} cells an octave, "
+        f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
+        f"stiffness {table.stiffness_error:.1e}"
+    )
+    curve = table.unloading_law
+    if curve is not None:
+        print(
+            f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
+            f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
+        )
+    if not table.collapses:
+        print(f"the curve of {law.name!r} has no single dimensionless form: this table holds for this contact only")
+    if arguments.figure is not None:
+        print(plots.save(plots.table_figure(table, law), arguments.figure))

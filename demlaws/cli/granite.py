@@ -1,0 +1,179 @@
+"""`demlaws granite`: the granite tests with every law, tables, claims, CSV files and figures."""
+
+import math
+import shutil
+import textwrap
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.cli import example
+from demlaws.errors import DemlawsError, ValidityWarning
+
+
+def register(subparsers):
+    parser = subparsers.add_parser(
+        "granite",
+        help="reproduce the granite contact tests with every law",
+        description="Runs the seven granite tests of Altuhafi, Baudet & Coop 2023 with every law; prints displacement and "
+        "stiffness per test and the paper's claims with verdicts; writes CSV files and figures.",
+        **example(
+            "  demlaws granite --out granite\n"
+            '  demlaws granite --test "SS(18-18)" --law pohrt-popov --data my_points.csv --out mine\n\n'
+            "my_points.csv: two columns with units in the header, for instance\n"
+            "  displacement (um),force (N)"
+        ),
+    )
+    parser.add_argument("--test", help="one test only, for instance SS(18-18)")
+    parser.add_argument("--law", help="one law only")
+    parser.add_argument("--data", type=Path, help="CSV file of measured points to overlay; needs --test")
+    parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
+    parser.set_defaults(func=run)
+
+
+def run(arguments):
+    from tqdm import tqdm
+
+    from demlaws import granite
+    from demlaws.laws.registry import find
+
+    tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
+    names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
+    points = {}
+    if arguments.data is not None:
+        if arguments.test is None:
+            raise DemlawsError(f"--data {arguments.data} needs --test: say which test the points belong to")
+        points[tests[0].name] = granite.read_points(arguments.data)
+    jobs = [(test, name) for test in tests for name in names]
+    runs, notes = {}, {}
+    with tqdm(jobs, desc="granite", unit="run", leave=False, disable=None) as progress:
+        for test, name in progress:
+            progress.set_postfix_str(f"{test.name} {name}")
+            result, messages = granite.run_test(name, test)
+            runs.setdefault(test.name, []).append(result)
+            notes[test.name, name] = messages
+    print_tables(granite, tests, runs, notes, points)
+    found = [] if arguments.test or arguments.law else granite.claims(points)
+    if found:
+        print_claims(found)
+    with warnings.catch_warnings():  # what was to be said has been printed with the tables
+        warnings.simplefilter("ignore", ValidityWarning)
+        files = write_csv(granite, arguments.out, tests, runs, notes, found)
+        files += draw(granite, arguments.out, tests, runs, points, whole=not (arguments.test or arguments.law))
+    print(f"\n{len(files)} files written to {arguments.out}/")
+
+
+def print_tables(granite, tests, runs, notes, points):
+    for test in tests:
+        low, high, loads = granite.forces_of(test)
+        print(
+            f"\n{test.name}: R = {test.radius * 1e3:.2f} mm, σ = {test.roughness * 1e6:.2f} µm, Df = {test.fractal_dimension}, "
+            f"E* = {test.contact.modulus / 1e9:.2f} GPa, H = {test.contact.hardness / 1e9:.3f} GPa"
+        )
+        if test.assumed:
+            print(f"  note: {test.assumed}")
+        print(f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)")
+        measured = points.get(test.name)
+        for row, result in zip(granite.table_of(test, runs[test.name], notes), runs[test.name], strict=True):
+            misfit = f"   misfit {measured.misfit(result.law) * 1e6:.2f} µm" if measured else ""
+            print(f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness) + misfit)
+        for result in runs[test.name]:
+            if test.cyclic and result.law.name == "rough-plastic":
+                print_stages(granite, result)
+            for message in notes[test.name, result.law.name]:
+                print(f"  warning: {message}")
+
+
+def print_stages(granite, result):
+    print(f"  {result.law.name}, {result.law.unloading} unloading, p_y = {result.test.yield_pressure / 1e9:.2f} GPa")
+    print(f"    {'stage':>5} {'to (N)':>7} {'reload K/K_H':>13} {'K at maximum (N/mm)':>20} {'plastic overlap (µm)':>21}")
+    for s in granite.stages_of(result):
+        reload = f"{s.over_hertz:13.3f}" if math.isfinite(s.over_hertz) else f"{'first':>13}"
+        print(
+            f"    {s.stage:5} {s.maximum_force:7.0f} {reload} {s.final_stiffness / 1e3:20.0f} {s.plastic_overlap * 1e6:21.2f}"
+        )
+
+
+def print_claims(found):
+    width = max(80, min(150, shutil.get_terminal_size((120, 24)).columns))
+    print("\nClaims of the paper against the runs")
+    for claim in found:
+        print(f"  {claim.test}: {claim.claim}")
+        for line in textwrap.wrap(claim.gives, width - 8):
+            print(f"      {line}")
+        print(f"      → {claim.verdict}")
+    counts = {verdict: sum(c.verdict == verdict for c in found) for verdict in dict.fromkeys(c.verdict for c in found)}
+    print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))
+
+
+def write_csv(granite, out, tests, runs, notes, found):
+    files, summary = [], []
+    for test in tests:
+        low, high, loads = granite.forces_of(test)
+        for row, result in zip(granite.table_of(test, runs[test.name], notes), runs[test.name], strict=True):
+            k = dict(zip(loads, row.stiffness, strict=True))
+            summary.append([test.name, row.law, f"{low:g}-{high:g}", row.displacement, k[1.0], k[10.0], row.note])
+            for number, path in enumerate(result.paths, start=1):
+                stage = f"-stage{number}" if len(result.paths) > 1 else ""
+                files.append(granite.save_path(out / f"{test.key}-{row.law}{stage}.csv", path))
+        if test.cyclic:
+            for result in runs[test.name]:
+                rows = [
+                    [s.stage, s.maximum_force, s.reload_stiffness, s.over_hertz, s.final_stiffness, s.plastic_overlap]
+                    for s in granite.stages_of(result)
+                ]
+                titles = [
+                    "stage",
+                    "maximum force (N)",
+                    "reload stiffness (N/m)",
+                    "over Hertz",
+                    "stiffness at maximum (N/m)",
+                    "plastic overlap (m)",
+                ]
+                files.append(granite.save_csv(out / f"{test.key}-{result.law.name}-cycles.csv", titles, rows))
+    titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
+    files.append(granite.save_csv(out / "summary.csv", titles, summary))
+    if found:
+        files.append(granite.save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], [list(c) for c in found]))
+    return files
+
+
+def draw(granite, out, tests, runs, points, whole):
+    from demlaws import plots
+
+    if not plots.available():
+        print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
+        return []
+    files = []
+
+    def keep(name, figure):
+        files.append(plots.save(figure, out / f"{name}.png"))
+
+    by_name = {test.name: test for test in tests}
+    for test in tests:
+        keep(f"force-{test.key}", plots.granite_force(test, runs[test.name], points.get(test.name)))
+        if not test.cyclic and len(test.stages[0]) == 2:
+            elastic = [granite.bind(r.law.name, test, "elastic") for r in runs[test.name]]
+            hertz = granite.run_test("pohrt-popov", test)[0].paths[0]
+            keep(f"unloading-{test.key}", plots.granite_unloading(test, elastic, hertz, points.get(test.name)))
+        for result in runs[test.name]:
+            if test.cyclic and result.law.name == "rough-plastic":
+                keep(f"cycles-{test.key}", plots.granite_cycles(result, granite.stages_of(result)))
+    if not whole:
+        return files
+    keep("stiffness", plots.granite_stiffness([(by_name[n], runs[n]) for n in granite.ROUGH_SPHERES]))
+    first = by_name["SS(18-18)"]
+    pair = [granite.bind(n, first, "elastic") for n in ("hertz", "pohrt-popov")]
+    keep("crossover-ss-18-18", plots.granite_crossover(first, pair, granite.threshold_force(first)))
+    trio = [by_name[n] for n in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
+    keep("roughness", plots.granite_roughness(trio, lambda name, test: granite.bind(name, test, "elastic")))
+    series = []
+    for name in ("RFC10", "FC5"):
+        result = next(r for r in runs[name] if r.law.name == "rough-plastic")
+        stages = granite.stages_of(result)
+        series.append((name, [s for s in stages if s.stage == (4 if name == "FC5" else 1)]))
+    keep("plastic-overlap", plots.granite_plastic(series))
+    alpha = np.geomspace(0.03, 30.0, 60)
+    keep("effective-radius", plots.granite_radius(alpha, granite.effective_radius(alpha)))
+    return files

@@ -1,0 +1,116 @@
+"""`demlaws stability`: the extremes, measured."""
+
+from pathlib import Path
+
+from demlaws.cli import example
+
+
+def register(subparsers):
+    parser = subparsers.add_parser(
+        "stability",
+        help="measure every law at the extremes",
+        description="Per law, unloading rule and evaluation: values not finite, paths that return work, rounding errors, "
+        "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if something is not as it must be.",
+        **example(
+            "  demlaws stability --law pohrt-popov --paths 1e6\n  demlaws stability --paths 1e7 --csv stability.csv\n"
+            "  demlaws stability --law hertz --paths 0 --yade --liggghts"
+        ),
+    )
+    parser.add_argument("--law", action="append", help="only this law (may be repeated)")
+    parser.add_argument("--unloading", action="append", help="only this rule (may be repeated)")
+    parser.add_argument("--evaluation", action="append", choices=("closed form", "table"), help="only this evaluation")
+    parser.add_argument(
+        "--paths", type=float, default=1e5, help="random load paths in all, shared by the cases; 0: engines only (default 1e5)"
+    )
+    parser.add_argument("--cycles", type=float, default=1e6, help="tiny cycles a case (default 1e6)")
+    parser.add_argument("--csv", type=Path, help="file to write every figure to")
+    parser.add_argument(
+        "--figure", type=Path, help="picture to draw: energy gain by steps per contact, rounding by decade, stable step"
+    )
+    parser.add_argument("--yade", action="store_true", help="also inside YADE: two spheres, and a thousand (some minutes)")
+    parser.add_argument("--liggghts", action="store_true", help="also inside LIGGGHTS")
+    parser.add_argument("--engines", action="store_true", help="also inside those of the two that are installed")
+    parser.add_argument("--quick", action="store_true", help="engines: fewer and shorter paths, 200 spheres")
+    parser.set_defaults(func=run)
+
+
+def run(arguments):
+    from demlaws import granite, plots
+    from demlaws.checks import number
+    from demlaws.laws.registry import find
+    from demlaws.measure import stability
+    from demlaws.plots import choose as plots_choose
+
+    laws = [find(n).name for n in arguments.law] if arguments.law else None
+    paths = int(number(arguments.paths, "--paths", low=0.0, allow_low=True))
+    cycles = int(number(arguments.cycles, "--cycles", low=100.0, allow_low=True))
+    rows, problems = [], []
+    if paths:
+        rows = _laws(arguments, laws, paths, cycles)
+        problems += stability.failures(rows)
+    inside = _engines(arguments, laws, problems)
+    if arguments.csv is not None:
+        if rows:
+            print(granite.save_csv(arguments.csv, stability.TITLES, map(stability.csv_row, rows)))
+        if inside:
+            from demlaws.measure import extremes
+
+            path = arguments.csv.with_name(f"{arguments.csv.stem}_engines{arguments.csv.suffix}") if rows else arguments.csv
+            print(granite.save_csv(path, extremes.TITLES, map(extremes.csv_row, inside)))
+    if arguments.figure is not None:
+        print(plots.save(plots_choose.stability_figure(rows, inside), arguments.figure))
+    for problem in problems:
+        print(f"FAILS: {problem}")
+    return 1 if problems else 0
+
+
+def _laws(arguments, laws, paths, cycles):
+    """Figures of the compiled laws, printed as they come."""
+    from tqdm import tqdm
+
+    from demlaws.measure import stability
+
+    todo = stability.cases(laws, arguments.unloading, arguments.evaluation or ("closed form", "table"))
+    rows = []
+    with tqdm(todo, desc="stability", unit="case", leave=False, disable=None) as progress:
+        for case in progress:
+            progress.set_postfix_str(", ".join(case))
+            rows.append(stability.measure(case, max(1000, paths // len(todo)), cycles))
+            lines = stability.table(rows).split("\n")
+            progress.write("\n".join(lines if len(rows) == 1 else lines[-1:]))
+    print(
+        f"\n{sum(r.paths for r in rows)} paths; gain: largest energy gain of an impact, 1e-6 to 100 m/s, any phase of the step"
+    )
+    return rows
+
+
+def _engines(arguments, laws, problems):
+    """Figures from inside the engines that were asked for, printed as they come; what is wrong is added to `problems`."""
+    from tqdm import tqdm
+
+    from demlaws.measure import extremes
+
+    wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts}
+    rows = []
+    for engine in extremes.ENGINES:
+        if not wanted[engine]:
+            reason = extremes.missing(engine) if arguments.engines else ""
+            if reason:
+                print(f"{engine}: not measured: {reason}")
+            if reason is not None:
+                continue
+        count = len(extremes.cases(laws, arguments.unloading))
+        own = []
+        with tqdm(total=count + 1, desc=engine, unit="case", leave=False, disable=None) as progress:
+            for found in extremes.run(engine, laws, arguments.unloading, arguments.quick):
+                progress.update()
+                if isinstance(found, list):
+                    progress.write(extremes.stops_table(engine, found))
+                    problems += extremes.stop_failures(engine, found)
+                    continue
+                own.append(found)
+                lines = extremes.table(own).split("\n")
+                progress.write("\n".join(lines if len(own) == 1 else lines[-1:]))
+        problems += extremes.failures(own)
+        rows += own
+    return rows

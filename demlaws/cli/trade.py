@@ -1,0 +1,104 @@
+"""`demlaws trade`: cost against error."""
+
+from pathlib import Path
+
+from demlaws.cli import example
+
+ENGINES = ("yade", "liggghts")
+NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS"}
+
+
+def register(subparsers):
+    parser = subparsers.add_parser(
+        "trade",
+        help="measure cost against error of every law and evaluation",
+        description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
+        "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE and of "
+        "a LIGGGHTS step that a law takes, and the engines' own models; with --scene the errors of a whole packing.",
+        **example(
+            "  demlaws trade --engines --csv trade.csv --figure trade.png\n"
+            "  demlaws trade --scene yade liggghts --figure scene.png\n"
+            "  demlaws trade --law hertz --law pohrt-popov"
+        ),
+    )
+    parser.add_argument("--law", action="append", help="only this law (may be repeated)")
+    parser.add_argument("--contacts", type=float, default=2e5, help="contacts of a batch (default 2e5)")
+    parser.add_argument("--rounds", type=int, default=9, help="rounds of timing (default 9)")
+    parser.add_argument(
+        "--engines",
+        nargs="*",
+        choices=ENGINES,
+        metavar="ENGINE",
+        help="also measure steps of yade and liggghts, with the engines' own models (default: those that are installed)",
+    )
+    parser.add_argument(
+        "--scene",
+        nargs="+",
+        choices=ENGINES,
+        metavar="ENGINE",
+        help="only this: 1,000 spheres settle and are compressed under each law in yade or liggghts, or in both",
+    )
+    parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds in the engines")
+    parser.add_argument("--csv", type=Path, help="file to write every figure to")
+    parser.add_argument("--figure", type=Path, help="picture to draw: error against cost with the Pareto front")
+    parser.set_defaults(func=run)
+
+
+def run(arguments):
+    from tqdm import tqdm
+
+    from demlaws import granite, plots
+    from demlaws.checks import number
+    from demlaws.laws.registry import find
+    from demlaws.measure import trade
+    from demlaws.plots import choose as plots_choose
+
+    if arguments.scene:
+        return _scenes(arguments)
+    engines = [] if arguments.engines is None else trade.installed(arguments.engines)
+    laws = [find(n).name for n in arguments.law] if arguments.law else None
+    count = int(number(arguments.contacts, "--contacts", low=1000.0, allow_low=True))
+    rounds = int(number(arguments.rounds, "--rounds", low=1.0, allow_low=True))
+
+    def progress(things):
+        return tqdm(things, desc="trade", leave=False, disable=None)
+
+    entries, floor = trade.measure(laws, count, rounds, progress)
+    print(trade.table(entries, floor))
+    steps = []
+    chosen = next((e for e in entries if e[:3] == ("pohrt-popov", "hertz", "closed form")), None)
+    if chosen is not None:
+        steps = trade.steps_trade(chosen.ns)
+        print("\nimpacts of a granite sphere, 1e-3 to 1 m/s, any phase of the step, pohrt-popov with hertz unloading")
+        print(trade.steps_table(steps))
+    found = {}
+    for engine in engines:
+        found[engine] = trade.engine_trade(engine, arguments.quick, progress)
+        print(f"\na step of {NAMES[engine]}, a close packing, one thread; force error against {trade.RICHEST[0]}")
+        print(trade.engine_table(found[engine]))
+    if arguments.csv is not None:
+        print(granite.save_csv(arguments.csv, trade.TITLES, map(trade.csv_row, entries)))
+    if arguments.figure is not None:
+        print(plots.save(plots_choose.trade_figure(entries, floor, steps, found), arguments.figure))
+    return None
+
+
+def _scenes(arguments):
+    from tqdm import tqdm
+
+    from demlaws import granite, plots
+    from demlaws.measure import candidates, packings, trade
+    from demlaws.plots import choose as plots_choose
+
+    setup = packings.QUICK if arguments.quick else packings.Setup()
+    found = {}
+    for engine in trade.installed(arguments.scene):
+        with tqdm(total=len(candidates.ways(engine)), desc=engine, leave=False, disable=None) as bar:
+            found[engine] = packings.run(engine, setup, progress=lambda label, bar=bar: bar.update())
+        print(f"{setup.count} granite spheres in {NAMES[engine]}, compressed to {setup.stress / 1e3:g} kPa")
+        print(packings.table(found[engine], setup) + "\n")
+    if arguments.csv is not None:
+        rows = [row for engine, outcomes in found.items() for row in packings.csv_rows(engine, outcomes)]
+        print(granite.save_csv(arguments.csv, packings.TITLES, rows))
+    if arguments.figure is not None:
+        print(plots.save(plots_choose.scene_figure(found, setup), arguments.figure))

@@ -1,0 +1,217 @@
+"""Compiled generic functions: which law runs is decided by the type of its parameters, when the caller is compiled.
+
+A law hands its kernels to `bind`; any compiled code may then call `scale`, `virgin`, `inverse`, `energy` with that law's
+`Shape` or `Params` and LLVM sees one straight function. Dispatch on a type rather than on a function keeps numba's
+on-disk cache valid from one process to the next. The names of these types go into the symbols of the machine code, so
+each is unique in the package.
+"""
+
+from typing import NamedTuple
+
+from numba import types
+from numba.extending import overload
+
+from demlaws.core.fastmath import read_only
+
+_INLINED = {"forceinline": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+
+
+class Kernels(NamedTuple):
+    """The compiled functions of one law (or of one unloading rule), keyed by the name of the generic function."""
+
+    functions: dict
+
+
+_KERNELS = {}
+
+
+def bind(cls, **functions):
+    """Make `functions` (name of a generic function → kernel) answer for arguments whose type is the NamedTuple `cls`."""
+    if any(other.__name__ == cls.__name__ and other is not cls for other in _KERNELS):
+        raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
+    _KERNELS.setdefault(cls, Kernels({})).functions.update(functions)
+
+
+def _kernel_of(argument, name):
+    cls = getattr(argument, "instance_class", None)
+    return _KERNELS[cls].functions.get(name) if cls in _KERNELS else None
+
+
+def scale(shape, radius, modulus, roughness):
+    """Params of one contact: the law's `shape`, with R [m], E* [Pa] and σ [m] of the contact."""
+
+
+@overload(scale, jit_options=_INLINED)
+def _scale(shape, radius, modulus, roughness):
+    kernel = _kernel_of(shape, "scale")
+    return lambda shape, radius, modulus, roughness: kernel(shape, radius, modulus, roughness)
+
+
+def virgin(p, overlap):
+    """First loading at overlap > 0 [m]: force P [N], tangent stiffness K [N/m], δ_H(P) [m], a²/R [m].
+
+    δ_H(P) is the overlap at which a smooth contact carries P (the Hertz-equivalent overlap); a is the contact radius
+    that an unloading rule starts from: a²/R = δ_H(P) unless the bulk has yielded.
+    """
+
+
+@overload(virgin, jit_options=_INLINED)
+def _virgin(p, overlap):
+    kernel = _kernel_of(p, "virgin")
+    return lambda p, overlap: kernel(p, overlap)
+
+
+def inverse(p, force):
+    """Overlap [m] at which first loading carries `force` > 0 [N]."""
+
+
+@overload(inverse, jit_options=_INLINED)
+def _inverse(p, force):
+    kernel = _kernel_of(p, "inverse")
+    return lambda p, force: kernel(p, force)
+
+
+def recover(p, force, equivalent):
+    """As `inverse`, from both the force > 0 [N] and its Hertz-equivalent overlap [m], and perhaps rough: one step of Newton's
+    method with `virgin` makes it exact. A law that binds nothing has its `inverse` called."""
+
+
+@overload(recover, jit_options=_INLINED)
+def _recover(p, force, equivalent):
+    kernel = _kernel_of(p, "recover")
+    if kernel is None:
+        return lambda p, force, equivalent: inverse(p, force)
+    return lambda p, force, equivalent: kernel(p, force, equivalent)
+
+
+def parts(p):
+    """Params of first loading and of the given unloading curve, and the factor from a Hertz-equivalent overlap of the one
+    to that of the other at equal force. A law without such a curve goes back along its own."""
+
+
+@overload(parts, jit_options=_INLINED)
+def _parts(p):
+    kernel = _kernel_of(p, "parts")
+    return (lambda p: (p, p, 1.0)) if kernel is None else (lambda p: kernel(p))
+
+
+def energy(p, overlap):
+    """Work [J] of first loading from 0 to overlap > 0 [m]."""
+
+
+@overload(energy, jit_options=_INLINED)
+def _energy(p, overlap):
+    kernel = _kernel_of(p, "energy")
+    return lambda p, overlap: kernel(p, overlap)
+
+
+def step(rule, p, overlap, state):
+    """Force, tangent stiffness and new state of a contact at `overlap` [m]; pure: `state` is a tuple of floats."""
+
+
+@overload(step, jit_options=_INLINED)
+def _step(rule, p, overlap, state):
+    kernel = _kernel_of(rule, "step")
+    return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
+
+
+def stored_and_dissipated(rule, p, overlap, state):
+    """Energy [J] that a contact at `overlap` [m] can still return, and what it has dissipated since it was made."""
+
+
+@overload(stored_and_dissipated, jit_options=_INLINED)
+def _stored_and_dissipated(rule, p, overlap, state):
+    kernel = _kernel_of(rule, "stored_and_dissipated")
+    return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
+
+
+def unloaded(rule, p, force, state):
+    """Overlap [m] at which the contact, below its maximum overlap, carries `force` ≥ 0 [N]."""
+
+
+@overload(unloaded, jit_options=_INLINED)
+def _unloaded(rule, p, force, state):
+    kernel = _kernel_of(rule, "unloaded")
+    return lambda rule, p, force, state: kernel(rule, p, force, state)
+
+
+class _Source:
+    """Source text that rebuilds a (nested) tuple, with the classes that it names."""
+
+    def __init__(self):
+        self.names = {}
+
+    def read(self, kind, expression):
+        """Element i of every 1-D array in `kind` (one entry a contact); anything else is shared by all contacts."""
+        if isinstance(kind, types.BaseTuple):
+            items = "".join(f"{self.read(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
+            if not isinstance(kind, types.BaseNamedTuple):
+                return f"({items})"
+            name = f"Class{len(self.names)}"
+            self.names[name] = kind.instance_class
+            return f"{name}({items})"
+        return f"float({expression}[i])" if isinstance(kind, types.Array) and kind.ndim == 1 else expression
+
+    def fix(self, kind, expression, joined=False):
+        """The same tuple with `read_only` pointers in place of 2-D arrays.
+
+        Of Params with an unloading curve (joined), a curve without a `recover` of its own keeps its arrays: its `inverse`
+        searches them.
+        """
+        if joined and isinstance(kind, types.BaseNamedTuple) and not _kernel_of(kind, "recover"):
+            return expression
+        if isinstance(kind, types.BaseTuple):
+            joined = _kernel_of(kind, "parts") is not None
+            names = getattr(kind, "fields", [""] * len(kind))
+            items = "".join(
+                f"{self.fix(item, f'{expression}[{n}]', joined and names[n] == 'unloading')}, " for n, item in enumerate(kind)
+            )
+            if not isinstance(kind, types.BaseNamedTuple):
+                return f"({items})"
+            name = f"Class{len(self.names)}"
+            self.names[name] = kind.instance_class
+            return f"{name}({items})"
+        return f"read_only({expression})" if isinstance(kind, types.Array) and kind.ndim == 2 else expression
+
+    def write(self, kind, target, value):
+        """Statements that store into element i of every 1-D array in `kind`."""
+        if isinstance(kind, types.BaseTuple):
+            parts = [self.write(item, f"{target}[{n}]", f"{value}[{n}]") for n, item in enumerate(kind)]
+            return [line for part in parts for line in part]
+        return [f"{target}[i] = {value}"] if isinstance(kind, types.Array) and kind.ndim == 1 else []
+
+    def function(self, text):
+        exec(text, self.names)
+        return self.names["function"]
+
+
+def fix_tables(params):
+    """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
+
+
+@overload(fix_tables, jit_options=_INLINED)
+def _fix_tables(params):
+    source = _Source()
+    source.names["read_only"] = read_only
+    return source.function(f"def function(params):\n    return {source.fix(params, 'params')}\n")
+
+
+def gather(arrays, i):
+    """Contact i of a (nested, named) tuple whose 1-D arrays hold one entry a contact."""
+
+
+@overload(gather, jit_options=_INLINED)
+def _gather(arrays, i):
+    source = _Source()
+    return source.function(f"def function(arrays, i):\n    return {source.read(arrays, 'arrays')}\n")
+
+
+def scatter(arrays, i, values):
+    """Store contact i: the reverse of `gather`."""
+
+
+@overload(scatter, jit_options=_INLINED)
+def _scatter(arrays, i, values):
+    source = _Source()
+    lines = "".join(f"    {line}\n" for line in source.write(arrays, "arrays", "values"))
+    return source.function(f"def function(arrays, i, values):\n{lines}    return\n")

@@ -1,0 +1,66 @@
+"""Compiled loops over arrays of contacts, for any law and any unloading rule."""
+
+from demlaws.core import dispatch
+from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
+from demlaws.core.fastmath import interleave, loop
+
+
+@loop
+def scale_one(shape, radius, modulus, roughness):
+    return dispatch.scale(shape, radius, modulus, roughness)
+
+
+@loop
+def scale_loop(shape, radius, modulus, roughness, params):
+    for i in range(radius.size):
+        scatter(params, i, dispatch.scale(shape, radius[i], modulus[i], roughness[i]))
+
+
+@loop
+def evaluate_loop(rule, params, overlap, state, force, stiffness):
+    finite = True
+    params = dispatch.fix_tables(params)
+    interleave(4)
+    for i in range(overlap.size):
+        p = gather(params, i)
+        new_force, new_stiffness, new_state = dispatch.step(rule, p, float(overlap[i]), gather(state, i))
+        scatter(state, i, new_state)
+        force[i] = new_force
+        stiffness[i] = new_stiffness
+        # last, because LLVM loses the hint where the loop ends in an inlined call
+        finite &= new_force - new_force == 0.0
+    return finite
+
+
+@loop
+def inverse_loop(params, force, overlap):
+    for i in range(force.size):
+        overlap[i] = dispatch.inverse(gather(params, i), force[i]) if force[i] > 0.0 else 0.0
+
+
+@loop
+def energy_loop(params, overlap, energy):
+    for i in range(overlap.size):
+        energy[i] = dispatch.energy(gather(params, i), overlap[i]) if overlap[i] > 0.0 else 0.0
+
+
+@loop
+def unload_loop(rule, p, force, state, overlap):
+    for i in range(force.size):
+        overlap[i] = dispatch.unloaded(rule, p, force[i], gather(state, 0))
+
+
+@loop
+def follow_loop(rule, p, overlap, state, history, force, stiffness, stored, dissipated):
+    """One contact along a path; `state` (arrays of length 1) goes in as it is and comes out as the path leaves it."""
+    banked = 0.0
+    for i in range(overlap.size):
+        old = gather(state, 0)
+        if overlap[i] <= 0.0:
+            banked += stored_and_dissipated(rule, p, overlap[i], old)[1]
+        force[i], stiffness[i], new = dispatch.step(rule, p, overlap[i], old)
+        scatter(state, 0, new)
+        scatter(history, i, new)
+        energies = stored_and_dissipated(rule, p, overlap[i], new)
+        stored[i] = energies[0]
+        dissipated[i] = banked + energies[1]

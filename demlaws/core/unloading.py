@@ -1,0 +1,268 @@
+"""Unloading rules. A rule joins any law of first loading for which it is passive (never returns more work than it took).
+
+A rule is a tag type, the names of its state, and pure compiled functions over one contact. The state is a tuple of
+floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
+"""
+
+import math
+from typing import NamedTuple
+
+from demlaws.core.dispatch import bind, energy, inverse, parts, recover, scale, virgin
+from demlaws.core.fastmath import cbrt, kernel, sqrt
+
+
+class Elastic(NamedTuple):
+    """Back along the loading curve: no state."""
+
+
+class Hertz(NamedTuple):
+    """Back along the Hertz curve of the original radius through (δmax, Pmax): P = (4/3) E* √R (δ - δp)^1.5.
+
+    δp = δmax - δ_H(Pmax) is the plastic overlap. Reloading follows the same curve to (δmax, Pmax), then first loading.
+    For 0 < δ < δp the bodies overlap and carry no force. Source: Tolomeo & McDowell after Altuhafi et al. 2023.
+    """
+
+
+class Thornton(NamedTuple):
+    """As `Hertz`, with the larger radius R_p = (4 E*/(3 Pmax)) a_max³ that yielding left (Thornton 1997).
+
+    Where the bulk has not yielded a_max is the Hertz radius, R_p = R, and the rule is `Hertz`.
+    """
+
+
+class Given(NamedTuple):
+    """Back along a given elastic curve U, moved so that it goes through (δmax, Pmax): P = U(δ - δp), δp = δmax - U⁻¹(Pmax).
+
+    U is the first loading of another law, or a table. Reloading follows the same curve to (δmax, Pmax), then first
+    loading; for 0 < δ < δp the bodies overlap and carry no force. `Hertz` is U = Hertz. Along first loading
+    dδp/dδ = 1 - K(P)/K_U(P), so the rule is passive exactly where K(P) ≤ K_U(P) at every load. [our derivation]
+    """
+
+
+GIVEN = "table"
+"""Name of the one rule that needs a curve beside the law."""
+RULES = {"elastic": Elastic(), "hertz": Hertz(), "thornton": Thornton(), GIVEN: Given()}
+STATE_NAMES = {
+    "elastic": (),
+    "hertz": ("maximum_overlap", "plastic_overlap"),
+    "thornton": ("maximum_overlap", "plastic_overlap", "radius_ratio"),
+    GIVEN: ("maximum_overlap", "plastic_overlap"),
+}
+
+
+class JoinedShape(NamedTuple):
+    """What contacts share of a law that is given an unloading curve."""
+
+    loading: tuple
+    unloading: tuple
+    radius: float  # R, E*, σ of the curve's contact over those of the law's
+    modulus: float
+    roughness: float
+
+
+class JoinedParams(NamedTuple):
+    """One contact: to all but `Given` the law of first loading."""
+
+    hertz_coefficient: float  # of the loading [N/m^1.5]
+    loading: tuple
+    unloading: tuple
+    equivalent_ratio: float  # δ_H of a force on the curve's contact over that on the law's
+
+
+@kernel
+def _joined_scale(shape, radius, modulus, roughness):
+    loading = scale(shape.loading, radius, modulus, roughness)
+    unloading = scale(shape.unloading, radius * shape.radius, modulus * shape.modulus, roughness * shape.roughness)
+    root = cbrt(loading.hertz_coefficient / unloading.hertz_coefficient)
+    return JoinedParams(loading.hertz_coefficient, loading, unloading, root * root)
+
+
+@kernel
+def _joined_virgin(p, overlap):
+    return virgin(p.loading, overlap)
+
+
+@kernel
+def _joined_inverse(p, force):
+    return inverse(p.loading, force)
+
+
+@kernel
+def _joined_energy(p, overlap):
+    return energy(p.loading, overlap)
+
+
+@kernel
+def _joined_parts(p):
+    return p.loading, p.unloading, p.equivalent_ratio
+
+
+bind(JoinedShape, scale=_joined_scale)
+bind(JoinedParams, virgin=_joined_virgin, inverse=_joined_inverse, energy=_joined_energy, parts=_joined_parts)
+
+
+@kernel
+def _elastic_step(rule, p, overlap, state):
+    force, stiffness, _, _ = virgin(p, 0.0 if overlap <= 0.0 else overlap)
+    if overlap <= 0.0:
+        force, stiffness = 0.0, 0.0
+    return force, stiffness, state
+
+
+@kernel
+def _elastic_stored_and_dissipated(rule, p, overlap, state):
+    return (energy(p, overlap) if overlap > 0.0 else 0.0), 0.0
+
+
+@kernel
+def _elastic_unloaded(rule, p, force, state):
+    return inverse(p, force) if force > 0.0 else 0.0
+
+
+@kernel
+def _hertz_step(rule, p, overlap, state):
+    # Flat rather than nested conditions: LLVM then vectorises the loop around this.
+    positive = 0.0 if overlap <= 0.0 else overlap
+    if overlap >= state[0]:
+        force, stiffness, hertz_overlap, _ = virgin(p, positive)
+        maximum, plastic = overlap, overlap - hertz_overlap
+    else:
+        maximum, plastic = state
+        elastic = positive - plastic
+        elastic = 0.0 if elastic <= 0.0 else elastic
+        root = p.hertz_coefficient * sqrt(elastic)
+        force, stiffness = root * elastic, 1.5 * root
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic)
+
+
+@kernel
+def _hertz_energy(coefficient, elastic):
+    return 0.4 * coefficient * elastic * elastic * sqrt(elastic) if elastic > 0.0 else 0.0
+
+
+@kernel
+def _balance(p, coefficient, overlap, state):
+    """Stored and dissipated work where unloading follows coefficient (δ - δp)^1.5.
+
+    With a seating load δp may be negative: what that curve holds below δ = 0 is never returned, so it is not stored.
+    """
+    if state[0] <= 0.0:
+        return 0.0, 0.0
+    lost = _hertz_energy(coefficient, -state[1])
+    stored = _hertz_energy(coefficient, overlap - state[1]) - lost if overlap > 0.0 else 0.0
+    return max(stored, 0.0), energy(p, state[0]) - (_hertz_energy(coefficient, state[0] - state[1]) - lost)
+
+
+@kernel
+def _hertz_stored_and_dissipated(rule, p, overlap, state):
+    return _balance(p, p.hertz_coefficient, overlap, state)
+
+
+@kernel
+def _hertz_unloaded(rule, p, force, state):
+    root = cbrt(force / p.hertz_coefficient)
+    return state[1] + root * root
+
+
+@kernel
+def _thornton_step(rule, p, overlap, state):
+    positive = 0.0 if overlap <= 0.0 else overlap
+    if overlap >= state[0]:
+        force, stiffness, hertz_overlap, area = virgin(p, positive)
+        # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
+        growth = area / hertz_overlap
+        ratio = growth * sqrt(growth)
+        maximum, plastic = overlap, overlap - area / ratio
+    else:
+        maximum, plastic, ratio = state
+        elastic = positive - plastic
+        elastic = 0.0 if elastic <= 0.0 else elastic
+        root = p.hertz_coefficient * sqrt(ratio * elastic)
+        force, stiffness = root * elastic, 1.5 * root
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic, ratio = 0.0, 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic, ratio)
+
+
+@kernel
+def _thornton_stored_and_dissipated(rule, p, overlap, state):
+    return _balance(p, p.hertz_coefficient * sqrt(state[2]), overlap, state)
+
+
+@kernel
+def _thornton_unloaded(rule, p, force, state):
+    root = cbrt(force / (p.hertz_coefficient * sqrt(state[2])))
+    return state[1] + root * root
+
+
+@kernel
+def _given_step(rule, p, overlap, state):
+    loading, curve, ratio = parts(p)
+    positive = 0.0 if overlap <= 0.0 else overlap
+    loads = overlap >= state[0]
+    if loads:
+        force, stiffness, equivalent, _ = virgin(loading, positive)
+        wanted = equivalent * ratio
+        place = recover(curve, force, wanted)
+        force = force if place == place else math.nan  # beyond the curve's end
+        maximum, plastic = overlap, 0.0
+    else:
+        force, stiffness, wanted = 0.0, 0.0, 0.0
+        maximum, plastic = state
+        place = positive - plastic
+        place = 0.0 if place <= 0.0 else place
+    # one reading of the curve for both: where the contact is, or the last step of the search for Pmax on it
+    here, tangent, equivalent, _ = virgin(curve, place)
+    if loads:
+        # in δ_H, which is straighter than the force: dδ_H/dδ = K δ_H/(1.5 P)
+        rise = tangent * equivalent
+        found = place - (1.5 * here * (equivalent - wanted) / rise if place > 0.0 and rise > 0.0 else 0.0)
+        plastic = overlap - (0.0 if found <= 0.0 else found)
+    else:
+        force = 0.0 if place <= 0.0 else here
+        stiffness = 0.0 if place <= 0.0 else tangent
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic)
+
+
+@kernel
+def _given_stored_and_dissipated(rule, p, overlap, state):
+    loading, curve, _ = parts(p)
+    if state[0] <= 0.0:
+        return 0.0, 0.0
+    # as in `_balance`: what the curve holds below δ = 0 is never returned
+    lost = energy(curve, -state[1]) if state[1] < 0.0 else 0.0
+    elastic = overlap - state[1]
+    stored = energy(curve, elastic) - lost if overlap > 0.0 and elastic > 0.0 else 0.0
+    whole = state[0] - state[1]
+    held = energy(curve, whole) if whole > 0.0 else 0.0
+    return max(stored, 0.0), energy(loading, state[0]) - (held - lost)
+
+
+@kernel
+def _given_unloaded(rule, p, force, state):
+    return state[1] + (inverse(parts(p)[1], force) if force > 0.0 else 0.0)
+
+
+bind(
+    Elastic,
+    step=_elastic_step,
+    stored_and_dissipated=_elastic_stored_and_dissipated,
+    unloaded=_elastic_unloaded,
+)
+bind(Hertz, step=_hertz_step, stored_and_dissipated=_hertz_stored_and_dissipated, unloaded=_hertz_unloaded)
+bind(
+    Thornton,
+    step=_thornton_step,
+    stored_and_dissipated=_thornton_stored_and_dissipated,
+    unloaded=_thornton_unloaded,
+)
+bind(
+    Given,
+    step=_given_step,
+    stored_and_dissipated=_given_stored_and_dissipated,
+    unloaded=_given_unloaded,
+)

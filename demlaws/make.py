@@ -1,0 +1,89 @@
+"""Making laws: by name, for a contact, joined with an unloading rule."""
+
+import os
+import sys
+
+import numpy as np
+
+from demlaws.core.unloading import GIVEN, RULES
+from demlaws.errors import DemlawsError
+from demlaws.law import Law
+from demlaws.laws.registry import find
+from demlaws.table import Table, tabulate, take  # noqa: F401  laws call it as Law._maker.tabulate
+
+
+def law(name, contact, unloading="elastic", **options):
+    """Bind law `name` to `contact` and join it with a rule `unloading`: "elastic", "hertz", "thornton", or a curve.
+
+    A curve is a law, a `Table` or the path of a saved table: the contact then unloads along that law's curve of first
+    loading through its largest overlap (rule "table"). Its contact is this one, or one in a constant ratio to it.
+    Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
+    """
+    definition = find(name)
+    rule, curve = rule_and_curve(unloading)
+    for field in definition.needs:
+        if getattr(contact, field) is None:
+            raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")
+    try:
+        shape = definition.prepare(contact, **options)
+    except TypeError as error:
+        if options and "argument" in str(error):
+            raise DemlawsError(f"law {name!r}: {str(error).split(') ')[-1]}") from None
+        raise
+    result = Law(definition, contact, "elastic", options, shape)
+    return result if rule == "elastic" else take(result, rule, curve)
+
+
+def joined(law, unloading):
+    """See `Law.joined`."""
+    return take(law, *rule_and_curve(unloading))
+
+
+def rule_and_curve(unloading):
+    """(rule, unloading curve or None) of what a user gave as `unloading`."""
+    if isinstance(unloading, os.PathLike) or (isinstance(unloading, str) and ("/" in unloading or "." in unloading)):
+        unloading = Table.load(unloading)
+    if isinstance(unloading, Law):
+        if unloading.unloading != "elastic":
+            raise DemlawsError(
+                f"the unloading curve is elastic, this {unloading.name!r} has {unloading.unloading!r} unloading itself: "
+                "give it with unloading='elastic' (law.joined('elastic'))"
+            )
+        return GIVEN, unloading
+    if unloading == GIVEN:
+        raise DemlawsError(
+            f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
+        )
+    if not isinstance(unloading, str) or unloading not in RULES:
+        raise DemlawsError(f"unknown unloading rule {unloading!r}: the rules are {', '.join(RULES)}")
+    return unloading, None
+
+
+def rebound(unloading, contact):
+    """What `law` takes as `unloading`, for another contact: a law as the same law there, a table that collapses likewise."""
+    rule, curve = rule_and_curve(unloading)
+    if curve is None:
+        return rule
+    names = ("radius", "modulus", "roughness")
+    if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in names):
+        return curve
+    return curve.bound_to(contact)
+
+
+def example_curve(name, contact, **options):
+    """The unloading curve with which tests and measurements join law `name` to rule "table".
+
+    The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
+    """
+    definition = find(name)
+    options = {**definition.example, **options, **definition.example_curve}
+    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), **options)
+
+
+def example(name, contact, unloading="elastic", **options):
+    """Law `name` as tests and measurements make it, joined with any rule of `unloading.RULES`."""
+    curve = example_curve(name, contact, **options) if unloading == GIVEN else unloading
+    return law(name, contact, curve, **{**find(name).example, **options})
+
+
+Law._maker = sys.modules[__name__]

@@ -1,0 +1,61 @@
+"""The ways of computing the contacts of a scene that are measured against each other, and the granite they are measured on."""
+
+import warnings
+from typing import NamedTuple
+
+from demlaws.contact import Material, Surface
+from demlaws.errors import ValidityWarning
+from demlaws.make import law as bind_law
+
+ENGINES = ("yade", "liggghts")
+GRANITE = Material(60.6e9, 0.25, 6.27e9, 2680.0)
+SURFACE = Surface(1.7e-6, 2.22, 6.27e9)
+RADII = (3.5e-3, 4.5e-3)
+YIELD = 1.66e9
+CDM = (YIELD, 1.4)
+"""sigmaMax [Pa] and alpha of YADE's Conical Damage Model: the yield pressure, and the slope that is nearest to RICHEST."""
+
+
+class Way(NamedTuple):
+    """One way to compute the contacts of a scene."""
+
+    label: str
+    law: str = ""  # of ours; "": a model of the engine's own
+    unloading: str = "elastic"
+    rtol: float = 0.0  # of a table; 0: closed form
+    model: str = ""  # the engine's own: "hertz", "cdm", "edinburgh"
+    options: tuple = ()  # of the law: (name, value) pairs
+    shaken: bool = False
+
+    def bind(self, contact):
+        """The law on a contact; the table, where it is one."""
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            law = bind_law(self.law, contact, self.unloading, **dict(self.options))
+            return law.tabulate(self.rtol) if self.rtol else law
+
+
+RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton", options=(("yield_pressure", YIELD),))
+
+
+def ways(engine):
+    """The ways of an engine, the richest first. LIGGGHTS computes tables; rough-plastic needs one a pair of sizes there."""
+    table = 1e-5 if engine == "liggghts" else 0.0
+    tables = [Way(f"pohrt-popov, hertz, table {r:g}", "pohrt-popov", "hertz", r) for r in (1e-1, 1e-5, 1e-7)]
+    own = {
+        "yade": [Way("YADE's Hertz-Mindlin", model="hertz"), Way("YADE's Conical Damage Model", model="cdm")],
+        "liggghts": [Way("LIGGGHTS's hertz", model="hertz"), Way("LIGGGHTS's edinburgh", model="edinburgh")],
+    }[engine]
+    closed = [] if table else [Way("pohrt-popov, hertz", "pohrt-popov", "hertz")]
+    return [
+        RICHEST._replace(rtol=table),
+        RICHEST._replace(label="the same, shaken", rtol=table, shaken=True),
+        RICHEST._replace(label="rough-plastic, hertz", unloading="hertz", rtol=table),
+        *closed,
+        *tables,
+        Way("pohrt-popov, elastic", "pohrt-popov", "elastic", table),
+        Way("rms, hertz", "rms", "hertz", table),
+        Way("rms, elastic", "rms", "elastic", table),
+        Way("hertz", "hertz", "elastic", table),
+        *own,
+    ]

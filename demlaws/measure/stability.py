@@ -1,0 +1,714 @@
+"""The extremes, measured: every law × unloading rule × evaluation, on paths and contacts that scenes seldom reach.
+
+Each figure is a number that should be 0, or a few ε = 2.2e-16, or inside a stated range; `table` prints them in the manner
+of Boost.Math's accuracy tables. References for rounding errors are the closed forms in extended precision
+(numpy.longdouble), written from the equations and not from the kernels.
+"""
+
+import math
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+from numba.extending import overload
+
+from demlaws.contact import Contact
+from demlaws.core import dispatch
+from demlaws.core.dispatch import energy, gather, parts, scatter, stored_and_dissipated, virgin
+from demlaws.core.fastmath import loop
+from demlaws.core.unloading import RULES, Given
+from demlaws.driver import timestep
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.registry import registry
+from demlaws.make import example
+
+EPS = float(np.finfo(float).eps)
+DIMENSIONS = (2.0, 2.22, 3.0)
+SPEEDS = tuple(np.geomspace(1e-6, 100.0, 9))
+STEPS = (5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 100_000)
+ALLOWED_GAIN = 1e-4
+TABLE = 1e-5
+GRANITE = Contact(4.35e-3, 32.32e9, 2.40e-6, 2.22, 6.266e9)
+_MASS = 1.2e-2  # kg, of a granite sphere of twice that radius
+
+
+class Case(NamedTuple):
+    """What is put to the test."""
+
+    law: str
+    unloading: str
+    evaluation: str  # "closed form" or "table"
+
+    def bind(self, contact, table_end=None):
+        """The law on a contact or an array of contacts."""
+        options = registry()[self.law].example
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            law = example(self.law, contact, self.unloading, **options)
+            if self.evaluation == "closed form":
+                return law
+            place = 0.099 if registry()[self.law].solved else table_end  # solved curves end at a tenth of the radius
+            end = None if table_end is None else float(np.max(law.force(place * np.asarray(contact.radius))))
+            return law.tabulate(TABLE, end)
+
+
+def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
+    """Every law that needs no height map, with each rule that it takes, in closed form and as a table."""
+    found = []
+    for name, definition in registry().items():
+        if definition.needs_map or (laws and name not in laws):
+            continue
+        for rule in unloadings or RULES:
+            try:
+                example(name, GRANITE, rule)
+            except DemlawsError:
+                continue
+            found += [Case(name, rule, evaluation) for evaluation in evaluations]
+    return found
+
+
+def extreme_contacts(count, random, dimension=2.22):
+    """Contacts with R from 1e-6 to 1 m and radius ratios to 1e6, E* from 1e3 to 1e13 Pa, σ from 0 to R/10."""
+    one = 10.0 ** random.uniform(-6.0, 0.0, count)
+    radius = 1.0 / (1.0 / one + 1.0 / (one * 10.0 ** random.uniform(0.0, 6.0, count)))
+    roughness = radius * 10.0 ** random.uniform(-15.0, -1.0, count)
+    roughness[::10] = 0.0
+    roughness[1::10] = 0.1 * radius[1::10]
+    modulus = 10.0 ** random.uniform(3.0, 13.0, count)
+    return Contact(radius, modulus, roughness, dimension, 6.266e9)
+
+
+def contacts_for(case, count, random):
+    """Laws on extreme contacts, as (law, label) pairs; where the law refuses extremes, on the granite pair."""
+    definition = registry()[case.law]
+    one_curve = case.evaluation == "table" and not definition.collapses
+    if definition.solved or one_curve:
+        return [(case.bind(GRANITE, 0.9), "granite pair")]
+    result = []
+    for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (2.22,):
+        contact = extreme_contacts(count, random, dimension)
+        if case.evaluation == "table":  # one curve for all; a table that scales with roughness has no smooth contacts
+            contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-12 * contact.radius))
+            if definition.length == "roughness":
+                contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-5 * contact.radius))
+        result.append((case.bind(contact, 0.9 if case.evaluation == "table" else None), f"Df {dimension:g}"))
+    return result
+
+
+# --- compiled measurements
+
+
+def _plastic(state):
+    """Plastic overlap of a state tuple, 0 where the rule has no state."""
+
+
+@overload(_plastic)
+def _plastic_of(state):
+    return (lambda state: state[1]) if len(state) else (lambda state: 0.0)
+
+
+def _held(rule, p, force, place):
+    """Energy of the unloading curve at `place` past its foot, where it carries `force`."""
+
+
+@overload(_held)
+def _held_by(rule, p, force, place):
+    if rule.instance_class is Given:
+        return lambda rule, p, force, place: energy(parts(p)[1], place) if place > 0.0 else 0.0
+    return lambda rule, p, force, place: 0.4 * force * place
+
+
+@loop
+def finite_loop(params, contacts, largest, count, random):
+    """Random first loading from denormal overlaps to `largest`: not finite, negative, decreasing."""
+    bad = 0
+    falling = 0
+    for n in range(count):
+        i = n % contacts
+        p = gather(params, i)
+        top = math.log10(largest[i])
+        overlap = 10.0 ** (top + (-323.3 - top) * random.random()) if n % 2 else 10.0 ** (top - 16.0 * random.random())
+        force, stiffness, equivalent, _ = virgin(p, overlap)
+        finite = force - force == 0.0 and stiffness - stiffness == 0.0 and equivalent - equivalent == 0.0
+        if not (finite and force >= 0.0 and stiffness >= 0.0):
+            bad += 1
+        else:
+            further = virgin(p, overlap * (1.0 + 1e-12))[0]
+            if further < force * (1.0 - 4.5e-16):
+                falling += 1
+    return bad, falling
+
+
+@loop
+def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, random):
+    """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
+
+    Work of first loading is the law's energy, on a Hertz-like unloading curve 0.4 (P x) from the forces that `step` returned,
+    on a given one that curve's energy.
+    """
+    returned = 0
+    worst = 0.0
+    bad = 0
+    for n in range(paths):
+        i = n % contacts
+        p = gather(params, i)
+        low = math.log(smallest[i])
+        high = math.log(largest[i])
+        s = gather(state, 0)
+        here = 0.0
+        force_here = 0.0
+        maximum = 0.0
+        peak_force = 0.0
+        held = 0.0  # energy of first loading to the maximum
+        curve = 0.0  # largest energy of the curves so far
+        work = 0.0
+        mark = -1.0
+        work_at_mark = 0.0
+        low_work = 0.0
+        for k in range(turns + 1):
+            if k == turns:
+                there = 0.0
+            elif mark >= 0.0:
+                there = mark  # back from the excursion
+            elif random.random() < 0.5 or maximum == 0.0:
+                there = math.exp(low + (high - low) * random.random())
+            else:
+                # a reversal at any scale about the maximum
+                there = maximum * (1.0 + (2.0 * random.random() - 1.0) * 10.0 ** (-15.0 * random.random()))
+                there = min(there, largest[i])
+            force, stiffness, new = dispatch.step(rule, p, there, s)
+            if not (force - force == 0.0 and stiffness - stiffness == 0.0) or force < 0.0 or stiffness < 0.0:
+                bad += 1
+            gained = 0.0
+            if len(s) == 0:
+                now = energy(p, there) if there > 0.0 else 0.0
+                gained = now - (energy(p, here) if here > 0.0 else 0.0)
+                held = max(held, now)
+            else:
+                plastic = _plastic(s) if here > 0.0 else 0.0
+                x_here = max(here - plastic, 0.0)
+                if there >= maximum:
+                    if maximum > 0.0:
+                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0)) - _held(rule, p, force_here, x_here)
+                    now = energy(p, there) if there > 0.0 else 0.0
+                    gained += now - held
+                    held = now
+                    maximum = there
+                    peak_force = force
+                else:
+                    closing = max(there, 1e-300)  # with a seating load force ends in a step at zero overlap
+                    last = force if there > 0.0 else dispatch.step(rule, p, closing, s)[0]
+                    x_there = max(closing - plastic, 0.0)
+                    gained = _held(rule, p, last, x_there) - _held(rule, p, force_here, x_here)
+            work += gained
+            # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
+            scale = max(held, 0.4 * peak_force * (maximum - _plastic(new)) if maximum > 0.0 else 0.0)
+            curve = max(curve, scale)
+            if curve > 0.0:
+                if mark >= 0.0:
+                    low_work = min(low_work, (work - work_at_mark) / curve)
+                if k == turns:
+                    low_work = min(low_work, work / curve)
+            if mark >= 0.0:
+                mark = -1.0
+            elif k < turns - 1 and random.random() < 0.4:
+                mark = there
+                work_at_mark = work
+            here = there
+            force_here = force
+            s = new
+        worst = min(worst, low_work)
+        if low_work < -1e-11:
+            returned += 1
+    return returned, worst, bad
+
+
+@loop
+def cycle_loop(rule, p, state, top, bottom, cycles):
+    """Tiny cycles from `top` to `bottom` and back: largest relative change of force, at both ends, and the last state."""
+    s = gather(state, 0)
+    first, _, s = dispatch.step(rule, p, top, s)
+    low, _, s = dispatch.step(rule, p, bottom, s)
+    worst = 0.0
+    for _ in range(cycles):
+        force, _, s = dispatch.step(rule, p, top, s)
+        worst = max(worst, abs(force - first))
+        force, _, s = dispatch.step(rule, p, bottom, s)
+        worst = max(worst, abs(force - low))
+    scatter(state, 0, s)
+    return worst / first
+
+
+@loop
+def broken_loop(rule, p, state, overlap, count):
+    """Contact made and broken every step: how often force or stiffness differ from a virgin contact's."""
+    first, stiff, _ = dispatch.step(rule, p, overlap, gather(state, 0))
+    s = gather(state, 0)
+    differ = 0
+    for _ in range(count):
+        force, stiffness, s = dispatch.step(rule, p, overlap, s)
+        differ += force != first or stiffness != stiff
+        force, stiffness, s = dispatch.step(rule, p, -overlap, s)
+        differ += force != 0.0 or stiffness != 0.0
+    return differ
+
+
+@loop
+def impact_loop(rule, p, state, mass, speed, dt, phase, limit):
+    """Impact that begins a fraction `phase` of a step before touch.
+
+    Returns (KE after + dissipated)/KE before - 1, the peak overlap and the velocity after it.
+    """
+    overlap = -phase * dt * speed
+    velocity = speed
+    force = 0.0
+    dissipated = 0.0
+    peak = 0.0
+    s = gather(state, 0)
+    for step in range(limit):
+        velocity -= 0.5 * dt * force / mass
+        overlap += dt * velocity
+        if overlap <= 0.0 and step > 0:
+            dissipated = stored_and_dissipated(rule, p, overlap, s)[1]
+        force, _, s = dispatch.step(rule, p, overlap, s)
+        velocity -= 0.5 * dt * force / mass
+        peak = max(peak, overlap)
+        if overlap <= 0.0 and velocity <= 0.0:
+            break
+    kinetic = 0.5 * mass * speed * speed
+    return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak, velocity
+
+
+@loop
+def hold_loop(rule, p, state, mass, load, overlap, kick, dt, steps):
+    """Oscillation about equilibrium under a constant load: largest departure over the first one."""
+    s = gather(state, 0)
+    x = overlap + kick
+    force, _, s = dispatch.step(rule, p, x, s)
+    velocity = 0.0
+    largest = 0.0
+    for _ in range(steps):
+        velocity += 0.5 * dt * (load - force) / mass
+        x += dt * velocity
+        force, _, s = dispatch.step(rule, p, x, s)
+        velocity += 0.5 * dt * (load - force) / mass
+        largest = max(largest, abs(x - overlap))
+        if largest > 1e3 * abs(kick):
+            break
+    return largest / abs(kick)
+
+
+# --- references in extended precision
+
+L = np.longdouble
+_PI = L("3.14159265358979323846264338327950288")
+
+
+def _hertz(c, contact):
+    return c * np.sqrt(c), L(0)
+
+
+def reference(name, contact, overlap, options):
+    """Force of first loading in extended precision (arrays), or None for laws without a closed form here."""
+    radius, modulus, sigma = (np.asarray(v, float).astype(L) for v in (contact.radius, contact.modulus, contact.roughness))
+    delta = np.asarray(overlap, float).astype(L)
+    unit = 4 * modulus * np.sqrt(radius) / 3
+    if name == "hertz":
+        s = delta
+    elif name in ("pohrt-popov", "rough-plastic"):
+        m = L("0.2567") * L(contact.fractal_dimension)
+        r = 2 / (3 * (1 - m))
+        kappa = L(3) / 4 * np.sqrt(_PI) * (20 / (np.sqrt(_PI) ** 3 * L(contact.fractal_dimension))) ** (1 / m)
+        h = kappa * sigma
+        t = delta / (r * h)
+        s = np.where(t < 1, h * t**r, delta - (r - 1) * h)
+        if name == "rough-plastic":
+            stiff = _PI * radius * L(options["yield_pressure"])
+            # K = 2 E* √(R s) t^(r-1) below the threshold, 2 E* √(R s) above: δ at K = K_y
+            level = stiff / (2 * modulus * np.sqrt(radius))
+            t_y = (level / np.sqrt(h)) ** (1 / (r / 2 + r - 1))
+            s_above = level**2
+            d_y = np.where(t_y < 1, t_y * r * h, s_above + (r - 1) * h)
+            s_y = np.where(t_y < 1, h * np.minimum(t_y, 1) ** r, s_above)
+            p_y = unit * s_y * np.sqrt(s_y)
+            return np.where(delta <= d_y, unit * s * np.sqrt(s), p_y + stiff * (delta - d_y))
+    elif name == "goddard":
+        d = 3 * _PI**2 / 16 * np.tan(L(options["slope"])) ** 2 * radius
+        t = delta / d
+        s = np.where(t < 1, L(3) / 4 * delta * np.cbrt(t), delta - d / 4)
+    elif name == "rms":
+        u = delta / sigma
+        s = np.maximum(u / L("5.76"), u - L("1.5"))
+        s = np.where(u < 2, u / 4, np.maximum(u - L("1.4"), u / 2))
+        for _ in range(80):  # Newton in log s: u(s) rises from 5.76 s to s + 1.4
+            ratio = (L("2.4") + 2 * s) / (1 + 2 * s)
+            value = np.log(s) + 2 * np.log(ratio) - np.log(u)
+            slope = 1 + 2 * s * (2 / (L("2.4") + 2 * s) - 2 / (1 + 2 * s))
+            s = s * np.exp(-value / slope)
+        s = s * sigma
+    else:
+        return None
+    return unit * s * np.sqrt(s)
+
+
+def rounding_by_decade(case, count=20_000, seed=3):
+    """Worst relative error of the force in ε by decade of δ/σ (δ/R for laws without roughness): {decade: error}.
+
+    A table is held against its law in the same way. None where there is no reference.
+    """
+    if np.finfo(L).eps > 1e-18:
+        return None
+    definition = registry()[case.law]
+    random = np.random.default_rng(seed)
+    radius = 10.0 ** random.uniform(-6.0, 0.0, count)
+    modulus = 10.0 ** random.uniform(5.0, 12.0, count)
+    sigma = radius * 10.0 ** random.uniform(-9.0, -2.0, count)
+    decade = random.integers(-9, 7, count)
+    length = sigma if definition.length == "roughness" else radius
+    overlap = length * 10.0 ** (decade + random.random(count))
+    keep = overlap < radius
+    contact = Contact(radius[keep], modulus[keep], sigma[keep], 2.22, 6.266e9)
+    overlap, decade = overlap[keep], decade[keep]
+    if case.evaluation == "table" or definition.solved:
+        return None
+    exact = reference(case.law, contact, overlap, definition.example)
+    if exact is None:
+        return None
+    law = case.bind(contact)
+    force = np.empty(overlap.size)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        force = law.force(overlap)
+    error = np.abs((force.astype(L) - exact) / exact).astype(float) / EPS
+    return {int(d): float(error[decade == d].max()) for d in np.unique(decade)}
+
+
+# --- one case, all figures
+
+
+class Figures(NamedTuple):
+    """What `measure` found for one case."""
+
+    law: str
+    unloading: str
+    evaluation: str
+    contacts: str  # on which the paths ran
+    paths: int
+    not_finite: int  # values on paths and first loadings: NaN, infinite or negative
+    falling: int  # forces that fall as the overlap grows
+    returned: int  # paths that return work
+    worst_return: float  # work returned over the largest energy held (rounding: some ε)
+    rounding: dict | None  # worst relative error of force in ε by decade of overlap
+    ratcheting: float  # relative change of force over the tiny cycles
+    kink: float  # jump of force across a kink, in ε
+    reload: float  # force at exactly the maximum against the first time, in ε; one ulp below it in ε × 1.5 δ/δ_H
+    broken: int  # steps at which a contact made anew differs from a virgin one
+    gains: dict  # steps per contact → largest energy gain per impact
+    safe_steps: float  # steps per contact from which on the gain stays below 1e-4
+    step_ratio: tuple  # dl.timestep over the measured stable step: smallest and largest over contacts
+    refused: bool  # NaN and infinite overlaps raise, leave the state and the other contacts alone
+    float32: float  # largest error of force in float32 storage, over the largest force so far
+
+
+def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
+    """All figures of one case. paths: random load paths; cycles: tiny cycles; quick: fewer impacts and contacts."""
+    random = np.random.default_rng(seed)
+    bad = falling = returned = done = 0
+    worst = 0.0
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        laws = contacts_for(case, 1000, random)
+        for law, _ in laws:
+            count = law.contact.size or 1
+            radius = np.broadcast_to(np.asarray(law.contact.radius, float), count).copy()
+            largest = radius * (0.098 if registry()[case.law].solved else 0.5 if case.evaluation == "table" else 1.0)
+            share = paths // len(laws)
+            b, f = finite_loop(law.params, count, largest, max(share, 20_000), random)
+            state = law.new_state(1).arrays
+            r, w, b2 = path_loop(law.rule, law.params, state, count, 1e-25 * radius, 0.5 * largest, share, 12, random)
+            bad, falling, returned, done = bad + b + b2, falling + f, returned + r, done + share
+            worst = min(worst, w)
+        singles = _single_contacts(case)[: 1 if quick else 3]
+        ratchet = max(_ratcheting(law, cycles // len(singles)) for law in singles)
+        kink = max(_kink(law) for law in singles)
+        again = max(_reload(law) for law in singles)
+        broken = sum(
+            broken_loop(law.rule, law.params, law.new_state(1).arrays, float(place * law.contact.radius), 1000)
+            for law in singles
+            for place in (1e-12, 1e-7, 1e-3)
+        )
+        gains = impact_gains(singles[0], SPEEDS[::4], (20, 50, 1000), 3) if quick else impact_gains(singles[0])
+        ratios = [r for law in singles for r in step_ratios(law)]
+        return Figures(
+            *case,
+            laws[0][1] if len(laws) == 1 and laws[0][1].startswith("granite") else "extreme",
+            done,
+            bad,
+            falling,
+            returned,
+            -worst,
+            rounding_by_decade(case),
+            ratchet,
+            kink,
+            again,
+            int(broken),
+            gains,
+            safe_steps(gains),
+            (min(ratios), max(ratios)),
+            _refuses(singles[0]),
+            _float32(singles[0]),
+        )
+
+
+def _single_contacts(case):
+    """The granite pair, and with it a tiny soft and a large hard contact where the law takes them."""
+    found = [case.bind(GRANITE, 0.9)]
+    if not registry()[case.law].solved:
+        for contact in (Contact(1e-6, 1e5, 1e-9, 2.0, 1e5), Contact(1.0, 1e13, 1e-4, 3.0, 1e12)):
+            found.append(case.bind(contact, 0.9))
+    return found
+
+
+def _ratcheting(law, cycles):
+    worst = 0.0
+    for top in (1e-6, 1e-3, 1e-2):
+        for size in (1e-15, 1e-12, 1e-6, 1e-2):
+            overlap = top * float(law.contact.radius)
+            state = law.new_state(1).arrays
+            worst = max(worst, cycle_loop(law.rule, law.params, state, overlap, overlap * (1.0 - size), cycles // 12))
+    return float(worst)
+
+
+def _kink(law):
+    """Jump of force between the two doubles that enclose each kink, in ε of the force, less what the slope explains."""
+    worst = 0.0
+    for place in law.kinks():
+        if not 0.0 < place < 0.4 * law.contact.radius:
+            continue
+        for _ in range(3):
+            low, high = np.nextafter(place, 0.0), np.nextafter(place, 1e9)
+            below, above = law.force(low), law.force(high)
+            slope = max(law.stiffness(low), law.stiffness(high)) * (high - low)
+            worst = max(worst, (abs(above - below) - slope) / above / EPS)
+    return float(max(worst, 0.0))
+
+
+def _reload(law):
+    worst = 0.0
+    for place in (1e-9, 1e-5, 1e-3, 1e-2):
+        top = place * float(law.contact.radius)
+        below = float(np.nextafter(top, 0.0))
+        path = law.follow(np.array([top, 0.7 * top, top, below, top]))
+        if path.force[0] <= 0.0:
+            continue
+        worst = max(worst, abs(path.force[2] / path.force[0] - 1.0), abs(path.force[4] / path.force[0] - 1.0))
+        # below the maximum the state holds δp: force there has the condition number K δ/P, with Hertz's curve 1.5 δ/δ_H
+        drop = path.stiffness[3] * (top - below) / path.force[0]
+        condition = max(1.0, 1.5 * top / float((path.force[0] / law.params.hertz_coefficient) ** (2 / 3)))
+        condition = max(condition, float(path.stiffness[3]) * top / path.force[0])
+        worst = max(worst, (abs(path.force[3] / path.force[0] - 1.0) - drop) / condition)
+    return float(worst / EPS)
+
+
+def impact_gains(law, speeds=SPEEDS, steps=STEPS, phases=8, mass=_MASS):
+    """Largest energy gain per impact over speeds and phases of the first step: {steps per contact: gain}."""
+    from demlaws.driver import _elastic_contact
+
+    gains = {}
+    for count in steps:
+        worst = 0.0
+        for speed in speeds:
+            try:
+                _, duration = _elastic_contact(law, mass, speed)
+            except DemlawsError:  # the impact would crush the contact, or leave the table
+                continue
+            for phase in range(phases if count < 5000 else 1):
+                state = law.new_state(1).arrays
+                gain, _, _ = impact_loop(
+                    law.rule, law.params, state, mass, speed, duration / count, (phase + 0.5) / phases, 50 * count + 100
+                )
+                worst = max(worst, gain) if gain == gain else math.inf
+        gains[count] = float(worst)
+    return gains
+
+
+def safe_steps(gains, allowed=ALLOWED_GAIN):
+    """Fewest steps per contact from which on no impact gains more than `allowed` of its energy."""
+    safe = math.inf
+    for count in sorted(gains, reverse=True):
+        if gains[count] > allowed:
+            break
+        safe = count
+    return safe
+
+
+def step_ratios(law, mass=_MASS):
+    """dl.timestep over the measured stable step, at two largest forces."""
+    ratios = []
+    for place in (1e-4, 1e-2):
+        largest = float(law.force(place * law.contact.radius))
+        if largest > 0.0:
+            promised = timestep(law, mass, largest)
+            ratios.append(promised / min(_stable_step(law, mass, largest, share, promised) for share in (0.999, 0.9, 0.5, 0.1)))
+    return ratios
+
+
+def _stable_step(law, mass, largest, share, promised, steps=20_000):
+    """Smallest step with which an oscillation about `share` of the largest force grows twentyfold, scanned from below.
+
+    Oscillations of several sizes, from the loading curve and after the largest force: Verlet's limit 2/ω is that of
+    small ones only, and resonances make windows of growth below it.
+    """
+    load, smallest = share * largest, 3.0 * promised
+    for preloaded in (False, True) if law.state_size else (False,):
+        state = law.new_state(1)
+        if preloaded:
+            law.follow(np.array([float(law.overlap(largest))]), state)
+            overlap = float(law.unloading_overlap(load, state))
+            foot = max(float(state.plastic_overlap[0]), 0.0)
+        else:
+            overlap, foot = float(law.overlap(load)), 0.0
+        if overlap - foot <= 1e-12 * law.contact.radius:  # at or below a law's seating load
+            continue
+        size = (load / law.params.hertz_coefficient) ** (2 / 3)
+        for kick in (1e-6, 1e-3, 3e-2):
+            kick = min(kick, 0.1 * (overlap - foot) / size)  # a seated contact: less than would part it
+            for ratio in np.arange(0.7, 3.0, 0.02):
+                dt = ratio * promised
+                if dt >= smallest:
+                    break
+                arrays = tuple(a.copy() for a in state.arrays)
+                if hold_loop(law.rule, law.params, arrays, mass, load, overlap, -kick * size, dt, steps) > 20.0:
+                    smallest = dt
+                    break
+    return smallest
+
+
+def _refuses(law):
+    """NaN and infinite overlaps raise and leave the rest alone."""
+    good = 1e-4 * float(law.contact.radius)
+    for wrong in (math.nan, math.inf):
+        state = law.new_state(3)
+        law.evaluate(np.full(3, 0.5 * good), state)
+        before = [a.copy() for a in state.arrays]
+        out = np.zeros(3), np.zeros(3)
+        try:
+            law.evaluate(np.array([good, wrong, good]), state, out)
+            return False
+        except DemlawsError:
+            pass
+        if not (out[0][0] == out[0][2] == law.force(good)) or np.isfinite(out[0][1]):
+            return False
+        if wrong != wrong and any(a[1] != b[1] for a, b in zip(state.arrays, before, strict=True)):
+            return False
+    return True
+
+
+def _float32(law):
+    """Largest error of force in float32 storage over a load, unload, reload sequence."""
+    radius = float(law.contact.radius)
+    random = np.random.default_rng(0)
+    top = radius * 10.0 ** random.uniform(-8.0, -1.5, 20_000)
+    worst, states = 0.0, (law.new_state(top.size), law.new_state(top.size, np.float32))
+    peak = None
+    for share in (1.0, random.uniform(0.5, 1.0, top.size), 1.0):
+        exact, _ = law.evaluate(top * share, states[0])
+        found, _ = law.evaluate((top * share).astype(np.float32), states[1])
+        peak = exact if peak is None else peak
+        worst = max(worst, float(np.max(np.abs(found - exact)[peak > 0] / peak[peak > 0])))
+    return worst
+
+
+# --- output
+
+
+def _decades(rounding):
+    if rounding is None:
+        return "-"
+    edges = sorted(rounding)
+    groups = [
+        ("<-3", [d for d in edges if d < -3]),
+        ("-3..0", [d for d in edges if -3 <= d < 1]),
+        (">0", [d for d in edges if d > 0]),
+    ]
+    return " ".join(f"{max(rounding[d] for d in members):.3g}" if members else "-" for _, members in groups)
+
+
+def table(rows):
+    """The figures as text, one line a case."""
+    head = (
+        f"{'law':16}{'unloading':10}{'evaluation':12}{'paths':>9}{'not':>5}{'returns':>8}{'most':>9}"
+        f"{'force error (ε)':>18}{'ratchet':>8}{'kink':>6}{'reload':>7}{'broken':>7}{'gain at':>9}{'safe':>7}"
+        f"{'step / limit':>14}{'NaN':>5}{'float32':>9}"
+    )
+    under = (
+        f"{'':38}{'':>9}{'fin.':>5}{'work':>8}{'returned':>9}{'<1e-3 to 1 above':>18}{'':>8}{'(ε)':>6}{'(ε)':>7}"
+        f"{'differ':>7}{'50 steps':>9}{'steps':>7}{'':>14}{'':>5}{'error':>9}"
+    )
+    lines = [head, under]
+    for r in rows:
+        safe = f"{r.safe_steps:.0f}" if math.isfinite(r.safe_steps) else "none"
+        lines.append(
+            f"{r.law:16}{r.unloading:10}{r.evaluation:12}{r.paths:9d}{r.not_finite + r.falling:5d}{r.returned:8d}"
+            f"{r.worst_return:9.1e}{_decades(r.rounding):>18}{r.ratcheting:8.0e}{r.kink:6.2g}"
+            f"{r.reload:7.2g}{r.broken:7d}{r.gains.get(50, math.nan):9.1e}{safe:>7}"
+            f"{f'{r.step_ratio[0]:.3f}-{r.step_ratio[1]:.3f}':>14}{'ok' if r.refused else 'NO':>5}{r.float32:9.1e}"
+        )
+    return "\n".join(lines)
+
+
+TITLES = (
+    *Figures._fields[:9],
+    *(f"force_error_eps_decade_{d}" for d in range(-9, 7)),
+    "ratcheting",
+    "kink_eps",
+    "reload_eps",
+    "broken",
+    *(f"gain_{s}_steps" for s in STEPS),
+    "safe_steps",
+    "step_over_limit_smallest",
+    "step_over_limit_largest",
+    "refused",
+    "float32_error",
+)
+
+
+def csv_row(r):
+    """One line of the CSV file: the values that TITLES names."""
+    decades = [(r.rounding or {}).get(d, "") for d in range(-9, 7)]
+    gains = [r.gains.get(s, "") for s in STEPS]
+    return (
+        *r[:9],
+        *decades,
+        r.ratcheting,
+        r.kink,
+        r.reload,
+        r.broken,
+        *gains,
+        r.safe_steps,
+        *r.step_ratio,
+        r.refused,
+        r.float32,
+    )
+
+
+def failures(rows):
+    """What is not as it must be, as sentences."""
+    found = []
+    for r in rows:
+        label = f"{r.law}, {r.unloading}, {r.evaluation}"
+        if r.not_finite or r.falling:
+            found.append(f"{label}: {r.not_finite} values not finite or negative, {r.falling} falling")
+        if r.returned:
+            found.append(
+                f"{label}: {r.returned} of {r.paths} paths return work, at most {r.worst_return:.1e} of the energy held"
+            )
+        if r.ratcheting > 4.0 * EPS:
+            found.append(f"{label}: tiny cycles change the force by {r.ratcheting:.1e}")
+        if r.broken:
+            found.append(f"{label}: {r.broken} contacts made anew differ from virgin ones")
+        if not 0.5 <= r.step_ratio[0] or r.step_ratio[1] > 1.001:
+            found.append(f"{label}: dl.timestep is {r.step_ratio[0]:.3f} to {r.step_ratio[1]:.3f} of the measured stable step")
+        if not r.refused:
+            found.append(f"{label}: NaN or infinite input is not refused")
+    return found

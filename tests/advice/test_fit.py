@@ -1,0 +1,148 @@
+"""Fits: known parameters come back within the stated uncertainty, and the law that made the points ranks first."""
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws import granite
+from demlaws.advice.fit import PARAMETERS, history
+
+PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
+CYCLE = np.concatenate([np.linspace(1, 60, 20), np.linspace(58, 2, 12), np.linspace(4, 100, 20), np.linspace(95, 3, 12)])
+
+
+def points(law, force, noise, seed, zero=3.1e-6):
+    random = np.random.default_rng(seed)
+    overlap, _ = history(law, force)
+    return np.column_stack([overlap + zero + noise * random.standard_normal(force.size), force])
+
+
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+def test_history_follows_the_driver():
+    for name, rule in (("pohrt-popov", "hertz"), ("rough-plastic", "thornton"), ("rms", "elastic")):
+        law = dl.law(name, PAIR, rule, **({"yield_pressure": 1.66e9} if name == "rough-plastic" else {}))
+        path = dl.driver.force_controlled(law, [50, 5, 100, 20], 40)
+        overlap, stiffness = history(law, path.force[1:])
+        np.testing.assert_allclose(overlap, path.overlap[1:], rtol=1e-9)
+        turning = np.isclose(path.force[1:], np.maximum.accumulate(path.force[1:]), rtol=1e-9)
+        np.testing.assert_allclose(stiffness[~turning], path.stiffness[1:][~turning], rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "rule", "contact", "truth", "free"),
+    [
+        ("hertz", "elastic", PAIR, {"modulus": 32.32e9}, None),
+        ("rms", "hertz", PAIR, {"roughness": 2.4e-6}, None),
+        ("rms", "hertz", PAIR, {"roughness": 2.4e-6, "modulus": 32.32e9}, ("roughness", "modulus")),
+        ("pohrt-popov", "hertz", PAIR, {"roughness": 2.4e-6, "fractal_dimension": 2.22}, None),
+        ("goddard", "elastic", PAIR, {"slope": 0.035}, None),
+        (
+            "rough-plastic",
+            "hertz",
+            PAIR.with_values(radius=0.96e-3, roughness=5.04e-6),
+            {"roughness": 5.04e-6, "fractal_dimension": 2.22, "yield_pressure": 1.66e9},
+            None,
+        ),
+        ("bahrami", "elastic", PAIR, {"roughness": 2.4e-6}, None),
+    ],
+)
+def test_coverage(name, rule, contact, truth, free):
+    """95 % intervals hold the truth in 95 % of the seeds, within what 60 seeds can tell."""
+    made_with = {k: v for k, v in truth.items() if PARAMETERS[k].option}
+    law = dl.law(name, contact, rule, **made_with)
+    guess = contact.with_values(
+        roughness=contact.roughness * 1.7,
+        modulus=contact.modulus * (1.2 if "modulus" in truth else 1.0),
+        fractal_dimension=2.4,
+    )
+    seeds, inside, errors = 60, dict.fromkeys([*truth, "zero"], 0), {k: [] for k in truth}
+    for seed in range(seeds):
+        best = dl.fit(points(law, CYCLE, 1e-7, seed), guess, laws=[name], unloading=rule, free=free).best
+        for key in inside:
+            estimate = best.parameters[key]
+            inside[key] += estimate.low <= truth.get(key, 3.1e-6) <= estimate.high
+        for key in truth:
+            errors[key].append((best.parameters[key].value - truth[key]) / best.parameters[key].error)
+    for key, count in inside.items():
+        assert count >= 50, (key, count)  # 57 expected; fewer than 50 has probability 1e-4
+    for key, values in errors.items():
+        assert 0.7 < np.std(values) < 1.4, (key, np.std(values))
+
+
+def test_ranking_finds_the_law():
+    law = dl.law("pohrt-popov", PAIR, "hertz")
+    ranking = dl.fit(points(law, CYCLE, 5e-8, 3), PAIR.with_values(roughness=4e-6, fractal_dimension=2.4))
+    assert (ranking.best.name, ranking.best.unloading) in {("pohrt-popov", "hertz"), ("rough-plastic", "hertz")}
+    pohrt = next(f for f in ranking if (f.name, f.unloading) == ("pohrt-popov", "hertz"))
+    assert pohrt.delta < 6.0
+    assert next(f for f in ranking if (f.name, f.unloading) == ("hertz", "elastic")).delta > 50.0
+    assert sum(f.weight for f in ranking) == pytest.approx(1.0)
+    assert pohrt.misfit == pytest.approx(5e-8, rel=0.3)
+    assert pohrt.law.force(pohrt.law.overlap(50.0)) == pytest.approx(50.0)
+
+
+def test_known_noise_and_force_noise():
+    law = dl.law("rms", PAIR, "hertz")
+    random = np.random.default_rng(5)
+    inside, seeds, chi = 0, 40, []
+    for seed in range(seeds):
+        data = points(law, CYCLE, 5e-8, seed)
+        data[:, 1] += 0.3 * random.standard_normal(CYCLE.size)
+        best = dl.fit(
+            data, PAIR.with_values(roughness=4e-6), laws="rms", unloading="hertz", displacement_noise=5e-8, force_noise=0.3
+        ).best
+        chi.append(best.chi_squared)
+        inside += best.parameters["roughness"].low <= 2.4e-6 <= best.parameters["roughness"].high
+    assert inside >= 33
+    assert 0.8 < np.mean(chi) < 1.25
+
+
+def test_yield_that_is_not_reached_is_said():
+    law = dl.law("pohrt-popov", PAIR, "hertz")
+    best = dl.fit(points(law, CYCLE, 1e-8, 1), PAIR, laws="rough-plastic", unloading="hertz").best
+    estimate = best.parameters["yield_pressure"]
+    assert estimate.note or estimate.value > 1e9
+
+
+def test_systematic_misfit_is_said():
+    law = dl.law("pohrt-popov", PAIR, "elastic")
+    force = np.linspace(1, 100, 60)
+    best = dl.fit(points(law, force, 1e-9, 0), PAIR, laws="hertz").best
+    assert any("systematic" in note for note in best.notes)
+
+
+def test_bad_points():
+    with pytest.raises(dl.DemlawsError, match=r"shape \(3,\)"):
+        dl.fit([1.0, 2.0, 3.0], PAIR)
+    with pytest.raises(dl.DemlawsError, match="NaN"):
+        dl.fit([[1e-6, np.nan]] * 9, PAIR)
+    with pytest.raises(dl.DemlawsError, match="at least"):
+        dl.fit([[1e-6, 1.0], [2e-6, 2.0]], PAIR)
+    with pytest.raises(dl.DemlawsError, match="cannot fit colour"):
+        dl.fit([[1e-6, 1.0]] * 9, PAIR, free=["colour"])
+    with pytest.raises(dl.DemlawsError, match="displacement_noise"):
+        dl.fit([[1e-6, 1.0]] * 9, PAIR, force_noise=0.1)
+
+
+def test_points_of_a_file(tmp_path):
+    law = dl.law("rms", PAIR, "hertz")
+    rows = points(law, CYCLE, 2e-8, 0)
+    file = tmp_path / "p.csv"
+    file.write_text("displacement (um),force (N)\n" + "".join(f"{d * 1e6:.6f},{f:.6f}\n" for d, f in rows))
+    best = dl.fit(granite.read_points(file), PAIR.with_values(roughness=5e-6), laws="rms").best
+    assert best.unloading == "hertz"
+    assert best.parameters["roughness"].value == pytest.approx(2.4e-6, rel=0.05)
+
+
+def test_a_fitted_unloading_branch_is_a_curve_to_unload_along():
+    """Points of an unloading branch alone, of a contact that loading has made smoother: fitted, then joined to the law."""
+    law = dl.law("pohrt-popov", PAIR, dl.law("pohrt-popov", PAIR.with_values(roughness=0.2 * PAIR.roughness)))
+    path = dl.driver.force_controlled(law, [50.0, 0.2], 40)
+    branch = np.column_stack([path.overlap, path.force])[41:]
+    best = dl.fit(branch, PAIR, laws="pohrt-popov", unloading="elastic", free=["roughness"]).best
+    assert best.law.contact.roughness == pytest.approx(0.2 * PAIR.roughness, rel=1e-4)
+    assert best.parameters["zero"].value == pytest.approx(path.plastic_overlap[-1], rel=1e-4)
+    again = dl.law("pohrt-popov", PAIR, unloading=best.law).follow(path.overlap)
+    np.testing.assert_allclose(again.force, path.force, atol=1e-4 * path.force.max())
+    with pytest.raises(dl.DemlawsError, match="the rules that a fit takes are elastic, hertz, thornton"):
+        dl.fit(branch, PAIR, laws="pohrt-popov", unloading="table")

@@ -1,0 +1,326 @@
+"""Unloading rules with every law that takes them: no closed path returns work, and history is what it should be."""
+
+import functools
+import itertools
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, options_of, pairs, quiet, work_along
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from references import EPS
+
+import demlaws as dl
+from demlaws.laws.registry import registry
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+PAIRS = pairs(with_curves=dl.laws())
+WITH_HISTORY = [pair for pair in PAIRS if pair[1] != "elastic"]
+every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
+every_history = pytest.mark.parametrize(("name", "unloading"), WITH_HISTORY)
+
+# turning points as multiples of the roughness: from far below it to far above, and parted
+TURNS = st.lists(st.one_of(st.floats(1e-6, 1e-2), st.floats(1e-2, 30.0), st.just(0.0), st.just(-1.0)), min_size=1, max_size=8)
+
+
+@every_pair
+@given(turns=TURNS)
+@settings(max_examples=20)
+def test_no_closed_path_returns_work(name, unloading, turns):
+    """∮P dδ of the forces alone, from a virgin contact and back to no overlap; and each time the path comes by 0."""
+    law = make(name, unloading)
+    corners = [*(GRANITE.roughness * np.array(turns)), 0.0]
+    work = work_along(law, corners)
+    path = quiet(law.follow, np.array(corners))
+    # 1e-8: Gauss's rule in steps over the cells of a table; every other law is integrated to 1e-10
+    scale = np.max(np.abs(work)) + np.max(path.dissipated)
+    tolerance = (1e-8 if registry()[name].solved else 1e-10) * scale
+    parted = np.array(corners) <= 0.0
+    assert np.all(work[parted] >= -tolerance)
+    np.testing.assert_allclose(path.work, work, rtol=0.0, atol=tolerance)
+    assert np.all(path.stored >= 0.0)
+    assert np.all(path.stored[parted] == 0.0)
+    # δp may fall by what the check of passivity lets pass, 1e-9 of a step, where both curves have become Hertz's
+    rounding = (1e-10 if unloading == "table" else 4 * EPS) * scale
+    assert np.all(np.diff(path.dissipated) >= -rounding)
+    assert path.dissipated[0] >= -rounding
+    if unloading == "elastic":
+        np.testing.assert_array_equal(path.dissipated, 0.0)
+
+
+@every_history
+@given(turns=st.lists(st.floats(0.3, 1.0), min_size=2, max_size=6), first=st.floats(0.01, 20.0))
+@settings(max_examples=20)
+def test_cycles_below_the_maximum_are_closed(name, unloading, turns, first):
+    """Below δmax the contact is elastic: one force an overlap, however it was reached, and no work for a cycle."""
+    law = make(name, unloading)
+    maximum = first * GRANITE.roughness
+    path = law.follow(np.array([maximum, *(maximum * np.array(turns)), maximum * turns[0], maximum]))
+    assert path.force[-2] == path.force[1]
+    assert path.work[-2] == pytest.approx(path.work[1], rel=1e-12, abs=1e-14 * path.work[0])
+    assert path.work[-1] == pytest.approx(path.work[0], rel=1e-12)
+    assert path.dissipated[-1] == pytest.approx(path.dissipated[0], rel=1e-12, abs=1e-15 * path.work[0])
+
+
+@every_pair
+@given(turns=TURNS, pieces=st.integers(2, 9))
+@settings(max_examples=20)
+def test_refining_a_path_changes_nothing(name, unloading, turns, pieces):
+    """Bit for bit, at the points that the paths share."""
+    law = make(name, unloading)
+    corners = np.array([0.0, *(GRANITE.roughness * np.array(turns))])
+    fine = [np.linspace(a, b, pieces + 1)[1:] for a, b in itertools.pairwise(corners)]
+    for branch, corner in zip(fine, corners[1:], strict=True):
+        branch[-1] = corner
+    coarse, refined = law.follow(corners[1:]), law.follow(np.concatenate(fine))
+    last = np.arange(1, len(fine) + 1) * pieces - 1
+    for quantity in ("force", "stiffness", "maximum_overlap", "plastic_overlap", "stored"):
+        np.testing.assert_array_equal(getattr(coarse, quantity), getattr(refined, quantity)[last], err_msg=quantity)
+    scale = 16 * EPS * len(turns) * np.max(coarse.work)
+    np.testing.assert_allclose(coarse.work, refined.work[last], rtol=0, atol=scale)
+
+
+@every_history
+def test_unloading_curve_and_reload(name, unloading):
+    """P = (4/3) E* √R_p (δ - δp)^1.5 or the given curve of δ - δp, through (δmax, Pmax); no force below δp; reload likewise."""
+    law = make(name, unloading)
+    for maximum in GRANITE.roughness * np.array([0.1, 1.0, 8.0]):
+        force, stiffness = law.force(maximum), law.stiffness(maximum)
+        state = law.new_state(1)
+        law.follow([maximum], state)
+        plastic = float(state.plastic_overlap[0])
+        assert state.maximum_overlap[0] == maximum
+        down = maximum - np.linspace(0.0, 1.2, 50)[1:] * (maximum - plastic)
+        down = down[down > 0.0]
+        path = law.follow(down, state.copy())
+        elastic = np.maximum(down - plastic, 0.0)
+        if unloading == "table":
+            curve, tangent = law.unloading_law.force(elastic), law.unloading_law.stiffness(elastic)
+        else:
+            coefficient = law.params.hertz_coefficient
+            if unloading == "thornton":
+                assert state.radius_ratio[0] >= 1.0 - 1e-9
+                coefficient *= np.sqrt(state.radius_ratio[0])
+            curve, tangent = coefficient * elastic**1.5, 1.5 * coefficient * np.sqrt(elastic)
+        # δ - δp is a difference: its rounding is that of δ
+        noise = 8 * EPS * maximum * tangent
+        np.testing.assert_array_less(np.abs(path.force - curve), 1e-13 * path.force + noise + 1e-300)
+        np.testing.assert_allclose(path.stiffness, tangent, rtol=1e-7, atol=1e-7 * tangent.max())
+        if plastic > 0.0:
+            gap = law.follow(np.array([0.999, 0.5, 0.01]) * plastic, state.copy())
+            np.testing.assert_array_equal(gap.force, 0.0)
+            np.testing.assert_array_equal(gap.stiffness, 0.0)
+            assert gap.maximum_overlap[-1] == maximum  # a gap inside the overlap keeps the history
+        # reloading to the maximum meets the virgin curve, exactly; then first loading goes on
+        back = law.follow([down[3], maximum, 1.1 * maximum], state.copy())
+        assert back.force[1] == force
+        assert back.stiffness[1] == stiffness
+        assert back.force[2] == law.force(1.1 * maximum)
+        just = law.follow([maximum * (1.0 - EPS)], state.copy())
+        assert just.force[0] == pytest.approx(force, rel=1e-12)
+        # turning back, the contact is as stiff as its unloading curve at that load: stiffer than before
+        assert just.stiffness[0] >= stiffness * (1.0 - 1e-9)
+
+
+@every_history
+def test_unloading_overlap_is_the_inverse(name, unloading):
+    law = make(name, unloading)
+    maximum = 2.0 * GRANITE.roughness
+    state = law.new_state(1)
+    law.follow([maximum], state)
+    forces = law.force(maximum) * np.array([0.999, 0.5, 0.1, 1e-3])
+    overlaps = law.unloading_overlap(forces, state)
+    if unloading == "table":
+        curve = law.unloading_law
+        seated = curve.overlap(forces) > 0.0  # a curve that starts at a seating load carries no less
+        assert np.all(overlaps[~seated] == state.plastic_overlap[0]) and np.any(seated)
+        forces, overlaps = forces[seated], overlaps[seated]
+    np.testing.assert_allclose(law.follow(overlaps, state.copy()).force, forces, rtol=1e-9)
+    assert law.unloading_overlap(0.0, state) == pytest.approx(state.plastic_overlap[0], abs=1e-20)
+
+
+@every_pair
+@pytest.mark.parametrize("parted", [0.0, -1e-9])
+def test_a_contact_that_parted_is_virgin(name, unloading, parted):
+    law = make(name, unloading)
+    overlap = GRANITE.roughness * np.array([0.5, 0.2, 3.0])
+    state = law.new_state(1)
+    path = law.follow([1e-5, 8e-6, parted], state)
+    assert path.force[-1] == path.stiffness[-1] == 0.0
+    for array in state.arrays:
+        np.testing.assert_array_equal(array, 0.0)
+    again, fresh = law.follow(overlap, state), law.follow(overlap)
+    for quantity in ("force", "stiffness", "maximum_overlap", "plastic_overlap", "stored", "dissipated"):
+        np.testing.assert_array_equal(getattr(again, quantity), getattr(fresh, quantity))
+
+
+@every_pair
+def test_asking_changes_no_history(name, unloading):
+    """Force, stiffness, overlap and energy are of first loading, whatever a state holds; a new state is not shared."""
+    law = make(name, unloading)
+    state, other = law.new_state(2), law.new_state(2)
+    law.evaluate(np.array([3e-6, 4e-6]), state if law.state_size else None)
+    kept = [array.copy() for array in state.arrays]
+    law.force(1e-5), law.stiffness(1e-5), law.overlap(5.0), law.energy(1e-5), law.follow([1e-5])
+    for array, old, fresh in zip(state.arrays, kept, other.arrays, strict=True):
+        np.testing.assert_array_equal(array, old)
+        np.testing.assert_array_equal(fresh, 0.0)
+
+
+@pytest.mark.parametrize("name", [n for n, rule in PAIRS if rule == "thornton" and n != "rough-plastic"])
+def test_thornton_is_hertz_where_the_bulk_has_not_yielded(name):
+    path = GRANITE.roughness * np.array([2.0, 1.9, 1.7, 5.0, 4.9, 4.5])
+    a, b = make(name, "hertz").follow(path), make(name, "thornton").follow(path)
+    np.testing.assert_allclose(a.force, b.force, rtol=1e-10)
+    np.testing.assert_allclose(a.plastic_overlap, b.plastic_overlap, atol=1e-14 * path[0] * 10)
+
+
+def test_plastic_overlap_of_pohrt_popov_saturates_above_the_threshold():
+    law = make("pohrt-popov", "hertz")
+    (kink,) = law.kinks()
+    plastic = law.follow(kink * np.array([0.5, 1.0, 2.0, 10.0])).plastic_overlap
+    assert plastic[0] < plastic[1]
+    np.testing.assert_allclose(plastic[2:], plastic[1], rtol=1e-10)
+
+
+def test_hertz_leaves_nothing_behind():
+    path = make("hertz", "hertz").follow([1e-5, 5e-6, 1e-7])
+    np.testing.assert_array_equal(path.plastic_overlap, 0.0)
+    assert abs(path.dissipated[-1]) <= EPS * path.work[0]
+
+
+@pytest.mark.parametrize("name", [n for n in dl.laws() if (n, "hertz") not in PAIRS])
+def test_a_refused_law_would_return_work(name):
+    """The refusal names the load; there, Hertz unloading from just above would give back more than loading took."""
+    with pytest.raises(dl.DemlawsError, match="return more work than loading took; use unloading='elastic'") as refusal:
+        dl.law(name, GRANITE, unloading="hertz", **options_of(name))
+    load = float(str(refusal.value).split(" at ")[1].split(" N")[0])
+    law = make(name)
+    low = law.overlap(0.999 * load)
+    high = law.overlap(load)
+    # once at `low` the unloading curve starts at δp(low); climbing the virgin curve moves δp back
+    coefficient = law.params.hertz_coefficient
+    plastic = [o - (law.force(o) / coefficient) ** (2 / 3) for o in (low, high)]
+    assert plastic[1] < plastic[0]
+
+
+def test_arrays_of_contacts_are_refused_too_where_one_of_them_is_not_passive():
+    contact = GRANITE.with_values(roughness=np.array([1e-9, 2.4e-6, 1e-6]))
+    with pytest.raises(dl.DemlawsError, match="use unloading='elastic'"):
+        dl.law("bahrami", contact, unloading="hertz")
+
+
+# --- rule "table": a given curve
+
+TAKE_HERTZ = [name for name in dl.laws() if (name, "hertz") in PAIRS]
+
+
+@pytest.mark.parametrize("name", TAKE_HERTZ)
+@given(turns=TURNS)
+@settings(max_examples=10)
+def test_hertz_as_the_curve_is_the_rule_hertz(name, turns):
+    """Bit for bit; energies to rounding."""
+    law = make(name)
+    given_curve, rule = law.joined(dl.law("hertz", GRANITE)), make(name, "hertz")
+    assert (given_curve.unloading, given_curve.state_names) == ("table", rule.state_names)
+    path = GRANITE.roughness * np.array(turns)
+    a, b = quiet(given_curve.follow, path), quiet(rule.follow, path)
+    for quantity in ("force", "stiffness", "maximum_overlap", "plastic_overlap"):
+        np.testing.assert_array_equal(getattr(a, quantity), getattr(b, quantity), err_msg=quantity)
+    # of a seated law the curve holds more than the contact ever gives back
+    held = 0.4 * b.force.max() * np.max(b.maximum_overlap - b.plastic_overlap)
+    np.testing.assert_allclose(a.work, b.work, rtol=1e-14, atol=1e-14 * held)
+    np.testing.assert_allclose(a.dissipated, b.dissipated, rtol=0, atol=1e-14 * max(held, b.work.max()))
+
+
+@given(turns=TURNS)
+@settings(max_examples=20)
+def test_a_table_as_the_curve_is_its_law_to_the_certificate(turns):
+    """U = rms on a surface a tenth as rough, as a law and as a table: forces at the same overlaps."""
+    path = GRANITE.roughness * np.array(turns)
+    law, table = smooth_rms()
+    a, b = quiet(law.follow, path), quiet(table.follow, path)
+    error = table.unloading_law.stiffness_error
+    # δp is off by the error of the curve's overlap, the force by that and the curve's own
+    tolerance = 4 * error * b.maximum_overlap * max(b.stiffness.max(), a.stiffness.max())
+    assert np.all(np.abs(a.force - b.force) <= tolerance)
+    assert np.all(np.abs(a.work - b.work) <= tolerance.max() * np.max(np.abs(path)))
+
+
+@functools.cache
+def smooth_rms():
+    """rms, unloading along rms on a surface a tenth as rough: by formula, and by a table."""
+    curve = dl.law("rms", GRANITE.with_values(roughness=0.1 * GRANITE.roughness))
+    return make("rms").joined(curve), make("rms").joined(curve.tabulate(1e-6))
+
+
+def test_a_law_stiffer_than_hertz_takes_a_curve_that_is_stiffer_still():
+    """Bahrami has up to 1.08 times Hertz's stiffness; a flattened contact of twice the radius has 1.26 times."""
+    flattened = dl.law("hertz", GRANITE.with_values(radius=2.0 * GRANITE.radius))
+    law = dl.law("bahrami", GRANITE, unloading=flattened)
+    path = quiet(law.follow, GRANITE.roughness * np.array([3.0, 2.5, 2.0, 3.0, 5.0, 0.0]))
+    elastic = GRANITE.roughness * 2.5 - path.plastic_overlap[1]
+    assert path.force[1] == pytest.approx(4 / 3 * GRANITE.modulus * np.sqrt(2.0 * GRANITE.radius) * elastic**1.5, rel=1e-12)
+    assert path.dissipated[-1] == path.work[-1] > 0.0
+
+
+def test_a_measured_map_unloads_along_its_own_reloading_curve():
+    law = make("asperity", "table")
+    assert law.unloading_law.options["curve"] == "reloading"
+    path = law.follow(law.overlap(np.array([20.0, 10.0])))
+    assert 0.0 < path.plastic_overlap[0] < path.maximum_overlap[0]
+    assert path.force[1] < 10.0
+
+
+def test_contacts_in_arrays_have_curves_of_their_own(rng):
+    many = GRANITE.with_values(radius=rng.uniform(2e-3, 6e-3, 50), roughness=rng.uniform(1e-6, 4e-6, 50))
+    smoother = many.with_values(roughness=0.25 * many.roughness)
+    law = dl.law("pohrt-popov", many, unloading=dl.law("pohrt-popov", smoother))
+    table = law.tabulate(1e-6)
+    down = rng.uniform(0.8, 1.0, 50)
+    top = many.roughness * rng.uniform(0.5, 5.0, 50)
+    for one in (law, table):
+        state = one.new_state(50)
+        one.evaluate(top, state)
+        force, _ = one.evaluate(top * down, state)
+        for i in range(0, 50, 7):
+            contact = GRANITE.with_values(radius=many.radius[i], roughness=many.roughness[i])
+            curve = dl.law("pohrt-popov", contact.with_values(roughness=smoother.roughness[i]))
+            path = dl.law("pohrt-popov", contact, unloading=curve).follow([top[i], top[i] * down[i]])
+            assert force[i] == pytest.approx(path.force[1], rel=1e-13 if one is law else 1e-4, abs=1e-5 * path.force[0])
+
+
+@pytest.mark.parametrize(
+    ("curve", "message"),
+    [
+        ("table", "needs its curve"),
+        ("stiff", "unknown unloading rule"),
+        (3.0, "unknown unloading rule"),
+        ("nowhere.tbl", "cannot read table nowhere.tbl"),
+        (lambda: make("pohrt-popov", "hertz"), "unloading curve is elastic"),
+        (
+            lambda: dl.law("rms", GRANITE.with_values(roughness=4 * GRANITE.roughness)),
+            r"times that of its unloading curve \('rms'\)",
+        ),
+        (
+            lambda: dl.law("hertz", GRANITE.with_values(radius=np.array([1e-3, 2e-3]))),
+            "radius of the unloading curve's contact",
+        ),
+    ],
+)
+def test_curves_that_will_not_do(curve, message):
+    with pytest.raises(dl.DemlawsError, match=message):
+        dl.law("rms", GRANITE, unloading=curve() if callable(curve) else curve)
+
+
+def test_loads_beyond_a_tabulated_curve_are_refused():
+    curve = dl.law("hertz", GRANITE).tabulate(max_force=10.0)
+    law = make("pohrt-popov").joined(curve)
+    assert law.force(law.overlap(30.0)) == pytest.approx(30.0)  # first loading does not need the curve
+    for call in (
+        lambda: law.follow([law.overlap(60.0)]),
+        lambda: law.evaluate(np.array([law.overlap(60.0)]), law.new_state(1)),
+    ):
+        with pytest.raises(dl.DemlawsError, match="unloading curve is a table that ends at"):
+            call()

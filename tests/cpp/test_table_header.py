@@ -1,0 +1,145 @@
+"""The standalone C++ header, by its 30-line example, against Python; and the files it must refuse."""
+
+import subprocess
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.liggghts import header_folder
+from demlaws.make import example as example_law
+
+# the paths go where a source does not support its law; the header must agree there, too
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
+@pytest.fixture(scope="module")
+def example(tmp_path_factory):
+    program = tmp_path_factory.mktemp("example") / "example"
+    command = ["g++", "-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", "-I", str(header_folder())]
+    subprocess.run([*command, str(header_folder() / "example.cpp"), "-o", str(program)], check=True)
+
+    def run(table, contact, overlaps):
+        text = "\n".join(f"{value:.17g}" for value in overlaps)
+        arguments = [str(v) for v in (table, contact.modulus, contact.radius, contact.roughness)]
+        return subprocess.run([str(program), *arguments], input=text, capture_output=True, text=True)
+
+    return run
+
+
+def path_of(law, force):
+    """Load, unload, reload beyond, separate, load: overlaps [m]."""
+    top = float(law.overlap(force))
+    turns = np.array([0.0, 0.6, 0.45, 1.0, 0.7, 0.9, -0.1, 0.5]) * top
+    return np.concatenate([np.linspace(a, b, 60) for a, b in pairwise(turns)])
+
+
+@pytest.mark.parametrize(
+    "name, unloading, options",
+    [
+        ("hertz", "elastic", {}),
+        ("rms", "hertz", {}),
+        ("pohrt-popov", "elastic", {}),
+        ("pohrt-popov", "hertz", {}),
+        ("pohrt-popov", "thornton", {}),
+        ("goddard", "hertz", {"slope": 0.035}),
+        ("rough-plastic", "hertz", {"yield_pressure": 1.66e9}),
+        ("rough-plastic", "thornton", {"yield_pressure": 1.66e9}),
+        ("rough-plastic", "thornton", {"yield_pressure": 0.3e9}),
+        ("bahrami", "elastic", {}),
+        ("yip-venart", "elastic", {}),
+        ("greenwood-tripp", "elastic", {}),
+        ("hertz", "table", {}),
+        ("rms", "table", {}),
+        ("pohrt-popov", "table", {}),
+        ("goddard", "table", {"slope": 0.035}),
+        ("rough-plastic", "table", {"yield_pressure": 1.66e9}),
+        ("yip-venart", "table", {}),
+    ],
+)
+def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unloading, options):
+    law = example_law(name, granite_pair, unloading, **options)
+    rtol = 1e-5 if law.definition.solved else 1e-8
+    table = law.tabulate(rtol=rtol)
+    table.save(tmp_path / "law.tbl")
+    reference = table if law.definition.solved else law
+    overlaps = path_of(law, 20.0)
+    result = example(tmp_path / "law.tbl", granite_pair, overlaps)
+    assert result.returncode == 0, result.stderr
+    columns = np.array([line.split() for line in result.stdout.splitlines()], float).T
+    path = reference.follow(overlaps)
+    for column, expected in zip(columns[:2], (path.force, path.stiffness), strict=True):
+        assert np.abs(column - expected).max() <= 3e-8 * np.abs(expected).max()
+    if unloading != "elastic":
+        for column, expected in zip(columns[2:4], (path.maximum_overlap, path.plastic_overlap), strict=True):
+            assert np.abs(column - expected).max() <= 1e-7 * overlaps.max()
+    assert np.abs(columns[4] - path.stored).max() <= 1e-7 * path.work.max()
+    first = np.flatnonzero(overlaps <= 0.0)[1]  # the header's dissipation is this contact's, a path's all of them
+    assert np.abs(columns[5] - path.dissipated)[:first].max() <= 1e-7 * path.work.max()
+
+
+def test_one_table_serves_every_radius_and_roughness(example, tmp_path, granite_pair):
+    dl.law("pohrt-popov", granite_pair, unloading="hertz").tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
+    other = granite_pair.with_values(radius=1e-3, modulus=70e9, roughness=1.1e-6)
+    law = dl.law("pohrt-popov", other, unloading="hertz")
+    overlaps = path_of(law, 3.0)
+    force = np.array([line.split()[0] for line in example(tmp_path / "law.tbl", other, overlaps).stdout.splitlines()], float)
+    assert np.abs(force - law.follow(overlaps).force).max() <= 3e-8 * force.max()
+
+
+@pytest.mark.parametrize("unloading", ["hertz", "table"])
+def test_nan_and_negative_overlaps(example, tmp_path, granite_pair, unloading):
+    law = example_law("pohrt-popov", granite_pair, unloading)
+    law.tabulate().save(tmp_path / "law.tbl")
+    result = example(tmp_path / "law.tbl", granite_pair, [1e-6, float("nan"), 0.5e-6, -1e-6, 1e-6, 0.0])
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert rows[1][0].endswith("nan")
+    assert rows[0][2:4] == rows[2][2:4]  # the state of the contact survives the NaN
+    assert float(rows[3][0]) == 0.0 and rows[4][:2] == rows[0][:2] and float(rows[5][2]) == 0.0
+
+
+def test_refused_files_name_the_line(example, tmp_path, granite_pair):
+    good = tmp_path / "good.tbl"
+    dl.law("pohrt-popov", granite_pair).tabulate().save(good)
+    lines = good.read_text().splitlines(keepends=True)
+    first_row = lines.index(next(line for line in lines if line.startswith("overlap force stiffness"))) + 1
+
+    def refused(text, *words):
+        file = tmp_path / "bad.tbl"
+        file.write_text(text)
+        result = example(file, granite_pair, [1e-6])
+        assert result.returncode == 1
+        for word in (str(file), *words):
+            assert word in result.stderr, result.stderr
+
+    edited = lines[first_row + 3].replace("1", "2", 1)
+    assert edited != lines[first_row + 3]
+    refused("".join([*lines[: first_row + 3], edited, *lines[first_row + 4 :]]), f"line {first_row + 4}:", "checksum")
+    refused("".join(lines[:-1]), f"line {len(lines)}:", "end:")
+    refused("".join(lines)[:-40], "line", "middle")
+    refused("".join(lines[: first_row + 5] + lines[first_row + 6 :]), f"line {first_row + 6}:", "checksum")
+    refused("".join(lines) + "more 00000000\n", f"line {len(lines) + 1}:", "follows")
+    refused("not a table\n", "line 1:", "# demlaws-table 1")
+    refused("# demlaws-table 2\n" + "".join(lines[1:]), "line 1:")
+    refused("".join(lines).replace("\n", "\r\n"), "line 1:")
+    refused("", "line 1:")
+    result = example(tmp_path / "none.tbl", granite_pair, [1e-6])
+    assert result.returncode == 1 and "none.tbl" in result.stderr and "No such file" in result.stderr
+
+
+@pytest.mark.parametrize("unloading", ["elastic", "table"])
+def test_every_flipped_byte_is_noticed(example, tmp_path, granite_pair, unloading):
+    good = tmp_path / "good.tbl"
+    example_law("hertz", granite_pair, unloading).tabulate(rtol=1e-3).save(good)
+    data = good.read_bytes()
+    for at in np.linspace(0, len(data) - 2, 60).astype(int):
+        (tmp_path / "bad.tbl").write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
+        assert example(tmp_path / "bad.tbl", granite_pair, [1e-6]).returncode == 1, f"byte {at}"
+
+
+def test_beyond_the_table_is_said(example, tmp_path, granite_pair):
+    law = dl.law("pohrt-popov", granite_pair)
+    law.tabulate(max_force=50.0).save(tmp_path / "law.tbl")
+    result = example(tmp_path / "law.tbl", granite_pair, [1e-6, 1e-4])
+    assert result.returncode == 1 and "beyond" in result.stderr
