@@ -15,11 +15,11 @@ def main():
 
     print(f"demlaws {dl.__version__}, YADE {yade.config.version}, Python {platform.python_version()}", end=", ")
     print(f"numba {numba.__version__}, numpy {numpy.__version__}, {platform.machine()}, {yade.O.numThreads} thread(s)")
-    from demlaws.yade import bridge
+    from demlaws.yade import native
 
     try:
-        layout = bridge.layout()
-    except bridge.BridgeUnavailable as error:
+        layout = native.layout()
+    except native.BridgeUnavailable as error:
         print(f"native bridge: not available: {error}")
         print("scripts run by the public-API way, at some ten times the cost")
         return 1
@@ -37,7 +37,7 @@ def self_tests(dl):
     from demlaws.laws.registry import find
     from demlaws.make import example
     from demlaws.yade import selftest
-    from demlaws.yade.functor import Binding
+    from demlaws.yade.binding import Binding
     from demlaws.yade.pairs import Pairs, Span
 
     surfaces = {"granite": dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)}
