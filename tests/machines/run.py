@@ -125,7 +125,19 @@ def environment():
 
 
 # Everything runs in name spaces of its own: however this script ends, the kernel undoes the mounts and ends the processes.
-NAMESPACE = ("setpriv", "--pdeathsig", "KILL", "unshare", "--mount", "--pid", "--fork", "--kill-child", "--mount-proc", "--propagation", "private")
+NAMESPACE = (
+    "setpriv",
+    "--pdeathsig",
+    "KILL",
+    "unshare",
+    "--mount",
+    "--pid",
+    "--fork",
+    "--kill-child",
+    "--mount-proc",
+    "--propagation",
+    "private",
+)
 ENTER = """
 set -e
 root=$1 folder=$2; shift 2
