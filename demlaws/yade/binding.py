@@ -52,8 +52,8 @@ class Binding:
                     raise
                 self.reason = str(error)
         if self.attachment is not None:
-            self.attachment.unlisted_served = pairs.smooth or pairs.only_hertz
-        self.unlisted_served = pairs.smooth or pairs.only_hertz
+            self.attachment.unlisted_served = pairs.needs_no_judgement
+        self.unlisted_served = pairs.needs_no_judgement
         self.scene, self.guards, self.runner = None, 0, None
         self.share, self.warned = None, False
         self._requests = deque()
@@ -177,7 +177,7 @@ class Binding:
         """One line: law, surfaces, way, counts."""
         surfaces = ", ".join(
             f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
-            for label, s in self.pairs.surfaces.items()
+            for label, s in self.pairs.all_surfaces().items()
         )
         seen = self.contact_count()
         where = f"{seen} contacts of {O.interactions.countReal()}" if self.scene is not None else "in no scene"

@@ -25,6 +25,8 @@ from demlaws.table import Table
 from demlaws.yade import kernel
 
 _MAP = "height map"
+EVERY = "*"
+"""In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
@@ -220,15 +222,18 @@ class Pairs:
     """
 
     def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane"):
+        if isinstance(surfaces, Surface):
+            surfaces = {EVERY: surfaces}
         if not isinstance(surfaces, dict | None):
             raise DemlawsError(
-                f"surfaces must be a dict, the label of a YADE material → its demlaws.Surface, got {surfaces!r}: contacts find "
-                'theirs by the labels of their two materials, as in surfaces={"granite": demlaws.Surface(2.4e-6, 2.22)}'
+                "surfaces must be one demlaws.Surface for all materials, or a dict from labels of YADE's materials to theirs "
+                f'(surfaces={{"granite": demlaws.Surface(2.4e-6, 2.22)}}), by which contacts find them; got {surfaces!r}'
             )
         if flats not in FLATS:
             raise DemlawsError(f'flats must be "plane" (R of a sphere on a flat is its radius) or "yade", got {flats!r}')
         self.smooth, self.flats = bool(smooth), flats
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
+        self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
         self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
         self.spans = {}
@@ -239,7 +244,7 @@ class Pairs:
         else:
             self.default, self.special = self._source(given, options), {}
             rules = {self.default.unloading}
-            if isinstance(given, Law) and not self.surfaces and not self.smooth:
+            if isinstance(given, Law) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
             raise DemlawsError(f"the laws come with different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
@@ -251,7 +256,7 @@ class Pairs:
                     source.unload_along(curve)
         self.rule = RULES[self.unloading].tag
         self.state_names = RULES[self.unloading].state
-        combined = [Surface(), *self.surfaces.values()]
+        combined = [self.everywhere or Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [kernel.label_hash(label) for label in self.surfaces], np.int64)
@@ -307,16 +312,17 @@ class Pairs:
 
     def _pair(self, surface, labels, widened):
         source = self.special.get(tuple(sorted(labels)), self.default)
+        known = all(labels) or self.everywhere is not None
         if source is None:
             if surface.roughness == 0.0:
                 return None, (0.0, 0.0)
-            if not all(labels):
+            if not known:
                 return None, (math.nan, math.nan)
             raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
         names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
         span = self._spans(labels)
         if span is None:
-            if source.needs_span and surface.roughness > 0.0 and all(labels):
+            if source.needs_span and surface.roughness > 0.0 and known:
                 raise DemlawsError(
                     f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
                     "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
@@ -329,7 +335,7 @@ class Pairs:
         try:
             return source.shape(surface, self.unloading, span), source.only_for()
         except DemlawsError as error:
-            if not all(labels):
+            if not known:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(f"{names}: {error}") from None
 
@@ -366,6 +372,15 @@ class Pairs:
     def _where(self):
         return self.records.ctypes.data, self.records.strides[0]
 
+    def all_surfaces(self):
+        """Label → surface, with `EVERY` for the materials that are not listed, if they have one."""
+        return self.surfaces if self.everywhere is None else {**self.surfaces, EVERY: self.everywhere}
+
+    @property
+    def needs_no_judgement(self):
+        """Whether materials that are not listed are known to be meant as they are served."""
+        return self.smooth or self.only_hertz or self.everywhere is not None
+
     @property
     def only_hertz(self):
         """Whether the law needs no surface, being Hertz for every pair."""
@@ -384,7 +399,7 @@ class Pairs:
         content = {
             "unloading": self.unloading,
             "spans": [[a, b, *span] for (a, b), span in self._known_spans()],
-            "surfaces": {label: vars(surface) for label, surface in self.surfaces.items()},
+            "surfaces": {label: vars(surface) for label, surface in self.all_surfaces().items()},
             "default": self.default and self.default.as_dict(),
             "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
             "smooth": self.smooth,
