@@ -119,8 +119,12 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return self.binding.between_engines(lambda: write_contacts(path, self.binding.contacts()))
 
     def attributes(self):
-        """Attributes of the native functor that are saved with a scene."""
+        """Attributes of the native functor that are saved with a scene: how it acts, and YADE's own sums of energy."""
         return {name: value for name, value in self.dict().items() if name != "label" and isinstance(value, bool | int | float)}
+
+    def settings(self):
+        """Those attributes that say how the functor acts."""
+        return {name: value for name, value in self.attributes().items() if isinstance(value, bool)}
 
 
 _native_label = yade.Law2_ScGeom_MindlinPhys_Mindlin.label

@@ -159,7 +159,7 @@ def _refuse_switch(engines, before, laws):
     same = set(laws) == set(old) and new_ones == old_ones
     for label, functor in laws.items() if same else ():
         one = old[label]
-        same &= functor is one or (one.binding.same_as(functor.binding) and one.attributes() == functor.attributes())
+        same &= functor is one or (one.binding.same_as(functor.binding) and one.settings() == functor.settings())
     if not same:
         raise DemlawsError(
             f"the law is switched while {O.interactions.countReal()} contacts live, which YADE would leave with the old one. "

@@ -241,7 +241,7 @@ def test_changed_tag_stops(omega, tmp_path):
     law = functor(bridge="native")
     pair(law)
     omega.run(100, True)
-    file = tmp_path / "x.yade"
+    file = tmp_path / "x.xml"
     omega.save(str(file))
     text = file.read_text()
     assert text.count("native||") == 1
@@ -345,7 +345,7 @@ def test_the_guard_is_put_once(omega):
     law = functor(bridge="native")
     pair(law)
     omega.engines = list(omega.engines)
-    names = [type(e).__name__ for e in omega.engines]
+    names = [type(e).__name__ for e in omega._currEngines]
     assert names.count("PyRunner") == 1
     assert names[names.index("InteractionLoop") - 1] == "PyRunner"
 
