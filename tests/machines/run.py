@@ -212,7 +212,7 @@ class Root:
         free = shutil.disk_usage(self.path.parent).free / 1e9
         if free < GIGABYTES:
             raise NoRoot(f"{free:.1f} GB are free in {self.path.parent}, a root needs {GIGABYTES}: --folder names another")
-        line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet"]
+        line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet", "--dpkgopt=force-unsafe-io"]
         line += [f"--aptopt={option}" for option in apt_options(self.suite)]
         line += [self.suite, str(self.path), *filter(None, [mirror()])]
         for attempt in range(1, TRIES + 1):
