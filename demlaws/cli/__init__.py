@@ -19,6 +19,7 @@ PARTS = (
     "demlaws.cli.trade",
     "demlaws.cli.yade",
     "demlaws.cli.liggghts",
+    "demlaws.cli.lammps",
 )
 
 
