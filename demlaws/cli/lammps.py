@@ -5,9 +5,7 @@ from demlaws.cli import example
 
 def register(subparsers):
     """Add the sub-command and its own sub-commands."""
-    parser = subparsers.add_parser(
-        "lammps", help="the laws inside LAMMPS: build, check, export, run", **example("  demlaws lammps check")
-    )
+    parser = subparsers.add_parser("lammps", **example("  demlaws lammps check"))
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART")
 
     build = parts.add_parser("build", help="path of the plugin; compiles it if need be", **example("  demlaws lammps build"))

@@ -129,7 +129,7 @@ def _compare(report, law, what, limit, **options):
     energy = float(
         np.max(np.abs(log["energy[1]"] - path.stored) + np.abs(log["energy[2]"] - path.dissipated)) / np.max(path.work)
     )
-    line = f"self-test {what}: |force - law| ≤ {worst:.1e} of {path.force.max():.1f} N, energies ≤ {energy:.1e} of the largest work"
+    line = f"self-test {what}: |force - law| ≤ {worst:.1e} of {path.force.max():.1f} N, energies ≤ {energy:.1e} of the work"
     if not max(worst, energy) <= limit:
         raise DemlawsError(f"{line}; allowed {limit:g}")
     report(line)
