@@ -11,7 +11,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 
 class PluginOfLammps(BuildHookInterface):
-    """Compiles demlaws/lammps/src; without Linux or a compiler the wheel is a plain one, `demlaws lammps build` compiles then."""
+    """Compiles demlaws/lammps/src; where there is no compiler, `demlaws lammps build` does so later."""
 
     def initialize(self, version, build_data):
         if self.target_name != "wheel" or version == "editable" or not sys.platform.startswith("linux"):

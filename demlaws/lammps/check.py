@@ -14,15 +14,15 @@ from demlaws.make import law as make_law
 # load, unload, reload, separate, load again; the speed is along x
 MOVES = """\
 velocity        right set -0.2 0 0
-run             60000
+run             1200
 velocity        right set 0.2 0 0
-run             30000
+run             600
 velocity        right set -0.2 0 0
-run             45000
+run             900
 velocity        right set 0.2 0 0
-run             90000
+run             1800
 velocity        right set -0.2 0 0
-run             40000
+run             800
 """
 _WATCH = """\
 group           left id 1
@@ -35,7 +35,7 @@ compute         kept all reduce sum c_contacts[*] inputs local
 thermo_style    custom step v_overlap c_pull c_energy[1] c_energy[2] c_kept[1] c_kept[2] c_kept[3] c_kept[4]
 thermo_modify   format float %.17e lost ignore norm no
 thermo          ${every}
-timestep        1e-9
+timestep        5e-8
 """
 TWO_PARTICLES = (
     HEAD
@@ -87,7 +87,7 @@ variable        overlap equal "v_radius-xcm(right,x)"
 )
 
 
-def follow(law, text=TWO_PARTICLES, rtol=1e-5, radius=None, folder=None, ranks=1, every=200, **variables):
+def follow(law, text=TWO_PARTICLES, rtol=1e-5, radius=None, folder=None, ranks=1, every=4, **variables):
     """The log of one contact on the prescribed path inside LAMMPS (columns overlap, pull, energy[1] …), and the law's path.
 
     law: one contact with ν = 0.25; two equal spheres of `radius` (default: twice the law's) or, with `text=WALL`, a sphere

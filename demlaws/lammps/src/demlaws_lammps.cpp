@@ -19,10 +19,11 @@
 
 namespace {
 
-double number(void *error, const char *text) {
+double number(void *error, const std::string &of, const char *text) {
   char *end;
   const double value = strtod(text, &end);
-  if (end == text || *end || !(value - value == 0.)) raise(error, true, std::string("demlaws/table: '") + text + "' is not a finite number");
+  if (end == text || *end || !(value - value == 0.))
+    raise(error, true, "demlaws/table: " + of + " is '" + text + "', not a finite number");
   return value;
 }
 

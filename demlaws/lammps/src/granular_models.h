@@ -240,8 +240,9 @@ inline int add(Model *m, char **arg, int at, int count, int type) {
   }
   if (at + 4 > count) raise(error, true, "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X]");
   name += std::string(" ") + arg[at++];
+  static const char *const names[3] = {"E", "eta", "nu"};
   double c[3];
-  for (int k = 0; k < 3; k++) c[k] = number(error, arg[at++]);
+  for (int k = 0; k < 3; k++) c[k] = number(error, names[k], arg[at++]);
   construct(m, name, type);
   double *const into = m->sub_models[type]->coeffs;
   std::copy(c, c + 3, into);
@@ -250,12 +251,12 @@ inline int add(Model *m, char **arg, int at, int count, int type) {
     const int values = word == "against" ? 2 : 1;
     if (word != "roughness" && word != "against" && word != "radius_tolerance") break;
     if (at + values >= count) raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
-    const double first = number(error, arg[at + 1]);
+    const double first = number(error, word, arg[at + 1]);
     if (word == "roughness" && !(first > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
     if (word == "roughness") into[Table::ROUGHNESS] = first;
     else if (word == "radius_tolerance") into[Table::TOLERANCE] = first;
     else {
-      const double other = number(error, arg[at + 2]);
+      const double other = number(error, word, arg[at + 2]);
       if (!(first > 0.) || !(other > -1. && other <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
         raise(error, true, "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
       Table::join(into[0], into[2], first, other, into[0], into[2]);
