@@ -283,6 +283,15 @@ def test_packages_of_unlike_versions_are_refused(tmp_path, monkeypatch):
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     with pytest.raises(DemlawsError, match=r"differ in version.*3\.8\.0-2"):
         packages()
+    fake.write_text(
+        """#!/bin/sh
+        for name; do case $name in
+        liggghts | libliggghts-dev) echo $name 3.8.0-13 ;;
+        'libliggghts[0-9]*') printf 'libliggghts3 \\nlibliggghts3t64 3.8.0-12\\n' ;;
+        esac; done\n"""
+    )
+    with pytest.raises(DemlawsError, match=r"differ in version.*'libliggghts3t64': '3\.8\.0-12'"):
+        packages()
 
 
 def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
