@@ -44,7 +44,7 @@ def under_yade(text, tmp_path, *options):
     script = tmp_path / "script.py"
     script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\n{text}")
     line = command(script, stay="-x" not in options, options=[one for one in options if one != "-x"])
-    return subprocess.run(line, env=environment(), capture_output=True, text=True, timeout=300, cwd=tmp_path, input="")
+    return subprocess.run(line, env=environment(), capture_output=True, text=True, timeout=3000, cwd=tmp_path, input="")
 
 
 # --- the engine list
@@ -649,7 +649,7 @@ def test_run_keeps_the_interpreter(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import sys, yade\nanswer = 6 * 7\nprint('arguments', sys.argv[1:], 'threads', yade.O.numThreads)\n")
     command = [sys.executable, "-m", "demlaws", "yade", "run"]
-    options = {"capture_output": True, "text": True, "timeout": 120, "cwd": tmp_path, "input": "print('typed', answer)\n"}
+    options = {"capture_output": True, "text": True, "timeout": 1200, "cwd": tmp_path, "input": "print('typed', answer)\n"}
     stays = subprocess.run([*command, "--nice=1", "-j2", str(script), "-a", "b"], **options)
     assert "arguments ['-a', 'b'] threads 2" in stays.stdout and "typed 42" in stays.stdout
     leaves = subprocess.run([*command, "-x", str(script)], **options)
@@ -677,7 +677,7 @@ def test_command_lines(tmp_path, monkeypatch):
 
 def test_quick_check(tmp_path):
     done = subprocess.run(
-        [sys.executable, "-m", "demlaws", "yade", "check", "--quick"], capture_output=True, text=True, timeout=300
+        [sys.executable, "-m", "demlaws", "yade", "check", "--quick"], capture_output=True, text=True, timeout=3000
     )
     assert done.returncode == 0, done.stdout + done.stderr
     lines = done.stdout.splitlines()
@@ -693,5 +693,5 @@ def test_plain_yade(tmp_path):
     script = tmp_path / "script.py"
     script.write_text("import demlaws.yade\nprint(demlaws.yade.Law2_ScGeom_MindlinPhys_Demlaws('hertz').way)\n")
     environment = {**os.environ, "PYTHONPATH": environment()["PYTHONPATH"]}
-    done = subprocess.run(["yade", "-n", "-x", str(script)], env=environment, capture_output=True, text=True, timeout=200)
+    done = subprocess.run(["yade", "-n", "-x", str(script)], env=environment, capture_output=True, text=True, timeout=2000)
     assert done.returncode == 0 and "native" in done.stdout.splitlines()
