@@ -171,7 +171,7 @@ def test_editing_a_law_is_noticed(tmp_path):
     file.write_text(text.replace("1.5 * stiffness", "3.0 * stiffness"))
     assert float(python(code, tmp_path)) == 2 * first
     # the files of the old law are gone, and what is there belongs to one tag of the core
-    caches = [path.name for path in (tmp_path / "demlaws" / "core" / "__pycache__").glob("loops.evaluate_loop*.nbi")]
+    caches = [path.name for path in (tmp_path / "demlaws" / "core" / "__pycache__").glob("loops.batch_loop*.nbi")]
     assert len(caches) == 1, caches
 
 
