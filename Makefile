@@ -34,13 +34,19 @@ bench: engines $(VENV)/.test
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
 
-# numpy < 2: Debian's matplotlib and YADE are built against numpy 1
+# The system's YADE and matplotlib are built for one major version of numpy, and the venv sees them: it gets the same. Which,
+# the system's numpy says, else the package that would come with YADE; a Python that is not Debian's may take any.
+PACKAGED := $(if $(filter /usr/bin/python3%,$(PYTHON)),apt-cache show --no-all-versions python3-numpy,false)
+NUMPY = $$({ $(PYTHON) -Ic 'import numpy; print(numpy.__version__)' || $(PACKAGED) | sed -n 's/^Version: *//p'; } 2>/dev/null | \
+	sed -n '1{s/^[0-9]*://;s/^\([0-9][0-9]*\)\..*/numpy==\1.*/p}')
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'numpy<2' -e '.[plots]'
+	$(PIP) $(NUMPY) -e '.[plots]'
 	touch $@
 
 $(VENV)/.test: pyproject.toml | $(VENV)/bin/python
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check 'numpy<2' -e '.[plots,tests]'
+	$(PIP) $(NUMPY) -e '.[plots,tests]'
 	touch $@ $(VENV)/.plots
 
 $(VENV)/bin/python:

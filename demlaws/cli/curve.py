@@ -98,7 +98,6 @@ def contact_from(arguments):
 def register(subparsers):
     curve = subparsers.add_parser(
         "curve",
-        help="one law, one contact, any path",
         description="Takes one contact along a path of forces or overlaps and writes the curve.",
         **example(
             '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
@@ -117,7 +116,6 @@ def register(subparsers):
 
     table = subparsers.add_parser(
         "table",
-        help="a law as a certified table",
         description="Writes the dimensionless force and stiffness table of a law, with its certificate in the header.",
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'

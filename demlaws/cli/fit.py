@@ -12,7 +12,6 @@ UNITS["yield_pressure"] = UNITS["modulus"]
 def register(subparsers):
     parser = subparsers.add_parser(
         "fit",
-        help="fit laws to measured points and rank them",
         description="Fits each law to measured (displacement, force) points, loading and unloading in the order of the "
         "test; prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(

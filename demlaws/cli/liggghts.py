@@ -17,7 +17,6 @@ def register(subparsers):
     raw = {"formatter_class": argparse.RawDescriptionHelpFormatter}
     parser = subparsers.add_parser(
         "liggghts",
-        help="the laws inside LIGGGHTS: build, check, export, run",
         epilog="example:\n  demlaws liggghts check",
         **raw,
     )

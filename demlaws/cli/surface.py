@@ -15,7 +15,6 @@ def _metres(text):
 def register(subparsers):
     regime = subparsers.add_parser(
         "regime",
-        help="do asperities or the bulk deform, and which law fits",
         description="The criterion of Jamari & Schipper: p(0)/H_m at a load, the load at which the answer changes, which laws "
         "fit. Without a contact: the published tests.",
         **example(
@@ -33,7 +32,6 @@ def register(subparsers):
 
     surface = subparsers.add_parser(
         "surface",
-        help="a height map: roughness, fractal dimension, contact, law",
         usage="demlaws surface FILE [options]\n"
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface contact isotropic|anisotropic [options]\n"

@@ -3,6 +3,7 @@
 import hashlib
 import os
 import platform
+import re
 import shutil
 import subprocess
 import tempfile
@@ -66,12 +67,25 @@ def _mpi_flags():
     raise DemlawsError(f"the MPI headers were not found (neither mpicxx nor pkg-config ompi-cxx answers): {PACKAGES}")
 
 
+def _mpi_libraries(compiler):
+    """Paths of the MPI libraries that libliggghts itself loads, directly or through others: no other may be in the process."""
+    library = _output([compiler, "-print-file-name=libliggghts.so"]).strip()
+    if "/" not in library:
+        raise DemlawsError(f"{compiler} finds no libliggghts.so: {PACKAGES}")
+    found = re.findall(r"^\s*(\S*mpi\S*) => (/\S+)", _output(["ldd", library]), re.M | re.I)
+    if not found:
+        raise DemlawsError(f"{library} loads no MPI library that ldd finds: {PACKAGES}")
+    return [path for _, path in found]
+
+
 def _command(portable):
     architecture = [] if portable else ["-march=native"]
     headers = _headers()
     includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}", f"-I{headers}", *_mpi_flags()]
-    link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", "-lliggghts", "-l:libmpi.so.40"]
-    return [_compiler(), *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
+    compiler = _compiler()
+    link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", "-lliggghts"]
+    link += ["-Wl,--as-needed", *_mpi_libraries(compiler)]  # several of that name; only what is used is linked
+    return [compiler, *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
 
 
 def _key(command, link, portable):

@@ -358,7 +358,7 @@ def test_a_load_step_costs_twenty_labellings_at_most(size):
 
 
 def stored_boundary_elements():
-    lines = (Path(__file__).parent / "data" / "asperity_bem.csv").read_text().splitlines()
+    lines = (Path(__file__).parent.parent / "data" / "asperity_bem.csv").read_text().splitlines()
     names = lines[0].split(",")
     return [dict(zip(names, line.split(","), strict=True)) for line in lines[1:]]
 

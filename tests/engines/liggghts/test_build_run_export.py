@@ -53,6 +53,35 @@ def test_only_our_own_symbols_stay_hidden():
     assert symbols.stdout.strip() == ""
 
 
+LDD_SID = """\
+\tlinux-vdso.so.1 (0x00007f7b6aa01000)
+\tlibmpi.so.40 => /usr/lib/x86_64-linux-gnu/libmpi.so.40 (0x00007f7b6a91e000)
+\tlibvtkParallelMPI-9.6.so.1 => /usr/lib/x86_64-linux-gnu/libvtkParallelMPI-9.6.so.1 (0x00007f7b6a8d2000)
+\tlibgone_mpi.so.1 => not found
+\tlibopen_mpi.so.40 => /usr/lib/x86_64-linux-gnu/libopen_mpi.so.40 (0x00007f7b62e00000)
+"""
+
+
+def test_mpi_is_what_libliggghts_loads(monkeypatch):
+    """Debian sid's Open MPI 6 keeps ompi_mpi_double in libopen_mpi, which only libmpi asks for."""
+    answers = {"g++": "/usr/lib/libliggghts.so\n", "ldd": LDD_SID}
+    monkeypatch.setattr(build_module, "_output", lambda command: answers[command[0]])
+    names = [Path(path).name for path in build_module._mpi_libraries("g++")]
+    assert names == ["libmpi.so.40", "libvtkParallelMPI-9.6.so.1", "libopen_mpi.so.40"]
+    for tool, answer, message in (("ldd", "libc.so.6 => /lib/libc.so.6", "no MPI"), ("g++", "libliggghts.so", "finds no lib")):
+        monkeypatch.setitem(answers, tool, answer)
+        with pytest.raises(DemlawsError, match=message):
+            build_module._mpi_libraries("g++")
+
+
+def test_plugin_loads_the_mpi_of_liggghts_and_no_other():
+    def loaded(path):
+        lines = subprocess.run(["ldd", str(path)], capture_output=True, text=True, check=True).stdout.splitlines()
+        return {line.split()[0] for line in lines if "mpi" in line.split()[0].lower()}
+
+    assert loaded(lg.build()) == loaded(run_module.executable()) != set()
+
+
 def test_cache_key_follows_sources_version_and_flags(tmp_path, monkeypatch):
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
     before = build_module.library_path()
