@@ -50,6 +50,8 @@ def available():
 def save(fig, path):
     """Write a figure; its format is the file's ending, PNG if there is none."""
     path = Path(path)
+    if not path.name or path.is_dir():
+        raise DemlawsError(f"cannot draw {path}: that is a folder; name a file in it")
     kind = path.suffix.lstrip(".").lower() or "png"
     buffer = io.BytesIO()
     try:
