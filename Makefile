@@ -39,14 +39,16 @@ stability: engines $(VENV)/.plots
 PACKAGED := $(if $(filter /usr/bin/python3%,$(PYTHON)),apt-cache show --no-all-versions python3-numpy,false)
 NUMPY = $$({ $(PYTHON) -Ic 'import numpy; print(numpy.__version__)' || $(PACKAGED) | sed -n 's/^Version: *//p'; } 2>/dev/null | \
 	sed -n '1{s/^[0-9]*://;s/^\([0-9][0-9]*\)\..*/numpy==\1.*/p}')
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+comma := ,
+INSTALL = @numpy=$(NUMPY); echo "installing into $(VENV): demlaws[$(1)] $$numpy"; \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $$numpy -e '.[$(1)]'
 
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
-	$(PIP) $(NUMPY) -e '.[plots]'
+	$(call INSTALL,plots)
 	touch $@
 
 $(VENV)/.test: pyproject.toml | $(VENV)/bin/python
-	$(PIP) $(NUMPY) -e '.[plots,tests]'
+	$(call INSTALL,plots$(comma)tests)
 	touch $@ $(VENV)/.plots
 
 $(VENV)/bin/python:
