@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 
+from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
@@ -20,6 +21,8 @@ def law(name, contact, unloading="elastic", **options):
     Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
     """
     definition = find(name)
+    if not isinstance(contact, Contact):
+        raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
     rule, curve = rule_and_curve(unloading)
     for field in definition.needs:
         if getattr(contact, field) is None:

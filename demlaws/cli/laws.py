@@ -23,7 +23,6 @@ def print_laws():
 
 def run(arguments):
     from demlaws.core.unloading import RULES
-    from demlaws.laws.options import options_of
     from demlaws.laws.registry import find
 
     if arguments.name is None:
@@ -33,7 +32,9 @@ def run(arguments):
     definition = find(arguments.name)
     print(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
     print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needs))}")
-    options = options_of(definition)
-    print("  no options" if not options else "  options:")
-    for option in options:
-        print(f"    {option}")
+    lines = list(definition.option_lines())
+    print("  no options" if not lines else "  options:")
+    for line in lines:
+        print(f"    {line}")
+    if definition.unloading:
+        print(f"  unloading: {', '.join(RULES)} (those that are passive with it)")

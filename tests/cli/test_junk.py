@@ -32,8 +32,9 @@ BASE = {
     "liggghts": ["check"],
 }
 NUMBERS = ["nan", "inf", "-inf", "0", "-1", "-3mm", "1e400", "1e300", "1e-300", "3parsec", "0x10", "1,5", "", "∞", "{}", "--"]
-WORDS = ["", "?!", "{}", "[1]", "x=", "=1", "branch={}", "branch=[1]", "yield_pressure=-1GPa", "slope=nan", "ünïcode", "a" * 5000]
-FILES = [".", "/", "/proc/nowhere/x.png", "empty.csv", "empty.sur", "empty.x3p", "noise.npy", "noise.toml", "noise.tbl", "x.nonsense"]
+WORDS = ["", "?!", "{}", "[1]", "x=", "=1", "branch={}", "yield_pressure=-1GPa", "slope=nan", "ünïcode", "a" * 5000]
+FILES = [".", "/", "/proc/nowhere/x.png", "x.nonsense", "empty.csv", "empty.sur", "empty.x3p"]
+FILES += ["noise.npy", "noise.toml", "noise.tbl"]
 
 
 @pytest.fixture(scope="module")
