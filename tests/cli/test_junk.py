@@ -22,7 +22,7 @@ BASE = {
     "granite": ["--test", "SS(18-18)", "--law", "hertz"],
     "curve": ["--law", "hertz", *CONTACT, "--overlaps", "1e-6", "--steps", "2"],
     "table": ["--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", "t.tbl"],
-    "regime": ["--radius", "4e-3", "--young", "6e10", "--poisson", "0.2", "--hardness", "6e9", "--roughness", "1e-6"],
+    "regime": ["--radius", "4e-3", "--young", "6e10", "--poisson", "0.2", "--hardness", "6e9", "--sigma", "1e-6"],
     "surface": ["map.npy", "--pixel", "1um"],
     "fit": ["points.csv", *CONTACT, "--law", "hertz"],
     "choose": ["scene.toml"],
