@@ -5,7 +5,6 @@ import os
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -35,12 +34,9 @@ HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ
 # --- build
 
 
-def test_build_is_quick_and_cached(tmp_path, monkeypatch):
+def test_build_is_cached(tmp_path, monkeypatch):
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    begin = time.perf_counter()
     library = lg.build()
-    took = time.perf_counter() - begin
-    assert took < 60  # 8 s on an idle machine, as bench_liggghts.py prints; tests share it
     assert library.parent == tmp_path and dl.__version__ in library.name
     assert [p.name for p in tmp_path.iterdir()] == [library.name]  # no temporary file stays
     changed = library.stat().st_mtime_ns
