@@ -39,6 +39,7 @@ lint: $(VENV)/.test
 BENCH ?= --quick
 bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
+	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
