@@ -19,6 +19,7 @@ from demlaws.contact import Contact, Material
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.law import Path
+from demlaws.laws.greenwood_tripp import MU
 from demlaws.laws.registry import registry
 from demlaws.make import law
 
@@ -31,8 +32,6 @@ MICRO, MILLI = 1e-6, 1e-3
 
 # What the paper does not give, said wherever it is used.
 CONE_DIMENSION = 2.22
-GODDARD_SLOPE = 0.035
-TRIPP_MU = 4.0
 
 
 class Test(NamedTuple):
@@ -107,12 +106,10 @@ def find_test(name):
 
 
 def options_for(name, test):
-    """Options with which a law is run on a test."""
-    return {
-        "goddard": {"slope": GODDARD_SLOPE},
-        "rough-plastic": {"yield_pressure": test.yield_pressure},
-        "greenwood-tripp": {"mu": TRIPP_MU},
-    }.get(name, {})
+    """Options with which a law is run on a test: those of its example, with the test's own quantities in place of them."""
+    definition = registry()[name]
+    example = {} if definition.needs_map else definition.example
+    return {option: getattr(test, option, value) for option, value in example.items()}
 
 
 def bind(name, test, unloading=None):
@@ -406,7 +403,7 @@ def _law_claims(get, points):
     yield Claim(
         "SS(12-18)",
         "elastic or plastic asperities make little difference",
-        f"µm gained to 100 N: Greenwood-Tripp (μ = {TRIPP_MU:g} assumed) {pair[0]:.1f}, Yip-Venart {pair[1]:.1f}, "
+        f"µm gained to 100 N: Greenwood-Tripp (μ = {MU:g} assumed) {pair[0]:.1f}, Yip-Venart {pair[1]:.1f}, "
         f"Pohrt-Popov {pair[2]:.1f}",
         _verdict(max(pair) / min(pair) < 1.15),
     )

@@ -13,7 +13,7 @@ import numpy as np
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
-from demlaws.core.unloading import RULES, STATE_NAMES, Elastic
+from demlaws.core.unloading import RULES, Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
 
 
@@ -70,8 +70,8 @@ class Law:
         self.options = dict(options)
         self.unloading = unloading
         self.unloading_law = unloading_law  # the curve of rule "table", else None
-        self.rule = RULES[unloading]
-        self.state_names = STATE_NAMES[unloading]
+        self.rule = RULES[unloading].tag
+        self.state_names = RULES[unloading].state
         self.state_size = len(self.state_names)
         self.shape = shape
         self.params = bind_params(shape, contact) if params is None else params

@@ -24,14 +24,8 @@ def law(name, contact, unloading="elastic", **options):
     for field in definition.needs:
         if getattr(contact, field) is None:
             raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")
-    try:
-        shape = definition.prepare(contact, **options)
-    except TypeError as error:
-        if options and "argument" in str(error):
-            raise DemlawsError(f"law {name!r}: {str(error).split(') ')[-1]}") from None
-        raise
-    result = Law(definition, contact, "elastic", options, shape)
-    return result if rule == "elastic" else take(result, rule, curve)
+    result = Law(definition, contact, "elastic", options, definition.shape(contact, **options))
+    return take(result, rule, curve)
 
 
 def joined(law, unloading):
@@ -75,8 +69,7 @@ def example_curve(name, contact, **options):
 
     The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
     """
-    definition = find(name)
-    options = {**definition.example, **options, **definition.example_curve}
+    options = {**find(name).example, **options, **find(name).example_curve}
     return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), **options)
 
 

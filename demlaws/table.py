@@ -19,7 +19,7 @@ from demlaws.contact import Contact
 from demlaws.core.curve import SEATED
 from demlaws.core.grid import MOST_BITS, Nodes, grid, node, node_number, quick_to_invert, shape_from_nodes
 from demlaws.core.loops import evaluate_loop, inverse_loop
-from demlaws.core.params import SMOOTHEST, bind_params, loading_part, one_of
+from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
 from demlaws.core.unloading import GIVEN, RULES, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
@@ -124,7 +124,7 @@ def tabulate(law, rtol=1e-5, max_force=None):
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
-    roughness = max(one.roughness, SMOOTHEST * one.radius)
+    roughness = clamped_roughness(one.roughness, one.radius)
     length = over_roughness * roughness + over_radius * one.radius
     if max_force is not None:
         force = number(max_force, "max_force", "N")
@@ -242,7 +242,7 @@ def _bulk_yield(params, length):
 def _lengths(definition, contact):
     if _length(definition, contact)[1]:
         return np.asarray(contact.radius)
-    return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+    return clamped_roughnesses(contact)
 
 
 # --- the table as a law, and its file

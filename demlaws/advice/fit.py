@@ -14,61 +14,23 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one
-from demlaws.core.unloading import GIVEN, RULES
+from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
+from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
+from demlaws.laws.definition import OF_CONTACT
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 
 ZERO = "zero"
 
 
-class Parameter(NamedTuple):
-    """A quantity that can be fitted."""
-
-    unit: str
-    logarithmic: bool  # fitted and reported as ln(value): positive by nature
-    bounds: object  # contact → (lowest, highest)
-    starts: object  # contact → values to start from
-    option: bool  # of the law, not of the contact
+def parameters():
+    """Name → `Parameter` of every quantity that some law lets a fit vary."""
+    return {**OF_CONTACT, **{name: one for definition in registry().values() for name, one in definition.fitted.items()}}
 
 
-PARAMETERS = {
-    "modulus": Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus], False),
-    "roughness": Parameter(
-        "m",
-        True,
-        lambda c: (1e-7 * c.radius, 0.1 * c.radius),
-        lambda c: np.clip(
-            np.array([1.0, 0.2, 5.0]) * (c.roughness if c.roughness > 0 else 3e-4 * c.radius), 2e-7 * c.radius, 0.09 * c.radius
-        ),
-        False,
-    ),
-    "fractal_dimension": Parameter(
-        "", False, lambda c: (2.0, 3.0), lambda c: [c.fractal_dimension or 2.25, 2.1, 2.5, 2.8], False
-    ),
-    "hardness": Parameter(
-        "Pa", True, lambda c: (1e-3 * c.modulus, 10 * c.modulus), lambda c: [c.hardness or 0.2 * c.modulus], False
-    ),
-    "slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], True),
-    "yield_pressure": Parameter(
-        "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.geomspace(0.01, 0.3, 6), True
-    ),
-    "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [4.0], True),
-}
-DEFAULT_FREE = {
-    "hertz": ("modulus",),
-    "rms": ("roughness",),
-    "pohrt-popov": ("roughness", "fractal_dimension"),
-    "goddard": ("slope",),
-    "rough-plastic": ("roughness", "fractal_dimension", "yield_pressure"),
-    "bahrami": ("roughness",),
-    "yip-venart": ("roughness",),
-    "greenwood-tripp": ("roughness",),
-}
-"""What is fitted unless the user says otherwise. The modulus is a material constant that loading alone cannot tell from
-the roughness, so that it is free only for Hertz or on request."""
+PARAMETERS = parameters()
 _FAMILY_SPAN = 12.0  # Yip-Venart's curves are solved once over this factor of roughness either way
 
 
@@ -122,17 +84,14 @@ def history(law, force):
     peak = np.maximum.accumulate(force)
     top, load, stiffness = (np.empty(force.size) for _ in range(3))
     inverse_loop(law.params, peak, top)
-    if not law.state_size:
-        overlap = np.empty(force.size)
-        inverse_loop(law.params, force, overlap)
-        evaluate_loop(law.rule, law.params, overlap, (), load, stiffness)
-        return overlap, stiffness
     state = law.new_state(force.size)
     evaluate_loop(law.rule, law.params, top, state.arrays, load, stiffness)
-    ratio = state.radius_ratio if "radius_ratio" in law.state_names else 1.0
-    elastic = np.cbrt(force / (law.params.hertz_coefficient * np.sqrt(ratio))) ** 2
-    falling = force < peak
-    return np.where(falling, state.plastic_overlap + elastic, top), np.where(falling, 1.5 * force / elastic, stiffness)
+    overlap = np.empty(force.size)
+    unloaded_loop(law.rule, law.params, force, state.arrays, overlap)
+    overlap = np.where(force < peak, overlap, top)
+    # below a seating load the curve goes on to overlaps under 0, where `evaluate` sees no contact
+    evaluate_loop(law.rule, law.params, np.maximum(overlap, 1e-300), state.arrays, load, stiffness)
+    return overlap, stiffness
 
 
 def _arrays(points):
@@ -159,22 +118,22 @@ class _Model:
     def __init__(self, name, contact, unloading, free, options):
         self.definition = find(name)
         self.unloading, self.free = unloading, tuple(free)
-        self.known = {PARAMETERS[n].option: {} for n in PARAMETERS}
+        self.parameters = {**OF_CONTACT, **self.definition.fitted}
         fill = {}
-        for field in (*self.definition.needs, *(("fractal_dimension",) if name == "rough-plastic" else ())):
+        for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
                 if field not in free:
                     raise DemlawsError(f"{name} needs the contact's {field}: give it, or let it be fitted")
-                fill[field] = float(PARAMETERS[field].starts(contact)[0])
+                fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
         self.options = dict(options)
         self.family = None
-        if self.definition.name == "yip-venart" and ({"roughness", "modulus", "hardness"} & set(free)):
+        if set(self.definition.family) & set(free):
             self._solve_family()
 
     def _solve_family(self):
         """One family of curves over the roughnesses in question, in place of a solution for each trial."""
-        start = float(PARAMETERS["roughness"].starts(self.contact)[0])
+        start = float(OF_CONTACT["roughness"].starts(self.contact)[0])
         span = np.array([start / _FAMILY_SPAN, min(start * _FAMILY_SPAN, 0.09 * self.contact.radius)])
         many = self.contact.with_values(radius=np.full(2, self.contact.radius), roughness=span)
         self.family = self.definition.prepare(many, **{"rtol": 1e-3, **self.options})
@@ -183,29 +142,30 @@ class _Model:
     def bounds(self):
         pairs = []
         for name in self.free:
-            low, high = PARAMETERS[name].bounds(self.contact)
+            low, high = self.parameters[name].bounds(self.contact)
             if self.family is not None and name == "roughness":
                 low, high = self.span * (1.001, 0.999)
-            pairs.append((math.log(low), math.log(high)) if PARAMETERS[name].logarithmic else (low, high))
+            pairs.append((math.log(low), math.log(high)) if self.parameters[name].logarithmic else (low, high))
         return np.array(pairs).reshape(-1, 2).T
 
     def starts(self):
         low, high = self.bounds()
-        choices = [np.atleast_1d(PARAMETERS[n].starts(self.contact)).astype(float) for n in self.free]
-        choices = [np.log(c) if PARAMETERS[n].logarithmic else c for n, c in zip(self.free, choices, strict=True)]
+        free = [self.parameters[n] for n in self.free]
+        choices = [np.atleast_1d(one.starts(self.contact)).astype(float) for one in free]
+        choices = [np.log(c) if one.logarithmic else c for one, c in zip(free, choices, strict=True)]
         inside = [np.clip(c, a + 1e-9 * (b - a), b - 1e-9 * (b - a)) for c, a, b in zip(choices, low, high, strict=True)]
         return [np.array(s) for s in itertools.product(*inside)]
 
     def values(self, coordinates):
         return {
-            n: float(math.exp(x) if PARAMETERS[n].logarithmic else x)
+            n: float(math.exp(x) if self.parameters[n].logarithmic else x)
             for n, x in zip(self.free, coordinates[: len(self.free)], strict=True)
         }
 
     def law(self, coordinates):
         values = self.values(coordinates)
-        contact = self.contact.with_values(**{n: v for n, v in values.items() if not PARAMETERS[n].option})
-        options = {**self.options, **{n: v for n, v in values.items() if PARAMETERS[n].option}}
+        contact = self.contact.with_values(**{n: v for n, v in values.items() if not self.parameters[n].option})
+        options = {**self.options, **{n: v for n, v in values.items() if self.parameters[n].option}}
         if self.family is not None and "hardness" not in values:
             params = scale_one(self.family, contact.radius, contact.modulus, contact.roughness)
             return Law(self.definition, contact, self.unloading, options, self.family, params)
@@ -226,7 +186,7 @@ def fit(points, contact, laws=None, unloading=None, free=None, options=None, dis
     points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
     `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
     map); unloading: one rule (default: each that the law takes, if the points unload; else elastic); free: names of the
-    fitted quantities among `fit.PARAMETERS` (default: `fit.DEFAULT_FREE`); options: law name → options that stay as
+    fitted quantities among `fit.PARAMETERS` (default: `Definition.free`); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
     uncertainty, else the scatter of the points about the law does.
 
@@ -247,16 +207,17 @@ def fit(points, contact, laws=None, unloading=None, free=None, options=None, dis
     falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
     fits, skipped = [], {}
     for name in names:
-        wanted = [n for n in (free or DEFAULT_FREE.get(name, ())) if _applies(n, name)]
-        if force.size < len(wanted) + 4:
-            raise DemlawsError(f"{force.size} points with a force above 0: at least {len(wanted) + 4} are needed for {name}")
-        for rule in [unloading] if unloading else _rules(name, falls):
-            if rule == GIVEN or rule not in RULES:  # a given curve has no parameters of the law's
-                known = ", ".join(name for name in RULES if name != GIVEN)
+        definition = find(name)
+        varied = [n for n in free or definition.free if n == "modulus" or n in definition.fitted]
+        if force.size < len(varied) + 4:
+            raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
+        for rule in [unloading] if unloading else definition.unloading if falls else ("elastic",):
+            if rule not in RULES or RULES[rule].curve == "given":  # a given curve has no parameters of the law's
+                known = ", ".join(rule.name for rule in RULES.values() if rule.curve != "given")
                 raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
             label = name if rule == "elastic" else f"{name}, {rule} unloading"
             try:
-                model = _Model(name, contact, rule, wanted, (options or {}).get(name, {}))
+                model = _Model(name, contact, rule, varied, (options or {}).get(name, {}))
                 fits.append(_fit_one(model, displacement, force, displacement_noise, force_noise))
             except DemlawsError as error:
                 skipped[label] = str(error)
@@ -273,28 +234,6 @@ def fit(points, contact, laws=None, unloading=None, free=None, options=None, dis
 
 def _default_laws():
     return [name for name, definition in registry().items() if not definition.needs_map]
-
-
-def _applies(parameter, name):
-    """Whether a law depends on a parameter."""
-    if parameter == "modulus":
-        return True
-    return parameter in {
-        "hertz": (),
-        "rms": ("roughness",),
-        "pohrt-popov": ("roughness", "fractal_dimension"),
-        "goddard": ("slope",),
-        "rough-plastic": ("roughness", "fractal_dimension", "yield_pressure"),
-        "bahrami": ("roughness", "hardness"),
-        "yip-venart": ("roughness", "hardness"),
-        "greenwood-tripp": ("roughness", "mu"),
-    }.get(name, ())
-
-
-def _rules(name, falls):
-    if not falls or name == "hertz":  # Hertz unloads along its own curve anyway
-        return ["elastic"]
-    return ["elastic", "hertz", "thornton"] if name == "rough-plastic" else ["elastic", "hertz"]
 
 
 def _fit_one(model, displacement, force, displacement_noise, force_noise):
@@ -371,7 +310,7 @@ def _report(model, solution, displacement, force, scale, sigma, absolute):
     coordinates = (*model.free, ZERO)
     final = np.append(solution.x[:-1], solution.x[-1] * scale)
     for i, name in enumerate(coordinates):
-        logarithmic = name != ZERO and PARAMETERS[name].logarithmic
+        logarithmic = name != ZERO and model.parameters[name].logarithmic
         error = math.sqrt(covariance[i, i]) if covariance[i, i] >= 0 else math.nan
         ends = final[i] - quantile * error, final[i] + quantile * error
         if name == "fractal_dimension":

@@ -1,25 +1,28 @@
-"""The command `demlaws`. Each part of the package brings its own sub-commands; this file joins them."""
+"""The command `demlaws`. Each file of this folder brings its own commands and is loaded when one of them is named."""
 
 import argparse
 import importlib
-import json
 import re
 import sys
 import warnings
 
 from demlaws.errors import DemlawsError, ValidityWarning
 
-PARTS = (
-    "demlaws.cli.granite",
-    "demlaws.cli.curve",
-    "demlaws.cli.surface",
-    "demlaws.cli.fit",
-    "demlaws.cli.choose",
-    "demlaws.cli.stability",
-    "demlaws.cli.trade",
-    "demlaws.cli.yade",
-    "demlaws.cli.liggghts",
-)
+COMMANDS = {
+    "granite": ("granite", "reproduce the granite contact tests with every law"),
+    "curve": ("curve", "one law, one contact, any path"),
+    "table": ("curve", "a law as a certified table"),
+    "regime": ("surface", "do asperities or the bulk deform, and which law fits"),
+    "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
+    "fit": ("fit", "fit laws to measured points and rank them"),
+    "choose": ("choose", "the cheapest law that a scene allows"),
+    "stability": ("stability", "measure every law at the extremes"),
+    "trade": ("trade", "measure cost against error of every law and evaluation"),
+    "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
+    "liggghts": ("liggghts", "the laws inside LIGGGHTS: build, check, export, run"),
+    "lammps": ("lammps", "the laws inside LAMMPS: build, check, export, run"),
+}
+"""Command → the file of this folder that brings it, and its line of `demlaws --help`, which loads none of them."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -30,8 +33,19 @@ class Parser(argparse.ArgumentParser):
         self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
 
 
-def build_parser():
-    """The whole command line."""
+class _Part:
+    """What a file registers its commands with: their lines of help stand here, and commands not asked for are left out."""
+
+    def __init__(self, subparsers, wanted):
+        self.subparsers, self.wanted = subparsers, wanted
+
+    def add_parser(self, name, **options):
+        subparsers = self.subparsers if name in self.wanted else Parser().add_subparsers()
+        return subparsers.add_parser(name, help=COMMANDS[name][1], **options)
+
+
+def build_parser(commands=tuple(COMMANDS)):
+    """The command line: `commands` with all their arguments, the others with their line of help only."""
     from demlaws import __version__
 
     parser = Parser(
@@ -41,13 +55,20 @@ def build_parser():
     )
     parser.add_argument("--version", action="version", version=f"demlaws {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for part in PARTS:
-        importlib.import_module(part).register(subparsers)
+    registered = set()
+    for name, (part, line) in COMMANDS.items():
+        if name not in commands:
+            subparsers.add_parser(name, help=line)
+        elif part not in registered:
+            registered.add(part)
+            importlib.import_module(f"{__name__}.{part}").register(_Part(subparsers, commands))
     return parser
 
 
 def option(text):
     """`name=value` with the value as JSON where it is JSON, else text."""
+    import json
+
     name, separator, value = text.partition("=")
     if not separator or not name:
         raise argparse.ArgumentTypeError(
@@ -81,7 +102,8 @@ def _show_warnings():
 def main(arguments=None):
     """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
     try:
-        parsed = build_parser().parse_args(arguments)
+        arguments = sys.argv[1:] if arguments is None else arguments
+        parsed = build_parser(arguments[:1]).parse_args(arguments)
         with warnings.catch_warnings():
             _show_warnings()
             return parsed.func(parsed) or 0

@@ -31,7 +31,6 @@ ballast.toml (SI units):
 def register(subparsers):
     parser = subparsers.add_parser(
         "choose",
-        help="the cheapest law that a scene allows",
         description="Ranks laws, unloading rules and evaluations for a scene by measured cost among those that meet its "
         "tolerance; says what is left out and what that costs in error.",
         **example("  demlaws choose ballast.toml --out ballast.tbl\n" + SCENE),

@@ -6,8 +6,6 @@ import textwrap
 import warnings
 from pathlib import Path
 
-import numpy as np
-
 from demlaws.cli import example
 from demlaws.errors import DemlawsError, ValidityWarning
 
@@ -15,7 +13,6 @@ from demlaws.errors import DemlawsError, ValidityWarning
 def register(subparsers):
     parser = subparsers.add_parser(
         "granite",
-        help="reproduce the granite contact tests with every law",
         description="Runs the seven granite tests of Altuhafi, Baudet & Coop 2023 with every law; prints displacement and "
         "stiffness per test and the paper's claims with verdicts; writes CSV files and figures.",
         **example(
@@ -140,6 +137,8 @@ def write_csv(granite, out, tests, runs, notes, found):
 
 
 def draw(granite, out, tests, runs, points, whole):
+    import numpy as np
+
     from demlaws import plots
 
     if not plots.available():

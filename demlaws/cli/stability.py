@@ -8,7 +8,6 @@ from demlaws.cli import example
 def register(subparsers):
     parser = subparsers.add_parser(
         "stability",
-        help="measure every law at the extremes",
         description="Per law, unloading rule and evaluation: values not finite, paths that return work, rounding errors, "
         "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if something is not as it must be.",
         **example(

@@ -11,7 +11,6 @@ NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS"}
 def register(subparsers):
     parser = subparsers.add_parser(
         "trade",
-        help="measure cost against error of every law and evaluation",
         description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
         "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE and of "
         "a LIGGGHTS step that a law takes, and the engines' own models; with --scene the errors of a whole packing.",

@@ -9,7 +9,6 @@ def register(subparsers):
     """Add `yade` with its sub-commands `check` and `run`."""
     parser = subparsers.add_parser(
         "yade",
-        help="run YADE scripts with these laws, check the bridge",
         description="The laws inside Debian's YADE.",
         epilog="example: demlaws yade run yade_scripts/two_spheres.py --quick",
     )

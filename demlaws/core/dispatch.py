@@ -11,6 +11,7 @@ from typing import NamedTuple
 from numba import types
 from numba.extending import overload
 
+from demlaws.core.cache import follow
 from demlaws.core.fastmath import read_only
 
 _INLINED = {"forceinline": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
@@ -30,6 +31,7 @@ def bind(cls, **functions):
     if any(other.__name__ == cls.__name__ and other is not cls for other in _KERNELS):
         raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
     _KERNELS.setdefault(cls, Kernels({})).functions.update(functions)
+    follow(cls, *functions.values())
 
 
 def _kernel_of(argument, name):

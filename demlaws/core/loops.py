@@ -45,6 +45,20 @@ def energy_loop(params, overlap, energy):
 
 
 @loop
+def unloaded_loop(rule, params, force, state, overlap):
+    """Overlap of each contact at `force`, below its largest overlap so far."""
+    for i in range(force.size):
+        overlap[i] = dispatch.unloaded(rule, gather(params, i), force[i], gather(state, i))
+
+
+@loop
+def energies_loop(rule, params, overlap, state, stored, dissipated):
+    """Energy that each contact can still return, and what it has dissipated since it was made."""
+    for i in range(overlap.size):
+        stored[i], dissipated[i] = stored_and_dissipated(rule, gather(params, i), float(overlap[i]), gather(state, i))
+
+
+@loop
 def unload_loop(rule, p, force, state, overlap):
     for i in range(force.size):
         overlap[i] = dispatch.unloaded(rule, p, force[i], gather(state, 0))

@@ -1,7 +1,7 @@
 """Unloading rules. A rule joins any law of first loading for which it is passive (never returns more work than it took).
 
-A rule is a tag type, the names of its state, and pure compiled functions over one contact. The state is a tuple of
-floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
+A rule is a `Rule` record, whose tag type stands for it in compiled code, and pure compiled functions over one contact bound to
+that type. The state is a tuple of floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
 """
 
 import math
@@ -41,13 +41,35 @@ class Given(NamedTuple):
 
 GIVEN = "table"
 """Name of the one rule that needs a curve beside the law."""
-RULES = {"elastic": Elastic(), "hertz": Hertz(), "thornton": Thornton(), GIVEN: Given()}
-STATE_NAMES = {
-    "elastic": (),
-    "hertz": ("maximum_overlap", "plastic_overlap"),
-    "thornton": ("maximum_overlap", "plastic_overlap", "radius_ratio"),
-    GIVEN: ("maximum_overlap", "plastic_overlap"),
+
+
+class Rule(NamedTuple):
+    """What is known of an unloading rule beside its kernels: whatever else needs to know it reads it here."""
+
+    name: str
+    tag: tuple  # instance of the type that its kernels are bound to
+    state: tuple  # names of what a contact remembers, in the order of the state tuple
+    curve: str  # along which it unloads: "own", that of first loading, so that nothing is lost; "hertz"; "given", by the user
+    number: int | None  # in demlaws_table.h; None: C++ does not have it
+    description: str  # one line
+
+
+_OVERLAPS = ("maximum_overlap", "plastic_overlap")
+RULES = {
+    rule.name: rule
+    for rule in (
+        Rule("elastic", Elastic(), (), "own", 0, "back along the curve of first loading"),
+        Rule("hertz", Hertz(), _OVERLAPS, "hertz", 1, "back along Hertz's curve of the contact's radius"),
+        Rule("thornton", Thornton(), (*_OVERLAPS, "radius_ratio"), "hertz", 2, "the same of the radius that yielding left"),
+        Rule(GIVEN, Given(), _OVERLAPS, "given", 3, "back along the curve of another law or of a table"),
+    )
 }
+"""Name → the rules that any law may take."""
+
+
+def rule_of(tag_type):
+    """The rule whose tag is of this type."""
+    return next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
 
 
 class JoinedShape(NamedTuple):

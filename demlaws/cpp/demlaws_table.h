@@ -235,13 +235,20 @@ private:
 
 class Table {
 public:
-  Table() : rule_(ELASTIC), seat_(0.) {}
-  explicit Table(const std::string &path) : rule_(ELASTIC), seat_(0.) { read(path); }
+  Table() : fingerprint_(0), rule_(ELASTIC), seat_(0.) {}
+  explicit Table(const std::string &path) : fingerprint_(0), rule_(ELASTIC), seat_(0.) { read(path); }
 
   // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
-  void read(const std::string &path);
+  void read(const std::string &path) { parse(contents(path), path); }
+  // Reads the bytes of a file, which messages call `path`. Where processes share nothing but messages one calls
+  // contents(), all get its bytes and parse them.
+  void parse(const std::string &data, const std::string &path);
+  // The bytes of a file; throws std::runtime_error that names it.
+  static std::string contents(const std::string &path);
 
   const std::string &path() const { return path_; }
+  // CRC-32 of the text up to the mark of its last line: tables with one fingerprint are one table.
+  uint32_t fingerprint() const { return fingerprint_; }
   const std::map<std::string, std::string> &header() const { return header_; }
   bool has(const std::string &key) const { return header_.count(key) != 0; }
   std::string text(const std::string &key) const {
@@ -304,6 +311,7 @@ public:
 
 private:
   std::string path_;
+  uint32_t fingerprint_;
   std::map<std::string, std::string> header_;
   Unloading rule_;
   Curve loading_, unloading_, reverse_;
@@ -331,20 +339,23 @@ private:
   void build(Curve &curve, const std::vector<Row> &rows, int bits) const;
 };
 
-inline void Table::read(const std::string &path) {
+inline std::string Table::contents(const std::string &path) {
+  FILE *const file = fopen(path.c_str(), "rb");
+  if (!file)
+    throw std::runtime_error(path + ": cannot be opened (" + strerror(errno) + "); make it with `demlaws table`");
+  std::string data;
+  char buffer[65536];
+  size_t got;
+  while ((got = fread(buffer, 1, sizeof buffer, file)) > 0) data.append(buffer, got);
+  const bool bad = ferror(file) != 0;
+  fclose(file);
+  if (bad) throw std::runtime_error(path + ": cannot be read");
+  return data;
+}
+
+inline void Table::parse(const std::string &data, const std::string &path) {
   path_ = path;
   header_.clear();
-  std::string data;
-  {
-    FILE *file = fopen(path.c_str(), "rb");
-    if (!file) fail(0, std::string("cannot be opened (") + strerror(errno) + "); make it with `demlaws table`");
-    char buffer[65536];
-    size_t got;
-    while ((got = fread(buffer, 1, sizeof buffer, file)) > 0) data.append(buffer, got);
-    const bool bad = ferror(file) != 0;
-    fclose(file);
-    if (bad) fail(0, "cannot be read");
-  }
   const std::string magic = "# demlaws-table 1\n";
   if (data.compare(0, magic.size(), magic) != 0)
     fail(1, "the first line must be exactly '# demlaws-table 1'; this is no table of demlaws, or of another version");
@@ -406,6 +417,7 @@ inline void Table::read(const std::string &path) {
       wanted << "end: " << rows.size() + more.size() << " rows";
       if (body != wanted.str()) fail(line, "'" + body + "', but " + wanted.str().substr(5) + " were read");
       part = ENDED;
+      fingerprint_ = crc;
       continue;
     }
     if (body == "unloading overlap force stiffness" && into == &rows) {

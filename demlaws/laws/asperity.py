@@ -16,8 +16,9 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.hertz import hertz_coefficient
+from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, bulk_yield
+from demlaws.laws.definition import Definition, Limit, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
@@ -122,11 +123,9 @@ def sample(rough, start, max_force):
 
 
 def _limit_force(rough):
-    from demlaws import regime
-
     if rough.pair.hardness is None:
         return math.inf
-    return regime.transition_load(rough.pair.with_values(roughness=rough.heights.sq))
+    return transition_load(rough.pair.with_values(roughness=rough.heights.sq))
 
 
 def _smooth(u, s, reach):
@@ -278,4 +277,7 @@ LAW = Definition(
     solved=True,
     example={"surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6)},
     example_curve={"curve": "reloading", "load": 100.0},
+    advise=plastic_asperities,
+    label="asperities",
+    colour="#e377c2",
 )

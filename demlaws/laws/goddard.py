@@ -3,11 +3,14 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from demlaws.checks import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import Definition, Parameter
+from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
 
 _RATIO = 4.0 / 3.0  # δ*/δ_H(P*): a cone's overlap over Hertz's at the load where they have one stiffness
@@ -76,6 +79,13 @@ def _prepare(contact, slope=None):
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(tangent**2, 1e-40))
 
 
+def _exact(contact, overlap, slope):
+    delta = extended(overlap)
+    d = 3 * PI**2 / 16 * np.tan(extended(slope)) ** 2 * extended(contact.radius)
+    t = delta / d
+    return from_hertz(contact, np.where(t < 1, extended(3) / 4 * delta * np.cbrt(t), delta - d / 4), np.minimum(np.cbrt(t), 1))
+
+
 LAW = Definition(
     name="goddard",
     prepare=_prepare,
@@ -86,4 +96,9 @@ LAW = Definition(
     length="radius",
     example={"slope": 0.035},
     example_curve={"slope": 0.03},
+    exact=_exact,
+    fitted={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},
+    free=("slope",),
+    label="Goddard",
+    colour="#8c564b",
 )

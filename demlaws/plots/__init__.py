@@ -8,19 +8,24 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
+from demlaws.laws.definition import Definition
+from demlaws.laws.registry import registry
 
-COLOURS = {
-    "hertz": "#222222",
-    "rms": "#1f77b4",
-    "pohrt-popov": "#d62728",
-    "goddard": "#8c564b",
-    "rough-plastic": "#ff7f0e",
-    "bahrami": "#9467bd",
-    "yip-venart": "#2ca02c",
-    "greenwood-tripp": "#17becf",
-    "asperity": "#e377c2",
-}
-_STYLES = {"hertz": "--", "rough-plastic": "-.", "greenwood-tripp": ":"}
+
+def colour(law):
+    """A law's colour; grey for what is none of ours."""
+    return registry()[law].colour if law in registry() else Definition._field_defaults["colour"]
+
+
+def line(law):
+    """A law's line style."""
+    return registry()[law].line if law in registry() else "-"
+
+
+def __getattr__(name):
+    if name == "COLOURS":  # law → colour
+        return {law: definition.colour for law, definition in registry().items()}
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def figure(columns=1, rows=1, width=5.2, height=4.0):
@@ -60,7 +65,7 @@ def save(fig, path):
 
 
 def _line(ax, x, y, name, **more):
-    ax.plot(x, y, color=COLOURS.get(name), linestyle=_STYLES.get(name, "-"), label=more.pop("label", name), **more)
+    ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), **more)
 
 
 def path_figure(path, title=""):
@@ -156,12 +161,12 @@ def granite_roughness(tests, make):
     """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz."""
     fig, (left, right) = figure(columns=2)
     load = np.geomspace(0.05, 100.0, 300)
-    for test, colour in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
+    for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
         bound = make("pohrt-popov", test)
         overlap = bound.overlap(load)
         label = f"{test.name}, σ = {test.roughness * 1e6:.2f} µm"
-        left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=colour, label=label)
-        right.loglog(load, bound.stiffness(overlap) / 1e3, color=colour, label=label)
+        left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=shade, label=label)
+        right.loglog(load, bound.stiffness(overlap) / 1e3, color=shade, label=label)
     hertz = make("hertz", tests[1])
     left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
     right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")

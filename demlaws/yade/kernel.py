@@ -17,7 +17,7 @@ from numba.extending import intrinsic, overload
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
 from demlaws.core.fastmath import callback, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
-from demlaws.core.params import SMOOTHEST
+from demlaws.core.params import clamped_roughness
 from demlaws.laws.hertz import HertzParams, HertzShape
 
 # Words of the context.
@@ -312,9 +312,9 @@ def _write_state(rule, address, state):
 
 
 def _state_size(rule):
-    from demlaws.core.unloading import RULES, STATE_NAMES
+    from demlaws.core.unloading import rule_of
 
-    return next(len(STATE_NAMES[name]) for name, tag in RULES.items() if type(tag) is rule.instance_class)
+    return len(rule_of(rule.instance_class).state)
 
 
 # --- the law
@@ -323,7 +323,7 @@ def _state_size(rule):
 @kernel
 def params_of(kind, record, radius, modulus):
     """The law's Params for a contact whose surfaces are the pair in `record`."""
-    roughness = max(load_double(record + RECORD_ROUGHNESS), SMOOTHEST * radius)
+    roughness = clamped_roughness(load_double(record + RECORD_ROUGHNESS), radius)
     return scale(unpack(kind, record + RECORD_SHAPE), radius, modulus, roughness)
 
 

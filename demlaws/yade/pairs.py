@@ -13,8 +13,8 @@ import numpy as np
 
 from demlaws.contact import Contact, Surface
 from demlaws.core.loops import scale_one
-from demlaws.core.params import SMOOTHEST, loading_part
-from demlaws.core.unloading import GIVEN, RULES, STATE_NAMES
+from demlaws.core.params import clamped_roughness, loading_part
+from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
 from demlaws.laws.hertz import HertzShape
@@ -230,8 +230,8 @@ class Pairs:
             for source in (self.default, *self.special.values()) if curve is not None else ():
                 if source is not None:
                     source.unload_along(curve)
-        self.rule = RULES[self.unloading]
-        self.state_names = STATE_NAMES[self.unloading]
+        self.rule = RULES[self.unloading].tag
+        self.state_names = RULES[self.unloading].state
         combined = [Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
@@ -267,7 +267,7 @@ class Pairs:
         )
         self.kind = numba.typeof(example)
         radius, modulus = self.specimen(number)
-        params = scale_one(example, radius, modulus, max(self.roughnesses[number], SMOOTHEST * radius))
+        params = scale_one(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         self.params_kind = numba.typeof(params)
         self.row_words = kernel.ROW_OWN // 8 + max(kernel.own_words(self.params_kind, self.kind), 1)
         self._keep = []

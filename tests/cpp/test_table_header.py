@@ -2,14 +2,16 @@
 
 import subprocess
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import GRANITE
 
 import demlaws as dl
-from demlaws.liggghts import header_folder
 from demlaws.make import example as example_law
 
+HEADER = Path(dl.__file__).parent / "cpp"
 # the paths go where a source does not support its law; the header must agree there, too
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -17,8 +19,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 @pytest.fixture(scope="module")
 def example(tmp_path_factory):
     program = tmp_path_factory.mktemp("example") / "example"
-    command = ["g++", "-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", "-I", str(header_folder())]
-    subprocess.run([*command, str(header_folder() / "example.cpp"), "-o", str(program)], check=True)
+    command = ["g++", "-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", "-I", str(HEADER)]
+    subprocess.run([*command, str(HEADER / "example.cpp"), "-o", str(program)], check=True)
 
     def run(table, contact, overlaps):
         text = "\n".join(f"{value:.17g}" for value in overlaps)
@@ -58,14 +60,14 @@ def path_of(law, force):
         ("yip-venart", "table", {}),
     ],
 )
-def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unloading, options):
-    law = example_law(name, granite_pair, unloading, **options)
+def test_header_agrees_with_python(example, tmp_path, name, unloading, options):
+    law = example_law(name, GRANITE, unloading, **options)
     rtol = 1e-5 if law.definition.solved else 1e-8
     table = law.tabulate(rtol=rtol)
     table.save(tmp_path / "law.tbl")
     reference = table if law.definition.solved else law
     overlaps = path_of(law, 20.0)
-    result = example(tmp_path / "law.tbl", granite_pair, overlaps)
+    result = example(tmp_path / "law.tbl", GRANITE, overlaps)
     assert result.returncode == 0, result.stderr
     columns = np.array([line.split() for line in result.stdout.splitlines()], float).T
     path = reference.follow(overlaps)
@@ -79,9 +81,9 @@ def test_header_agrees_with_python(example, tmp_path, granite_pair, name, unload
     assert np.abs(columns[5] - path.dissipated)[:first].max() <= 1e-7 * path.work.max()
 
 
-def test_one_table_serves_every_radius_and_roughness(example, tmp_path, granite_pair):
-    dl.law("pohrt-popov", granite_pair, unloading="hertz").tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
-    other = granite_pair.with_values(radius=1e-3, modulus=70e9, roughness=1.1e-6)
+def test_one_table_serves_every_radius_and_roughness(example, tmp_path):
+    dl.law("pohrt-popov", GRANITE, unloading="hertz").tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
+    other = GRANITE.with_values(radius=1e-3, modulus=70e9, roughness=1.1e-6)
     law = dl.law("pohrt-popov", other, unloading="hertz")
     overlaps = path_of(law, 3.0)
     force = np.array([line.split()[0] for line in example(tmp_path / "law.tbl", other, overlaps).stdout.splitlines()], float)
@@ -89,26 +91,26 @@ def test_one_table_serves_every_radius_and_roughness(example, tmp_path, granite_
 
 
 @pytest.mark.parametrize("unloading", ["hertz", "table"])
-def test_nan_and_negative_overlaps(example, tmp_path, granite_pair, unloading):
-    law = example_law("pohrt-popov", granite_pair, unloading)
+def test_nan_and_negative_overlaps(example, tmp_path, unloading):
+    law = example_law("pohrt-popov", GRANITE, unloading)
     law.tabulate().save(tmp_path / "law.tbl")
-    result = example(tmp_path / "law.tbl", granite_pair, [1e-6, float("nan"), 0.5e-6, -1e-6, 1e-6, 0.0])
+    result = example(tmp_path / "law.tbl", GRANITE, [1e-6, float("nan"), 0.5e-6, -1e-6, 1e-6, 0.0])
     rows = [line.split() for line in result.stdout.splitlines()]
     assert rows[1][0].endswith("nan")
     assert rows[0][2:4] == rows[2][2:4]  # the state of the contact survives the NaN
     assert float(rows[3][0]) == 0.0 and rows[4][:2] == rows[0][:2] and float(rows[5][2]) == 0.0
 
 
-def test_refused_files_name_the_line(example, tmp_path, granite_pair):
+def test_refused_files_name_the_line(example, tmp_path):
     good = tmp_path / "good.tbl"
-    dl.law("pohrt-popov", granite_pair).tabulate().save(good)
+    dl.law("pohrt-popov", GRANITE).tabulate().save(good)
     lines = good.read_text().splitlines(keepends=True)
     first_row = lines.index(next(line for line in lines if line.startswith("overlap force stiffness"))) + 1
 
     def refused(text, *words):
         file = tmp_path / "bad.tbl"
         file.write_text(text)
-        result = example(file, granite_pair, [1e-6])
+        result = example(file, GRANITE, [1e-6])
         assert result.returncode == 1
         for word in (str(file), *words):
             assert word in result.stderr, result.stderr
@@ -124,22 +126,22 @@ def test_refused_files_name_the_line(example, tmp_path, granite_pair):
     refused("# demlaws-table 2\n" + "".join(lines[1:]), "line 1:")
     refused("".join(lines).replace("\n", "\r\n"), "line 1:")
     refused("", "line 1:")
-    result = example(tmp_path / "none.tbl", granite_pair, [1e-6])
+    result = example(tmp_path / "none.tbl", GRANITE, [1e-6])
     assert result.returncode == 1 and "none.tbl" in result.stderr and "No such file" in result.stderr
 
 
 @pytest.mark.parametrize("unloading", ["elastic", "table"])
-def test_every_flipped_byte_is_noticed(example, tmp_path, granite_pair, unloading):
+def test_every_flipped_byte_is_noticed(example, tmp_path, unloading):
     good = tmp_path / "good.tbl"
-    example_law("hertz", granite_pair, unloading).tabulate(rtol=1e-3).save(good)
+    example_law("hertz", GRANITE, unloading).tabulate(rtol=1e-3).save(good)
     data = good.read_bytes()
     for at in np.linspace(0, len(data) - 2, 60).astype(int):
         (tmp_path / "bad.tbl").write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
-        assert example(tmp_path / "bad.tbl", granite_pair, [1e-6]).returncode == 1, f"byte {at}"
+        assert example(tmp_path / "bad.tbl", GRANITE, [1e-6]).returncode == 1, f"byte {at}"
 
 
-def test_beyond_the_table_is_said(example, tmp_path, granite_pair):
-    law = dl.law("pohrt-popov", granite_pair)
+def test_beyond_the_table_is_said(example, tmp_path):
+    law = dl.law("pohrt-popov", GRANITE)
     law.tabulate(max_force=50.0).save(tmp_path / "law.tbl")
-    result = example(tmp_path / "law.tbl", granite_pair, [1e-6, 1e-4])
+    result = example(tmp_path / "law.tbl", GRANITE, [1e-6, 1e-4])
     assert result.returncode == 1 and "beyond" in result.stderr
