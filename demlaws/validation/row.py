@@ -63,6 +63,7 @@ SOURCES = {
     ),
     "gt-paper": Source("Greenwood & Tripp 1967, J. Appl. Mech. 34, 153, solved by an independent program", FACTS),
     "yv-paper": Source("Yip & Venart 1971, J. Phys. D 4, 1470, solved by an independent program", FACTS),
+    "jamari": Source("Jamari & Schipper 2006, Wear 262, 138: p(0)/p0 at α = 0.09 in the text, read from its Fig. 1", FACTS),
     "granite": Source(
         "Altuhafi, Baudet & Coop 2023: equations and inputs of its tests, computed by an independent program", FACTS
     ),
