@@ -8,6 +8,7 @@ question.
 
 import itertools
 import math
+import os
 import warnings
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,10 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.advice.fit import Fit
 from demlaws.checks import number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
 from demlaws.measure.timing import Batch, nanoseconds
@@ -112,11 +115,11 @@ class Scene:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(known)}")
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | os.PathLike) -> "Scene":
         """A scene from a TOML file; its keys are the fields, see the examples of `demlaws choose --help`."""
         return _from_toml(Path(path))
 
-    def with_fit(self, fit):
+    def with_fit(self, fit: Fit) -> "Scene":
         """This scene with the surface, the modulus and the law that `demlaws.fit` found for its contacts."""
         contact = fit.contact
         poisson = self.materials[0].poisson
@@ -126,11 +129,11 @@ class Scene:
         return replace(self, **changes, yield_pressure=fit.law.options.get("yield_pressure"))
 
     @property
-    def unloads(self):
+    def unloads(self) -> bool:
         """Whether unloading matters."""
         return self.cyclic or self.quantity == "restitution"
 
-    def contacts(self, radius):
+    def contacts(self, radius: float | np.ndarray) -> list[Contact]:
         """One Contact a pair of kinds of grain, all of effective radius `radius` [m] (a number or an array)."""
         kinds = list(zip(self.materials, self.surfaces, strict=True))
         pairs = []
@@ -148,36 +151,36 @@ class Scene:
             )
         return pairs
 
-    def effective_radii(self):
+    def effective_radii(self) -> tuple:
         """Smallest and largest effective radius [m]."""
         return 0.5 * self.radii[0], self.radii[1] if self.walls else 0.5 * self.radii[1]
 
-    def pair_radii(self):
+    def pair_radii(self) -> list[float]:
         """Every effective radius [m] that grains of `classes` can have."""
         pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
         return sorted({*pairs, *(self.classes if self.walls else ())})
 
-    def kinds(self):
+    def kinds(self) -> list[tuple[int, int]]:
         """Pairs of numbers of kinds of grain, in the order of `contacts`."""
         return list(itertools.combinations_with_replacement(range(len(self.materials)), 2))
 
-    def grains(self):
+    def grains(self) -> list:
         """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
         from demlaws.liggghts.export import Grain
 
         sizes = self.classes or tuple(dict.fromkeys(self.radii))
         return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]
 
-    def mass(self, radius):
+    def mass(self, radius: float | np.ndarray) -> float | np.ndarray:
         """Mass [kg] of the lightest kind of grain whose contact with its like has effective radius `radius` [m]."""
         density = min(2650.0 if m.density is None else m.density for m in self.materials)
         return density * 4.0 / 3.0 * math.pi * (2.0 * np.asarray(radius)) ** 3
 
-    def mean_force(self, pressure, radius):
+    def mean_force(self, pressure: float, radius: float | np.ndarray) -> float | np.ndarray:
         """Mean normal force [N] of a packing of grains of one size: p π d²/((1 - porosity) Z) (Rothenburg & Bathurst 1989)."""
         return math.pi * (4.0 * np.asarray(radius)) ** 2 * pressure / ((1.0 - self.porosity) * self.coordination)
 
-    def force_range(self, contact):
+    def force_range(self, contact: Contact) -> tuple:
         """Smallest and largest normal force [N] that matter, one a contact."""
         ranges = []
         one = np.ones(np.shape(contact.radius))
@@ -456,16 +459,16 @@ class Choice:
     evaluation = property(lambda self: self.plan.evaluation)
 
     @property
-    def cost(self):
+    def cost(self) -> float:
         """ns a contact and reference time step: a law that allows longer steps is evaluated less often."""
         return (self.ns if self.engine_ns is None else self.engine_ns) / self.step_factor
 
     @property
-    def branch(self):
+    def branch(self) -> str | None:
         """The branch of the law that is computed, in brackets, if not all."""
         return "".join(f" ({v})" for k, v in self.plan.options if k == "branch")
 
-    def tables(self):
+    def tables(self) -> dict[tuple[int, int], Table]:
         """Pair of kinds of grain → `Table` of the largest grains (for LIGGGHTS, `export` writes those of all sizes)."""
         scene = self.scene
         rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
@@ -473,7 +476,7 @@ class Choice:
         contacts = scene.contacts(scene.effective_radii()[1])
         return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
 
-    def export(self, folder):
+    def export(self, folder: str | os.PathLike) -> Path:
         """Write a LIGGGHTS case: this law for every kind and size of grain of the scene, with all the tables it needs."""
         from demlaws.liggghts import export
 
@@ -489,35 +492,35 @@ class Choice:
             **options,
         )
 
-    def law(self, contact):
+    def law(self, contact: Contact) -> Law:
         """The law on your contact (or array of contacts)."""
         return self.plan.bind(contact, self.max_force)
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         return self.judge.scene
 
     @property
-    def reference(self):
+    def reference(self) -> "Plan":
         """The plan that errors are held against."""
         return self.judge.reference
 
     @property
-    def max_force(self):
+    def max_force(self) -> float:
         """Largest force [N] of the scene, and half as much again: where a table ends."""
         return self.judge.max_force
 
-    def batch(self, seed=1):
+    def batch(self, seed: int = 1) -> Batch:
         """Random contacts of the scene in the states that occur, to time."""
         return self.judge.batch(self.plan, seed)
 
-    def describe(self):
+    def describe(self) -> str:
         """One line: law, unloading, evaluation."""
         options = ", ".join(f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.plan.options)
         rtol = f" (rtol {self.plan.rtol:g})" if self.plan.rtol else ""
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
-    def script(self, table="law.tbl"):
+    def script(self, table: str = "law.tbl") -> str:
         """The lines that put this choice into the scene's engine."""
         options = "".join(f", {k}={v!r}" for k, v in self.plan.options)
         unloading = "" if self.unloading == "elastic" else f', unloading="{self.unloading}"'
@@ -566,7 +569,7 @@ class Choices(list):
         self.measured_in = measured_in  # what `cost` is of
 
     @property
-    def best(self):
+    def best(self) -> Choice:
         return self[0]
 
 
@@ -755,7 +758,7 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene, tables=True):
+def choose(scene: Scene, tables: bool = True) -> Choices:
     """Candidates for a `Scene`, ranked: those that meet its tolerance first, the cheapest of them first (`Choices`).
 
     Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what

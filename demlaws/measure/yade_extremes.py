@@ -8,7 +8,7 @@ import yade
 from demlaws.contact import Surface
 from demlaws.laws.registry import find
 from demlaws.measure.extremes import HARDNESS, POISSON, Balance
-from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
 O = yade.O  # noqa: E741  YADE's name
 
