@@ -82,7 +82,9 @@ def _regime_axis(ax, contact, loads, roughness):
 def _regime_bar(fig, image, axes):
     """Colours are log10 of p(0)/(0.6 H_m); the bar shows p(0)/H_m itself."""
     ratios = np.array([0.06, 0.1, 0.2, 0.4, 0.6, 1.0, 2.0, 4.0, 6.0])
-    bar = fig.colorbar(image, ax=axes, label="p(0)/H$_m$ (map: closed fit)", shrink=0.9, ticks=np.log10(ratios / regime.YIELD_RATIO))
+    bar = fig.colorbar(
+        image, ax=axes, label="p(0)/H$_m$ (map: closed fit)", shrink=0.9, ticks=np.log10(ratios / regime.YIELD_RATIO)
+    )
     bar.ax.set_yticklabels([f"{r:g}" for r in ratios])
 
 
@@ -108,7 +110,7 @@ def published_figure():
         arrowprops={"arrowstyle": "->"},
         fontsize=8,
     )
-    ax.set(xlabel="roughness Sq (µm)", ylabel="p(0)/H$_m$ (map: closed fit)", ylim=(0, 1.7), xlim=(0, 3))
+    ax.set(xlabel="roughness Sq (µm)", ylabel="p(0)/H$_m$", ylim=(0, 1.7), xlim=(0, 3))
     ax.legend(fontsize=8, ncol=2)
     return fig
 
