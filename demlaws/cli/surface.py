@@ -3,15 +3,10 @@
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.arguments import force, length, output, plain, pressure, whole
 from demlaws.cli.curve import SIGMA
 from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
-
-
-def _metres(text):
-    from demlaws.surface import length
-
-    return length(text)
 
 
 def register(subparsers):
@@ -26,15 +21,15 @@ def register(subparsers):
         ),
     )
     _bodies(regime)
-    regime.add_argument("--sigma", dest="roughness", type=_metres, help="combined rms roughness σ in m, or with a unit: 1.3um")
+    regime.add_argument("--sigma", dest="roughness", type=length, help="combined rms roughness σ in m, or with a unit: 1.3um")
     regime.add_argument("--roughness", action=Refused, remedy=SIGMA)
-    regime.add_argument("--fractal-dimension", type=float, help="Df from 2 to 3")
-    regime.add_argument("--load", type=float, help="load in N")
-    regime.add_argument("--mu", type=float, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
+    regime.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
+    regime.add_argument("--load", type=force, help="load in N")
+    regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
     regime.add_argument(
-        "--yield-pressure", type=float, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
+        "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
     )
-    regime.add_argument("--figure", type=Path, help="map of p(0)/H_m over load and roughness")
+    regime.add_argument("--figure", type=output, help="map of p(0)/H_m over load and roughness")
     regime.set_defaults(func=run_regime)
 
     surface = subparsers.add_parser(
@@ -56,47 +51,47 @@ def register(subparsers):
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
     surface.add_argument("--pixel", help="pixel size, for files that do not say it: 0.8um, or 0.8um,1um for x and y")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
-    surface.add_argument("--form", type=int, help="order of the polynomial removed (default 2; -1: none)")
+    surface.add_argument("--form", type=whole(-1, 8), help="order of the polynomial removed (default 2; -1: none)")
     surface.add_argument(
-        "--wavelengths", type=_metres, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
+        "--wavelengths", type=length, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
     )
-    surface.add_argument("--out", type=Path, help="write the map: levelled, synthetic, or as the last cycle leaves it")
-    surface.add_argument("--figure", type=Path, help="picture to draw")
+    surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the last cycle leaves it")
+    surface.add_argument("--figure", type=output, help="picture to draw")
     contact = surface.add_argument_group("contact")
     _bodies(contact)
     contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
     contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
-    contact.add_argument("--load", type=float, help="load in N (default 0.2 for the published tests)")
-    contact.add_argument("--cycles", type=int, default=1, help="number of load cycles (default 1)")
-    contact.add_argument("--tolerance", type=float, default=0.01, help="relative tolerance of the load (default 0.01)")
-    contact.add_argument("--plastic-factor", type=float, default=0.71, help="c_h: fully plastic pressure over hardness")
-    contact.add_argument("--plastic-ratio", type=float, default=160.0, help="c_A: 2 ω2/ω1 of a sphere")
-    contact.add_argument("--csv", type=Path, help="write the micro-contacts of the first cycle")
-    contact.add_argument("--table", type=Path, help="write the map's law as a table for YADE and LIGGGHTS")
+    contact.add_argument("--load", type=force, help="load in N (default 0.2 for the published tests)")
+    contact.add_argument("--cycles", type=whole(1, 100_000), default=1, help="number of load cycles (default 1)")
+    contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
+    contact.add_argument("--plastic-factor", type=plain, default=0.71, help="c_h: fully plastic pressure over hardness")
+    contact.add_argument("--plastic-ratio", type=plain, default=160.0, help="c_A: 2 ω2/ω1 of a sphere")
+    contact.add_argument("--csv", type=output, help="write the micro-contacts of the first cycle")
+    contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
     contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
     contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz; reloading: elastic)")
-    contact.add_argument("--max-force", type=float, help="end of the computed curve in N")
-    contact.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance of the table (default 1e-5)")
+    contact.add_argument("--max-force", type=force, help="end of the computed curve in N")
+    contact.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the table (default 1e-5)")
     made = surface.add_argument_group("synthetic")
-    made.add_argument("--size", type=int, default=512, help="pixels along each side (default 512)")
-    made.add_argument("--hurst", type=float, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
-    made.add_argument("--sq", dest="roughness", type=_metres, default=1e-6, help="rms roughness Sq of the map (default 1um)")
+    made.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
+    made.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
+    made.add_argument("--sq", dest="roughness", type=length, default=1e-6, help="rms roughness Sq of the map (default 1um)")
     made.add_argument("--roughness", action=Refused, remedy="give --sq, the map's own Sq")
-    made.add_argument("--seed", type=int, default=1, help="seed of the random numbers (default 1)")
-    made.add_argument("--shortest", type=_metres, default=0.0, help="shortest wavelength (default: two pixels)")
-    made.add_argument("--longest", type=_metres, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    made.add_argument("--anisotropy", type=float, default=1.0, help="how much longer along x (default 1)")
+    made.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
+    made.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
+    made.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
+    made.add_argument("--anisotropy", type=plain, default=1.0, help="how much longer along x (default 1)")
     surface.set_defaults(func=run_surface)
 
 
 def _bodies(parser):
-    parser.add_argument("--radius", type=_metres, help="radius of the ball in m, or with a unit: 3.175mm")
-    parser.add_argument("--rough-radius", type=_metres, default=float("inf"), help="radius of the rough body (default: flat)")
-    parser.add_argument("--young", type=float, help="Young's modulus of the rough body in Pa")
-    parser.add_argument("--poisson", type=float, help="its Poisson's ratio")
-    parser.add_argument("--hardness", type=float, help="its hardness in Pa (without: elastic asperities)")
-    parser.add_argument("--ball-young", type=float, help="Young's modulus of the ball (default: as the rough body)")
-    parser.add_argument("--ball-poisson", type=float, help="its Poisson's ratio")
+    parser.add_argument("--radius", type=length, help="radius of the ball in m, or with a unit: 3.175mm")
+    parser.add_argument("--rough-radius", type=length, default=float("inf"), help="radius of the rough body (default: flat)")
+    parser.add_argument("--young", type=pressure, help="Young's modulus of the rough body in Pa")
+    parser.add_argument("--poisson", type=plain, help="its Poisson's ratio")
+    parser.add_argument("--hardness", type=pressure, help="its hardness in Pa (without: elastic asperities)")
+    parser.add_argument("--ball-young", type=pressure, help="Young's modulus of the ball (default: as the rough body)")
+    parser.add_argument("--ball-poisson", type=plain, help="its Poisson's ratio")
 
 
 def _pair(arguments, roughness, fractal_dimension=None):
