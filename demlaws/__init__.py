@@ -11,7 +11,7 @@ _HOMES = {
     "DemlawsError": "demlaws.errors",
     "Law": "demlaws.law",
     "Material": "demlaws.contact",
-    "Scene": "demlaws.advice.choose",
+    "Scene": "demlaws.advice.scene",
     "Surface": "demlaws.contact",
     "Table": "demlaws.table",
     "ValidityWarning": "demlaws.errors",
