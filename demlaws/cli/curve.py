@@ -3,7 +3,10 @@
 from pathlib import Path
 
 from demlaws.cli import example, option
+from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
+
+SIGMA = "give --sigma, the combined σ = √(Sq1² + Sq2²) of the two surfaces"
 
 
 def add_law_arguments(parser):
@@ -20,7 +23,8 @@ def add_law_arguments(parser):
     curve.add_argument(
         "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
     )
-    curve.add_argument("--unloading-roughness", type=float, help="its σ in m (default: the contact's)")
+    curve.add_argument("--unloading-sigma", dest="unloading_roughness", type=float, help="its σ in m (default: the contact's)")
+    curve.add_argument("--unloading-roughness", action=Refused, remedy="give --unloading-sigma, that curve's combined σ")
     curve.add_argument("--unloading-radius", type=float, help="its R in m (default: the contact's)")
     add_contact_arguments(parser)
 
@@ -33,7 +37,10 @@ def add_contact_arguments(parser):
     contact.add_argument("--modulus", type=float, help="effective modulus E* in Pa")
     contact.add_argument("--young", type=float, help="Young's modulus of both bodies in Pa, in place of --modulus")
     contact.add_argument("--poisson", type=float, help="Poisson's ratio of both bodies, with --young")
-    contact.add_argument("--roughness", type=float, help="combined rms roughness σ in m (default 0)")
+    contact.add_argument(
+        "--sigma", dest="roughness", type=float, help="combined rms roughness σ = √(Sq1² + Sq2²) in m (default 0)"
+    )
+    contact.add_argument("--roughness", action=Refused, remedy=SIGMA)
     contact.add_argument("--fractal-dimension", type=float, help="Df from 2 to 3")
     contact.add_argument("--hardness", type=float, help="hardness in Pa")
 
@@ -62,9 +69,7 @@ def _unloading_from(arguments, contact):
     changes = {name: value for name, value in changes.items() if value is not None}
     if arguments.unloading_law is None:
         if changes or arguments.unloading_option:
-            raise DemlawsError(
-                "--unloading-option, -roughness and -radius describe the curve of --unloading-law: name that law"
-            )
+            raise DemlawsError("--unloading-option, -sigma and -radius describe the curve of --unloading-law: name that law")
         return arguments.unloading
     if arguments.unloading not in ("elastic", "table"):
         raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
@@ -102,7 +107,7 @@ def register(subparsers):
         **example(
             '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
             "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 1e-3 --modulus 3.2e10 \\\n"
-            "      --roughness 5e-6 --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
+            "      --sigma 5e-6 --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
         ),
     )
     add_law_arguments(curve)
@@ -120,7 +125,7 @@ def register(subparsers):
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
-            "      --unloading-law pohrt-popov --unloading-roughness 0.5e-6"
+            "      --unloading-law pohrt-popov --unloading-sigma 0.5e-6"
         ),
     )
     add_law_arguments(table)

@@ -16,7 +16,7 @@ def register(subparsers):
         "test; prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(
             '  demlaws fit points.csv --test "SS(18-18)" --figure fit.png\n'
-            "  demlaws fit points.csv --radius 4.35e-3 --modulus 3.23e10 --roughness 2e-6 --fractal-dimension 2.2 \\\n"
+            "  demlaws fit points.csv --radius 4.35e-3 --modulus 3.23e10 --sigma 2e-6 --fractal-dimension 2.2 \\\n"
             "      --law rms --law pohrt-popov --free roughness modulus\n\n"
             "points.csv: two columns with units in the header, for instance\n"
             "  displacement (um),force (N)"

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.curve import SIGMA
+from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
 
 
@@ -20,11 +22,12 @@ def register(subparsers):
         **example(
             "  demlaws regime --figure regime.png\n"
             "  demlaws regime --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 --ball-young 430e9 \\\n"
-            "      --ball-poisson 0.17 --roughness 1.3um --load 0.2"
+            "      --ball-poisson 0.17 --sigma 1.3um --load 0.2"
         ),
     )
     _bodies(regime)
-    regime.add_argument("--roughness", type=_metres, help="combined rms roughness σ in m, or with a unit: 1.3um")
+    regime.add_argument("--sigma", dest="roughness", type=_metres, help="combined rms roughness σ in m, or with a unit: 1.3um")
+    regime.add_argument("--roughness", action=Refused, remedy=SIGMA)
     regime.add_argument("--fractal-dimension", type=float, help="Df from 2 to 3")
     regime.add_argument("--load", type=float, help="load in N")
     regime.add_argument("--figure", type=Path, help="map of p(0)/H_m over load and roughness")
@@ -40,7 +43,7 @@ def register(subparsers):
         "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `contact isotropic` and `contact "
         "anisotropic` repeat the tests of Jamari & Schipper 2008; `synthetic` makes a self-affine map.",
         **example(
-            "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --roughness 1.3um --seed 1 --out map.asc\n"
+            "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
             "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
             "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png"
@@ -73,7 +76,8 @@ def register(subparsers):
     made = surface.add_argument_group("synthetic")
     made.add_argument("--size", type=int, default=512, help="pixels along each side (default 512)")
     made.add_argument("--hurst", type=float, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
-    made.add_argument("--roughness", type=_metres, default=1e-6, help="Sq (default 1um)")
+    made.add_argument("--sq", dest="roughness", type=_metres, default=1e-6, help="rms roughness Sq of the map (default 1um)")
+    made.add_argument("--roughness", action=Refused, remedy="give --sq, the map's own Sq")
     made.add_argument("--seed", type=int, default=1, help="seed of the random numbers (default 1)")
     made.add_argument("--shortest", type=_metres, default=0.0, help="shortest wavelength (default: two pixels)")
     made.add_argument("--longest", type=_metres, default=float("inf"), help="longest wavelength (default: no roll-off)")
@@ -117,9 +121,9 @@ def run_regime(arguments):
     given = [n for n in ("radius", "young", "poisson", "hardness", "roughness", "load") if getattr(arguments, n) is not None]
     if not given:
         return _published(arguments)
-    for name in ("roughness", "hardness"):
+    for name, flag in (("roughness", "sigma"), ("hardness", "hardness")):
         if getattr(arguments, name) is None:
-            raise DemlawsError(f"--{name} missing: the criterion needs it")
+            raise DemlawsError(f"--{flag} missing: the criterion needs it")
     pair = _pair(arguments, arguments.roughness, arguments.fractal_dimension)
     if arguments.load is None:
         print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {regime.transition_load(pair):.4g} N; below, asperities")

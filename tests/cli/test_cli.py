@@ -31,7 +31,7 @@ def test_every_command_has_help(name, capsys):
     assert "usage: demlaws" in capsys.readouterr().out
 
 
-CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--roughness", "2e-6", "--fractal-dimension", "2.2"]
+CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--sigma", "2e-6", "--fractal-dimension", "2.2"]
 
 
 def test_curve(tmp_path, capsys):
@@ -56,7 +56,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     """By the name of a law, then the file of that law's own table; both in one file."""
     both, curve, again, picture = (tmp_path / name for name in ("both.tbl", "curve.tbl", "again.tbl", "both.png"))
     smoother = [*CONTACT[:-3], "0.5e-6", *CONTACT[-2:]]
-    options = ["--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6"]
+    options = ["--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6"]
     assert main(["table", "--law", "pohrt-popov", *CONTACT, *options, "--out", str(both), "--figure", str(picture)]) == 0
     assert "unloading along 'pohrt-popov'" in capsys.readouterr().out
     assert picture.stat().st_size > 1000
@@ -68,7 +68,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     assert one.unloading_law.made_for.roughness == other.unloading_law.made_for.roughness == 0.5e-6
     path = [1e-5, 9e-6, 8e-6]
     assert one.follow(path).force == pytest.approx(other.follow(path).force, rel=1e-4)
-    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6", "--forces", "9", "0"]
+    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6", "--forces", "9", "0"]
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, *forces]) == 0
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading-radius", "1e-3", "--forces", "9"]) == 2
     assert "name that law" in capsys.readouterr().err
@@ -91,7 +91,12 @@ def test_granite(tmp_path, capsys):
         (["curve", "--law", "hertz", "--radius", "1e-3", "--modulus", "nan", "--forces", "1"], "modulus = nan Pa"),
         (["curve", "--law", "hertz", "--radius", "1e-3", "--forces", "1"], "--modulus missing"),
         (["curve", "--law", "pohrt-popov", *CONTACT[:-1], "3.5", "--forces", "1"], "fractal_dimension = 3.5"),
-        (["curve", "--law", "hertz", *CONTACT, "--roughness", "1", "--forces", "1"], "exceeds the effective radius"),
+        (["curve", "--law", "hertz", "--radius", "4e-3", "--roughness", "1e-6", "--forces", "1"], "give --sigma"),
+        (["table", "--law", "hertz", *CONTACT, "--unloading-roughness", "1e-6", "--out", "t"], "give --unloading-sigma"),
+        (["regime", "--roughness", "1e-6"], "give --sigma"),
+        (["surface", "synthetic", "--roughness", "1um", "--out", "t"], "give --sq"),
+        (["liggghts", "export", "t", "--radius", "1e-3", "--roughness", "1e-6"], "give --sq"),
+        (["curve", "--law", "hertz", *CONTACT, "--sigma", "1", "--forces", "1"], "exceeds the effective radius"),
         (["curve", "--law", "hertz", *CONTACT, "--forces", "-1"], "no tension"),
         (["curve", "--law", "bahrami", *CONTACT, "--forces", "1"], "hardness"),
         (["curve", "--law", "hertz", *CONTACT, "--option", "x=1", "--forces", "1"], "'x'"),

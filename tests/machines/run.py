@@ -34,6 +34,7 @@ NO_ROOT = 75  # EX_TEMPFAIL of sysexits.h
 GIGABYTES = 9  # that must be free before a root is made; with engines, venv and pip's cache it holds about 5
 DAYS = 7  # after which a kept root is made anew
 TRIES = 3
+PREPARED = "engines and venv"
 INSIDE = "/home/demlaws"  # the clone, as seen in the root
 BUNDLE = "/etc/ssl/certs/ca-certificates.crt"
 CERTIFICATES = "/etc/host-certificates.crt"  # the host's, as seen in the root
@@ -212,7 +213,7 @@ class Root:
         free = shutil.disk_usage(self.path.parent).free / 1e9
         if free < GIGABYTES:
             raise NoRoot(f"{free:.1f} GB are free in {self.path.parent}, a root needs {GIGABYTES}: --folder names another")
-        line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet"]
+        line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet", "--dpkgopt=force-unsafe-io"]
         line += [f"--aptopt={option}" for option in apt_options(self.suite)]
         line += [self.suite, str(self.path), *filter(None, [mirror()])]
         for attempt in range(1, TRIES + 1):
@@ -278,61 +279,51 @@ class Root:
 
 
 class Failed(Exception):
-    pass
+    """A step did not pass."""
 
 
-def steps(root, wanted, pytest_arguments):
-    """Run the steps; yields (name, seconds) as they pass, raises Failed at the first that does not."""
-    root.clone()
+def make(root, target, fetched):
+    """`make target`, again while the network may be what breaks it: until the file `fetched` is there."""
+    fetched = root.path / fetched[1:]
+    for attempt in range(1, TRIES + 1):
+        status = root.run("make", target, folder=INSIDE)
+        if status == 0 and fetched.exists():
+            return
+        if fetched.exists() or root.left() <= 1:
+            break
+        say(f"make {target}: try {attempt} of {TRIES} failed (exit {status})")
+    if not fetched.exists() and not root.reaches_archive():
+        raise NoRoot(f"make {target} failed and the archive cannot be reached")
+    raise Failed(f"exit {status}")
 
-    def make(target, fetched):
-        """`make target`, again while the network may be what breaks it: until the file `fetched` is there."""
-        fetched = root.path / fetched[1:]
-        for attempt in range(1, TRIES + 1):
-            status = root.run("make", target, folder=INSIDE)
-            if status == 0 and fetched.exists():
-                return
-            if fetched.exists() or root.left() <= 1:
-                break
-            say(f"make {target}: try {attempt} of {TRIES} failed (exit {status})")
-        if not fetched.exists() and not root.reaches_archive():
-            raise NoRoot(f"make {target} failed and the archive cannot be reached")
-        raise Failed(f"make {target} (exit {status})")
 
-    def must(*command):
-        say(" ".join(command))
-        status = root.run(*command, folder=INSIDE)
-        if status:
-            raise Failed(f"{' '.join(command)} (exit {status})")
+def prepare(root):
+    """The engines' packages and the venv of the tests."""
+    make(root, "engines", "/usr/bin/liggghts")  # apt installs all of them or none
+    make(root, ".venv/.test", f"{INSIDE}/.venv/.test")
+    root.run("apt-get", "clean")
 
-    @contextlib.contextmanager
-    def timed(name):
-        began = time.monotonic()
-        say(f"--- {name}")
-        yield
-        done.append((name, time.monotonic() - began))
 
-    done = []
+def must(root, *command):
+    status = root.run(*command, folder=INSIDE)
+    if status:
+        raise Failed(f"exit {status}")
+
+
+def steps(wanted, pytest_arguments):
+    """[(name, function of the root)] in order."""
+    tests = ["-m", "pytest", "-q", *(pytest_arguments or ["tests/engines"])]
+    plan = []
     if "granite" in wanted:
-        with timed("make granite"):
-            make("granite", f"{INSIDE}/.venv/.plots")
-        yield done[-1]
+        plan.append(("make granite", lambda root: make(root, "granite", f"{INSIDE}/.venv/.plots")))
     if {"checks", "tests"} & set(wanted):
-        with timed("engines and venv"):
-            make("engines", "/usr/bin/liggghts")  # apt installs all of them or none
-            make(".venv/.test", f"{INSIDE}/.venv/.test")
-            root.run("apt-get", "clean")
-        yield done[-1]
+        plan.append((PREPARED, prepare))
     if "checks" in wanted:
-        for engine in ("yade", "liggghts"):
-            with timed(f"demlaws {engine} check"):
-                must(".venv/bin/demlaws", engine, "check")
-            yield done[-1]
+        plan.append(("demlaws yade check", lambda root: must(root, ".venv/bin/demlaws", "yade", "check")))
+        plan.append(("demlaws liggghts check", lambda root: must(root, ".venv/bin/demlaws", "liggghts", "check")))
     if "tests" in wanted:
-        arguments = pytest_arguments or ["tests/engines"]
-        with timed(f"pytest {' '.join(arguments)}"):
-            must(".venv/bin/python", "-m", "pytest", "-q", *arguments)
-        yield done[-1]
+        plan.append((" ".join(tests[1:]), lambda root: must(root, ".venv/bin/python", *tests)))
+    return plan
 
 
 @contextlib.contextmanager
@@ -372,7 +363,20 @@ def main(argv=None):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that what is below is cleaned up
     began = time.monotonic()
     root = Root(given.release, given.folder, began + 60 * given.minutes)
-    passed, verdict, status = [], "", 0
+    told, failed, verdict, status = [], 0, "", 0
+
+    def step(name, function):
+        """Run one step and note how it went; whether it passed."""
+        nonlocal failed
+        say(f"--- {name}")
+        start, result = time.monotonic(), "passed"
+        try:
+            function(root)
+        except Failed as error:
+            result, failed = f"FAILED ({error})", failed + 1
+        told.append(f"{name}: {result}, {time.monotonic() - start:.0f} s")
+        return result == "passed"
+
     try:
         with alone(given.folder, given.release):
             try:
@@ -380,23 +384,24 @@ def main(argv=None):
                     say(f"{root.path} is kept from an earlier run")
                     root.fetch("apt-get", "update", "-qq")
                 else:
-                    root.make()
-                    passed.append(("root", time.monotonic() - began))
-                for step in steps(root, given.do, given.pytest):
-                    passed.append(step)
+                    step("root", Root.make)
+                root.clone()
+                for name, function in steps(given.do, given.pytest):
+                    if not step(name, function) and name == PREPARED:
+                        break  # nothing after it can run
             finally:
                 say(f"{root.path} holds {root.size() if root.path.is_dir() else 'nothing'}")
                 if not given.keep or not root.usable():
                     root.remove()
-        verdict = "all passed"
+        verdict, status = ("all passed", 0) if not failed else (f"{failed} of {len(told)} steps FAILED", 1)
     except NoRoot as error:
         verdict, status = f"NOT RUN: no root of {given.release}: {error}", NO_ROOT
-    except Failed as error:
-        verdict, status = f"FAILED: {error}", 1
+        if failed:  # that fault is the project's, whatever the network did later
+            verdict, status = f"{failed} steps FAILED, then no network: {error}", 1
     except KeyboardInterrupt:
         verdict, status = "interrupted", 128 + signal.SIGINT
-    for name, seconds in passed:
-        say(f"{given.release}: {name}: {seconds:.0f} s")
+    for line in told:
+        say(f"{given.release}: {line}")
     say(f"{given.release}: {verdict}, {time.monotonic() - began:.0f} s in all")
     return status
 
