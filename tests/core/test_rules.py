@@ -63,8 +63,8 @@ def test_the_header_has_the_same_rules(header):
 
 
 def test_histories_of_liggghts_are_the_state_in_its_order():
-    source = (PACKAGE / "liggghts" / "src" / "normal_model_demlaws.h").read_text()
-    listed = re.search(r"names\[MOST_STATE\] = \{([^}]*)\}", source).group(1)
+    sources = "".join(path.read_text() for path in sorted((PACKAGE / "liggghts" / "src").glob("*.h")))
+    listed = re.search(r"\[MOST_STATE\] = \{([^}]*)\}", sources).group(1)
     words = [re.sub(r"[A-Z]", lambda m: "_" + m.group().lower(), name) for name in re.findall(r'"demlaws_(\w+)"', listed)]
     for rule in IN_CPP:
         assert tuple(words[: len(rule.state)]) == rule.state
