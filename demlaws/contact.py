@@ -2,13 +2,26 @@
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError
 
 
-def _check(owner, name, unit, remedy, *, low=0.0, high=math.inf, allow_low=False, allow_infinite=False, scalar=True):
+def _check(
+    owner: Any,
+    name: str,
+    unit: str,
+    remedy: str,
+    *,
+    low: float = 0.0,
+    high: float = math.inf,
+    allow_low: bool = False,
+    allow_infinite: bool = False,
+    scalar: bool = True,
+) -> None:
     """Turn a field into a float (or, where allowed, a float array) and refuse what is out of range."""
     value = getattr(owner, name)
     if value is None:
@@ -42,14 +55,14 @@ class Material:
     hardness: float | None = None
     density: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check(self, "young", "Pa", "Young's modulus must be positive")
         _check(self, "poisson", "", "Poisson's ratio must be above -1 and at most 0.5", low=-1.0, high=0.5)
         _check(self, "hardness", "Pa", "hardness must be positive (a Vickers number in kgf/mm² times 9.807e6)")
         _check(self, "density", "kg/m³", "density must be positive")
 
     @property
-    def plane_modulus(self):
+    def plane_modulus(self) -> float:
         """E/(1 - ν²) [Pa]."""
         return self.young / (1.0 - self.poisson**2)
 
@@ -62,12 +75,12 @@ class Surface:
     fractal_dimension: float | None = None
     hardness: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check(self, "roughness", "m", "rms roughness Sq cannot be negative", allow_low=True)
         _check_dimension(self)
         _check(self, "hardness", "Pa", "hardness must be positive")
 
-    def combined(self, other):
+    def combined(self, other: "Surface") -> "Surface":
         """The surface that, against a smooth flat, stands for this one against `other`.
 
         σ = √(Sq1² + Sq2²); Df is the mean of the two (our choice: the papers do not say), the hardness the lower one.
@@ -81,7 +94,7 @@ class Surface:
         )
 
 
-def _check_dimension(owner):
+def _check_dimension(owner: Any) -> None:
     remedy = "the fractal dimension of a surface lies in [2, 3] (Hurst exponent H = 3 - Df)"
     _check(owner, "fractal_dimension", "", remedy, low=2.0, high=3.0, allow_low=True)
 
@@ -101,7 +114,7 @@ class Contact:
     fractal_dimension: float | None = None
     hardness: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check(self, "radius", "m", "the effective radius must be positive (two flats have no Hertz contact)", scalar=False)
         _check(self, "modulus", "Pa", "the effective modulus E* must be positive", scalar=False)
         remedy = "rms roughness cannot be negative"
@@ -121,16 +134,16 @@ class Contact:
     @classmethod
     def between(
         cls,
-        material1,
-        material2,
+        material1: Material,
+        material2: Material,
         *,
-        radius1,
-        radius2=math.inf,
-        roughness1=0.0,
-        roughness2=0.0,
-        fractal_dimension=None,
-        hardness=None,
-    ):
+        radius1: float | np.ndarray,
+        radius2: float | np.ndarray = math.inf,
+        roughness1: float | np.ndarray = 0.0,
+        roughness2: float | np.ndarray = 0.0,
+        fractal_dimension: float | None = None,
+        hardness: float | None = None,
+    ) -> "Contact":
         """Contact of two spheres of `radius1` and `radius2` [m] (inf: a flat).
 
         The hardness is the softer material's unless it is given. Radii and roughnesses may be arrays.
@@ -155,20 +168,20 @@ class Contact:
         )
 
     @property
-    def size(self):
+    def size(self) -> int | None:
         """Number of contacts, or None for a single one."""
         shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.roughness))
         return shape[0] if shape else None
 
-    def with_values(self, **changes):
+    def with_values(self, **changes: Any) -> "Contact":
         """A copy with some fields changed."""
         return replace(self, **changes)
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """Plain numbers and lists, for files."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
 
-    def roughness_parameter(self, force):
+    def roughness_parameter(self, force: ArrayLike) -> float | np.ndarray:
         """α = σ (16 R E*²/(9 P²))^(1/3): roughness over Hertz overlap at `force` [N] (Greenwood, Johnson & Matsubara 1984)."""
         return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * np.asarray(force, float) ** 2)) ** (1 / 3)

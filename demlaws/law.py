@@ -6,10 +6,12 @@ The compiled loops know any law and any unloading rule; `Law` checks input, keep
 import math
 import warnings
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
+from demlaws.contact import Contact
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
@@ -24,12 +26,12 @@ class State:
         self.names = tuple(names)
         self.arrays = tuple(np.zeros(size, dtype) for _ in self.names)
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> np.ndarray:
         if name != "names" and name in self.names:
             return self.arrays[self.names.index(name)]
         raise AttributeError(f"this state has {', '.join(self.names) or 'no quantities'}, not {name!r}")
 
-    def copy(self):
+    def copy(self) -> "State":
         twin = State(self.names, 0)
         twin.arrays = tuple(array.copy() for array in self.arrays)
         return twin
@@ -47,7 +49,7 @@ class Path(NamedTuple):
     dissipated: np.ndarray
 
     @property
-    def work(self):
+    def work(self) -> np.ndarray:
         """Work done on the contact since the path began [J]: ∫P dδ, exact between the points of the path."""
         return self.stored + self.dissipated
 
@@ -61,7 +63,7 @@ class Law:
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
     largest_force = math.inf  # [N]: where a table ends
-    _maker = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
+    _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
 
     def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
         self.definition = definition
@@ -85,23 +87,23 @@ class Law:
 
     # --- joining with a rule
 
-    def joined(self, unloading):
+    def joined(self, unloading: "str | Law") -> "Law":
         """The same law of first loading with another unloading rule: a name, or a law or a `Table` as the curve to follow.
 
         Raises DemlawsError where the pair is not passive.
         """
         return self._maker.joined(self, unloading)
 
-    def bound_to(self, contact):
+    def bound_to(self, contact: Contact) -> "Law":
         """The same law and options for another contact (or array of contacts), elastic."""
         return Law(self.definition, contact, "elastic", self.options, self.definition.prepare(contact, **self.options))
 
-    def quick_shape(self):
+    def quick_shape(self) -> Any:
         """The Shape with which this law serves as an unloading curve: one whose inverse costs no search."""
         return quick_to_invert(self.shape)
 
     @property
-    def collapses(self):
+    def collapses(self) -> bool:
         """Whether one dimensionless curve (with a given unloading curve: one pair of curves) serves all contacts."""
         if self.unloading_law is None or not self.definition.collapses:
             return self.definition.collapses
@@ -109,7 +111,7 @@ class Law:
         # Hertz's curve has no length of its own
         return curve.collapses and (curve.name == "hertz" or curve.definition.length == self.definition.length)
 
-    def kinks(self):
+    def kinks(self) -> list[float]:
         """Overlaps [m] at which the stiffness of first loading (of one contact) jumps or has a kink."""
         return list(self.definition.kinks(loading_part(self.params), **self.options))
 
@@ -147,15 +149,15 @@ class Law:
         end = math.inf if self.unloading_law is None else self.unloading_law.largest_force
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
-    def force(self, overlap):
+    def force(self, overlap: ArrayLike) -> float | np.ndarray:
         """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
         return _as_given(self._both(overlap)[0])
 
-    def stiffness(self, overlap):
+    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
         """Tangent stiffness K = dP/dδ [N/m] of first loading at `overlap` [m]; 0 at δ ≤ 0."""
         return _as_given(self._both(overlap)[1])
 
-    def overlap(self, force):
+    def overlap(self, force: ArrayLike) -> float | np.ndarray:
         """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
@@ -168,7 +170,7 @@ class Law:
     def _force_out_of_range(self, force):
         return f"force up to {force:g} N has no finite overlap"
 
-    def energy(self, overlap):
+    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
         """Work ∫P dδ [J] of first loading to `overlap` [m]."""
         values, shape = self._shaped(overlap, "overlap", "m")
         result = np.empty(values.size)
@@ -177,11 +179,17 @@ class Law:
 
     # --- history
 
-    def new_state(self, n=None, dtype=np.float64):
+    def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> State:
         """State of n virgin contacts (n: the contact's own size, or 1), kept as float64 or float32."""
         return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
 
-    def evaluate(self, overlap, state=None, out=None, parallel=False):
+    def evaluate(
+        self,
+        overlap: np.ndarray,
+        state: State | None = None,
+        out: tuple[np.ndarray, np.ndarray] | None = None,
+        parallel: bool = False,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and tangent stiffness [N/m] of a batch of contacts; `state` is updated in place.
 
         overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
@@ -195,7 +203,7 @@ class Law:
         n = overlap.size
         if self.contact.size not in (None, n):
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
-        arrays = () if state is None else state.arrays
+        arrays: tuple = () if state is None else state.arrays
         if len(arrays) != len(self.state_names):
             raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns")
         if any(array.size != n for array in arrays):
@@ -225,7 +233,7 @@ class Law:
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
 
-    def follow(self, overlap, state=None):
+    def follow(self, overlap: ArrayLike, state: State | None = None) -> Path:
         """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
         values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
         state = self.new_state(1) if state is None else state
@@ -241,7 +249,7 @@ class Law:
         plastic = known.get("plastic_overlap", np.zeros(values.size))
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
-    def unloading_overlap(self, force, state):
+    def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
@@ -250,7 +258,7 @@ class Law:
 
     # --- range
 
-    def limits(self):
+    def limits(self) -> list:
         """The ranges of force [N] in which the law's source supports it, each with its reason."""
         if self._limits is None:
             self._limits = self.definition.limits(self.contact, **self.options)
@@ -271,7 +279,7 @@ class Law:
             self._warned.add(limit.reason)
             warnings.warn(f"{self.name} {range_left}: {limit.reason}", ValidityWarning, stacklevel=3)
 
-    def tabulate(self, rtol=1e-5, max_force=None):
+    def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> Any:
         """A `Table` of this law whose force and stiffness are within `rtol`, measured between its nodes."""
         return self._maker.tabulate(self, rtol=rtol, max_force=max_force)
 

@@ -6,6 +6,7 @@ Errors are those against the reference; how well that describes the grains is `d
 """
 
 import math
+import os
 import warnings
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -13,9 +14,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import samples
+from demlaws.advice.scene import Scene, samples
+from demlaws.contact import Contact
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
+from demlaws.law import Law
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
@@ -72,16 +75,16 @@ class Choice:
     evaluation = property(lambda self: self.plan.evaluation)
 
     @property
-    def cost(self):
+    def cost(self) -> float:
         """ns a contact and reference time step: a law that allows longer steps is evaluated less often."""
         return (self.ns if self.engine_ns is None else self.engine_ns) / self.step_factor
 
     @property
-    def branch(self):
+    def branch(self) -> str | None:
         """The branch of the law that is computed, in brackets, if not all."""
         return "".join(f" ({v})" for k, v in self.plan.options if k == "branch")
 
-    def tables(self):
+    def tables(self) -> dict[tuple[int, int], Table]:
         """Pair of kinds of grain → `Table` of the largest grains (for LIGGGHTS, `export` writes those of all sizes)."""
         scene = self.scene
         rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
@@ -89,7 +92,7 @@ class Choice:
         contacts = scene.contacts(scene.effective_radii()[1])
         return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
 
-    def export(self, folder):
+    def export(self, folder: str | os.PathLike) -> Path:
         """Write a LIGGGHTS case: this law for every kind and size of grain of the scene, with all the tables it needs."""
         from demlaws.liggghts import export
 
@@ -105,35 +108,35 @@ class Choice:
             **options,
         )
 
-    def law(self, contact):
+    def law(self, contact: Contact) -> Law:
         """The law on your contact (or array of contacts)."""
         return self.plan.bind(contact, self.max_force)
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         return self.judge.scene
 
     @property
-    def reference(self):
+    def reference(self) -> "Plan":
         """The plan that errors are held against."""
         return self.judge.reference
 
     @property
-    def max_force(self):
+    def max_force(self) -> float:
         """Largest force [N] of the scene, and half as much again: where a table ends."""
         return self.judge.max_force
 
-    def batch(self, seed=1):
+    def batch(self, seed: int = 1) -> Batch:
         """Random contacts of the scene in the states that occur, to time."""
         return self.judge.batch(self.plan, seed)
 
-    def describe(self):
+    def describe(self) -> str:
         """One line: law, unloading, evaluation."""
         options = ", ".join(f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.plan.options)
         rtol = f" (rtol {self.plan.rtol:g})" if self.plan.rtol else ""
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
-    def script(self, table="law.tbl"):
+    def script(self, table: str = "law.tbl") -> str:
         """The lines that put this choice into the scene's engine."""
         options = "".join(f", {k}={v!r}" for k, v in self.plan.options)
         unloading = "" if self.unloading == "elastic" else f', unloading="{self.unloading}"'
@@ -182,7 +185,7 @@ class Choices(list):
         self.measured_in = measured_in  # what `cost` is of
 
     @property
-    def best(self):
+    def best(self) -> Choice:
         return self[0]
 
 
@@ -375,7 +378,7 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene, tables=True):
+def choose(scene: Scene, tables: bool = True) -> Choices:
     """Candidates for a `Scene`, ranked: those that meet its tolerance first, the cheapest of them first (`Choices`).
 
     Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what

@@ -9,9 +9,11 @@ through the stiffness (effective variance). Laws are ranked by Akaike's informat
 import itertools
 import math
 import warnings
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
@@ -62,7 +64,7 @@ class Fit(NamedTuple):
     notes: tuple
 
     @property
-    def contact(self):
+    def contact(self) -> Contact:
         return self.law.contact
 
 
@@ -75,7 +77,7 @@ class Ranking(list):
         self.points = points  # displacement and force of the points used, in their order
 
     @property
-    def best(self):
+    def best(self) -> Fit:
         return self[0]
 
 
@@ -180,7 +182,16 @@ class _Model:
         return overlap, stiffness
 
 
-def fit(points, contact, laws=None, unloading=None, free=None, options=None, displacement_noise=None, force_noise=0.0):
+def fit(
+    points: ArrayLike,
+    contact: Contact,
+    laws: str | Sequence[str] | None = None,
+    unloading: str | Sequence[str] | None = None,
+    free: Sequence[str] | None = None,
+    options: dict | None = None,
+    displacement_noise: float | None = None,
+    force_noise: float = 0.0,
+) -> Ranking:
     """Fit laws to measured points and rank them: a `Ranking` of `Fit`, the best first.
 
     points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a

@@ -2,11 +2,13 @@
 
 import itertools
 import math
+import os
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
+from demlaws.advice.fit import Fit
 from demlaws.checks import number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError
@@ -88,11 +90,11 @@ class Scene:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(known)}")
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | os.PathLike) -> "Scene":
         """A scene from a TOML file; its keys are the fields, see the examples of `demlaws choose --help`."""
         return _from_toml(Path(path))
 
-    def with_fit(self, fit):
+    def with_fit(self, fit: Fit) -> "Scene":
         """This scene with the surface, the modulus and the law that `demlaws.fit` found for its contacts."""
         contact = fit.contact
         poisson = self.materials[0].poisson
@@ -102,11 +104,11 @@ class Scene:
         return replace(self, **changes, yield_pressure=fit.law.options.get("yield_pressure"))
 
     @property
-    def unloads(self):
+    def unloads(self) -> bool:
         """Whether unloading matters."""
         return self.cyclic or self.quantity == "restitution"
 
-    def contacts(self, radius):
+    def contacts(self, radius: float | np.ndarray) -> list[Contact]:
         """One Contact a pair of kinds of grain, all of effective radius `radius` [m] (a number or an array)."""
         kinds = list(zip(self.materials, self.surfaces, strict=True))
         pairs = []
@@ -124,36 +126,36 @@ class Scene:
             )
         return pairs
 
-    def effective_radii(self):
+    def effective_radii(self) -> tuple:
         """Smallest and largest effective radius [m]."""
         return 0.5 * self.radii[0], self.radii[1] if self.walls else 0.5 * self.radii[1]
 
-    def pair_radii(self):
+    def pair_radii(self) -> list[float]:
         """Every effective radius [m] that grains of `classes` can have."""
         pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
         return sorted({*pairs, *(self.classes if self.walls else ())})
 
-    def kinds(self):
+    def kinds(self) -> list[tuple[int, int]]:
         """Pairs of numbers of kinds of grain, in the order of `contacts`."""
         return list(itertools.combinations_with_replacement(range(len(self.materials)), 2))
 
-    def grains(self):
+    def grains(self) -> list:
         """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
         from demlaws.liggghts.export import Grain
 
         sizes = self.classes or tuple(dict.fromkeys(self.radii))
         return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]
 
-    def mass(self, radius):
+    def mass(self, radius: float | np.ndarray) -> float | np.ndarray:
         """Mass [kg] of the lightest kind of grain whose contact with its like has effective radius `radius` [m]."""
         density = min(DENSITY if m.density is None else m.density for m in self.materials)
         return density * 4.0 / 3.0 * math.pi * (2.0 * np.asarray(radius)) ** 3
 
-    def mean_force(self, pressure, radius):
+    def mean_force(self, pressure: float, radius: float | np.ndarray) -> float | np.ndarray:
         """Mean normal force [N] of a packing of grains of one size: p π d²/((1 - porosity) Z) (Rothenburg & Bathurst 1989)."""
         return math.pi * (4.0 * np.asarray(radius)) ** 2 * pressure / ((1.0 - self.porosity) * self.coordination)
 
-    def force_range(self, contact):
+    def force_range(self, contact: Contact) -> tuple:
         """Smallest and largest normal force [N] that matter, one a contact."""
         ranges = []
         one = np.ones(np.shape(contact.radius))

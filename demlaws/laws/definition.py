@@ -2,10 +2,11 @@
 
 import inspect
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.contact import Contact
 from demlaws.criterion import lowest_transition_load
 from demlaws.errors import DemlawsError
 
@@ -19,7 +20,7 @@ class Limit(NamedTuple):
     branch: bool = False  # outside, the law leaves out a branch of itself on purpose: its error can be computed
 
 
-def bulk_yield(contact, **options):
+def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
     """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`criterion`)."""
     if contact.hardness is None:
         return []
@@ -27,7 +28,7 @@ def bulk_yield(contact, **options):
     return [Limit(0.0, lowest_transition_load(contact), reason)]
 
 
-def no_kinks(params, **options):
+def no_kinks(params: Any, **options: Any) -> list[float]:
     return []
 
 
@@ -37,21 +38,21 @@ def no_kinks(params, **options):
 class Conditions(NamedTuple):
     """What a contact meets up to a load: that from which a law says whether its physics fits (`Definition.advise`)."""
 
-    contact: object
+    contact: Contact
     roughness_parameter: float  # largest α
     pressure_drop: float  # p(0)/p0 there
     yields: bool  # p(0)/H_m passes 0.6
     state: str  # that in words
 
 
-def elastic_bulk(conditions, fits=True, reason=""):
+def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") -> tuple[bool, str]:
     """Advice of a law that keeps the bulk elastic, and that fits otherwise unless `reason` says why it does not."""
     if conditions.yields:
         return False, f"{conditions.state}: the bulk yields and this law keeps it elastic"
     return fits, conditions.state if fits else reason
 
 
-def plastic_asperities(conditions):
+def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
     return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
 
@@ -121,7 +122,7 @@ class Definition(NamedTuple):
     colour: str = "#888888"
     line: str = "-"
 
-    def shape(self, contact, **options):
+    def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
         try:
             inspect.signature(self.prepare).bind(contact, **options)
@@ -129,7 +130,7 @@ class Definition(NamedTuple):
             raise DemlawsError(f"law {self.name!r}: {error}") from None
         return self.prepare(contact, **options)
 
-    def needed(self, **options):
+    def needed(self, **options: Any) -> tuple[str, ...]:
         """Names of Contact fields that must be given, those of the law before yield included."""
         if self.before_yield is None:
             return self.needs

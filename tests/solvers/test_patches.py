@@ -1,5 +1,4 @@
 import math
-import time
 import tracemalloc
 import warnings
 from pathlib import Path
@@ -331,27 +330,6 @@ def test_memory_is_below_twelve_maps():
     finally:
         tracemalloc.stop()
     assert peak / heights.heights.nbytes <= 12 - 1  # the input map itself is the twelfth
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [1024, 2048, 4096])
-def test_a_load_step_costs_twenty_labellings_at_most(size):
-    """One load step against scipy.ndimage.label of the same map at the same cut; the bound holds at every size."""
-    from scipy import ndimage
-
-    warm = asperity.published_contact("isotropic")
-    warm.load(0.2)
-    heights = self_affine(size, 0.5e-6, 0.8, 1.3e-6, 1, periodic=True)
-    contact = asperity.RoughContact(heights, warm.pair, 0.34, flat=True)
-    steps, labels = [], []
-    for _ in range(3):
-        start = time.perf_counter()
-        step = contact.load(0.2 * (size / 512) ** 2)
-        steps.append(time.perf_counter() - start)
-        start = time.perf_counter()
-        ndimage.label(contact.gap > step.cut)
-        labels.append(time.perf_counter() - start)
-    assert min(steps) <= 20 * min(labels)
 
 
 # --- an elastic boundary-element solution

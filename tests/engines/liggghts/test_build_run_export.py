@@ -5,7 +5,6 @@ import os
 import stat
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -35,12 +34,9 @@ HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ
 # --- build
 
 
-def test_build_is_quick_and_cached(tmp_path, monkeypatch):
+def test_build_is_cached(tmp_path, monkeypatch):
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    begin = time.perf_counter()
     library = lg.build()
-    took = time.perf_counter() - begin
-    assert took < 60  # 8 s on an idle machine, as bench_liggghts.py prints; tests share it
     assert library.parent == tmp_path and dl.__version__ in library.name
     assert [p.name for p in tmp_path.iterdir()] == [library.name]  # no temporary file stays
     changed = library.stat().st_mtime_ns
@@ -282,6 +278,15 @@ def test_packages_of_unlike_versions_are_refused(tmp_path, monkeypatch):
     fake.chmod(0o755)
     monkeypatch.setenv("PATH", f"{tmp_path}:{os.environ['PATH']}")
     with pytest.raises(DemlawsError, match=r"differ in version.*3\.8\.0-2"):
+        packages()
+    fake.write_text(
+        """#!/bin/sh
+        for name; do case $name in
+        liggghts | libliggghts-dev) echo $name 3.8.0-13 ;;
+        'libliggghts[0-9]*') printf 'libliggghts3 \\nlibliggghts3t64 3.8.0-12\\n' ;;
+        esac; done\n"""
+    )
+    with pytest.raises(DemlawsError, match=r"differ in version.*'libliggghts3t64': '3\.8\.0-12'"):
         packages()
 
 
