@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.arguments import force, law_name, length, output
 from demlaws.cli.curve import add_contact_arguments, contact_from
 
 UNITS = {"roughness": ("µm", 1e6), "zero": ("µm", 1e6), "modulus": ("GPa", 1e-9), "hardness": ("GPa", 1e-9)}
@@ -24,13 +25,15 @@ def register(subparsers):
     )
     parser.add_argument("points", type=Path, help="CSV file of measured points")
     add_contact_arguments(parser)
-    parser.add_argument("--law", action="append", help="only this law (may be repeated; default: all that need no height map)")
+    parser.add_argument(
+        "--law", type=law_name, action="append", help="only this law (may be repeated; default: all that need no height map)"
+    )
     parser.add_argument("--unloading", help="only this rule: elastic, hertz or thornton (default: each, if the points unload)")
     parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
-    parser.add_argument("--displacement-noise", type=float, metavar="M", help="standard deviation of the displacement in m")
-    parser.add_argument("--force-noise", type=float, default=0.0, metavar="N", help="standard deviation of the force in N")
-    parser.add_argument("--csv", type=Path, help="file to write the ranking to")
-    parser.add_argument("--figure", type=Path, help="picture to draw (png, pdf, svg)")
+    parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
+    parser.add_argument("--force-noise", type=force, default=0.0, metavar="N", help="standard deviation of the force in N")
+    parser.add_argument("--csv", type=output, help="file to write the ranking to")
+    parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
 
 

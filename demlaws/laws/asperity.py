@@ -18,7 +18,7 @@ from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, bulk_yield, plastic_asperities
+from demlaws.laws.definition import Definition, Limit, Option, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
@@ -212,7 +212,8 @@ def _prepare(
         surface = HeightMap.from_portable(surface)
     if not isinstance(surface, HeightMap):
         raise DemlawsError(
-            f"surface must be a demlaws.surface.HeightMap (form removed) or the path of a map, got {type(surface).__name__}"
+            "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
+            f"got {'none' if surface is None else type(surface).__name__}"
         )
     if curve == "reloading":
         load = number(load, "load (first loading, for curve='reloading')", "N")
@@ -280,4 +281,13 @@ LAW = Definition(
     advise=plastic_asperities,
     label="asperities",
     colour="#e377c2",
+    options={
+        "surface": Option("", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed"),
+        "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `load`"),
+        "load": Option("N", "above 0", "first loading before the reloading curve; needed by it"),
+        "max_force": Option("N", "above 0", "end of the computed curve; without: the map's edge or bulk yield"),
+        "poisson": Option("", "-1 to 0.5", "Poisson's ratio of the rough body"),
+        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness"),
+        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere"),
+    },
 )
