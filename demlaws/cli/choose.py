@@ -48,7 +48,9 @@ def register(subparsers):
 
 def run(arguments):
     from demlaws import granite, plots
-    from demlaws.advice.choose import QUANTITIES, Scene, choose, table_name
+    from demlaws.advice.choose import choose, table_name
+    from demlaws.advice.scene import Scene
+    from demlaws.measure.errors import QUANTITIES
     from demlaws.plots import choose as plots_choose
 
     scene = Scene.load(arguments.scene)

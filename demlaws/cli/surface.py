@@ -25,6 +25,10 @@ def register(subparsers):
     regime.add_argument("--roughness", action=Refused, remedy=SIGMA)
     regime.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
     regime.add_argument("--load", type=force, help="load in N")
+    regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
+    regime.add_argument(
+        "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
+    )
     regime.add_argument("--figure", type=output, help="map of p(0)/H_m over load and roughness")
     regime.set_defaults(func=run_regime)
 
@@ -117,15 +121,15 @@ def run_regime(arguments):
     if not given:
         return _published(arguments)
     for name, flag in (("roughness", "sigma"), ("hardness", "hardness")):
-        if getattr(arguments, name) is None:
+        if getattr(arguments, name) is None and not (name == "hardness" and arguments.yield_pressure is not None):
             raise DemlawsError(f"--{flag} missing: the criterion needs it")
     pair = _pair(arguments, arguments.roughness, arguments.fractal_dimension)
     if arguments.load is None:
         print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {regime.transition_load(pair):.4g} N; below, asperities")
     else:
-        print(regime.assess(pair, arguments.load))
+        print(regime.assess(pair, arguments.load, arguments.mu, arguments.yield_pressure))
         print("laws at this load:")
-        for advice in regime.advise(pair, arguments.load):
+        for advice in regime.advise(pair, arguments.load, arguments.yield_pressure):
             print(f"  {advice.law:16} {'fits' if advice.fits else 'no'}: {advice.reason}")
     _draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0
@@ -134,15 +138,27 @@ def run_regime(arguments):
 def _published(arguments):
     from demlaws import regime
 
-    print(f"{'test':18} {'P (N)':>6} {'σ (µm)':>7} {'α':>7} {'printed':>8} {'p(0)/H':>7} {'printed':>8}  {'criterion':11} seen")
-    for test in regime.published_tests():
-        found = regime.assess(test.contact, test.load)
-        alpha = f"{test.alpha:8.2f}" if test.alpha == test.alpha else f"{'-':>8}"
-        verdict = "" if found.deforms == test.seen else "   <- the one mismatch"
+    rows = regime.published_ratios()
+    print(f"{'':18} {'':6} {'':7} {'α':>7} {'':>8} {'μ':>8} {'p(0)/H_m':>23}")
+    print(
+        f"{'test':18} {'P (N)':>6} {'σ (µm)':>7} {'comp.':>7} {'printed':>8} {'printed':>8} "
+        f"{'at μ':>7} {'Eq. 4':>7} {'printed':>8}  seen"
+    )
+
+    def cell(value, text):
+        return f"{'-':>{len(format(1.0, text))}}" if value != value else format(value, text)
+
+    for row in rows:
+        test = row.test
         print(
-            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {found.roughness_parameter:7.2f} {alpha} "
-            f"{found.ratio:7.3f} {test.ratio:8.3f}  {found.deforms:11} {test.seen}{verdict}"
+            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {row.alpha:7.2f} {cell(test.alpha, '8.2f')} "
+            f"{cell(test.mu, '8.0f')} {cell(row.solved, '7.3f')} {row.fitted:7.3f} {cell(test.ratio, '8.2f')}  {test.seen}"
         )
+    print("\nat μ: Greenwood & Tripp's solution at the printed μ, the paper's own method; Eq. 4: its closed fit; both computed")
+    for column, name in (("solved", "by the solution"), ("fitted", "by Eq. 4")):
+        count = regime.swaps(rows, column)
+        order = "the order is that of what was seen" if not count else f"{count} of the tests of 2006 stands out of order"
+        print(f"  {name}: {order}")
     _draw(arguments.figure, lambda plots: plots.regime_figure())
     return 0
 
