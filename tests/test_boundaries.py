@@ -93,11 +93,8 @@ def signatures():
         elif inspect.isclass(value):
             for name, member in vars(value).items():
                 member = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
-                if (
-                    inspect.isfunction(member)
-                    and not name.startswith("_")
-                    and member.__code__.co_filename.startswith(str(PACKAGE))
-                ):
+                written = inspect.isfunction(member) and member.__code__.co_filename.startswith(str(PACKAGE))
+                if written and not name.startswith("_") and member.__name__ != "<lambda>":
                     yield member
 
 
