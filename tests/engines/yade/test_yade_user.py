@@ -80,6 +80,33 @@ def test_engines_are_what_the_user_wrote(omega):
         omega.run(20, True)
 
 
+def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
+    """As FEMxDEM's prepareRVE does when its controller is done."""
+    import yade
+
+    import __main__
+
+    law = functor(bridge="native")
+    still(law)
+
+    def done():
+        omega.engines = omega.engines[:3] + omega.engines[4:]
+        omega.save(str(tmp_path / "x.yade"))
+
+    __main__.done = done
+    once = yade.PyRunner(command="done()", iterPeriod=1, nDo=1, initRun=True)
+    omega.engines = [*omega.engines[:3], once, *omega.engines[3:]]
+    omega.run(5, True)
+    assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "NewtonIntegrator"]
+    assert len(omega._currEngines) == 5 and force() == pytest.approx(expected(), rel=1e-13)
+    omega.load(str(tmp_path / "x.yade"))
+    omega.run(5, True)
+    assert len(omega._currEngines) == 5 and force() == pytest.approx(expected(), rel=1e-13)
+    omega.bodies[1].state.pos = (0, 0, float("nan"))
+    with pytest.raises(RuntimeError, match=r"contact 0\+1"):
+        omega.run(20, True)
+
+
 def test_the_guard_rests(omega):
     """It runs at the first two steps, then every hundred: what a step of Python costs is spent on one in a hundred."""
     law = functor(bridge="native")
