@@ -22,6 +22,8 @@ def law(name: str, contact: Contact, unloading: str | Law = "elastic", **options
     Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
     """
     definition = find(name)
+    if not isinstance(contact, Contact):
+        raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
     rule, curve = rule_and_curve(unloading)
     for field in definition.needs:
         if getattr(contact, field) is None:

@@ -296,6 +296,9 @@ class Table(Law):
         scale = 0.75 * np.min(self.params.hertz_coefficient * np.asarray(self.length) ** 1.5)
         return float(scale * self.nodes.force[-1])
 
+    def _curve_end(self):
+        return np.minimum(super()._curve_end(), self.loading_shape.highest * np.asarray(self.length))
+
     def _out_of_range(self, overlap):
         return (
             f"overlap {overlap:g} m is beyond the table, which ends at {self.largest_overlap:g} m ({self.largest_force:g} N): "

@@ -1,7 +1,7 @@
 """What a law declares besides its compiled kernels: all that fits, advice, measurements, figures and engines know of it."""
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,6 +85,18 @@ OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": D
 """The contact's own quantities; a law names those that it depends on, and adds its options, in `Definition.fitted`."""
 
 
+class Option(NamedTuple):
+    """An option of a law, as users are told of it; its default stands in the signature of `prepare`."""
+
+    unit: str
+    values: str  # the range, or the words that it can be
+    meaning: str
+
+
+SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
+SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where contacts differ")
+
+
 class Definition(NamedTuple):
     """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
 
@@ -102,6 +114,7 @@ class Definition(NamedTuple):
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
+    options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
     exact: Callable | None = None  # contact, overlap, **options → force and stiffness in numpy.longdouble (`extended`)
@@ -127,8 +140,23 @@ class Definition(NamedTuple):
         try:
             inspect.signature(self.prepare).bind(contact, **options)
         except TypeError as error:
-            raise DemlawsError(f"law {self.name!r}: {error}") from None
-        return self.prepare(contact, **options)
+            known = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
+            raise DemlawsError(f"law {self.name!r}: {error}; {known} (demlaws laws {self.name})") from None
+        try:
+            return self.prepare(contact, **options)
+        except TypeError as error:  # a list or None where a number or a word belongs
+            given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
+            raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
+
+    def option_lines(self) -> Iterator[str]:
+        """A line for each option: name, unit, range, default, meaning."""
+        signature = inspect.signature(self.prepare).parameters
+        for name, option in self.options.items():
+            default = signature[name].default if name in signature else inspect.Parameter.empty
+            needed = default in (None, inspect.Parameter.empty)
+            shown = "no default" if needed else f"default {default if isinstance(default, str) else format(default, '.10g')}"
+            unit = f" [{option.unit}]" if option.unit else ""
+            yield f"{name}{unit}: {option.meaning}; {option.values}; {shown}"
 
     def needed(self, **options: Any) -> tuple[str, ...]:
         """Names of Contact fields that must be given, those of the law before yield included."""

@@ -21,6 +21,6 @@ def laws() -> list[str]:
 def find(name: str) -> Definition:
     """The law of this name, or an error that lists the names."""
     known = registry()
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise DemlawsError(f"unknown law {name!r}: the laws are {', '.join(known)}")
     return known[name]

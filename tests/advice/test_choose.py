@@ -8,8 +8,10 @@ import pytest
 from examples import shared
 
 import demlaws as dl
-from demlaws.advice.choose import Plan, error_of, samples
-from demlaws.granite import GRANITE
+from demlaws.advice.choose import Plan
+from demlaws.advice.scene import samples
+from demlaws.materials import GRANITE
+from demlaws.measure.errors import error_of
 
 ROUGH = dl.Surface(1.7e-6, 2.22)
 SMOOTH = dl.Surface(0.02e-6, 2.1)

@@ -1,7 +1,6 @@
 import math
 import tracemalloc
 import warnings
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -13,6 +12,7 @@ import demlaws as dl
 from demlaws import regime
 from demlaws.solvers import patches as asperity
 from demlaws.surface import HeightMap, self_affine
+from demlaws.validation.maps import load_ratios
 
 ALUMINIUM = asperity.plasticity(71.3e9, 0.24e9, 0.34)
 ELASTIC = asperity.plasticity(50e9, math.inf, 0.3)
@@ -335,18 +335,11 @@ def test_memory_is_below_twelve_maps():
 # --- an elastic boundary-element solution
 
 
-def stored_boundary_elements():
-    lines = (Path(__file__).parent.parent / "data" / "asperity_bem.csv").read_text().splitlines()
-    names = lines[0].split(",")
-    return [dict(zip(names, line.split(","), strict=True)) for line in lines[1:]]
-
-
 def test_against_boundary_elements():
     """Ratio of loads at equal separation, whatever it is: 1.00 on a smooth ball, 0.5 to 1.3 on rough maps."""
-    for row in stored_boundary_elements():
-        ratio = float(row["model_force"]) / float(row["bem_force"])
-        low, high = (0.99, 1.01) if row["case"] == "smooth ball" else (0.5, 1.35)
-        assert low < ratio < high, row
+    for case, ratio in load_ratios():
+        low, high = (0.99, 1.01) if case == "smooth ball" else (0.5, 1.35)
+        assert low < ratio < high, (case, ratio)
 
 
 # --- as a law
