@@ -17,7 +17,7 @@ from references import EPS
 
 import demlaws as dl
 from demlaws.joining import largest_stiffness_ratio
-from demlaws.law import _in_threads
+from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.surface import HeightMap
@@ -426,7 +426,7 @@ def test_parallel_works_in_a_child_made_by_fork():
 def test_threads_share_the_work():
     """Every contact once, in pieces of which each thread may take several."""
     done = []
-    assert sum(_in_threads(lambda piece: done.append(piece) or piece.stop - piece.start, 1_000_003)) == 1_000_003
+    assert sum(in_threads(lambda piece: done.append(piece) or piece.stop - piece.start, 1_000_003)) == 1_000_003
     ends = sorted((piece.start, piece.stop) for piece in done)
     assert ends[0][0] == 0
     assert ends[-1][1] == 1_000_003
