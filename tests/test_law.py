@@ -10,7 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
-from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, overlaps, pairs, quiet
+from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, overlaps, pairs, quiet, shared, telling
 from hypothesis import given
 from hypothesis import strategies as st
 from references import EPS
@@ -31,7 +31,7 @@ EACH = [(name, contact) for name in LAWS for contact in CONTACTS]
 every_rough_law = pytest.mark.parametrize("name", [n for n, d in registry().items() if not d.needs_map])
 every_law = pytest.mark.parametrize("name", LAWS)
 every_contact = pytest.mark.parametrize(("name", "contact"), EACH)
-every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, telling))
 
 BATCH_OF_CONTACTS = dl.Contact(
     radius=np.array([3e-3, 4.35e-3, 5e-3, 6e-3, 4.1e-3]),
