@@ -156,7 +156,7 @@ def _elastic_contact(law, mass, speed):
     kinetic = 0.5 * mass * speed**2
     low, high = 0.0, float(law.contact.radius)
     if not float(law.energy(high)) > kinetic:  # also where a table ends before: its energy is not a number there
-        low, high = 0.0, float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
+        low, high = 0.0, min(high, float(law.largest_overlap)) * (1.0 - 1e-12)
         if not float(law.energy(high)) > kinetic:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
     while high - low > 1e-13 * high:

@@ -309,7 +309,7 @@ class _Loaded:
         """Overlap at which loading has taken `work`, by bisection."""
         low, high = np.zeros(work.size), np.broadcast_to(np.asarray(self.law.contact.radius, float), work.size).copy()
         if isinstance(self.law, Table):
-            high = np.minimum(high, self.law.loading_shape.highest * np.broadcast_to(self.law.length, work.size))
+            high = np.minimum(high, self.law.loading_shape.grid.highest * np.broadcast_to(self.law.length, work.size))
         for _ in range(70):
             middle = 0.5 * (low + high)
             less = np.asarray(self.law.energy(middle)) < work

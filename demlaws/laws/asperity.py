@@ -11,14 +11,14 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.checks import number
-from demlaws.core.curve import TableShape
+from demlaws.core.curve import Grid
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Limit, bulk_yield
-from demlaws.laws.family import CurveNumber, FamilyShape, family_params
+from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
 
@@ -33,8 +33,7 @@ _MOST_CURVES = 64
 class RowsShape(NamedTuple):
     """One curve for each of a few contacts that differ in more than radius."""
 
-    table: TableShape  # the first curve; all have its grid
-    cells: np.ndarray  # (curves × cells + cells, 4)
+    grid: Grid  # of every curve; its cells are those of all curves, one after the other, and the last once more
     contacts: np.ndarray  # (curves, 3): R, E*, σ
 
 
@@ -49,8 +48,8 @@ def _rows_scale(shape, radius, modulus, roughness):
         ):
             row = float(i)
     offset = 0.0 if row >= 0.0 else math.nan  # a contact that is none of them has no curve: not a number
-    coefficient, start = hertz_coefficient(radius, modulus), max(row, 0.0) * shape.table.count
-    return family_params(shape.table, shape.cells, coefficient, roughness, offset, start, 0.0)
+    coefficient, start = hertz_coefficient(radius, modulus), max(row, 0.0) * shape.grid.count
+    return family_params(shape.grid, coefficient, roughness, offset, start, 0.0)
 
 
 bind(RowsShape, scale=_rows_scale)
@@ -229,11 +228,11 @@ def _prepare(
     if len(made) == 1:
         return shapes[0]
     # one more copy at the end: a curve is read with its neighbour, also where that has no weight
-    cells = np.ascontiguousarray(np.concatenate([shape.cells for shape in [*shapes, shapes[-1]]]))
+    shared = shared_grid([*shapes, shapes[-1]])
     if alike:
         ratio = math.log(made[-1].radius / made[0].radius) / (len(made) - 1)
-        return FamilyShape(shapes[0], cells, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), made[0].radius, ratio, len(made))
-    return RowsShape(shapes[0], cells, np.array([[p.radius, p.modulus, p.roughness] for p in made]))
+        return FamilyShape(shared, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), made[0].radius, ratio, len(made))
+    return RowsShape(shared, np.array([[p.radius, p.modulus, p.roughness] for p in made]))
 
 
 def _pairs(contact):

@@ -26,6 +26,14 @@ def no_kinks(params, **options):
     return []
 
 
+def never(**options):
+    return False
+
+
+def always(**options):
+    return True
+
+
 class Definition(NamedTuple):
     """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
 
@@ -36,6 +44,8 @@ class Definition(NamedTuple):
     description: str
     limits: Callable = bulk_yield  # contact, **options → [Limit]
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    seated: Callable = never  # **options → whether the force at overlap 0+ is a seating load, not 0
+    bulk: Callable | None = None  # of a law whose bulk yields: params → δ_y [m], a²/R there [m], d(a²/R)/dP after it [m/N]
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form

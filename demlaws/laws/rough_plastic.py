@@ -106,6 +106,14 @@ def _kinks(p, yield_pressure=None, loading="pohrt-popov", **loading_options):
     return [*(k for k in kinks if k < p.yield_overlap), p.yield_overlap]
 
 
+def _seated(yield_pressure=None, loading="pohrt-popov", **loading_options):
+    return _loading_definition(loading).seated(**loading_options)
+
+
+def _bulk(p):
+    return p.yield_overlap, p.yield_area, p.area_slope
+
+
 def _limits(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
     # The rough law's upper limits say that the bulk yields; here it does.
     limits = _loading_definition(loading).limits(contact, **loading_options)
@@ -120,6 +128,8 @@ LAW = Definition(
     description="any rough law, then bulk yield",
     limits=_limits,
     kinks=_kinks,
+    seated=_seated,
+    bulk=_bulk,
     collapses=False,
     example={"yield_pressure": 1.66e9},
 )
