@@ -6,21 +6,21 @@ import numpy as np
 
 from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import loading_part, one_of
-from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
-from demlaws.errors import DemlawsError
+from demlaws.core.unloading import RULES, Elastic, JoinedParams, JoinedShape
+from demlaws.errors import DemlawsError, NotPassive
 from demlaws.law import Law
 
 
 def joined_law(law, rule, curve=None):
     """`law` (or a `Table`, as a law of its own shape) with rule `rule`, and its curve where the rule is "table".
 
-    Raises DemlawsError where the pair is not passive.
+    Raises NotPassive, a DemlawsError, where the pair is not passive.
     """
     shape, params = loading_part(law.shape), loading_part(law.params)
     if curve is not None:
         shape, params = joined_shape(law, curve), None
     result = Law(law.definition, law.contact, rule, law.options, shape, params, curve)
-    if rule != "elastic":
+    if RULES[rule].curve != "own":
         # a table's stiffness is what its certificate says, not more exact
         _refuse_unless_passive(result, *(one.stiffness_error for one in (law, curve) if curve is not None))
     return result
@@ -57,7 +57,7 @@ def _refuse_unless_passive(law, *uncertainties):
     if excess > 1.0 + 1e-9 + sum(uncertainties):
         whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.name!r})"
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
-        raise DemlawsError(
+        raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
             f"{whose}, so that unloading would return more work than loading took; use unloading='elastic'"
         )
@@ -81,10 +81,10 @@ def largest_stiffness_ratio(law, points=2000):
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
-            place, own, other = (np.empty(points) for _ in range(3))
-            inverse_loop(p.unloading, force, place)
-            evaluate_loop(Elastic(), p.unloading, place, (), own, other)
-            usable &= place > 0.0  # at a seating load the curve is a step; beyond its end there is none
+            elastic, own, other = (np.empty(points) for _ in range(3))
+            inverse_loop(p.unloading, force, elastic)
+            evaluate_loop(Elastic(), p.unloading, elastic, (), own, other)
+            usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
             if not np.any(usable):
                 raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
         else:

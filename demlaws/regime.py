@@ -1,31 +1,56 @@
 """Which part of a rough contact deforms plastically, the asperities or the bulk (Jamari & Schipper 2006, 2008).
 
-The mean pressure in the middle of a rough contact, p(0), is Hertz's p0 lowered by roughness:
-
-    p(0)/p0 = 1 - exp(-2/(3 α^0.6)),   p0 = (6 P E*²/(π³ R²))^(1/3),   α = σ (16 R E*²/(9 P²))^(1/3).
-
-The bulk stays elastic, so that only asperities deform, while p(0)/H_m < 0.6; above, the bulk yields; both deform where
-the ratio is close to 0.6. Both papers print 16 in place of the 6 and one loses the cube root; with the 6 of Hertz's
-theory their printed α and p(0)/H_m are reproduced (`published_tests`).
+The criterion itself stands in `criterion`; here are its answer for one contact (`assess`), a map of it, what each law
+says to it (`advise`), and the papers' own tests.
 """
 
+import itertools
 import math
+import warnings
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws.checks import number
 from demlaws.contact import Contact, Material
-from demlaws.errors import DemlawsError
+from demlaws.criterion import (
+    BAND,
+    FIT_LIMIT,
+    YIELD_RATIO,
+    central_pressure,
+    checked_loads,
+    deforming_part,
+    hardness_of,
+    hertz_pressure,
+    lowest_transition_load,
+    pressure_drop,
+    pressure_ratio,
+    transition_load,
+    transition_roughness,
+)
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.definition import Conditions
+from demlaws.laws.registry import registry
 
-YIELD_RATIO = 0.6
-"""p(0)/H_m at which the bulk begins to yield (Tabor)."""
-
-BAND = 0.04
-"""Half width of the range around `YIELD_RATIO` in which asperities and bulk deform together.
-
-Ours: the papers say "near 0.6"; their points with both are at 0.570 and 0.630, bulk alone is seen from 0.647.
-"""
+__all__ = [
+    "BAND",
+    "YIELD_RATIO",
+    "Advice",
+    "PublishedTest",
+    "Regime",
+    "advise",
+    "assess",
+    "central_pressure",
+    "deforming_part",
+    "hertz_pressure",
+    "lowest_transition_load",
+    "pressure_drop",
+    "pressure_map",
+    "pressure_ratio",
+    "published_tests",
+    "transition_load",
+    "transition_roughness",
+]
 
 
 class Regime(NamedTuple):
@@ -35,10 +60,12 @@ class Regime(NamedTuple):
     roughness_parameter: float  # α
     hertz_pressure: float  # p0
     central_pressure: float  # p(0)
-    ratio: float  # p(0)/H_m
+    ratio: float  # p(0)/H_m; with a measured yield pressure p0/p_y, which is to be held against 1
     deforms: str  # "asperities", "both" or "bulk"
     transition_load: float  # load at which p(0)/H_m = 0.6
     transition_roughness: float  # roughness at which it is, at this load; 0 where even a smooth bulk stays elastic
+    mu: float | None = None  # of Greenwood & Tripp's solution, where p(0) comes from it
+    yield_pressure: float | None = None  # [Pa], measured
 
     def __str__(self):
         part = {
@@ -46,6 +73,13 @@ class Regime(NamedTuple):
             "both": "asperities and bulk deform together",
             "bulk": "the bulk yields",
         }[self.deforms]
+        if self.yield_pressure is not None:
+            return (
+                f"P = {self.load:g} N: α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, "
+                f"p0/p_y = {self.ratio:.3f} with the measured p_y = {self.yield_pressure / 1e9:.4g} GPa: {part}\n"
+                f"the answer changes (p0 = p_y) at {self.transition_load:.4g} N"
+            )
+        how = "by its closed fit" if self.mu is None else f"by Greenwood & Tripp's solution at μ = {self.mu:g}"
         change = f"{self.transition_load:.4g} N" if math.isfinite(self.transition_load) else "no load"
         roughness = (
             f"σ = {self.transition_roughness * 1e6:.3g} µm at this load"
@@ -54,106 +88,84 @@ class Regime(NamedTuple):
         )
         return (
             f"P = {self.load:g} N: α = {self.roughness_parameter:.3g}, p0 = {self.hertz_pressure / 1e9:.4g} GPa, "
-            f"p(0)/H_m = {self.ratio:.3f}: {part}\n"
+            f"p(0)/H_m = {self.ratio:.3f} {how}: {part}\n"
             f"the answer changes (p(0)/H_m = {YIELD_RATIO}) at {change}; {roughness}"
         )
 
 
-def hertz_pressure(contact, load):
-    """p0 = (6 P E*²/(π³ R²))^(1/3) [Pa], the largest pressure of a smooth contact under `load` [N]."""
-    return (6.0 * np.asarray(load, float) * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
-
-
-def pressure_drop(roughness_parameter):
-    """p(0)/p0 = 1 - exp(-2/(3 α^0.6)): their fit to Greenwood & Tripp's results for μ = 4 to 17."""
-    alpha = np.asarray(roughness_parameter, float)
-    with np.errstate(divide="ignore"):
-        return -np.expm1(-2.0 / (3.0 * alpha**0.6))
-
-
-def pressure_ratio(contact, load):
-    """p(0)/H_m under `load` [N] (number or array), of a contact that has a hardness."""
-    load = _loads(load)
-    drop = pressure_drop(contact.roughness_parameter(load))
-    return _plain(hertz_pressure(contact, load) * drop / _hardness(contact))
-
-
-def deforming_part(ratio):
-    """ "asperities", "both" or "bulk" for a ratio p(0)/H_m."""
-    return "asperities" if ratio < YIELD_RATIO - BAND else "bulk" if ratio > YIELD_RATIO + BAND else "both"
-
-
-def transition_load(contact, ratio=YIELD_RATIO):
-    """Load [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
-
-    p(0) rises with the load at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
-    one such load. One number, or one entry a contact.
-    """
-    hardness, ratio = _hardness(contact), number(ratio, "ratio")
-    smooth = math.pi**3 * contact.radius**2 * (ratio * hardness) ** 3 / (6.0 * contact.modulus**2)
-    low = np.log(np.asarray(smooth, float))
-    high = low + 1.0
-    while np.any(pressure_ratio(contact, np.exp(high)) < ratio):
-        high = np.where(pressure_ratio(contact, np.exp(high)) < ratio, 2.0 * high - low + 1.0, high)
-        if np.any(high > 600.0):
-            raise DemlawsError(
-                f"no load below 1e260 N brings p(0)/H_m to {ratio:g}: check roughness, radius and hardness units"
-            )
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        below = pressure_ratio(contact, np.exp(middle)) < ratio
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return _plain(np.exp(0.5 * (low + high)))
-
-
-def lowest_transition_load(contact):
-    """Lowest `transition_load` [N] of an array of contacts; of many, the bound from their extremes, which is not above it."""
-    if contact.size is not None and contact.size > 64:
-        extremes = {
-            "radius": np.min(contact.radius),
-            "modulus": np.max(contact.modulus),
-            "roughness": np.min(contact.roughness),
-        }
-        contact = contact.with_values(**{name: float(value) for name, value in extremes.items()})
-    return float(np.min(transition_load(contact)))
-
-
-def transition_roughness(contact, load, ratio=YIELD_RATIO):
-    """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed."""
-    load = _loads(load)
-    share = number(ratio, "ratio") * _hardness(contact) / hertz_pressure(contact, load)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
-    return _plain(alpha / (16.0 * contact.radius * contact.modulus**2 / (9.0 * load**2)) ** (1 / 3))
-
-
-def assess(contact, load):
+def assess(contact, load, mu=None, yield_pressure=None):
     """The `Regime` of one contact under `load` [N].
 
-    Raises DemlawsError without a hardness, or for a load that is not positive.
+    mu: Greenwood & Tripp's μ of the surface, as the 2006 paper does it: p(0) then comes from their solution, else from the
+    paper's closed fit, which warns (ValidityWarning) for α above 10. yield_pressure: a measured limit pressure p_y [Pa]
+    (Thornton's: the smooth Hertz p0 of the load at which yield was seen); the bulk then yields where p0 reaches it, whatever
+    the hardness says. Raises DemlawsError without either, or for a load that is not positive.
     """
     if contact.size is not None:
         raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_load")
     load = number(load, "load", "N")
-    p0 = float(hertz_pressure(contact, load))
-    ratio = pressure_ratio(contact, load)
+    p0, alpha = float(hertz_pressure(contact, load)), float(contact.roughness_parameter(load))
+    if yield_pressure is not None:
+        limit = number(yield_pressure, "yield_pressure", "Pa")
+        ratio = p0 / limit
+        deforms = deforming_part(YIELD_RATIO * ratio)
+        yields = float(math.pi**3 * contact.radius**2 * limit**3 / (6.0 * contact.modulus**2))
+        return Regime(load, alpha, p0, p0 * float(pressure_drop(alpha)), ratio, deforms, yields, 0.0, mu, limit)
+    ratio = pressure_ratio(contact, load, mu)
+    if mu is None and alpha > FIT_LIMIT:
+        warnings.warn(
+            f"α = {alpha:.3g}: above {FIT_LIMIT:g} the closed fit of p(0)/p0 is 1.5 to 2 times too high; give μ",
+            ValidityWarning,
+            stacklevel=2,
+        )
     return Regime(
         load=load,
-        roughness_parameter=float(contact.roughness_parameter(load)),
+        roughness_parameter=alpha,
         hertz_pressure=p0,
         central_pressure=ratio * contact.hardness,
         ratio=ratio,
         deforms=deforming_part(ratio),
         transition_load=transition_load(contact),
         transition_roughness=transition_roughness(contact, load),
+        mu=mu,
     )
 
 
 def pressure_map(contact, loads, roughnesses):
     """p(0)/H_m over `loads` [N] (columns) and `roughnesses` [m] (rows); `contact` gives the rest."""
-    loads, roughnesses = _loads(loads), np.asarray(roughnesses, float)
+    loads, roughnesses = checked_loads(loads), np.asarray(roughnesses, float)
     alpha = roughnesses[:, None] * contact.with_values(roughness=1e-9).roughness_parameter(loads)[None, :] / 1e-9
-    return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / _hardness(contact)
+    return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / hardness_of(contact)
+
+
+class PublishedRatio(NamedTuple):
+    """A published test and p(0)/H_m, computed: by the paper's own method where it prints μ, and by its closed fit."""
+
+    test: object  # PublishedTest
+    alpha: float
+    solved: float  # by Greenwood & Tripp at the printed μ, NaN where none is printed
+    fitted: float  # by Eq. 4
+
+
+ORDER = ("bulk", "both", "asperities")
+"""What was seen, from the highest p(0)/H_m to the lowest, if the criterion holds."""
+
+
+def published_ratios():
+    """`PublishedRatio` of every published test. Nothing in it is printed in the papers but what `test` holds."""
+    rows = []
+    for test in published_tests():
+        alpha = float(test.contact.roughness_parameter(test.load))
+        solved = math.nan if math.isnan(test.mu) else pressure_ratio(test.contact, test.load, test.mu)
+        rows.append(PublishedRatio(test, alpha, solved, pressure_ratio(test.contact, test.load)))
+    return rows
+
+
+def swaps(rows, column):
+    """Neighbours that stand the wrong way round when the tests of 2006 are put in the order of `column`."""
+    ranked = sorted((row for row in rows if not math.isnan(row.solved)), key=lambda row: -getattr(row, column))
+    seen = [ORDER.index(row.test.seen) for row in ranked]
+    return sum(a > b for a, b in itertools.pairwise(seen))
 
 
 class Advice(NamedTuple):
@@ -164,44 +176,26 @@ class Advice(NamedTuple):
     reason: str
 
 
-def advise(contact, load):
+def advise(contact, load, yield_pressure=None):
     """For each law, whether its physics fits this contact from first touch up to `load` [N], with the reason.
 
     The laws differ in what deforms: elastic asperities on an elastic bulk (rms, pohrt-popov, greenwood-tripp), plastic
     asperities on an elastic bulk (bahrami, yip-venart, asperity), a yielding bulk (rough-plastic), or no roughness
-    (hertz). Without a hardness the bulk cannot be judged, which the reason then says.
+    (hertz); each says itself what it fits (`Definition.advise`). yield_pressure: as for `assess`. Without that and a hardness
+    the bulk cannot be judged, which the reason then says.
     """
     load = number(load, "load", "N")
     alpha = float(np.max(contact.roughness_parameter(load)))
-    if contact.hardness is None:
-        bulk, state = False, "no hardness given: bulk yield not judged"
+    if yield_pressure is not None:
+        ratio = float(np.max(hertz_pressure(contact, load))) / number(yield_pressure, "yield_pressure", "Pa")
+        yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
+    elif contact.hardness is None:
+        yields, state = False, "no hardness given: bulk yield not judged"
     else:
         ratio = float(np.max(pressure_ratio(contact, load)))
-        bulk, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
-    smooth = float(pressure_drop(alpha)) > 0.95
-
-    def elastic_bulk(extra_ok=True, extra=""):
-        if bulk:
-            return False, f"{state}: the bulk yields and this law keeps it elastic"
-        return extra_ok, extra if not extra_ok else state
-
-    dimension = contact.fractal_dimension is not None
-    advice = {
-        "hertz": elastic_bulk(
-            smooth, f"α = {alpha:.2g}: roughness lowers the pressure by {100 * (1 - pressure_drop(alpha)):.0f} %"
-        ),
-        "rms": elastic_bulk(alpha <= 5.0, f"α = {alpha:.2g}: unreliable above 5"),
-        "pohrt-popov": elastic_bulk(dimension, "needs a fractal dimension"),
-        "goddard": elastic_bulk(),
-        "greenwood-tripp": elastic_bulk(),
-        "bahrami": elastic_bulk(contact.hardness is not None, "needs a hardness"),
-        "yip-venart": elastic_bulk(contact.hardness is not None, "needs a hardness"),
-        "asperity": elastic_bulk(contact.hardness is not None, "needs a hardness"),
-        "rough-plastic": (
-            bulk,
-            f"{state}: " + ("the bulk yields" if bulk else "the bulk is elastic; a rough law alone will do"),
-        ),
-    }
+        yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
+    conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
+    advice = {name: definition.advise(conditions) for name, definition in registry().items()}
     return [Advice(name, bool(fits), reason) for name, (fits, reason) in advice.items()]
 
 
@@ -213,7 +207,8 @@ class PublishedTest(NamedTuple):
     contact: Contact
     load: float  # N
     alpha: float  # as printed, NaN where not
-    ratio: float  # p(0)/H_m: 2006 as drawn in Fig. 12, 2008 as printed (Cm)
+    mu: float  # Greenwood & Tripp's μ as printed, NaN where not
+    ratio: float  # p(0)/H_m as printed (2008, Cm), NaN where not: none of 2006 is
     seen: str  # "asperities", "both", "bulk"
 
 
@@ -226,38 +221,19 @@ SILICON_CARBIDE_BALL = Material(young=430e9, poisson=0.17, hardness=28e9)
 def published_tests():
     """The published points: six of 2006 (steel ball, R = 5 mm) and two of 2008 (SiC ball, R = 3.175 mm)."""
     rows = [
-        ("Al_B", ALUMINIUM, 0.67e-6, 4.0, 0.86, 1.061, "bulk"),
-        ("Al_AB", ALUMINIUM, 2.1e-6, 4.0, 2.70, 0.630, "both"),
-        ("Al_A", ALUMINIUM, 2.2e-6, 4.0, 2.84, 0.616, "asperities"),
-        ("Br_B", BRASS, 0.13e-6, 12.0, 0.09, 0.647, "bulk"),
-        ("Br_AB", BRASS, 0.28e-6, 12.0, 0.20, 0.570, "both"),
-        ("Br_A", BRASS, 0.70e-6, 12.0, 0.50, 0.438, "asperities"),
-        ("2008 isotropic", ALUMINIUM, 1.3e-6, 0.2, math.nan, 0.16, "asperities"),
-        ("2008 anisotropic", ALUMINIUM, 1.4e-6, 0.2, math.nan, 0.15, "asperities"),
+        ("Al_B", ALUMINIUM, 0.67e-6, 4.0, 0.86, 6.0, math.nan, "bulk"),
+        ("Al_AB", ALUMINIUM, 2.1e-6, 4.0, 2.70, 10.0, math.nan, "both"),
+        ("Al_A", ALUMINIUM, 2.2e-6, 4.0, 2.84, 12.0, math.nan, "asperities"),
+        ("Br_B", BRASS, 0.13e-6, 12.0, 0.09, 11.0, math.nan, "bulk"),
+        ("Br_AB", BRASS, 0.28e-6, 12.0, 0.20, 13.0, math.nan, "both"),
+        ("Br_A", BRASS, 0.70e-6, 12.0, 0.50, 7.0, math.nan, "asperities"),
+        ("2008 isotropic", ALUMINIUM, 1.3e-6, 0.2, math.nan, math.nan, 0.16, "asperities"),
+        ("2008 anisotropic", ALUMINIUM, 1.4e-6, 0.2, math.nan, math.nan, 0.15, "asperities"),
     ]
     tests = []
-    for label, flat, roughness, load, alpha, ratio, seen in rows:
+    for label, flat, roughness, load, alpha, mu, ratio, seen in rows:
         ball, radius = (SILICON_CARBIDE_BALL, 3.175e-3) if label.startswith("2008") else (STEEL_BALL, 5e-3)
         contact = Contact.between(ball, flat, radius1=radius, roughness2=roughness)
         name = "aluminium" if flat is ALUMINIUM else "brass"
-        tests.append(PublishedTest(label, name, contact, load, alpha, ratio, seen))
+        tests.append(PublishedTest(label, name, contact, load, alpha, mu, ratio, seen))
     return tests
-
-
-def _hardness(contact):
-    if contact.hardness is None:
-        raise DemlawsError(
-            "the criterion needs the contact's hardness: give Contact(..., hardness=...) or Material(..., hardness=...)"
-        )
-    return contact.hardness
-
-
-def _loads(load):
-    array = np.asarray(load, float)
-    if not np.all(np.isfinite(array) & (array > 0)):
-        raise DemlawsError(f"load must be positive and finite, in N, got {load!r}")
-    return array
-
-
-def _plain(value):
-    return float(value) if np.ndim(value) == 0 else value

@@ -8,17 +8,19 @@ bits of u. A cell with a kink is split there, and all cells right of it move up 
 
 import json
 import math
+import os
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from demlaws import table_file
 from demlaws.checks import number
+from demlaws.contact import Contact
 from demlaws.core.curve import BulkYield
 from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes
 from demlaws.core.loops import evaluate_loop, inverse_loop
-from demlaws.core.params import SMOOTHEST, bind_params, loading_part, one_of
+from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
 from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
@@ -99,7 +101,7 @@ def _length(definition, contact):
     return (0.0, 1.0) if definition.length == "radius" or smooth else (1.0, 0.0)
 
 
-def tabulate(law, rtol=1e-5, max_force=None):
+def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
     """The smallest `Table` of `law` whose force and stiffness lie within `rtol`, measured between the nodes.
 
     The range ends at the overlap of `max_force` [N] or at a tenth of the radius, and goes down to where the law is a
@@ -122,7 +124,7 @@ def tabulate(law, rtol=1e-5, max_force=None):
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
-    roughness = max(one.roughness, SMOOTHEST * one.radius)
+    roughness = clamped_roughness(one.roughness, one.radius)
     length = over_roughness * roughness + over_radius * one.radius
     if max_force is not None:
         force = number(max_force, "max_force", "N")
@@ -255,7 +257,7 @@ def _bulk_yield(law, params, length, highest):
 def _lengths(definition, contact):
     if _length(definition, contact)[1]:
         return np.asarray(contact.radius)
-    return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+    return clamped_roughnesses(contact)
 
 
 # --- the table as a law, and its file
@@ -282,42 +284,45 @@ class Table(Law):
         )
         return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
 
-    def quick_shape(self):
+    def quick_shape(self) -> Any:
         return quick_to_invert(self.shape, self.nodes.kinks)
 
-    def kinks(self):
+    def kinks(self) -> list[float]:
         return list(self.nodes.kinks * np.ravel(self.length)[0])
 
     @property
-    def collapses(self):
+    def collapses(self) -> bool:
         return super().collapses if self.said_to_collapse is None else self.said_to_collapse
 
     @property
-    def rows(self):
+    def rows(self) -> Rows:
         """What a file holds of the curve of first loading."""
         grid = self.loading_shape.grid
         return Rows(self.nodes, 52 - grid.shift, grid.seat > 0.0)
 
     @property
-    def loading_shape(self):
+    def loading_shape(self) -> Any:
         """`TableShape` of first loading."""
         return loading_part(self.shape)
 
     @property
-    def length(self):
+    def length(self) -> float | np.ndarray:
         """Length [m] that makes overlaps dimensionless, one a contact."""
         return loading_part(self.params).length
 
     @property
-    def largest_overlap(self):
+    def largest_overlap(self) -> float:
         """End of the table [m]."""
         return self.loading_shape.grid.highest * np.min(self.length)
 
     @property
-    def largest_force(self):
+    def largest_force(self) -> float:  # type: ignore[override]
         """Force [N] at the end of the table."""
         scale = 0.75 * np.min(self.params.hertz_coefficient * np.asarray(self.length) ** 1.5)
         return float(scale * self.nodes.force[-1])
+
+    def _curve_end(self):
+        return np.minimum(super()._curve_end(), self.loading_shape.grid.highest * np.asarray(self.length))
 
     def _out_of_range(self, overlap):
         return (
@@ -328,7 +333,7 @@ class Table(Law):
     def _force_out_of_range(self, force):
         return f"force {force:g} N is beyond the table, which ends at {self.largest_force:g} N: make it with a larger max_force"
 
-    def bound_to(self, contact):
+    def bound_to(self, contact: Contact) -> "Table":
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
         if not self.collapses:
             raise DemlawsError(
@@ -340,12 +345,12 @@ class Table(Law):
         bound.said_to_collapse = self.said_to_collapse
         return bound
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike) -> Path:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`."""
         return write_atomically(path, self._compose()[0])
 
     @property
-    def fingerprint(self):
+    def fingerprint(self) -> int:
         """Check value (CRC-32) of the file that `save` writes: tables with one fingerprint are one table."""
         return self._compose()[1]
 
@@ -388,7 +393,7 @@ class Table(Law):
         return table_file.compose(header, self.rows, None if curve is None else curve.rows)
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | os.PathLike) -> "Table":
         """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number.
 
         A law that this version of demlaws does not have is no error: its table is its curve.

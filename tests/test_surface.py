@@ -192,7 +192,7 @@ def test_bad_arguments_are_named(tmp_path):
     for call, words in (
         (lambda: surface.read(tmp_path / "none.npy"), "no such height map"),
         (lambda: surface.read(path), "pixel size"),
-        (lambda: surface.read(path, pixel="1 inch"), "length in m"),
+        (lambda: surface.read(path, pixel="1 inch"), "number in m, or with one of the units"),
         (lambda: surface.read(path, pixel="-1um"), "positive"),
         (lambda: surface.read(path, pixel=1e-6, unit="feet"), "units of height"),
         (lambda: surface.read(path, pixel=1e-6).without_form(20), "form order"),

@@ -1,25 +1,31 @@
-"""The command `demlaws`. Each part of the package brings its own sub-commands; this file joins them."""
+"""The command `demlaws`. Each file of this folder brings its own commands and is loaded when one of them is named."""
 
 import argparse
+import contextlib
 import importlib
-import json
 import re
 import sys
 import warnings
 
+from demlaws.core import notice
 from demlaws.errors import DemlawsError, ValidityWarning
 
-PARTS = (
-    "demlaws.cli.granite",
-    "demlaws.cli.curve",
-    "demlaws.cli.surface",
-    "demlaws.cli.fit",
-    "demlaws.cli.choose",
-    "demlaws.cli.stability",
-    "demlaws.cli.trade",
-    "demlaws.cli.yade",
-    "demlaws.cli.liggghts",
-)
+COMMANDS = {
+    "granite": ("granite", "reproduce the granite contact tests with every law"),
+    "laws": ("laws", "list the laws, or one law's options"),
+    "curve": ("curve", "one law, one contact, any path"),
+    "table": ("curve", "a law as a certified table"),
+    "regime": ("surface", "do asperities or the bulk deform, and which law fits"),
+    "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
+    "fit": ("fit", "fit laws to measured points and rank them"),
+    "choose": ("choose", "the cheapest law that a scene allows"),
+    "stability": ("stability", "measure every law at the extremes"),
+    "trade": ("trade", "measure cost against error of every law and evaluation"),
+    "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
+    "liggghts": ("liggghts", "the laws inside LIGGGHTS: build, check, export, run"),
+    "lammps": ("lammps", "the laws inside LAMMPS: build, check, export, run"),
+}
+"""Command → the file of this folder that brings it, and its line of `demlaws --help`, which loads none of them."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -27,11 +33,28 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
-        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
+        self._negative_number_matcher = re.compile(
+            r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
+        )
+
+    def error(self, message):
+        """One line, without the whole usage above it."""
+        self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
 
 
-def build_parser():
-    """The whole command line."""
+class _Part:
+    """What a file registers its commands with: their lines of help stand here, and commands not asked for are left out."""
+
+    def __init__(self, subparsers, wanted):
+        self.subparsers, self.wanted = subparsers, wanted
+
+    def add_parser(self, name, **options):
+        subparsers = self.subparsers if name in self.wanted else Parser().add_subparsers()
+        return subparsers.add_parser(name, help=COMMANDS[name][1], **options)
+
+
+def build_parser(commands=tuple(COMMANDS)):
+    """The command line: `commands` with all their arguments, the others with their line of help only."""
     from demlaws import __version__
 
     parser = Parser(
@@ -41,22 +64,35 @@ def build_parser():
     )
     parser.add_argument("--version", action="version", version=f"demlaws {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    for part in PARTS:
-        importlib.import_module(part).register(subparsers)
+    registered = set()
+    for name, (part, line) in COMMANDS.items():
+        if name not in commands:
+            subparsers.add_parser(name, help=line)
+        elif part not in registered:
+            registered.add(part)
+            importlib.import_module(f"{__name__}.{part}").register(_Part(subparsers, commands))
     return parser
 
 
 def option(text):
-    """`name=value` with the value as JSON where it is JSON, else text."""
+    """`name=value` with the value as a number (also with a unit: 1.66GPa), true, false or null, else text."""
+    import json
+
+    from demlaws.checks import any_quantity
+
     name, separator, value = text.partition("=")
     if not separator or not name:
         raise argparse.ArgumentTypeError(
-            f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66e9"
+            f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66GPa"
         )
-    try:
-        return name.replace("-", "_"), json.loads(value)
-    except json.JSONDecodeError:
-        return name.replace("-", "_"), value
+    number = any_quantity(value)
+    if number is not None:
+        return name.replace("-", "_"), number
+    with contextlib.suppress(json.JSONDecodeError):
+        value = json.loads(value)
+    if isinstance(value, (list, dict)):
+        raise argparse.ArgumentTypeError(f"{text!r}: the value of a law's option is one number or one word")
+    return name.replace("-", "_"), value
 
 
 def example(text):
@@ -80,20 +116,57 @@ def _show_warnings():
 
 def main(arguments=None):
     """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
+    for stream in (sys.stdout, sys.stderr):  # a terminal without µ gets ? in its place
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
     try:
-        parsed = build_parser().parse_args(arguments)
-        with warnings.catch_warnings():
-            _show_warnings()
-            return parsed.func(parsed) or 0
+        arguments = sys.argv[1:] if arguments is None else arguments
+        try:
+            parsed = build_parser(arguments[:1]).parse_args(arguments)
+            with warnings.catch_warnings():
+                _show_warnings()
+                notice.say = _compiling
+                status = parsed.func(parsed) or 0
+        finally:
+            sys.stdout.flush()
+        return status
     except DemlawsError as error:
-        print(f"demlaws: error: {error}", file=sys.stderr)
-        return 2
+        return _failed(error)
+    except MemoryError:
+        return _failed("there is not enough memory for this: ask for less (a smaller map, fewer contacts, steps or points)")
     except KeyboardInterrupt:
         print("demlaws: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone; say nothing more
+        _drop_output(sys.stdout, sys.stderr)  # the reader of our output has gone; say nothing more
         return 0
+    except OSError as error:
+        try:
+            sys.stdout.flush()
+        except OSError:
+            _drop_output(sys.stdout)
+        place = f"{error.filename}: " if error.filename else "output: "
+        return _failed(f"{place}{error.strerror or error}")
+
+
+def _failed(reason):
+    print(f"demlaws: error: {reason}", file=sys.stderr)
+    return 2
+
+
+def _drop_output(*streams):
+    """What a stream still holds goes nowhere: Python would try to write it again when it ends."""
+    import os
+
+    for stream in streams:
+        try:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        except (OSError, ValueError):
+            stream.close()
+
+
+def _compiling():
+    print("demlaws: compiling these laws for this machine; this is done once and kept", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -6,16 +6,14 @@ import textwrap
 import warnings
 from pathlib import Path
 
-import numpy as np
-
 from demlaws.cli import example
+from demlaws.cli.arguments import law_name
 from demlaws.errors import DemlawsError, ValidityWarning
 
 
 def register(subparsers):
     parser = subparsers.add_parser(
         "granite",
-        help="reproduce the granite contact tests with every law",
         description="Runs the seven granite tests of Altuhafi, Baudet & Coop 2023 with every law; prints displacement and "
         "stiffness per test and the paper's claims with verdicts; writes CSV files and figures.",
         **example(
@@ -26,7 +24,7 @@ def register(subparsers):
         ),
     )
     parser.add_argument("--test", help="one test only, for instance SS(18-18)")
-    parser.add_argument("--law", help="one law only")
+    parser.add_argument("--law", type=law_name, help="one law only")
     parser.add_argument("--data", type=Path, help="CSV file of measured points to overlay; needs --test")
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
     parser.set_defaults(func=run)
@@ -140,6 +138,8 @@ def write_csv(granite, out, tests, runs, notes, found):
 
 
 def draw(granite, out, tests, runs, points, whole):
+    import numpy as np
+
     from demlaws import plots
 
     if not plots.available():

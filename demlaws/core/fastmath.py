@@ -5,8 +5,6 @@ per element. The functions here cost about as much as a square root in a vectori
 bit tricks; errors quoted are measured by tests/core/test_fastmath.py in units of ε = 2.2e-16.
 """
 
-from hashlib import sha1
-from pathlib import Path
 from types import FunctionType
 
 import numba
@@ -14,6 +12,12 @@ from llvmlite import ir
 from numba import types
 from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
+
+from demlaws.core import cache
+from demlaws.errors import DemlawsError
+
+if numba.config.DISABLE_JIT:
+    raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
@@ -26,62 +30,27 @@ def kernel(function):
     return numba.njit(forceinline=True, **_OPTIONS)(function)
 
 
-def _core_tag():
-    """Digest of modification time and size of everything that a cached loop may have inlined."""
-    folder = Path(__file__).parent
-    files = sorted([*folder.glob("*.py"), *folder.glob("../laws/*.py")])
-    return sha1(repr([(f.name, (s := f.stat()).st_mtime_ns, s.st_size) for f in files]).encode()).hexdigest()[:12]
-
-
-_TAG = _core_tag()
-
-
 def loop(function):
-    """Compile a loop over arrays and keep its machine code on disk.
-
-    numba's cache looks only at the file that holds the loop; a law that the loop inlines lives in another one. A
-    digest of the whole core in the cache's file name stands in for it, so that editing or upgrading a law never runs
-    yesterday's code. Files of older digests are removed.
-    """
-    try:
-        dispatcher = numba.njit(cache=True, **_OPTIONS)(function)
-    except RuntimeError:  # numba finds no folder that it may write to: compiled anew in every process
-        return numba.njit(**_OPTIONS)(function)
-    _name_by_core(dispatcher)
+    """Compile a loop over arrays and keep its machine code on disk, so that editing or upgrading a law never runs yesterday's
+    code. Where no folder takes it, it is compiled anew in every process."""
+    dispatcher = numba.njit(**_OPTIONS)(function)
+    if cache.FOLDER:
+        dispatcher._cache = cache.Cache(function)
     return dispatcher
 
 
 def callback(signature, function, constants):
     """Compile a function that C++ code can call, and keep it on disk as `loop` does. `.address` is where it stands.
 
-    constants: name → numba type or value that the function uses as a global. numba's cache would not know one process's
-    types again in the next, where they bear other numbers: the file's name says what they are.
+    constants: name → numba type or value that the function uses as a global; what they are is part of the file's name.
     """
     bound = FunctionType(function.__code__, {**function.__globals__, **constants}, function.__name__)
     bound.__qualname__ = function.__qualname__
     compiled = CFunc(bound, (signature.args, signature.return_type), {}, dict(_OPTIONS))
-    try:
-        compiled.enable_caching()
-        _name_by_core(compiled, "-" + sha1(repr(constants).encode()).hexdigest()[:12])
-    except RuntimeError:
-        pass
+    if cache.FOLDER:
+        compiled._cache = cache.Cache(bound, constants)
     compiled.compile()
     return compiled
-
-
-def _name_by_core(cached, suffix=""):
-    file = getattr(cached._cache, "_cache_file", None)
-    if file is None:  # numba found no folder that it may write to
-        return
-    base = file._index_name.removesuffix(".nbi")
-    folder = Path(file._cache_path)
-    cached._cache._cache_file = type(file)(
-        cache_path=file._cache_path, filename_base=f"{base}-{_TAG}{suffix}", source_stamp=file._source_stamp
-    )
-    if not any(folder.glob(f"{base}-{_TAG}*.nbi")):
-        name, _, interpreter = base.partition("-")  # the rest is the line number and the interpreter's tag
-        for stale in folder.glob(f"{name}-*.{interpreter.rpartition('.')[2]}-*.nb?"):
-            stale.unlink(missing_ok=True)
 
 
 @intrinsic

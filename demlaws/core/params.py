@@ -1,6 +1,7 @@
 """Params of one contact or of an array of contacts: nested tuples whose leaves are numbers or 1-D arrays."""
 
 import numpy as np
+from numba.extending import register_jitable
 
 from demlaws.core.loops import scale_loop, scale_one
 from demlaws.core.unloading import JoinedParams, JoinedShape
@@ -8,6 +9,12 @@ from demlaws.errors import DemlawsError
 
 SMOOTHEST = 1e-40
 """σ/R below which roughness counts as this: no effect left in double precision, and no division by zero at σ = 0."""
+
+
+@register_jitable(forceinline=True)
+def clamped_roughness(roughness, radius):
+    """Roughness [m] of one contact as laws take it: never below SMOOTHEST times the radius. For compiled code, too."""
+    return max(roughness, SMOOTHEST * radius)
 
 
 def leaves(params):
@@ -29,9 +36,14 @@ def loading_part(params):
     return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
 
 
+def clamped_roughnesses(contact):
+    """The same for a contact or an array of contacts."""
+    return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+
+
 def bind_params(shape, contact):
     """Params of a contact, or of an array of contacts: values that differ become arrays, the others stay numbers."""
-    roughness = np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+    roughness = clamped_roughnesses(contact)
     if contact.size is None:
         return scale_one(shape, contact.radius, contact.modulus, float(roughness))
     columns = [

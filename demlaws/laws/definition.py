@@ -1,7 +1,14 @@
-"""What a law declares besides its compiled kernels."""
+"""What a law declares besides its compiled kernels: all that fits, advice, measurements, figures and engines know of it."""
 
-from collections.abc import Callable
-from typing import NamedTuple
+import inspect
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.criterion import lowest_transition_load
+from demlaws.errors import DemlawsError
 
 
 class Limit(NamedTuple):
@@ -10,28 +17,92 @@ class Limit(NamedTuple):
     minimum_force: float
     maximum_force: float
     reason: str
+    branch: bool = False  # outside, the law leaves out a branch of itself on purpose: its error can be computed
 
 
-def bulk_yield(contact, **options):
-    """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`regime`)."""
+def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
+    """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`criterion`)."""
     if contact.hardness is None:
         return []
-    from demlaws.regime import lowest_transition_load  # it checks its input with this module
-
     reason = "the central pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
     return [Limit(0.0, lowest_transition_load(contact), reason)]
 
 
-def no_kinks(params, **options):
+def no_kinks(params: Any, **options: Any) -> list[float]:
     return []
 
 
-def never(**options):
+def never(**options: Any) -> bool:
     return False
 
 
-def always(**options):
+def always(**options: Any) -> bool:
     return True
+
+
+# --- advice
+
+
+class Conditions(NamedTuple):
+    """What a contact meets up to a load: that from which a law says whether its physics fits (`Definition.advise`)."""
+
+    contact: Contact
+    roughness_parameter: float  # largest α
+    pressure_drop: float  # p(0)/p0 there
+    yields: bool  # p(0)/H_m passes 0.6
+    state: str  # that in words
+
+
+def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") -> tuple[bool, str]:
+    """Advice of a law that keeps the bulk elastic, and that fits otherwise unless `reason` says why it does not."""
+    if conditions.yields:
+        return False, f"{conditions.state}: the bulk yields and this law keeps it elastic"
+    return fits, conditions.state if fits else reason
+
+
+def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
+    """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
+    return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
+
+
+# --- fits
+
+
+class Parameter(NamedTuple):
+    """A quantity that a fit may vary."""
+
+    unit: str
+    logarithmic: bool  # fitted and reported as ln(value): positive by nature
+    bounds: Callable  # contact → (lowest, highest)
+    starts: Callable  # contact → values to start from
+    option: bool = False  # of the law, not of the contact
+
+
+MODULUS = Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus])
+ROUGHNESS = Parameter(
+    "m",
+    True,
+    lambda c: (1e-7 * c.radius, 0.1 * c.radius),
+    lambda c: np.clip(
+        np.array([1.0, 0.2, 5.0]) * (c.roughness if c.roughness > 0 else 3e-4 * c.radius), 2e-7 * c.radius, 0.09 * c.radius
+    ),
+)
+DIMENSION = Parameter("", False, lambda c: (2.0, 3.0), lambda c: [c.fractal_dimension or 2.25, 2.1, 2.5, 2.8])
+HARDNESS = Parameter("Pa", True, lambda c: (1e-3 * c.modulus, 10 * c.modulus), lambda c: [c.hardness or 0.2 * c.modulus])
+OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": DIMENSION, "hardness": HARDNESS}
+"""The contact's own quantities; a law names those that it depends on, and adds its options, in `Definition.fitted`."""
+
+
+class Option(NamedTuple):
+    """An option of a law, as users are told of it; its default stands in the signature of `prepare`."""
+
+    unit: str
+    values: str  # the range, or the words that it can be
+    meaning: str
+
+
+SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
+SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where contacts differ")
 
 
 class Definition(NamedTuple):
@@ -52,5 +123,54 @@ class Definition(NamedTuple):
     solved: bool = False  # the curve comes from a solver and is a table from the start
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
+    before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
+    options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
+    exact: Callable | None = None  # contact, overlap, **options → force and stiffness in numpy.longdouble (`extended`)
+    # --- what advice and measurements do with it
+    advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
+    unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
+    fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
+    free: tuple = ()  # those that a fit varies unless it is told otherwise
+    family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
+    rank: int = 0  # `choose` takes the law of highest rank that a scene's quantities determine as its reference; 0: never
+    smooth: bool = False  # of a smooth contact: it leaves roughness out
+    candidate: bool = False  # `choose` tries it in place of its reference
+    branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
+    closed_form_is_cheapest: bool = False  # no table costs less
+    native: dict = {}  # noqa: RUF012  engine → its own model that is this law
+    # --- how figures show it
+    label: str = ""  # short name in figures' text
+    colour: str = "#888888"
+    line: str = "-"
+
+    def shape(self, contact: Contact, **options: Any) -> Any:
+        """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
+        try:
+            inspect.signature(self.prepare).bind(contact, **options)
+        except TypeError as error:
+            known = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
+            raise DemlawsError(f"law {self.name!r}: {error}; {known} (demlaws laws {self.name})") from None
+        try:
+            return self.prepare(contact, **options)
+        except TypeError as error:  # a list or None where a number or a word belongs
+            given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
+            raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
+
+    def option_lines(self) -> Iterator[str]:
+        """A line for each option: name, unit, range, default, meaning."""
+        signature = inspect.signature(self.prepare).parameters
+        for name, option in self.options.items():
+            default = signature[name].default if name in signature else inspect.Parameter.empty
+            needed = default in (None, inspect.Parameter.empty)
+            shown = "no default" if needed else f"default {default if isinstance(default, str) else format(default, '.10g')}"
+            unit = f" [{option.unit}]" if option.unit else ""
+            yield f"{name}{unit}: {option.meaning}; {option.values}; {shown}"
+
+    def needed(self, **options: Any) -> tuple[str, ...]:
+        """Names of Contact fields that must be given, those of the law before yield included."""
+        if self.before_yield is None:
+            return self.needs
+        definition, rest = self.before_yield(**options)
+        return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))

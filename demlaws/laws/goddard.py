@@ -3,11 +3,15 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from demlaws.checks import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import Definition
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Definition, Option, Parameter
+from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
 
 _RATIO = 4.0 / 3.0  # δ*/δ_H(P*): a cone's overlap over Hertz's at the load where they have one stiffness
@@ -71,9 +75,16 @@ bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 def _prepare(contact, slope=None):
     if slope is None:
-        number(math.nan, "slope", "rad")
+        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip (granite cones: 0.035); give slope=...")
     tangent = math.tan(number(slope, "slope", "rad", 0.0, 1.0, allow_low=True))
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(tangent**2, 1e-40))
+
+
+def _exact(contact, overlap, slope):
+    delta = extended(overlap)
+    d = 3 * PI**2 / 16 * np.tan(extended(slope)) ** 2 * extended(contact.radius)
+    t = delta / d
+    return from_hertz(contact, np.where(t < 1, extended(3) / 4 * delta * np.cbrt(t), delta - d / 4), np.minimum(np.cbrt(t), 1))
 
 
 LAW = Definition(
@@ -86,4 +97,12 @@ LAW = Definition(
     length="radius",
     example={"slope": 0.035},
     example_curve={"slope": 0.03},
+    exact=_exact,
+    fitted={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},
+    free=("slope",),
+    label="Goddard",
+    colour="#8c564b",
+    options={
+        "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed"),
+    },
 )

@@ -4,10 +4,12 @@ import math
 
 from demlaws.checks import number
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, always
+from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter, always
 from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
 
 _MODEL = "greenwood-tripp"
+MU = 4.0
+"""μ where nothing is known of the asperities: the lowest of the papers' 4 to 17."""
 
 
 def _number(mu, asperity_density, asperity_radius):
@@ -15,7 +17,7 @@ def _number(mu, asperity_density, asperity_radius):
     if (asperity_density is None) != (asperity_radius is None):
         raise DemlawsError("give asperity_density in 1/m² and asperity_radius in m together, or mu alone")
     if asperity_density is None:
-        return CurveNumber(number(4.0 if mu is None else mu, "mu", "", 0.05, 1e5), 0.0, 0.0, 0.0)
+        return CurveNumber(number(MU if mu is None else mu, "mu", "", 0.05, 1e5), 0.0, 0.0, 0.0)
     if mu is not None:
         raise DemlawsError(f"mu = {mu!r} and asperity_density are both given: give one of them")
     density = number(asperity_density, "asperity_density", "1/m²")
@@ -41,4 +43,17 @@ LAW = Definition(
     collapses=False,
     implicit=True,
     solved=True,
+    example={"mu": MU},
+    fitted={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
+    free=("roughness",),
+    label="Greenwood-Tripp",
+    colour="#17becf",
+    line=":",
+    options={
+        "mu": Option("", "0.05 to 1e5", f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"),
+        "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu"),
+        "asperity_radius": Option("m", "above 0", "β, with asperity_density in place of mu"),
+        "seating_load": SEATING,
+        "rtol": SOLUTION,
+    },
 )

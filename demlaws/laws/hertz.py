@@ -5,7 +5,8 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import Definition, elastic_bulk
+from demlaws.laws.extended import extended, from_hertz
 
 
 class HertzShape(NamedTuple):
@@ -47,6 +48,16 @@ def _prepare(contact):
     return HertzShape()
 
 
+def _exact(contact, overlap):
+    return from_hertz(contact, extended(overlap), 1)
+
+
+def _advise(conditions):
+    drop = float(conditions.pressure_drop)
+    reason = f"α = {conditions.roughness_parameter:.2g}: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
+    return elastic_bulk(conditions, drop > 0.95, reason)
+
+
 LAW = Definition(
     name="hertz",
     prepare=_prepare,
@@ -54,4 +65,16 @@ LAW = Definition(
     source="Hertz 1882; Johnson, Contact Mechanics, 1985, ch. 4",
     description="smooth elastic spheres",
     length="radius",
+    exact=_exact,
+    advise=_advise,
+    unloading=("elastic",),  # which is Hertz's
+    free=("modulus",),
+    rank=1,
+    smooth=True,
+    candidate=True,
+    closed_form_is_cheapest=True,
+    native={"yade": "hertz", "liggghts": "hertz"},
+    label="Hertz",
+    colour="#222222",
+    line="--",
 )

@@ -8,7 +8,8 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, power, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, bulk_yield
+from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Limit, Option, bulk_yield, elastic_bulk
+from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov_branches import HertzBranchShape, PowerBranchShape
 
 
@@ -101,7 +102,7 @@ _BRANCHES = {"both": PohrtPopovShape, "power": PowerBranchShape, "hertz": HertzB
 
 def _prepare(contact, branch="both"):
     """branch: "power" or "hertz" leaves out the other side of the threshold, for scenes that never go there."""
-    if branch not in _BRANCHES:
+    if not isinstance(branch, str) or branch not in _BRANCHES:
         raise DemlawsError(f"branch={branch!r}: the branches of 'pohrt-popov' are {', '.join(_BRANCHES)}")
     # Extended precision once, so that the exponent and the threshold carry one rounding each.
     dimension = np.longdouble(contact.fractal_dimension)
@@ -118,8 +119,24 @@ def _limits(contact, branch="both"):
     kappa = _prepare(contact).kappa
     force = 4.0 / 3.0 * contact.modulus * np.sqrt(contact.radius) * (kappa * np.asarray(contact.roughness)) ** 1.5
     if branch == "power":
-        return [*limits, Limit(0.0, float(np.min(force)), "branch='power' leaves out the Hertz stiffness above the threshold")]
-    return [*limits, Limit(float(np.max(force)), np.inf, "branch='hertz' leaves out the power law below the threshold")]
+        reason = "branch='power' leaves out the Hertz stiffness above the threshold"
+        return [*limits, Limit(0.0, float(np.min(force)), reason, branch=True)]
+    reason = "branch='hertz' leaves out the power law below the threshold"
+    return [*limits, Limit(float(np.max(force)), np.inf, reason, branch=True)]
+
+
+def _exact(contact, overlap, branch="both"):
+    dimension, sigma, delta = extended(contact.fractal_dimension), extended(contact.roughness), extended(overlap)
+    m = extended("0.2567") * dimension
+    r = 2 / (3 * (1 - m))
+    h = extended(3) / 4 * np.sqrt(PI) * (20 / (np.sqrt(PI) ** 3 * dimension)) ** (1 / m) * sigma
+    t = delta / (r * h)
+    power = {"both": t < 1, "power": True, "hertz": False}[branch]
+    return from_hertz(contact, np.where(power, h * t**r, delta - (r - 1) * h), np.where(power, t ** (r - 1), 1))
+
+
+def _advise(conditions):
+    return elastic_bulk(conditions, conditions.contact.fractal_dimension is not None, "needs a fractal dimension")
 
 
 LAW = Definition(
@@ -131,4 +148,16 @@ LAW = Definition(
     limits=_limits,
     kinks=_kinks,
     needs=("fractal_dimension",),
+    exact=_exact,
+    advise=_advise,
+    fitted={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION},
+    free=("roughness", "fractal_dimension"),
+    rank=4,
+    candidate=True,
+    branches={"power": "Hertz stiffness above the threshold", "hertz": "power law below the threshold"},
+    label="Pohrt-Popov",
+    colour="#d62728",
+    options={
+        "branch": Option("", "both, power or hertz", "side of the threshold that is kept, for scenes that never leave it"),
+    },
 )

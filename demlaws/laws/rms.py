@@ -8,7 +8,8 @@ import numpy as np
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import Definition, Limit, bulk_yield
+from demlaws.laws.definition import ROUGHNESS, Definition, Limit, bulk_yield, elastic_bulk
+from demlaws.laws.extended import extended, from_hertz
 
 
 class RmsShape(NamedTuple):
@@ -110,6 +111,24 @@ def _limits(contact):
     return limits
 
 
+def _exact(contact, overlap):
+    sigma = extended(contact.roughness)
+    u = extended(overlap) / sigma
+    s = np.where(u < 2, u / 4, np.maximum(u - extended("1.4"), u / 2))
+    for _ in range(80):  # Newton in log s: u(s) rises from 5.76 s to s + 1.4
+        ratio = (extended("2.4") + 2 * s) / (1 + 2 * s)
+        value = np.log(s) + 2 * np.log(ratio) - np.log(u)
+        slope = 1 + 2 * s * (2 / (extended("2.4") + 2 * s) - 2 / (1 + 2 * s))
+        s = s * np.exp(-value / slope)
+    ratio = (extended("2.4") + 2 * s) / (1 + 2 * s)
+    return from_hertz(contact, s * sigma, 1 / (ratio * (ratio + 4 * s * (1 - ratio) / (1 + 2 * s))))
+
+
+def _advise(conditions):
+    alpha = conditions.roughness_parameter
+    return elastic_bulk(conditions, alpha <= 5.0, f"α = {alpha:.2g}: unreliable above 5")
+
+
 LAW = Definition(
     name="rms",
     prepare=_prepare,
@@ -117,4 +136,12 @@ LAW = Definition(
     source="Greenwood, Johnson & Matsubara 1984; Yimsiri & Soga 2000; Altuhafi, Baudet & Coop 2023, Eq. 5",
     description="rough metal surfaces, fitted",
     limits=_limits,
+    exact=_exact,
+    advise=_advise,
+    fitted={"roughness": ROUGHNESS},
+    free=("roughness",),
+    rank=2,
+    candidate=True,
+    label="RMS",
+    colour="#1f77b4",
 )

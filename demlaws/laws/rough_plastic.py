@@ -3,18 +3,22 @@
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from demlaws.checks import number
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Option, Parameter
+from demlaws.laws.extended import PI, extended
+from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
 
 class RoughPlasticShape(NamedTuple):
     """The rough law's shape and the pressure at which the bulk yields."""
 
-    loading: tuple  # the rough law's own RoughPlasticShape
+    loading: tuple  # Shape of the rough law
     yield_pressure: float  # p_y [Pa]
 
 
@@ -22,7 +26,7 @@ class RoughPlasticParams(NamedTuple):
     """One contact."""
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
-    loading: tuple  # the rough law's own RoughPlasticParams
+    loading: tuple  # Params of the rough law
     yield_overlap: float  # δ_y [m]
     yield_force: float  # P_y [N]
     yield_stiffness: float  # K_y = π R p_y [N/m]
@@ -90,15 +94,20 @@ def _loading_definition(loading):
 
 def _prepare(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
     if yield_pressure is None:
-        raise DemlawsError(
-            "law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: 1.66e9, that is 0.265 times its hardness)"
+        of_granite = (
+            f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
+        raise DemlawsError(f"law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: {of_granite})")
     definition = _loading_definition(loading)
-    for field in definition.needs:
+    for field in definition.needed(**loading_options):
         if getattr(contact, field) is None:
             raise DemlawsError(f"loading {loading!r} needs the contact's {field}: give Contact(..., {field}=...)")
     pressure = number(yield_pressure, "yield_pressure", "Pa")
-    return RoughPlasticShape(definition.prepare(contact, **loading_options), pressure)
+    return RoughPlasticShape(definition.shape(contact, **loading_options), pressure)
+
+
+def _before_yield(yield_pressure=None, loading="pohrt-popov", **loading_options):
+    return _loading_definition(loading), loading_options
 
 
 def _kinks(p, yield_pressure=None, loading="pohrt-popov", **loading_options):
@@ -115,9 +124,30 @@ def _bulk(p):
 
 
 def _limits(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
-    # The rough law's upper limits say that the bulk yields; here it does.
+    # The upper limits of the rough law say that the bulk yields; here it does.
     limits = _loading_definition(loading).limits(contact, **loading_options)
     return [limit._replace(maximum_force=math.inf) for limit in limits if limit.minimum_force > 0.0]
+
+
+def _exact(contact, overlap, yield_pressure, loading="pohrt-popov", **loading_options):
+    exact = _loading_definition(loading).exact
+    if exact is None:
+        return None
+    delta, stiffness = extended(overlap), PI * extended(contact.radius) * extended(yield_pressure)
+    middle = np.log(extended(contact.radius))
+    low, high = middle - 70, middle + 7
+    for _ in range(45):  # to 2e-12 of δ_y: where K = K_y the force changes with the square of that
+        middle = (low + high) / 2
+        softer = exact(contact, np.exp(middle), **loading_options)[1] < stiffness
+        low, high = np.where(softer, middle, low), np.where(softer, high, middle)
+    yields = np.exp(low)
+    force, tangent = exact(contact, np.minimum(delta, yields), **loading_options)
+    return force + stiffness * np.maximum(delta - yields, 0), np.where(delta > yields, stiffness, tangent)
+
+
+def _advise(conditions):
+    part = "the bulk yields" if conditions.yields else "the bulk is elastic; a rough law alone will do"
+    return conditions.yields, f"{conditions.state}: {part}"
 
 
 LAW = Definition(
@@ -131,5 +161,24 @@ LAW = Definition(
     seated=_seated,
     bulk=_bulk,
     collapses=False,
-    example={"yield_pressure": 1.66e9},
+    before_yield=_before_yield,
+    example={"yield_pressure": GRANITE_YIELD_PRESSURE},
+    exact=_exact,
+    advise=_advise,
+    unloading=("elastic", "hertz", "thornton"),
+    fitted={
+        "roughness": ROUGHNESS,
+        "fractal_dimension": DIMENSION,
+        "yield_pressure": Parameter(
+            "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.geomspace(0.01, 0.3, 6), option=True
+        ),
+    },
+    free=("roughness", "fractal_dimension", "yield_pressure"),
+    label="rough-plastic",
+    colour="#ff7f0e",
+    line="-.",
+    options={
+        "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed"),
+        "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
+    },
 )

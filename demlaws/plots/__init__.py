@@ -8,19 +8,24 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
+from demlaws.laws.definition import Definition
+from demlaws.laws.registry import registry
 
-COLOURS = {
-    "hertz": "#222222",
-    "rms": "#1f77b4",
-    "pohrt-popov": "#d62728",
-    "goddard": "#8c564b",
-    "rough-plastic": "#ff7f0e",
-    "bahrami": "#9467bd",
-    "yip-venart": "#2ca02c",
-    "greenwood-tripp": "#17becf",
-    "asperity": "#e377c2",
-}
-_STYLES = {"hertz": "--", "rough-plastic": "-.", "greenwood-tripp": ":"}
+
+def colour(law):
+    """A law's colour; grey for what is none of ours."""
+    return registry()[law].colour if law in registry() else Definition._field_defaults["colour"]
+
+
+def line(law):
+    """A law's line style."""
+    return registry()[law].line if law in registry() else "-"
+
+
+def __getattr__(name):
+    if name == "COLOURS":  # law → colour
+        return {law: definition.colour for law, definition in registry().items()}
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def figure(columns=1, rows=1, width=5.2, height=4.0):
@@ -50,6 +55,8 @@ def available():
 def save(fig, path):
     """Write a figure; its format is the file's ending, PNG if there is none."""
     path = Path(path)
+    if not path.name or path.is_dir():
+        raise DemlawsError(f"cannot draw {path}: that is a folder; name a file in it")
     kind = path.suffix.lstrip(".").lower() or "png"
     buffer = io.BytesIO()
     try:
@@ -60,7 +67,7 @@ def save(fig, path):
 
 
 def _line(ax, x, y, name, **more):
-    ax.plot(x, y, color=COLOURS.get(name), linestyle=_STYLES.get(name, "-"), label=more.pop("label", name), **more)
+    ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), **more)
 
 
 def path_figure(path, title=""):
@@ -112,8 +119,9 @@ def granite_force(test, runs, points=None):
         end = _first_peak(path.force) if test.cyclic else path.force.size
         _line(ax, (path.overlap[:end] - zero) * 1e6, path.force[:end], run.law.name, lw=1.5)
     if points is not None:
-        displacement, _ = points.loading()
-        ax.plot((points.displacement - displacement[0]) * 1e6, points.force, "k.", ms=3, label=f"measured: {points.source}")
+        zero, placed_by = points.zero([run.law for run in runs])
+        label = f"measured: {points.source}" + (f" (placed by {placed_by.name})" if placed_by is not None else "")
+        ax.plot((points.displacement - zero) * 1e6, points.force, "k.", ms=3, label=label)
     ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
     ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
     ax.legend(fontsize=8)
@@ -156,12 +164,12 @@ def granite_roughness(tests, make):
     """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz."""
     fig, (left, right) = figure(columns=2)
     load = np.geomspace(0.05, 100.0, 300)
-    for test, colour in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
+    for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
         bound = make("pohrt-popov", test)
         overlap = bound.overlap(load)
         label = f"{test.name}, σ = {test.roughness * 1e6:.2f} µm"
-        left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=colour, label=label)
-        right.loglog(load, bound.stiffness(overlap) / 1e3, color=colour, label=label)
+        left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=shade, label=label)
+        right.loglog(load, bound.stiffness(overlap) / 1e3, color=shade, label=label)
     hertz = make("hertz", tests[1])
     left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
     right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")

@@ -2,7 +2,9 @@
 
 import numpy as np
 
-from demlaws.plots import COLOURS, figure
+from demlaws.core.unloading import RULES
+from demlaws.laws.registry import registry
+from demlaws.plots import colour, figure
 
 
 def fit_figure(ranking, source=""):
@@ -18,9 +20,9 @@ def fit_figure(ranking, source=""):
         widest = max(widest, np.max(np.abs(displacement - fit.displacement)))
         rule = "" if fit.unloading == "elastic" else f", {fit.unloading}"
         label = f"{fit.name}{rule}: {fit.misfit * 1e6:.3g} µm"
-        colour = COLOURS.get(fit.name)
-        left.plot(fit.displacement * 1e6, force, color=colour, lw=1.2, label=label)
-        right.plot(force, (displacement - fit.displacement) * 1e6, ".", ms=3, color=colour, label=fit.name)
+        shade = colour(fit.name)
+        left.plot(fit.displacement * 1e6, force, color=shade, lw=1.2, label=label)
+        right.plot(force, (displacement - fit.displacement) * 1e6, ".", ms=3, color=shade, label=fit.name)
     left.set(xlabel="displacement (µm)", ylabel="force (N)", title="measured points and laws fitted to them")
     right.axhline(0.0, color="k", lw=0.8)
     right.set(xlabel="force (N)", ylabel="measured - fitted displacement (µm)", ylim=(-1.2e6 * widest, 1.2e6 * widest))
@@ -65,7 +67,7 @@ def choices_figure(choices):
     for evaluation, marker in markers.items():
         chosen = [c for c in choices if c.evaluation == evaluation]
         if chosen:
-            colours = [COLOURS.get(c.name, "#888888") for c in chosen]
+            colours = [colour(c.name) for c in chosen]
             cost = [c.cost for c in chosen]
             ax.scatter(cost, [max(c.error, lowest) for c in chosen], c=colours, marker=marker, s=42, label=evaluation, zorder=3)
     ax.axhline(choices.scene.tolerance, color="k", ls="--", lw=0.9, label="tolerance")
@@ -86,7 +88,7 @@ def choices_figure(choices):
     return fig
 
 
-_RULES = {"elastic": "-", "hertz": "--", "thornton": ":", "table": "-."}
+_RULES = dict(zip(RULES, ("-", "--", ":", "-."), strict=False))
 _ENGINES = {"YADE": "o", "LIGGGHTS": "x"}
 
 
@@ -94,7 +96,7 @@ def _key(ax, colours, styles, **options):
     """Legend of colours (laws) and of line styles or markers (what else differs), each named once."""
     from matplotlib.lines import Line2D
 
-    handles = [Line2D([], [], color=COLOURS.get(law, "#888888"), lw=2, label=law) for law in colours]
+    handles = [Line2D([], [], color=colour(law), lw=2, label=law) for law in colours]
     for name, style in styles.items():
         marker = {"marker": style, "ls": ""} if style in _ENGINES.values() else {"ls": style}
         handles.append(Line2D([], [], color="#555555", lw=1.2, ms=4, label=name, **marker))
@@ -123,12 +125,12 @@ def _gains(ax, closed, inside, laws):
     for r in closed:
         steps = sorted(r.gains)
         gain = [max(r.gains[s], lowest) for s in steps]
-        ax.loglog(steps, gain, _RULES[r.unloading], color=COLOURS.get(r.law), lw=1.2)
+        ax.loglog(steps, gain, _RULES[r.unloading], color=colour(r.law), lw=1.2)
     for r in inside:
         steps = sorted(r.impacts.gains)
         gain = [max(r.impacts.gains[s], lowest) for s in steps]
         line = "" if closed else _RULES[r.unloading]  # beside the laws' own lines marks are enough
-        ax.loglog(steps, gain, line + _ENGINES[r.engine], color=COLOURS.get(r.law), ms=4, mfc="none", lw=0.8)
+        ax.loglog(steps, gain, line + _ENGINES[r.engine], color=colour(r.law), ms=4, mfc="none", lw=0.8)
     ax.axhline(1e-4, color="k", lw=0.8)
     ax.set(xlabel="steps per contact", ylabel="largest energy gain of an impact")
     ax.set_title("impacts, 1e-6 to 100 m/s" + (" (inside an engine from 0.01 m/s)" if inside else ""), fontsize=9)
@@ -140,9 +142,10 @@ def _rounding(ax, closed, inside, laws):
     drawn = [r for r in closed if r.rounding and r.unloading == "elastic"]
     for r in drawn:
         decades = sorted(r.rounding)
-        style = "o--" if r.law == "rough-plastic" else "o-"  # before yield it is the law that it joins
-        ax.plot(decades, [r.rounding[d] for d in decades], style, ms=3, color=COLOURS.get(r.law))
-    ax.set(xlabel="decade of δ/σ (hertz, goddard: of δ/R)", ylabel="largest error of force (ε = 2.2e-16)", ylim=(0.0, None))
+        style = "o-" if registry()[r.law].before_yield is None else "o--"  # before yield it is the law that it joins
+        ax.plot(decades, [r.rounding[d] for d in decades], style, ms=3, color=colour(r.law))
+    others = ", ".join(name for name, definition in registry().items() if definition.length == "radius")
+    ax.set(xlabel=f"decade of δ/σ ({others}: of δ/R)", ylabel="largest error of force (ε = 2.2e-16)", ylim=(0.0, None))
     ax.set_title("rounding, against extended precision", fontsize=9)
     _key(ax, list(dict.fromkeys(r.law for r in drawn)), {})
 
@@ -151,7 +154,7 @@ def _steps(ax, closed, inside, laws):
     names = [f"{r.law}, {r.unloading}" for r in closed]
     for place, r in enumerate(closed):
         low, high = r.step_ratio
-        ax.plot([low, high], [place, place], "|-", color=COLOURS.get(r.law), lw=3, ms=8)
+        ax.plot([low, high], [place, place], "|-", color=colour(r.law), lw=3, ms=8)
     ax.set_yticks(range(len(names)), names, fontsize=7)
     ax.invert_yaxis()
     for limit in (0.5, 1.0):
@@ -166,7 +169,7 @@ def _inside(ax, closed, inside, laws):
         if r.unloading == "elastic" or r.unloading == next(x.unloading for x in inside if x.law == r.law):
             decades = sorted(r.compared.decades)
             errors = [max(r.compared.decades[d], 0.3) for d in decades]
-            ax.plot(decades, errors, _ENGINES[r.engine] + "-", ms=4, lw=0.8, mfc="none", color=COLOURS.get(r.law))
+            ax.plot(decades, errors, _ENGINES[r.engine] + "-", ms=4, lw=0.8, mfc="none", color=colour(r.law))
     ax.set(
         xlabel="decade of δ/R",
         ylabel="largest error of force (ε = 2.2e-16)",
@@ -185,8 +188,8 @@ def _against(ax, entries, floor, errors):
     """Force error against cost; a law's closed form and its tables are joined by a thin line."""
     lowest = 1e-16
     for e in entries:
-        colour, marker = COLOURS.get(e.law, "#888888"), _MARKERS[e.evaluation]
-        ax.plot(e.ns, max(getattr(e, errors)["force"], lowest), marker, color=colour, ms=5 if e.unloading == "elastic" else 3.5)
+        shade, marker = colour(e.law), _MARKERS[e.evaluation]
+        ax.plot(e.ns, max(getattr(e, errors)["force"], lowest), marker, color=shade, ms=5 if e.unloading == "elastic" else 3.5)
     ax.axvline(floor, color="k", lw=0.8, ls=":")
     ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest error of force")
 
@@ -209,9 +212,9 @@ def trade_figure(entries, floor, steps=(), engines=None):
     ax.set(title="against the closed form of the same law")
     for name, marker in _MARKERS.items():
         ax.plot([], [], marker, color="#666666", label=name, ms=4)
-    for law, colour in COLOURS.items():
+    for law in registry():
         if any(e.law == law for e in entries):
-            ax.plot([], [], "-", color=colour, label=law)
+            ax.plot([], [], "-", color=colour(law), label=law)
     ax.plot([], [], "k:", lw=0.8, label="copy kernel")
     ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0), title="small: with history", title_fontsize=7)
     if steps:
@@ -236,8 +239,8 @@ def _engine_panel(ax, engine, found):
     for e in ordered:
         own = bool(e.cost.way.model)
         marker = "*" if own else "s" if e.cost.way.rtol else "o"
-        colour = "k" if own else COLOURS.get(e.cost.way.law)
-        ax.plot(e.cost.over_hertz, max(e.error, lowest), marker, color=colour, ms=10 if own else 6)
+        shade = "k" if own else colour(e.cost.way.law)
+        ax.plot(e.cost.over_hertz, max(e.error, lowest), marker, color=shade, ms=10 if own else 6)
     front = [e for e in ordered if e.front]
     ax.step([e.cost.over_hertz for e in front], [max(e.error, lowest) for e in front], "k-", where="post", lw=1.0)
     ax.axvline(1.0, color="k", lw=0.8, ls=":")
@@ -270,10 +273,10 @@ def scene_figure(found, setup):
         left.set(xlabel=f"error of the packing's stiffness against {outcomes[0].way.label} (%)", title=title)
         left.legend(fontsize=7)
         for o in outcomes:
-            colour = COLOURS.get(o.way.law, "#7f7f7f" if o.way.model == "hertz" else "#bcbd22")
+            shade = colour(o.way.law) if o.way.law else "#7f7f7f" if o.way.model in registry() else "#bcbd22"
             style = ":" if o.way.model else "-" if o.way.unloading != "elastic" else "--"
             above = 1.0 - (np.arange(o.forces.size) + 0.5) / o.forces.size
-            right.semilogy(o.shape, above, style, color=colour, lw=1.0, label=o.way.label)
+            right.semilogy(o.shape, above, style, color=shade, lw=1.0, label=o.way.label)
         right.set(xlabel="normal force over its mean", ylabel="share of contacts above", title="forces after the hold")
         right.legend(fontsize=6)
     return fig

@@ -817,16 +817,16 @@ class RoughContact:
         return step
 
     def _advise(self, step):
-        from demlaws import regime
+        from demlaws import criterion
 
         if self.flat:
             return
         if self.pair.hardness is not None and "bulk" not in self._warned:
-            ratio = regime.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.load)
-            if ratio >= regime.YIELD_RATIO:
+            ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.load)
+            if ratio >= criterion.YIELD_RATIO:
                 self._warned.add("bulk")
                 warnings.warn(
-                    f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {regime.YIELD_RATIO}: the bulk yields too, "
+                    f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk yields too, "
                     "which this model leaves out",
                     ValidityWarning,
                     stacklevel=4,

@@ -1,0 +1,46 @@
+"""`demlaws lammps build | check | export | run`."""
+
+from demlaws.cli import example
+
+
+def register(subparsers):
+    """Add the sub-command and its own sub-commands."""
+    parser = subparsers.add_parser("lammps", **example("  demlaws lammps check"))
+    parts = parser.add_subparsers(dest="part", required=True, metavar="PART")
+
+    build = parts.add_parser("build", help="path of the plugin; compiles it if need be", **example("  demlaws lammps build"))
+    build.add_argument("--portable", action="store_true", help="no -march=native: for a cluster of unlike nodes")
+    build.add_argument("--force", action="store_true", help="compile even if the wheel or the cache has it")
+    build.set_defaults(func=_build)
+
+    check = parts.add_parser("check", help="prove the plugin on this machine (15 s)", **example("  demlaws lammps check"))
+    check.set_defaults(func=_check)
+
+    run = parts.add_parser(
+        "run", help="run an input with the plugin", **example("  demlaws lammps run in.case -np 2 -var steps 5000")
+    )
+    run.add_argument("input", help="input script; LAMMPS runs in its folder")
+    run.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
+    run.add_argument("-var", nargs=2, action="append", default=[], metavar=("NAME", "VALUE"), help="a variable of the script")
+    run.add_argument("--portable", action="store_true", help="the plugin that `build --portable` makes")
+    run.add_argument("--stock", action="store_true", help="without the plugin")
+    run.set_defaults(func=_run)
+
+
+def _build(arguments):
+    from demlaws.lammps.build import build
+
+    print(build(portable=arguments.portable, force=arguments.force))
+
+
+def _check(arguments):
+    from demlaws.lammps.check import check
+
+    check()
+
+
+def _run(arguments):
+    from demlaws.lammps.run import run
+
+    variables = dict(arguments.var)
+    run(arguments.input, arguments.np, variables, plugin=not arguments.stock, echo=True, portable=arguments.portable)

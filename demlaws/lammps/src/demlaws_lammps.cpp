@@ -1,0 +1,283 @@
+// Granular sub-models of demlaws for a LAMMPS binary as it stands: no headers, no MPI, no symbol of LAMMPS is linked.
+//
+//   plugin load /path/demlawsplugin.so             (package PLUGIN), or LAMMPS_PLUGIN_PATH=/path
+//   LD_PRELOAD=/path/demlawsplugin.so lmp ...      (any other)
+//   pair_coeff * * demlaws/table granite.tbl 70e9 0.5 0.25 tangential mindlin NULL 1.0 0.5 damping demlaws/tangent
+//   fix w all wall/gran granular demlaws/table granite.tbl 70e9 0.5 0.25 tangential mindlin NULL 1.0 0.5 zplane 0 NULL
+//   compute e all demlaws/energy
+//
+// GranularModel::add_sub_model and construct_sub_model are where every granular style turns names into sub-models. LAMMPS
+// reaches them, and the other functions below, through addresses that the linker filled in by name: preloaded, our
+// functions of the same names come first; loaded later, their addresses are written there. Every one of them does what
+// LAMMPS's own does for whatever is not of demlaws.
+#include <cmath>
+#include <memory>
+#include "stock.h"
+#include "slots.h"
+#include "demlaws_table.h"
+#include "energy.h"
+
+namespace {
+
+double number(void *error, const std::string &of, const char *text) {
+  char *end;
+  const double value = strtod(text, &end);
+  if (end == text || *end || !(value - value == 0.))
+    raise(error, true, "demlaws/table: " + of + " is '" + text + "', not a finite number");
+  return value;
+}
+
+// Every table is read once by each process and kept, as long as its file stays what it was.
+class Tables {
+public:
+  const demlaws::Table &get(const std::string &path, void *error) {
+    try {
+      const std::string data = demlaws::Table::contents(path);
+      std::unique_ptr<demlaws::Table> fresh(new demlaws::Table);
+      fresh->parse(data, path);
+      std::unique_ptr<demlaws::Table> &table = tables_[std::make_pair(path, fresh->fingerprint())];
+      if (!table) table = std::move(fresh);
+      return *table;
+    } catch (const std::exception &problem) {
+      raise(error, false, std::string("demlaws/table: ") + problem.what());
+    }
+  }
+
+private:
+  std::map<std::pair<std::string, uint32_t>, std::unique_ptr<demlaws::Table> > tables_;
+};
+Tables &tables() {
+  static Tables all;
+  return all;
+}
+
+#define DEMLAWS_LAYOUT early
+#define DEMLAWS_SYNCHRONIZED 0
+#include "granular_abi.h"
+#include "granular_models.h"
+#undef DEMLAWS_LAYOUT
+#undef DEMLAWS_SYNCHRONIZED
+#define DEMLAWS_LAYOUT late
+#define DEMLAWS_SYNCHRONIZED 1
+#include "granular_abi.h"
+#include "granular_models.h"
+
+int add_here(void *model, char **arg, int at, int count, int type);
+void construct_here(void *model, const std::string &name, int type);
+void init_here(void *model);
+void *add_compute_here(void *modify, int count, char **arg, int suffix);
+void pair_make_here(void *pair, void *lmp);
+void pair_coeff_here(void *pair, int count, char **arg);
+void pair_restart_here(void *pair, FILE *file);
+void pair_init_here(void *pair);
+void pair_forces_here(void *pair, int eflag, int vflag);
+void wall_forces_here(void *wall, int vflag);
+void region_forces_here(void *wall, int vflag);
+
+enum Layout { UNKNOWN, EARLY, LATE, NONE };
+Layout layout = UNKNOWN;
+
+// Finds the layout, or why there is none.
+std::string prove(void *lmp) {
+  const Stock &stock = Stock::get();
+  if (layout == EARLY || layout == LATE) return "";
+  std::string why;
+  if (!stock.add) why = "it has no GranularModel (package GRANULAR of 2023 or later)";
+  else if (!stock.missing.empty()) why = "it has no function " + stock.missing;
+  else if (early::abi_fits(lmp, stock)) layout = EARLY;
+  else if (late::abi_fits(lmp, stock)) layout = LATE;
+  else why = "its granular models are laid out in another way than those of 4 Feb 2025 to 4 Jul 2026";
+  if (why.empty()) return "";
+  layout = NONE;
+  return "demlaws cannot be added to this LAMMPS: " + why + "; nothing of it was changed";
+}
+
+Patch *patches() {
+  static Patch all[] = {{DEMLAWS_ADD, (void *)&add_here, 0},
+                        {DEMLAWS_CONSTRUCT, (void *)&construct_here, 0},
+                        {DEMLAWS_INIT, (void *)&init_here, 0},
+                        {DEMLAWS_ADD_COMPUTE, (void *)&add_compute_here, 0},
+                        {DEMLAWS_PAIR_MAKE, (void *)&pair_make_here, 0},
+                        {DEMLAWS_PAIR_COEFF, (void *)&pair_coeff_here, 0},
+                        {DEMLAWS_PAIR_RESTART, (void *)&pair_restart_here, 0},
+                        {DEMLAWS_PAIR_INIT, (void *)&pair_init_here, 0},
+                        {DEMLAWS_PAIR_FORCES, (void *)&pair_forces_here, 0},
+                        {DEMLAWS_WALL_FORCES, (void *)&wall_forces_here, 0},
+                        {DEMLAWS_REGION_FORCES, (void *)&region_forces_here, 0},
+                        {NULL, NULL, 0}};
+  for (Patch *p = all; p->name; p++) p->slots = 0;
+  return all;
+}
+
+// Redirects the functions; the name of one that LAMMPS calls directly (static or -Bsymbolic), and nothing changed then.
+std::string install() {
+  Patch *const all = patches();
+  Slots::visit(all, false);
+  for (Patch *p = all; p->name; p++)
+    if (!p->slots)
+      return std::string("demlaws cannot be added to this LAMMPS: it calls ") + p->name + " directly; nothing of it was changed";
+  Slots::visit(all, true);
+  return "";
+}
+
+// Before anything of ours is made.
+bool is_late(void *model) {
+  if (layout == EARLY || layout == LATE) return layout == LATE;
+  early::Model *const m = (early::Model *)model; // what both begin with
+  void *const lmp = m->of.lmp, *const error = *m->of.error;
+  const std::string why = prove(lmp);
+  if (!why.empty()) {
+    Slots::undo();
+    raise(error, true, why);
+  }
+  return layout == LATE;
+}
+
+bool ours(const char *name, int type) {
+  return (type == NORMAL && !strncmp(name, "demlaws/table", 13) && (!name[13] || name[13] == ' ')) ||
+         (type == DAMPING && !strcmp(name, "demlaws/tangent"));
+}
+
+void need_metres(void *model) {
+  early::Model *const m = (early::Model *)model;
+  const char *const units = (const char *)Stock::get().global(m->of.lmp, "units");
+  if (!units || strcmp(units, "si")) raise(*m->of.error, true, "demlaws: a table's length is in metres; use 'units si'");
+}
+
+int add_here(void *model, char **arg, int at, int count, int type) {
+  if (at >= count || !ours(arg[at], type)) return Stock::get().add(model, arg, at, count, type);
+  const bool is = is_late(model);
+  need_metres(model);
+  return is ? late::add((late::Model *)model, arg, at, count, type) : early::add((early::Model *)model, arg, at, count, type);
+}
+
+// What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
+struct Histories {
+  std::vector<std::vector<int> > sizes;
+  bool ours;
+  Histories() : ours(false) {}
+  static std::map<void *, Histories> &all() {
+    static std::map<void *, Histories> histories;
+    return histories;
+  }
+};
+void *pair_now = NULL; // the pair style whose lines are being read
+
+// A std::string by value is passed by its address.
+void construct_here(void *model, const std::string &name, int type) {
+  if (!ours(name.c_str(), type)) return Stock::get().construct(model, name, type);
+  const bool is = is_late(model);
+  need_metres(model);
+  if (is) late::construct((late::Model *)model, name, type);
+  else early::construct((early::Model *)model, name, type);
+}
+
+void init_here(void *model) {
+  Stock::get().init(model);
+  if ((layout != EARLY && layout != LATE) || !pair_now) return;
+  Histories &kept = Histories::all()[pair_now];
+  kept.sizes.push_back(layout == LATE ? late::sizes_of((late::Model *)model) : early::sizes_of((early::Model *)model));
+  if (layout == LATE ? late::has_table((late::Model *)model) : early::has_table((early::Model *)model)) kept.ours = true;
+}
+
+struct PairNow {
+  explicit PairNow(void *pair) { pair_now = pair; }
+  ~PairNow() { pair_now = NULL; }
+};
+
+void pair_make_here(void *pair, void *lmp) {
+  Stock::get().pair_make(pair, lmp);
+  Histories::all().erase(pair);
+}
+void pair_coeff_here(void *pair, int count, char **arg) {
+  PairNow now(pair);
+  Stock::get().pair_coeff(pair, count, arg);
+}
+void pair_restart_here(void *pair, FILE *file) {
+  PairNow now(pair);
+  Stock::get().pair_restart(pair, file);
+  // the cut-off of the pair style is not in the file, and LAMMPS leaves its memory as it was
+  if (Histories::all()[pair].ours) Stock::get().pair_settings(pair, 0, NULL);
+}
+void pair_init_here(void *pair) {
+  std::map<void *, Histories>::const_iterator kept = Histories::all().find(pair);
+  if (kept != Histories::all().end() && kept->second.ours)
+    for (size_t n = 1; n < kept->second.sizes.size(); n++)
+      if (kept->second.sizes[n] != kept->second.sizes[0])
+        raise(*((void ***)pair)[3], true,
+              "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up whenever "
+              "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the same tangential, "
+              "rolling and twisting models");
+  Stock::get().pair_init(pair);
+}
+
+void pair_forces_here(void *pair, int eflag, int vflag) {
+  Ledger::of(instance_of(pair)).begin(NULL);
+  Stock::get().pair_forces(pair, eflag, vflag);
+}
+void wall_forces_here(void *wall, int vflag) {
+  Ledger &ledger = Ledger::of(instance_of(wall));
+  ledger.begin(wall);
+  Stock::get().wall_forces(wall, vflag);
+  ledger.end();
+}
+void region_forces_here(void *wall, int vflag) {
+  Ledger &ledger = Ledger::of(instance_of(wall));
+  ledger.begin(wall);
+  Stock::get().region_forces(wall, vflag);
+  ledger.end();
+}
+
+void *add_compute_here(void *modify, int count, char **arg, int suffix) {
+  if (count < 3 || strcmp(arg[2], "demlaws/energy")) return Stock::get().add_compute(modify, count, arg, suffix);
+  return Ledger::of(instance_of(modify)).add_compute(modify, count, arg, suffix);
+}
+
+// `import ctypes; ctypes.CDLL("demlawsplugin.so")` is enough where LAMMPS is loaded already; there is no instance to prove
+// the layout on yet, so that is done when the first name of ours is met.
+__attribute__((constructor)) void start() {
+  if (!Stock::get().add) return;
+  const std::string why = install();
+  if (!why.empty()) fprintf(stderr, "%s\n", why.c_str());
+}
+
+} // namespace
+
+extern "C" {
+#define EXPORTED __attribute__((visibility("default")))
+EXPORTED int demlaws_add(void *, char **, int, int, int) __asm__(DEMLAWS_ADD);
+EXPORTED void demlaws_construct(void *, std::string, int) __asm__(DEMLAWS_CONSTRUCT);
+EXPORTED void demlaws_init(void *) __asm__(DEMLAWS_INIT);
+EXPORTED void *demlaws_add_compute(void *, int, char **, int) __asm__(DEMLAWS_ADD_COMPUTE);
+EXPORTED void demlaws_pair_make(void *, void *) __asm__(DEMLAWS_PAIR_MAKE);
+EXPORTED void demlaws_pair_coeff(void *, int, char **) __asm__(DEMLAWS_PAIR_COEFF);
+EXPORTED void demlaws_pair_restart(void *, FILE *) __asm__(DEMLAWS_PAIR_RESTART);
+EXPORTED void demlaws_pair_init(void *) __asm__(DEMLAWS_PAIR_INIT);
+EXPORTED void demlaws_pair_forces(void *, int, int) __asm__(DEMLAWS_PAIR_FORCES);
+EXPORTED void demlaws_wall_forces(void *, int) __asm__(DEMLAWS_WALL_FORCES);
+EXPORTED void demlaws_region_forces(void *, int) __asm__(DEMLAWS_REGION_FORCES);
+EXPORTED void lammpsplugin_init(void *, void *, void *);
+}
+
+int demlaws_add(void *model, char **arg, int at, int count, int type) { return add_here(model, arg, at, count, type); }
+void demlaws_construct(void *model, std::string name, int type) { construct_here(model, name, type); }
+void demlaws_init(void *model) { init_here(model); }
+void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) { return add_compute_here(modify, count, arg, suffix); }
+void demlaws_pair_make(void *pair, void *lmp) { pair_make_here(pair, lmp); }
+void demlaws_pair_coeff(void *pair, int count, char **arg) { pair_coeff_here(pair, count, arg); }
+void demlaws_pair_restart(void *pair, FILE *file) { pair_restart_here(pair, file); }
+void demlaws_pair_init(void *pair) { pair_init_here(pair); }
+void demlaws_pair_forces(void *pair, int eflag, int vflag) { pair_forces_here(pair, eflag, vflag); }
+void demlaws_wall_forces(void *wall, int vflag) { wall_forces_here(wall, vflag); }
+void demlaws_region_forces(void *wall, int vflag) { region_forces_here(wall, vflag); }
+
+// What `plugin load` and LAMMPS_PLUGIN_PATH call. The layout is proved first: a LAMMPS that does not fit is left alone.
+void lammpsplugin_init(void *lmp, void *, void *) {
+  std::string why = prove(lmp);
+  if (why.empty()) why = install();
+  else Slots::undo();
+  const Stock &stock = Stock::get();
+  if (stock.setting && stock.setting(lmp, "world_rank") != 0) return;
+  if (why.empty()) printf("Loading plugin: granular demlaws/table\n");
+  else fprintf(stderr, "ERROR: %s\n", why.c_str());
+}

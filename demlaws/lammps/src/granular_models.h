@@ -1,0 +1,277 @@
+// The granular sub-models of demlaws, included once for each layout after granular_abi.h (no include guard).
+//   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X]
+//            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it: the
+//            length in FILE); against: the other body is of another material
+//   damping  demlaws/tangent
+//            eta is the coefficient of restitution; c = c(e) sqrt(m K) with the tangent stiffness K of the table
+namespace DEMLAWS_LAYOUT {
+
+class Table : public NormalMod {
+public:
+  enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, FINGERPRINT, COEFFICIENTS };
+  enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
+  enum { MOST_STATE = 3 };
+
+  // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
+  Table(Model *m, const std::string &named, const demlaws::Table &table)
+      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.), radius_(0.) {
+    name = named;
+    material_properties = 1;
+    // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models have
+    // other sizes than those of another pair to the wrong place.
+    size_history = MOST_STATE;
+    nondefault_history_transfer = 1; // the state is the same seen from either particle: the default factor -1 is not for it
+    transfer_history_factor = new double[MOST_STATE];
+    std::fill(transfer_history_factor, transfer_history_factor + MOST_STATE, 1.);
+    coeffs[TOLERANCE] = 0.01;
+    coeffs[FINGERPRINT] = table.fingerprint();
+  }
+
+  void coeffs_to_local() {
+    Emod = coeffs[YOUNG];
+    damp = coeffs[ETA];
+    poiss = coeffs[POISSON];
+    if (!(Emod > 0.) || !(damp >= 0.) || !(poiss > -1. && poiss <= 0.5) || !(coeffs[ROUGHNESS] >= 0.) || !(coeffs[TOLERANCE] >= 0.))
+      refuse("Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from -1 to 0.5");
+    if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
+      refuse("this is not the table that the restart file was written with: bring that file back, or write pair_coeff anew");
+    try { // two bodies of one material
+      pair_ = demlaws::Pair(table_, Emod / (2. * (1. - poiss * poiss)), table_.collapses() ? coeffs[ROUGHNESS] : 0.);
+    } catch (const std::exception &problem) {
+      refuse(problem.what());
+    }
+    radius_ = 0.;
+    if (table_.collapses()) return;
+    radius_ = table_.of_contact("radius", 0.);
+    const double made_for = table_.of_contact("modulus", 0.);
+    if (!(radius_ > 0.) || !(made_for > 0.)) refuse("the table says 'collapses: no' but has no radius and modulus");
+    if (coeffs[ROUGHNESS] > 0.) refuse("law " + table_.text("law") + " does not collapse, the table holds for its own roughness only");
+    if (!(fabs(pair_.modulus - made_for) <= 1e-6 * made_for)) {
+      std::ostringstream what;
+      what << "law " << table_.text("law") << " does not collapse, the table holds for the effective modulus " << made_for
+           << " Pa only, here it is " << pair_.modulus << " Pa; make a table of this pair of types";
+      refuse(what.str());
+    }
+  }
+
+  // The material that makes E* and G* of the pair those of the two materials: stock hertz/material takes E* for E here,
+  // so that `mindlin NULL` is too soft by about half.
+  static void join(double E1, double nu1, double E2, double nu2, double &E, double &nu) {
+    const double modulus = 1. / ((1. - nu1 * nu1) / E1 + (1. - nu2 * nu2) / E2);
+    const double shear = 1. / (2. * (2. - nu1) * (1. + nu1) / E1 + 2. * (2. - nu2) * (1. + nu2) / E2);
+    const double ratio = modulus / shear;
+    nu = (ratio - 4.) / (ratio - 2.);
+    E = 2. * (1. - nu * nu) * modulus;
+  }
+  void mix_coeffs(double *a, double *b) {
+    join(a[YOUNG], a[POISSON], b[YOUNG], b[POISSON], coeffs[YOUNG], coeffs[POISSON]);
+    coeffs[ETA] = sqrt(a[ETA] * b[ETA]);
+    if ((a[ROUGHNESS] > 0.) != (b[ROUGHNESS] > 0.)) refuse("either both types or none must have a roughness to be mixed");
+    coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
+    coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
+    coeffs[FINGERPRINT] = a[FINGERPRINT];
+    coeffs_to_local();
+  }
+
+  bool touch() {
+    if (gm->rsq < gm->radsum * gm->radsum) return true;
+    if (__builtin_expect(gm->rsq != gm->rsq, 0)) refuse_position();
+    return false;
+  }
+  double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
+  double stiffness() const { return stiffness_; }
+
+protected:
+  inline double finish(const demlaws::Force &now) {
+    Model *const m = gm;
+    if (__builtin_expect(now.outside, 0)) refuse_overlap();
+    if (__builtin_expect(radius_ > 0. && !(fabs(m->Reff - radius_) <= coeffs[TOLERANCE] * radius_), 0)) refuse_radius();
+    stiffness_ = now.stiffness;
+    m->contact_radius = now.stiffness / (2. * pair_.modulus); // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+    return now.force;
+  }
+  // After a step that somebody wants to know more of.
+  __attribute__((noinline, cold)) void account(const double *before, const double *state) {
+    Model *const m = gm;
+    double stored = 0., dissipated = 0.;
+    if (ledger_.collecting || m->calculate_svector) demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
+    if (m->calculate_svector) {
+      double *const out = m->svector + index_svector;
+      const bool kept = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
+      out[MAXIMUM] = kept ? state[0] : m->delta;
+      out[PLASTIC] = kept ? state[1] : 0.;
+      out[STORED] = stored;
+      out[DISSIPATED] = dissipated;
+      out[STIFFNESS] = stiffness_;
+    }
+    if (ledger_.collecting) {
+      ledger_.collected += stored;
+      return;
+    }
+    if (!ledger_.busy) return;
+    const bool wall = m->contact_type != 0;
+    if (m->history_update && !std::equal(before, before + MOST_STATE, state)) {
+      double earlier = 0., later = 0.;
+      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, before, stored, earlier);
+      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, later);
+      ledger_.take(m->vi, wall ? NULL : m->vj, later - earlier);
+    }
+    if (wall) {
+      const WallContact contact = {&pair_, m->Reff, m->delta, {state[0], state[1], state[2]}};
+      ledger_.enter(contact);
+    }
+  }
+
+  const demlaws::Table &table_;
+  Ledger &ledger_;
+  demlaws::Pair pair_;
+  double stiffness_, radius_; // radius_ > 0: the only one the table holds for
+
+private:
+  __attribute__((noinline, cold)) void refuse(const std::string &what) const { raise(*of.error, true, name + ": " + what); }
+  // The bodies by their numbers, as far as they are known: before the forces a wall's model is told of neither.
+  __attribute__((noinline, cold)) std::string who(bool before) const {
+    const Stock &stock = Stock::get();
+    const void *const tags = stock.atom(of.lmp, "id");
+    const bool wall = gm->contact_type != 0;
+    const long at[2] = {wall ? before ? -1 : ledger_.particle("v", gm->vi) : ledger_.particle("x", gm->xi),
+                        wall ? -1 : ledger_.particle("x", gm->xj)};
+    std::ostringstream what;
+    what << name << ": " << (wall ? "particle " : "particles ");
+    for (int k = 0; k < (wall ? 1 : 2); k++) {
+      if (k) what << " and ";
+      if (!tags || at[k] < 0) what << "?";
+      else if (stock.setting(of.lmp, "tagint") == 8) what << ((const long long *)tags)[at[k]];
+      else what << ((const int *)tags)[at[k]];
+    }
+    if (wall) what << " and the wall";
+    what << ": ";
+    return what.str();
+  }
+  __attribute__((noinline, cold)) void refuse_overlap() const {
+    std::ostringstream what;
+    what << who(false) << "overlap " << gm->delta << " m is beyond the last row, " << table_.last_overlap() * pair_.length_of(gm->Reff)
+         << " m; make a table with a larger range";
+    raise(*of.error, false, what.str());
+  }
+  __attribute__((noinline, cold)) void refuse_radius() const {
+    std::ostringstream what;
+    what << who(false) << "contact radius " << gm->Reff << " m, but law " << table_.text("law")
+         << " does not collapse and the table holds for " << radius_ << " m (radius_tolerance " << coeffs[TOLERANCE]
+         << "); make a table of this pair of types or widen the tolerance";
+    raise(*of.error, false, what.str());
+  }
+  // A position that is no number touches nothing: without this the particle would drop out of the model silently.
+  __attribute__((noinline, cold)) void refuse_position() const {
+    raise(*of.error, false, who(true) + "a position is not a number; take a smaller time step, look at what was done to this particle");
+  }
+};
+
+// The rule of unloading is known when compiled.
+template <demlaws::Unloading RULE> class Ruled : public Table {
+public:
+  Ruled(Model *m, const std::string &named, const demlaws::Table &table) : Table(m, named, table) {}
+  double calculate_forces() {
+    Model *const m = gm;
+    double *const state = m->history + history_index;
+    if (__builtin_expect(ledger_.busy || m->calculate_svector, 0)) {
+      const double before[MOST_STATE] = {state[0], state[1], state[2]};
+      const double force = finish(demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, state, m->history_update != 0));
+      account(before, state);
+      return force;
+    }
+    return finish(demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, state, m->history_update != 0));
+  }
+};
+
+class Tangent : public DampingMod {
+public:
+  Tangent(Model *m, const std::string &named) : DampingMod(m), normal_(NULL) { name = named; }
+  void init() {
+    normal_ = dynamic_cast<Table *>(gm->normal_model);
+    if (!normal_) raise(*of.error, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
+    const double e = normal_->damp, logarithm = e > 0. ? log(e) : 0.;
+    if (!(e > 0. && e <= 1.)) raise(*of.error, true, "damping demlaws/tangent: eta is a coefficient of restitution, above 0 to 1");
+    damp = -2. * sqrt(5. / 6.) * logarithm / sqrt(M_PI * M_PI + logarithm * logarithm);
+  }
+  double calculate_forces() {
+    damp_prefactor = damp * sqrt(gm->meff * normal_->stiffness());
+    return -damp_prefactor * gm->vnnr;
+  }
+
+private:
+  const Table *normal_;
+};
+
+inline Table *make_table(Model *m, const std::string &named, const demlaws::Table &table) {
+  switch (table.unloading()) {
+  case demlaws::ELASTIC: return new Ruled<demlaws::ELASTIC>(m, named, table);
+  case demlaws::HERTZ: return new Ruled<demlaws::HERTZ>(m, named, table);
+  case demlaws::THORNTON: return new Ruled<demlaws::THORNTON>(m, named, table);
+  default: return new Ruled<demlaws::GIVEN>(m, named, table);
+  }
+}
+
+// GranularModel::construct_sub_model for the names above.
+inline void construct(Model *m, const std::string &name, int type) {
+  SubMod *made;
+  if (type == NORMAL) {
+    const size_t space = name.find(' ');
+    if (space == std::string::npos) raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
+    Table *const table = make_table(m, name, tables().get(name.substr(space + 1), *m->of.error));
+    m->normal_model = table;
+    made = table;
+  } else {
+    Tangent *const tangent = new Tangent(m, name);
+    m->damping_model = tangent;
+    made = tangent;
+  }
+  delete m->sub_models[type];
+  m->sub_models[type] = made;
+}
+
+// GranularModel::add_sub_model for the names above.
+inline int add(Model *m, char **arg, int at, int count, int type) {
+  std::string name = arg[at++];
+  void *const error = *m->of.error;
+  if (type != NORMAL) {
+    construct(m, name, type);
+    return at;
+  }
+  if (at + 4 > count) raise(error, true, "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X]");
+  name += std::string(" ") + arg[at++];
+  static const char *const names[3] = {"E", "eta", "nu"};
+  double c[3];
+  for (int k = 0; k < 3; k++) c[k] = number(error, names[k], arg[at++]);
+  construct(m, name, type);
+  double *const into = m->sub_models[type]->coeffs;
+  std::copy(c, c + 3, into);
+  while (at < count) {
+    const std::string word = arg[at];
+    const int values = word == "against" ? 2 : 1;
+    if (word != "roughness" && word != "against" && word != "radius_tolerance") break;
+    if (at + values >= count) raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
+    const double first = number(error, word, arg[at + 1]);
+    if (word == "roughness" && !(first > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
+    if (word == "roughness") into[Table::ROUGHNESS] = first;
+    else if (word == "radius_tolerance") into[Table::TOLERANCE] = first;
+    else {
+      const double other = number(error, word, arg[at + 2]);
+      if (!(first > 0.) || !(other > -1. && other <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
+        raise(error, true, "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
+      Table::join(into[0], into[2], first, other, into[0], into[2]);
+    }
+    at += values + 1;
+  }
+  m->sub_models[type]->coeffs_to_local();
+  return at;
+}
+
+inline bool has_table(Model *m) { return dynamic_cast<Table *>(m->normal_model) != NULL; }
+inline std::vector<int> sizes_of(Model *m) {
+  std::vector<int> sizes;
+  for (int k = 0; k < 6; k++) sizes.push_back(m->sub_models[k]->size_history);
+  return sizes;
+}
+
+} // namespace DEMLAWS_LAYOUT

@@ -1,0 +1,191 @@
+"""Compiled code comes from the disk, never from yesterday, whatever other processes write at the same time."""
+
+import os
+import shutil
+import time
+
+from processes import PACKAGE, counted, finish, python, start
+
+RUN_EVERYTHING = counted("""
+    import itertools, warnings
+    warnings.simplefilter("ignore")
+    import numpy as np
+    import demlaws as dl
+    from demlaws.laws.registry import registry
+    from demlaws.make import example
+    from demlaws.core.unloading import RULES
+    contact = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
+
+    def made(name, unloading):
+        try:
+            return example(name, contact, unloading)
+        except dl.DemlawsError:
+            return None
+
+    # every law once, with the rules in turn; every rule once
+    rules = itertools.cycle(RULES)
+    laws = [next(law for law in (made(name, next(rules)) for _ in RULES) if law) for name in registry()]
+    laws += [made("pohrt-popov", unloading) for unloading in RULES]
+    for law in laws:
+        overlap = np.linspace(1e-7, 1e-5, 100)
+        law.force(1e-6), law.stiffness(1e-6), law.energy(1e-6), law.overlap(10.0)
+        law.evaluate(overlap, law.new_state(100) if law.state_size else None)
+        dl.driver.displacement_controlled(law, [1e-5, 5e-6])
+        dl.driver.force_controlled(law, [50.0, 1.0])
+        dl.driver.impact(law, 0.01, 0.05, 100)
+        dl.timestep(law, 0.01, 50.0)
+    table = laws[-1].tabulate(rtol=1e-3)
+    table.evaluate(overlap, table.new_state(100) if table.state_size else None)
+    print(len(Count.compiled), *Count.compiled[:5])
+""")
+HERTZ = counted("""
+    import demlaws as dl
+    law = dl.law("hertz", dl.Contact(radius=1e-2, modulus=1e10))
+    print(repr(law.stiffness(1e-6)), len(Count.compiled), dl.__file__)
+""")
+
+
+def hertz(folder=PACKAGE.parent, **changes):
+    """Stiffness of Hertz's law and the number of functions compiled for it, from the package in `folder`."""
+    # Python's own cache goes by the time of a file
+    stiffness, compiled, file = python(HERTZ, folder, PYTHONDONTWRITEBYTECODE=1, **changes).split()
+    assert file.startswith(str(folder))
+    return float(stiffness), int(compiled)
+
+
+def copy(folder):
+    """A checkout of its own."""
+    shutil.copytree(PACKAGE, folder / "demlaws", ignore=shutil.ignore_patterns("__pycache__"), copy_function=shutil.copyfile)
+    return folder
+
+
+def test_a_second_process_compiles_nothing():
+    python(RUN_EVERYTHING)
+    compiled, *which = python(RUN_EVERYTHING).split(maxsplit=1)
+    assert compiled == "0", which
+
+
+def test_editing_a_law_is_noticed(tmp_path):
+    """The loop that holds a law's machine code lives in another file than the law: its cache must follow the law."""
+    folder = copy(tmp_path)
+    first, compiled = hertz(folder, NUMBA_CACHE_DIR=None)
+    assert compiled > 3
+    assert hertz(folder, NUMBA_CACHE_DIR=None) == (first, 0)
+    file = folder / "demlaws" / "laws" / "hertz.py"
+    text = file.read_text()
+    assert text.count("1.5 * stiffness") == 1
+    before = file.stat()
+    file.write_text(text.replace("1.5 * stiffness", "3.0 * stiffness"))  # as long as before, and as old:
+    os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert hertz(folder, NUMBA_CACHE_DIR=None)[0] == 2 * first
+    file.write_text(text)
+    assert hertz(folder, NUMBA_CACHE_DIR=None) == (first, 0)  # the machine code of the law as it was is still there
+
+
+def test_equal_checkouts_share_a_cache(tmp_path):
+    """By content: neither the place nor the time of the files matters. An edited file outside core and laws matters not."""
+    one, other, cache = copy(tmp_path / "one"), copy(tmp_path / "other"), tmp_path / "cache"
+    first, compiled = hertz(one, NUMBA_CACHE_DIR=cache)
+    assert compiled > 3
+    with open(other / "demlaws" / "plots" / "__init__.py", "a") as file:
+        file.write("\n# edited\n")
+    assert hertz(other, NUMBA_CACHE_DIR=cache) == (first, 0)
+
+
+def test_a_law_from_elsewhere_is_followed(tmp_path):
+    """Of a law that stands in a user's own file, the file is part of what its machine code depends on."""
+    code = counted("""
+        from typing import NamedTuple
+        import numpy as np
+        from mine import Mine
+        from demlaws.core.loops import energy_loop
+        energy = np.zeros(1)
+        energy_loop(Mine(2.0), np.ones(1), energy)
+        print(energy[0], len(Count.compiled))
+    """)
+    law = """
+from typing import NamedTuple
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+
+class Mine(NamedTuple):
+    factor: float
+
+@kernel
+def energy(p, overlap):
+    return 3.0 * p.factor * overlap
+
+bind(Mine, energy=energy)
+"""
+    file = tmp_path / "mine.py"
+    folders = {
+        "PYTHONPATH": f"{tmp_path}:{PACKAGE.parent}",
+        "PYTHONDONTWRITEBYTECODE": 1,
+        "NUMBA_CACHE_DIR": tmp_path / "cache",
+    }
+    file.write_text(law)
+    assert python(code, **folders).startswith("6.0 ")
+    assert python(code, **folders) == "6.0 0"
+    file.write_text(law.replace("3.0", "4.0"))
+    assert python(code, **folders).startswith("8.0 ")
+
+
+def test_callbacks_are_told_apart_by_their_constants(tmp_path):
+    code = """
+        import ctypes, mine
+        from numba import types
+        from demlaws.core.fastmath import callback
+        for factor in (2.0, 3.0):
+            made = callback(types.float64(types.float64), mine.scaled, {"FACTOR": factor})
+            function = ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(made.address)
+            print(function(10.0), made.cache_hits, end=" ")
+    """
+    (tmp_path / "mine.py").write_text("FACTOR = None\n\ndef scaled(x):\n    return FACTOR * x\n")
+    folders = {"PYTHONPATH": f"{tmp_path}:{PACKAGE.parent}", "NUMBA_CACHE_DIR": tmp_path / "cache"}
+    assert python(code, **folders) == "20.0 0 30.0 0"
+    assert python(code, **folders) == "20.0 1 30.0 1"
+
+
+def test_processes_that_compile_the_same_loops_at_once(tmp_path):
+    """Three types of arguments for the same loops, from four processes that start together; then nothing is left to do, and
+    each finds its own."""
+    code = counted("""
+        import demlaws as dl
+        law = dl.law("NAME", dl.Contact(radius=1e-2, modulus=1e10, roughness=1e-6, fractal_dimension=2.2))
+        print(repr(law.stiffness(1e-6)), repr(law.force(1e-6)), len(Count.compiled))
+    """)
+    names = ["hertz", "rms", "pohrt-popov", "hertz"]
+    together = [finish(p).split() for p in [start(code.replace("NAME", n), NUMBA_CACHE_DIR=tmp_path) for n in names]]
+    assert all(int(compiled) > 3 for *_, compiled in together)
+    assert together[0][:2] == together[3][:2] and len({stiffness for stiffness, *_ in together}) == 3
+    for name, (stiffness, force, _) in zip(names, together, strict=True):
+        assert python(code.replace("NAME", name), NUMBA_CACHE_DIR=tmp_path).split() == [stiffness, force, "0"]
+    left = [path.name for path in tmp_path.rglob("*") if path.is_file()]
+    assert left and all(name.endswith(".nbc") for name in left), left
+
+
+def test_a_spoilt_file_is_compiled_anew(tmp_path):
+    first, _ = hertz(NUMBA_CACHE_DIR=tmp_path)
+    for file in tmp_path.rglob("*.nbc"):
+        file.write_bytes(file.read_bytes()[:-1000])
+    again, compiled = hertz(NUMBA_CACHE_DIR=tmp_path)
+    assert again == first and compiled > 3
+    assert hertz(NUMBA_CACHE_DIR=tmp_path) == (first, 0)
+
+
+def test_what_another_process_uses_is_kept(tmp_path):
+    """The machine code of another version goes when it has not been used for a day, not before."""
+    fresh, abandoned, stranger = (tmp_path / name for name in ("loops-a-py", "loops-b-py", "numba"))
+    for folder in (fresh, abandoned, stranger):
+        folder.mkdir()
+        (folder / "loops.follow_loop.nbc").write_bytes(b"")
+        yesterday = time.time() - (25 if folder is not fresh else 23) * 3600
+        os.utime(folder, (yesterday, yesterday))
+    hertz(NUMBA_CACHE_DIR=tmp_path)
+    assert fresh.is_dir() and stranger.is_dir() and not abandoned.exists()
+
+
+def test_works_where_no_folder_takes_a_cache():
+    """A package installed where its user may not write, who has no home to write to either: slower, not broken."""
+    stiffness, compiled = hertz(NUMBA_CACHE_DIR="/dev/null/nowhere")
+    assert stiffness > 0 and compiled > 3

@@ -1,0 +1,91 @@
+"""What every law declares in its own file, and that nothing elsewhere knows a law by name."""
+
+import ast
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, quiet
+
+import demlaws as dl
+from demlaws.core.unloading import RULES
+from demlaws.laws.definition import OF_CONTACT
+from demlaws.laws.registry import find, registry
+
+PACKAGE = Path(dl.__file__).parent
+EXACT = [name for name, definition in registry().items() if definition.exact is not None]
+
+
+@pytest.mark.parametrize("name", dl.laws())
+def test_facts_agree_with_one_another(name):
+    definition = find(name)
+    assert definition.unloading[0] == "elastic"
+    assert set(definition.unloading) <= set(RULES)
+    assert set(definition.free) <= {"modulus", *definition.fitted}
+    assert set(definition.family) <= set(OF_CONTACT)
+    assert re.fullmatch(r"#[0-9a-f]{6}", definition.colour)
+    assert definition.label
+    for parameter, one in definition.fitted.items():
+        low, high = one.bounds(GRANITE)
+        assert all(low <= start <= high for start in np.atleast_1d(one.starts(GRANITE)))
+        assert one.option == (parameter not in OF_CONTACT)
+        if one.option:  # the law takes it
+            shape = definition.shape(GRANITE, **{**definition.example, parameter: float(np.atleast_1d(one.starts(GRANITE))[0])})
+            assert type(shape) is type(make(name).shape)
+
+
+def test_colours_and_ranks_differ():
+    definitions = registry().values()
+    assert len({d.colour for d in definitions}) == len(definitions)
+    ranks = [d.rank for d in definitions if d.rank]
+    assert len(set(ranks)) == len(ranks) >= 4
+
+
+@pytest.mark.parametrize("name", EXACT)
+def test_kernels_follow_the_exact_equation(name):
+    """Force and stiffness against the law's equation in extended precision; a branch of it, too."""
+    definition, contact = find(name), GRANITE
+    overlap = contact.roughness * np.geomspace(1e-4, 30.0, 200)
+    for options in ({}, *({"branch": branch} for branch in definition.branches)):
+        law = dl.law(name, contact, **definition.example, **options)
+        overlap = overlap[overlap > max([k for k in law.kinks() if "branch" in options], default=0.0)]
+        overlap = overlap[np.all([np.abs(overlap / k - 1) > 1e-6 for k in [*law.kinks(), 1.0]], axis=0)]
+        force, stiffness = definition.exact(contact, overlap, **definition.example, **options)
+        np.testing.assert_allclose(quiet(law.force, overlap), force.astype(float), rtol=1e-14)
+        np.testing.assert_allclose(quiet(law.stiffness, overlap), stiffness.astype(float), rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", [n for n, d in registry().items() if d.before_yield is not None])
+def test_a_yielding_law_needs_what_its_rough_law_needs(name):
+    definition = find(name)
+    for loading in ("pohrt-popov", "yip-venart", "hertz"):
+        assert set(definition.needed(**definition.example, loading=loading)) == {*definition.needs, *find(loading).needs}
+
+
+def test_an_unknown_option_is_named():
+    with pytest.raises(dl.DemlawsError, match=r"law 'goddard'.*'steepness'"):
+        dl.law("goddard", GRANITE, slope=0.1, steepness=0.2)
+    with pytest.raises(dl.DemlawsError, match=r"law 'rms'.*'steepness'"):
+        dl.law("rough-plastic", GRANITE, yield_pressure=1e9, loading="rms", steepness=0.2)
+
+
+def _comparisons(path):
+    """Names of laws that the code of a file compares with, or looks up by."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Compare):
+            texts = [c.value for c in ast.walk(node) if isinstance(c, ast.Constant)]
+            yield from (t for t in texts if t in registry() and t not in RULES)
+        elif isinstance(node, ast.Dict):
+            yield from (
+                k.value for k in node.keys if isinstance(k, ast.Constant) and k.value in registry() and k.value not in RULES
+            )
+
+
+OURS = ["advice", "core", "measure", "plots", "driver.py", "joining.py", "make.py", "regime.py", "granite.py"]
+
+
+@pytest.mark.parametrize("part", OURS)
+def test_nothing_branches_on_the_name_of_a_law(part):
+    files = sorted((PACKAGE / part).rglob("*.py")) or [PACKAGE / part]
+    assert {file.name: names for file in files if (names := list(_comparisons(file)))} == {}

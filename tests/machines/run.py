@@ -1,0 +1,410 @@
+#!/usr/bin/env python3
+"""Another Debian release in a folder of this machine: README's commands and the engine tests there.
+
+    sudo python3 tests/machines/run.py debian-13                    # everything
+    sudo python3 tests/machines/run.py debian-sid --do granite      # only `make granite` on the bare system
+    sudo python3 tests/machines/run.py debian-13 --keep --do tests -- tests/engines/yade -k wall
+
+A root is made by mmdebstrap with what `apt-get install git make` brings, the last commit is cloned in, and the steps run
+in a chroot: granite, then the engines' packages and the test venv, checks (`demlaws yade check`, `demlaws liggghts check`),
+tests (pytest; arguments after --). Mirror, proxy, certificates and pip's configuration are the host's own. Needs root,
+mmdebstrap and 9 GB; standard library only. docs/machines.md says more.
+
+Exit status: 0 all steps passed, 1 a step failed in a root that was made, 2 wrong arguments, 75 no root could be made.
+"""
+
+import argparse
+import configparser
+import contextlib
+import fcntl
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+PROJECT = Path(__file__).resolve().parents[2]
+RELEASES = {"debian-12": "bookworm", "debian-13": "trixie", "debian-sid": "sid"}
+STEPS = ("granite", "checks", "tests")
+NO_ROOT = 75  # EX_TEMPFAIL of sysexits.h
+GIGABYTES = 9  # that must be free before a root is made; with engines, venv and pip's cache it holds about 5
+DAYS = 7  # after which a kept root is made anew
+TRIES = 3
+PREPARED = "engines and venv"
+INSIDE = "/home/demlaws"  # the clone, as seen in the root
+BUNDLE = "/etc/ssl/certs/ca-certificates.crt"
+CERTIFICATES = "/etc/host-certificates.crt"  # the host's, as seen in the root
+
+
+class NoRoot(Exception):
+    """The root could not be made or completed, for a reason that lies outside the project."""
+
+
+def say(text):
+    print(f"machines: {text}", flush=True)
+
+
+# --- what the host knows: mirror, proxy, certificates, pip
+
+
+def _output(*command):
+    try:
+        return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+
+
+def mirror():
+    """The archive that this host's apt reads Debian from, or None: mmdebstrap then takes the release's own."""
+    release = Path("/etc/os-release")
+    if "ID=debian" not in (release.read_text().splitlines() if release.is_file() else []):
+        return None
+    codename = re.search(r"^VERSION_CODENAME=(\S+)", release.read_text(), re.M)
+    for line in _output("apt-get", "indextargets", "--format", "$(REPO_URI) $(RELEASE)", "Created-By: Packages").splitlines():
+        uri, _, suite = line.partition(" ")
+        if uri.startswith("http") and suite in {"sid", "unstable", "testing", "stable", codename and codename.group(1)}:
+            return uri
+    return None
+
+
+def apt_options(suite):
+    """Network options of the host's apt, as lines of a configuration file."""
+    wanted = re.compile(r"Acquire::(https?::|Retries|Check-Valid-Until|Check-Date|Max-FutureTime)\S* ")
+    lines = [line for line in _output("apt-config", "dump").splitlines() if wanted.match(line) and "Detect" not in line]
+    if suite == "sid":  # its Release file expires within days, a mirror may lag behind or stand still
+        lines.append('Acquire::Check-Valid-Until "false";')
+    return [*lines, f'Acquire::Retries "{TRIES}";', 'Acquire::Languages "none";']
+
+
+def pip_mounts():
+    """[(path on the host, path in the root)]: pip's configuration files and the local folders that they name."""
+    home = Path.home()
+    files = [(Path(p), p) for p in ("/etc/pip.conf", "/etc/xdg/pip/pip.conf")]
+    files += [(home / ".pip/pip.conf", "/root/.pip/pip.conf"), (home / ".config/pip/pip.conf", "/root/.config/pip/pip.conf")]
+    if os.environ.get("PIP_CONFIG_FILE", os.devnull) != os.devnull:
+        files.append((Path(os.environ["PIP_CONFIG_FILE"]), os.environ["PIP_CONFIG_FILE"]))
+    files = [(path, inside) for path, inside in files if path.is_file()]
+    values = [os.environ.get(f"PIP_{name}", "") for name in ("FIND_LINKS", "INDEX_URL", "EXTRA_INDEX_URL")]
+    for path, _ in files:
+        parser = configparser.RawConfigParser()
+        parser.read(path)
+        values += [parser[s][key] for s in parser.sections() for key in parser[s] if key.endswith(("links", "index-url"))]
+    folders = set()
+    for word in " ".join(values).split():
+        folder = Path(word.removeprefix("file://"))
+        if folder.is_absolute() and folder.is_dir():
+            folders.add(folder.parent if folder.name == "simple" else folder)  # its pages point to files beside it
+    return [*files, *((folder, str(folder)) for folder in sorted(folders))]
+
+
+def certificates():
+    """The host's bundle of certificates, or None."""
+    named = (os.environ.get("PIP_CERT"), os.environ.get("SSL_CERT_FILE"), BUNDLE)
+    return next((path for path in named if path and Path(path).is_file()), None)
+
+
+def environment():
+    """What a command in the root sees: nothing of the host's but proxy and pip's options."""
+    passed = {k: v for k, v in os.environ.items() if k.lower().endswith("_proxy") or k.startswith("PIP_")}
+    trusted = ("PIP_CERT", "SSL_CERT_FILE", "REQUESTS_CA_BUNDLE", "CURL_CA_BUNDLE") if certificates() else ()
+    return {
+        **passed,
+        **dict.fromkeys(trusted, CERTIFICATES),
+        "PATH": "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin",
+        "HOME": "/root",
+        "LANG": "C.UTF-8",
+        "DEBIAN_FRONTEND": "noninteractive",
+        "CI": "true",  # an engine test that is skipped is a failure
+    }
+
+
+# --- the root
+
+
+# Everything runs in name spaces of its own: however this script ends, the kernel undoes the mounts and ends the processes.
+NAMESPACE = (
+    "setpriv",
+    "--pdeathsig",
+    "KILL",
+    "unshare",
+    "--mount",
+    "--pid",
+    "--fork",
+    "--kill-child",
+    "--mount-proc",
+    "--propagation",
+    "private",
+)
+ENTER = """
+set -e
+root=$1 folder=$2; shift 2
+mount --rbind /dev "$root/dev"
+mount --rbind /sys "$root/sys"
+mount -t proc proc "$root/proc"
+while [ "$1" != -- ]; do
+    if [ -d "$1" ]; then mkdir -p "$root$2"; else mkdir -p "$(dirname "$root$2")"; touch "$root$2"; fi
+    mount --bind "$1" "$root$2"
+    mount -o remount,bind,ro "$root$2"
+    shift 2
+done
+shift
+exec chroot "$root" sh -c 'cd "$1" && shift && exec "$@"' sh "$folder" "$@"
+"""
+
+
+class Root:
+    """A Debian release under `path`."""
+
+    def __init__(self, release, folder, ends):
+        self.suite = RELEASES[release]
+        self.path = folder / release
+        self.mark = folder / f"{release}.json"  # a root without it is not ours to remove
+        self.ends = ends  # time.monotonic() at which everything must be done
+
+    def run(self, *command, folder="/"):
+        """Exit status of a command in the root."""
+        self.copy_network()
+        mounts = [str(part) for pair in pip_mounts() for part in pair]
+        line = [*NAMESPACE, "sh", "-c", ENTER, "sh", str(self.path), folder, *mounts, "--", *command]
+        try:
+            return subprocess.run(line, env=environment(), stdin=subprocess.DEVNULL, timeout=self.left()).returncode
+        except subprocess.TimeoutExpired:
+            say(f"no time left: {' '.join(command)} was stopped")
+            return 124
+
+    def left(self):
+        return max(1.0, self.ends - time.monotonic())
+
+    def copy_network(self):
+        for name in ("/etc/resolv.conf", "/etc/hosts"):
+            if Path(name).is_file():
+                (self.path / name[1:]).unlink(missing_ok=True)
+                shutil.copy(name, self.path / name[1:])
+        if certificates():
+            shutil.copy(certificates(), self.path / CERTIFICATES[1:])
+            inside = self.path / BUNDLE[1:]
+            if not inside.exists():  # apt reads https mirrors before the package ca-certificates is there
+                inside.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy(certificates(), inside)
+
+    def usable(self):
+        """Whether a kept root is there, whole and young."""
+        try:
+            made = json.loads(self.mark.read_text())["made"]
+        except (OSError, ValueError, KeyError):
+            return False
+        return self.path.is_dir() and time.time() - made < DAYS * 86400
+
+    def make(self):
+        """Make the bare system: mmdebstrap, then the one apt line of the README."""
+        if os.geteuid():
+            raise NoRoot("this needs root: sudo python3 tests/machines/run.py …")
+        for tool, package in (("mmdebstrap", "mmdebstrap"), ("unshare", "util-linux"), ("git", "git")):
+            if not shutil.which(tool):
+                raise NoRoot(f"no {tool} here: apt-get install {package}")
+        if subprocess.run([*NAMESPACE, "mount", "-t", "tmpfs", "none", "/mnt"], capture_output=True).returncode:
+            raise NoRoot("this machine allows no mounts (a container without CAP_SYS_ADMIN?)")
+        self.remove()
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        free = shutil.disk_usage(self.path.parent).free / 1e9
+        if free < GIGABYTES:
+            raise NoRoot(f"{free:.1f} GB are free in {self.path.parent}, a root needs {GIGABYTES}: --folder names another")
+        line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet", "--dpkgopt=force-unsafe-io"]
+        line += [f"--aptopt={option}" for option in apt_options(self.suite)]
+        line += [self.suite, str(self.path), *filter(None, [mirror()])]
+        for attempt in range(1, TRIES + 1):
+            say(f"{self.suite}: mmdebstrap, try {attempt} of {TRIES}")
+            self.mark.write_text("{}")  # ours, not yet whole
+            try:
+                status = subprocess.run([*NAMESPACE, *line], stdin=subprocess.DEVNULL, timeout=self.left()).returncode
+            except subprocess.TimeoutExpired:
+                status = 124
+            if status == 0:
+                break
+            self.remove()
+            if self.left() <= 1:
+                raise NoRoot("mmdebstrap did not end in time")
+            if attempt < TRIES:
+                time.sleep(10 * attempt)
+        else:
+            raise NoRoot(f"mmdebstrap failed {TRIES} times (exit {status}); its last lines are above")
+        self.fetch("apt-get", "update", "-qq")
+        self.fetch("apt-get", "install", "-y", "-qq", "git", "make")
+        self.mark.write_text(json.dumps({"suite": self.suite, "made": time.time()}))
+
+    def fetch(self, *command):
+        """A command that needs nothing but the archive: three tries, then the network is to blame."""
+        for attempt in range(1, TRIES + 1):
+            if self.run(*command) == 0:
+                return
+            say(f"{' '.join(command)}: try {attempt} of {TRIES} failed")
+            time.sleep(5 * attempt)
+        raise NoRoot(f"{' '.join(command)} failed {TRIES} times in the new root")
+
+    def reaches_archive(self):
+        return self.run("apt-get", "update", "-qq", "-o", "APT::Update::Error-Mode=any") == 0
+
+    def clone(self):
+        """The last commit of this repository."""
+        changed = _output("git", "-C", str(PROJECT), "status", "--porcelain", "--untracked-files=no")
+        if changed:
+            say(f"{len(changed.splitlines())} changed files are not committed and not tested")
+        target = self.path / INSIDE[1:]
+        shutil.rmtree(target, ignore_errors=True)
+        trust = {"GIT_CONFIG_COUNT": "1", "GIT_CONFIG_KEY_0": "safe.directory", "GIT_CONFIG_VALUE_0": "*"}
+        line = ["git", "clone", "--quiet", "--no-hardlinks", "--depth=1", PROJECT.as_uri(), str(target)]
+        subprocess.run(line, check=True, env={**os.environ, **trust})
+        head = _output("git", "-C", str(target), "log", "-1", "--format=%h %s").strip()
+        say(f"cloned {head}")
+
+    def size(self):
+        return _output("du", "-sh", "--one-file-system", str(self.path)).split("\t")[0]
+
+    def remove(self):
+        if self.path.is_dir():
+            if not self.mark.is_file():
+                raise NoRoot(f"{self.path} is not a root that this script made: remove it, or name another --folder")
+            with open("/proc/self/mountinfo") as mounts:
+                if any(line.split()[4].startswith(f"{self.path}/") for line in mounts):
+                    raise NoRoot(f"something is mounted below {self.path}: unmount it first")
+        shutil.rmtree(self.path, ignore_errors=True)
+        self.mark.unlink(missing_ok=True)
+
+
+# --- the steps
+
+
+class Failed(Exception):
+    """A step did not pass."""
+
+
+def make(root, target, fetched):
+    """`make target`, again while the network may be what breaks it: until the file `fetched` is there."""
+    fetched = root.path / fetched[1:]
+    for attempt in range(1, TRIES + 1):
+        status = root.run("make", target, folder=INSIDE)
+        if status == 0 and fetched.exists():
+            return
+        if fetched.exists() or root.left() <= 1:
+            break
+        say(f"make {target}: try {attempt} of {TRIES} failed (exit {status})")
+    if not fetched.exists() and not root.reaches_archive():
+        raise NoRoot(f"make {target} failed and the archive cannot be reached")
+    raise Failed(f"exit {status}")
+
+
+def prepare(root):
+    """The engines' packages and the venv of the tests."""
+    make(root, "engines", "/usr/bin/liggghts")  # apt installs all of them or none
+    make(root, ".venv/.test", f"{INSIDE}/.venv/.test")
+    root.run("apt-get", "clean")
+
+
+def must(root, *command):
+    status = root.run(*command, folder=INSIDE)
+    if status:
+        raise Failed(f"exit {status}")
+
+
+def steps(wanted, pytest_arguments):
+    """[(name, function of the root)] in order."""
+    tests = ["-m", "pytest", "-q", "-n", str(os.cpu_count()), *(pytest_arguments or ["tests/engines"])]
+    plan = []
+    if "granite" in wanted:
+        plan.append(("make granite", lambda root: make(root, "granite", f"{INSIDE}/.venv/.plots")))
+    if {"checks", "tests"} & set(wanted):
+        plan.append((PREPARED, prepare))
+    if "checks" in wanted:
+        plan.append(("demlaws yade check", lambda root: must(root, ".venv/bin/demlaws", "yade", "check")))
+        plan.append(("demlaws liggghts check", lambda root: must(root, ".venv/bin/demlaws", "liggghts", "check")))
+    if "tests" in wanted:
+        plan.append((f"pytest {' '.join(tests[5:])}", lambda root: must(root, ".venv/bin/python", *tests)))
+    return plan
+
+
+@contextlib.contextmanager
+def alone(folder, release):
+    """One run a release and folder at a time."""
+    folder.mkdir(parents=True, exist_ok=True)
+    with open(folder / f"{release}.lock", "w") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            raise NoRoot(f"another run uses {folder / release}") from None
+        yield
+
+
+def default_folder():
+    cache = os.environ.get("XDG_CACHE_HOME")
+    return (Path(cache) if cache else Path.home() / ".cache") / "demlaws-machines"
+
+
+def arguments(argv):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("release", choices=RELEASES)
+    parser.add_argument("--do", nargs="+", choices=STEPS, default=list(STEPS), metavar="STEP", help=f"of {', '.join(STEPS)}")
+    parser.add_argument("--folder", type=Path, default=default_folder(), help="where roots stand (default %(default)s)")
+    parser.add_argument("--keep", action="store_true", help=f"leave the root for later runs, which use it for {DAYS} days")
+    parser.add_argument("--minutes", type=float, default=60.0, help="time for everything (default %(default)g)")
+    parser.add_argument("pytest", nargs="*", metavar="-- PYTEST ARGUMENTS", help="default: tests/engines")
+    own, after = (argv[: argv.index("--")], argv[argv.index("--") + 1 :]) if "--" in argv else (argv, [])
+    given = parser.parse_args(own)
+    given.pytest = after
+    given.folder = given.folder.resolve()
+    return given
+
+
+def main(argv=None):
+    given = arguments(sys.argv[1:] if argv is None else argv)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that what is below is cleaned up
+    began = time.monotonic()
+    root = Root(given.release, given.folder, began + 60 * given.minutes)
+    told, failed, verdict, status = [], 0, "", 0
+
+    def step(name, function):
+        """Run one step and note how it went; whether it passed."""
+        nonlocal failed
+        say(f"--- {name}")
+        start, result = time.monotonic(), "passed"
+        try:
+            function(root)
+        except Failed as error:
+            result, failed = f"FAILED ({error})", failed + 1
+        told.append(f"{name}: {result}, {time.monotonic() - start:.0f} s")
+        return result == "passed"
+
+    try:
+        with alone(given.folder, given.release):
+            try:
+                if root.usable():
+                    say(f"{root.path} is kept from an earlier run")
+                    root.fetch("apt-get", "update", "-qq")
+                else:
+                    step("root", Root.make)
+                root.clone()
+                for name, function in steps(given.do, given.pytest):
+                    if not step(name, function) and name == PREPARED:
+                        break  # nothing after it can run
+            finally:
+                say(f"{root.path} holds {root.size() if root.path.is_dir() else 'nothing'}")
+                if not given.keep or not root.usable():
+                    root.remove()
+        verdict, status = ("all passed", 0) if not failed else (f"{failed} of {len(told)} steps FAILED", 1)
+    except NoRoot as error:
+        verdict, status = f"NOT RUN: no root of {given.release}: {error}", NO_ROOT
+        if failed:  # that fault is the project's, whatever the network did later
+            verdict, status = f"{failed} steps FAILED, then no network: {error}", 1
+    except KeyboardInterrupt:
+        verdict, status = "interrupted", 128 + signal.SIGINT
+    for line in told:
+        say(f"{given.release}: {line}")
+    say(f"{given.release}: {verdict}, {time.monotonic() - began:.0f} s in all")
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

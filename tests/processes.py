@@ -1,0 +1,54 @@
+"""Python in a process of its own, and how many functions numba compiled there."""
+
+import os
+import subprocess
+import sys
+import textwrap
+from pathlib import Path
+
+import demlaws
+
+PACKAGE = Path(demlaws.__file__).parent
+
+COUNT = """
+from numba.core import event
+
+class Count(event.Listener):
+    compiled = []
+    def on_start(self, e):
+        self.compiled.append(str(e.data.get("dispatcher")))
+    def on_end(self, e):
+        pass
+
+event.register("numba:compile", Count())
+"""
+
+
+def counted(code):
+    """The program, in which numba tells `Count.compiled` of whatever it compiles."""
+    return COUNT + textwrap.dedent(code)
+
+
+def start(code, folder=PACKAGE.parent, **changes):
+    """The program at work, with the package that lies in `folder` and these changes to the environment (None: not set)."""
+    environment = {**os.environ, "PYTHONPATH": str(folder), **changes}
+    return subprocess.Popen(
+        [sys.executable, "-c", textwrap.dedent(code)],
+        env={name: str(value) for name, value in environment.items() if value is not None},
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def finish(process):
+    """What it has printed; it must end without an error."""
+    out, error = process.communicate(timeout=600)
+    assert process.returncode == 0, error
+    return out.strip()
+
+
+def python(code, folder=PACKAGE.parent, **changes):
+    """What a program prints."""
+    return finish(start(code, folder, **changes))
