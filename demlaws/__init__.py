@@ -7,9 +7,9 @@ import types
 TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would cost a third of the start
 if TYPE_CHECKING:
     from demlaws import driver as driver
-    from demlaws.advice.choose import Scene as Scene
     from demlaws.advice.choose import choose as choose
     from demlaws.advice.fit import fit as fit
+    from demlaws.advice.scene import Scene as Scene
     from demlaws.contact import Contact as Contact
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
@@ -28,7 +28,7 @@ _HOMES = {
     "DemlawsError": "demlaws.errors",
     "Law": "demlaws.law",
     "Material": "demlaws.contact",
-    "Scene": "demlaws.advice.choose",
+    "Scene": "demlaws.advice.scene",
     "Surface": "demlaws.contact",
     "Table": "demlaws.table",
     "ValidityWarning": "demlaws.errors",

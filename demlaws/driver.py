@@ -155,24 +155,22 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
 
 def _elastic_contact(law, mass, speed):
     """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
+    from scipy.optimize import brentq
+
     kinetic = 0.5 * mass * speed**2
-    low, high = 0.0, float(law.contact.radius)
+    high = float(law.contact.radius)
     if not float(law.energy(high)) > kinetic:  # also where a table ends before: its energy is not a number there
-        low, high = 0.0, float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
+        high = float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
         if not float(law.energy(high)) > kinetic:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
-    while high - low > 1e-13 * high:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        low, high = (middle, high) if float(law.energy(middle)) < kinetic else (low, middle)
+    peak = brentq(lambda overlap: float(law.energy(overlap)) - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
     x, weights = np.polynomial.legendre.leggauss(64)
     x = 0.5 * (x + 1.0)
-    overlap = high * (1.0 - x**2)
+    overlap = peak * (1.0 - x**2)
     v2 = speed**2 - 2.0 / mass * np.asarray(law.energy(overlap))
-    times = weights * 0.5 * 2.0 * x * high / np.sqrt(np.maximum(v2, 1e-300))
-    return high, 2.0 * float(np.sum(times))
+    times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
+    return peak, 2.0 * float(np.sum(times))
 
 
 STEP_SAFETY = 0.8

@@ -14,16 +14,15 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws import driver
-from demlaws.contact import Contact, Material
+from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.law import Path
 from demlaws.laws.registry import registry
 from demlaws.make import law
+from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.points import read_points  # noqa: F401  the reader of a test's points stands beside the tests
 
-GRANITE = Material(young=60.6e9, poisson=0.25, hardness=639 * 9.80665e6, density=2680.0)
-"""Mount Sorrel granite: Table 1 of the paper (639 kgf/mm²)."""
 _MODULUS = 0.5 * GRANITE.plane_modulus
 SWITCH_FORCE = 10.0
 """Load [N] at which the tests went over from displacement control to force control."""
@@ -59,20 +58,19 @@ class Test(NamedTuple):
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
-_SPHERES = 1.66e9
 _CONES = f"fractal dimension {CONE_DIMENSION} is assumed (the paper gives none)"
 TESTS = (
-    Test("SS(18-18)", 4.35 * MILLI, 2.40 * MICRO, 2.22, _SPHERES, ((100.0,),)),
-    Test("SS(12-18)", 3.58 * MILLI, 4.19 * MICRO, 2.29, _SPHERES, ((100.0, 0.0),)),
-    Test("SF(12)", 6.05 * MILLI, 6.56 * MICRO, 2.275, _SPHERES, ((100.0,),)),
-    Test("VS(18-18)", 4.04 * MILLI, 0.15 * MICRO, 2.075, _SPHERES, ((100.0,),)),
-    Test("RS(18-18)", 4.19 * MILLI, 5.34 * MICRO, 2.20, _SPHERES, ((100.0,),)),
+    Test("SS(18-18)", 4.35 * MILLI, 2.40 * MICRO, 2.22, GRANITE_YIELD_PRESSURE, ((100.0,),)),
+    Test("SS(12-18)", 3.58 * MILLI, 4.19 * MICRO, 2.29, GRANITE_YIELD_PRESSURE, ((100.0, 0.0),)),
+    Test("SF(12)", 6.05 * MILLI, 6.56 * MICRO, 2.275, GRANITE_YIELD_PRESSURE, ((100.0,),)),
+    Test("VS(18-18)", 4.04 * MILLI, 0.15 * MICRO, 2.075, GRANITE_YIELD_PRESSURE, ((100.0,),)),
+    Test("RS(18-18)", 4.19 * MILLI, 5.34 * MICRO, 2.20, GRANITE_YIELD_PRESSURE, ((100.0,),)),
     Test(
         "RFC10",
         0.96 * MILLI,
         5.04 * MICRO,
         CONE_DIMENSION,
-        1.66e9,
+        GRANITE_YIELD_PRESSURE,
         ((20.0, 0.0, 40.0, 0.0, 80.0, 0.0, 150.0, 0.0, 300.0, 0.0, 450.0, 0.0),),
         _CONES,
     ),

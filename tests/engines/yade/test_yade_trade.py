@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.advice.choose import Scene
+from demlaws.advice.scene import Scene
 from demlaws.measure import candidates, packings, peers, trade
 from demlaws.measure.costs import under_yade
 
