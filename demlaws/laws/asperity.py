@@ -191,8 +191,8 @@ def _prepare(
     load=None,
     max_force=None,
     poisson=0.3,
-    plastic_factor=0.71,
-    plastic_ratio=160.0,
+    plastic_factor=None,
+    plastic_ratio=None,
 ):
     """Shape of the law.
 
@@ -200,7 +200,8 @@ def _prepare(
     pair: of two rough bodies, `HeightMap.combined`. curve: "loading" or "reloading" (elastic, after a first loading to
     `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
     the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
-    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities. A map without any
+    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities
+    (without: aluminium's, with a warning). A map without any
     roughness gives Hertz's law.
     """
     if curve not in ("loading", "reloading"):
@@ -275,7 +276,11 @@ LAW = Definition(
     collapses=False,
     implicit=True,
     solved=True,
-    example={"surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6)},
+    example={
+        "surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6),
+        "plastic_factor": 0.71,
+        "plastic_ratio": 160.0,
+    },
     example_curve={"curve": "reloading", "load": 100.0},
     advise=plastic_asperities,
     label="asperities",
@@ -286,7 +291,7 @@ LAW = Definition(
         "load": Option("N", "above 0", "first loading before the reloading curve; needed by it"),
         "max_force": Option("N", "above 0", "end of the computed curve; without: the map's edge or bulk yield"),
         "poisson": Option("", "-1 to 0.5", "Poisson's ratio of the rough body"),
-        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness"),
-        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere"),
+        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness; without: aluminium's 0.71"),
+        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere; without: aluminium's 160"),
     },
 )
