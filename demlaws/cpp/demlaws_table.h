@@ -436,7 +436,8 @@ private:
 
   void fail(int line, const std::string &what) const {
     std::ostringstream out;
-    out << path_ << ", line " << line << ": " << what;
+    out << path_ << ", line " << line << ": ";
+    for (size_t i = 0; i < what.size(); i++) out << ((unsigned char)what[i] < 0x20 ? '?' : what[i]); // one line
     throw std::runtime_error(out.str());
   }
   enum Kind { NAME, OBJECT, CONTACT, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO };

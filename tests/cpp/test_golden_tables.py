@@ -37,7 +37,9 @@ def reader(tmp_path_factory):
     subprocess.run([*command, "-o", str(program)], check=True)
 
     def ask(*lines):
-        done = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [str(program)], input="\n".join(lines), capture_output=True, text=True, errors="replace", check=True
+        )
         return done.stdout.splitlines()
 
     return ask
