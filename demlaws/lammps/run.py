@@ -166,11 +166,21 @@ def run(script, ranks=1, variables=None, folder=None, log="log.lammps", plugin=T
         except BaseException:
             process.kill()
             raise
-    errors = [text.strip() for text in lines if text.startswith("ERROR")]
+    errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
     if process.returncode or errors:
-        reason = errors[0] if errors else "".join(lines[-8:]).strip()
+        reason = _message(lines[errors[0] :]) if errors else "".join(lines[-8:]).strip()
         raise DemlawsError(f"LAMMPS stopped (exit {process.returncode}): {reason}")
     return read_log(Path(folder) / log)
+
+
+def _message(lines):
+    """LAMMPS's error, which may go on over several lines, without the input line that it shows after it."""
+    text = ""
+    for line in lines[:8]:
+        if line.startswith(("Last ", "For more", "Abort", "application called", "---")) or not line.strip():
+            break
+        text += line.strip() + " "
+    return text.strip()
 
 
 _NUMBER = re.compile(r"[-+0-9.]")
