@@ -1,7 +1,11 @@
 """`demlaws lammps build | check | export | run`."""
 
 from demlaws.cli import example
+from demlaws.cli.liggghts import grain_arguments, grains_of
 
+EXPORT_EXAMPLE = """\
+  demlaws lammps export case --law pohrt-popov --radius 0.004 0.005 --roughness 1.7e-6 --fractal-dimension 2.22
+  cd case && ./run.sh 2"""
 
 def register(subparsers):
     """Add the sub-command and its own sub-commands."""
@@ -15,6 +19,10 @@ def register(subparsers):
 
     check = parts.add_parser("check", help="prove the plugin on this machine (15 s)", **example("  demlaws lammps check"))
     check.set_defaults(func=_check)
+
+    export = parts.add_parser("export", help="write a ready case: tables, input, runscript", **example(EXPORT_EXAMPLE))
+    grain_arguments(export)
+    export.set_defaults(func=_export)
 
     run = parts.add_parser(
         "run", help="run an input with the plugin", **example("  demlaws lammps run in.case -np 2 -var steps 5000")
@@ -37,6 +45,16 @@ def _check(arguments):
     from demlaws.lammps.check import check
 
     check()
+
+
+def _export(arguments):
+    from demlaws.lammps.export import export
+
+    grains, unloading, options = grains_of(arguments)
+    path = export(
+        arguments.folder, arguments.law, grains, unloading, options, rtol=arguments.rtol, load=arguments.load, count=arguments.count
+    )
+    print(f"wrote {path}; start {path.parent / 'run.sh'}")
 
 
 def _run(arguments):
