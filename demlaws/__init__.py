@@ -4,6 +4,23 @@ import importlib
 import sys
 import types
 
+TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would cost a third of the start
+if TYPE_CHECKING:
+    from demlaws import driver as driver
+    from demlaws.advice.choose import choose as choose
+    from demlaws.advice.fit import fit as fit
+    from demlaws.advice.scene import Scene as Scene
+    from demlaws.contact import Contact as Contact
+    from demlaws.contact import Material as Material
+    from demlaws.contact import Surface as Surface
+    from demlaws.driver import timestep as timestep
+    from demlaws.errors import DemlawsError as DemlawsError
+    from demlaws.errors import ValidityWarning as ValidityWarning
+    from demlaws.law import Law as Law
+    from demlaws.laws.registry import laws as laws
+    from demlaws.make import law as law
+    from demlaws.table import Table as Table
+
 __version__ = "0.1.0"
 
 _HOMES = {
@@ -11,7 +28,7 @@ _HOMES = {
     "DemlawsError": "demlaws.errors",
     "Law": "demlaws.law",
     "Material": "demlaws.contact",
-    "Scene": "demlaws.advice.choose",
+    "Scene": "demlaws.advice.scene",
     "Surface": "demlaws.contact",
     "Table": "demlaws.table",
     "ValidityWarning": "demlaws.errors",

@@ -2,26 +2,33 @@
 
 import math
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from demlaws.checks import real
 from demlaws.errors import DemlawsError
 
 
-def _check(owner, name, unit, remedy, *, low=0.0, high=math.inf, allow_low=False, allow_infinite=False, scalar=True):
+def _check(
+    owner: Any,
+    name: str,
+    unit: str,
+    remedy: str,
+    *,
+    low: float = 0.0,
+    high: float = math.inf,
+    allow_low: bool = False,
+    scalar: bool = True,
+    needed: bool = True,
+) -> None:
     """Turn a field into a float (or, where allowed, a float array) and refuse what is out of range."""
     value = getattr(owner, name)
-    if value is None:
+    if value is None and not needed:
         return
-    try:
-        array = np.asarray(value, dtype=float)
-    except (TypeError, ValueError):
-        raise DemlawsError(f"{name} must be a number in {unit or 'plain units'}, got {value!r}") from None
-    if array.ndim > (0 if scalar else 1):
-        raise DemlawsError(f"{name} must be {'one number' if scalar else 'a number or a 1-D array'}, got shape {array.shape}")
-    bad = ~((array >= low) if allow_low else (array > low)) | (array > high) | np.isnan(array)
-    if not allow_infinite:
-        bad |= np.isinf(array)
+    array = real(value, name, unit, array=not scalar)
+    bad = ~((array >= low) if allow_low else (array > low)) | (array > high) | ~np.isfinite(array)
     if np.any(bad):
         first = array if array.ndim == 0 else array[np.argmax(bad)]
         where = "" if array.ndim == 0 else f" (entry {int(np.argmax(bad))})"
@@ -31,7 +38,7 @@ def _check(owner, name, unit, remedy, *, low=0.0, high=math.inf, allow_low=False
 
 @dataclass(frozen=True)
 class Material:
-    """An elastic solid.
+    """An elastic solid. Each quantity a number in SI units, or text with a unit: "60.6GPa".
 
     young: Young's modulus E [Pa]; poisson: ν, above -1 and up to 0.5; hardness: indentation hardness H_m [Pa], needed
     by laws with plastic asperities; density [kg/m³], needed where mass matters.
@@ -42,36 +49,38 @@ class Material:
     hardness: float | None = None
     density: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check(self, "young", "Pa", "Young's modulus must be positive")
         _check(self, "poisson", "", "Poisson's ratio must be above -1 and at most 0.5", low=-1.0, high=0.5)
-        _check(self, "hardness", "Pa", "hardness must be positive (a Vickers number in kgf/mm² times 9.807e6)")
-        _check(self, "density", "kg/m³", "density must be positive")
+        _check(self, "hardness", "Pa", "hardness must be positive (a Vickers number in kgf/mm² times 9.807e6)", needed=False)
+        _check(self, "density", "kg/m³", "density must be positive", needed=False)
 
     @property
-    def plane_modulus(self):
+    def plane_modulus(self) -> float:
         """E/(1 - ν²) [Pa]."""
         return self.young / (1.0 - self.poisson**2)
 
 
 @dataclass(frozen=True)
 class Surface:
-    """A measured surface: rms roughness Sq [m] (0: smooth), fractal dimension in [2, 3], hardness [Pa]."""
+    """A measured surface: rms roughness Sq [m] (0: smooth), fractal dimension in [2, 3], hardness [Pa]; or text: "2.4um"."""
 
     roughness: float = 0.0
     fractal_dimension: float | None = None
     hardness: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check(self, "roughness", "m", "rms roughness Sq cannot be negative", allow_low=True)
         _check_dimension(self)
-        _check(self, "hardness", "Pa", "hardness must be positive")
+        _check(self, "hardness", "Pa", "hardness must be positive", needed=False)
 
-    def combined(self, other):
+    def combined(self, other: "Surface") -> "Surface":
         """The surface that, against a smooth flat, stands for this one against `other`.
 
         σ = √(Sq1² + Sq2²); Df is the mean of the two (our choice: the papers do not say), the hardness the lower one.
         """
+        if not isinstance(other, Surface):
+            raise DemlawsError(f"a Surface is combined with another Surface, got {other!r:.60}")
         dimensions = [d for d in (self.fractal_dimension, other.fractal_dimension) if d is not None]
         hardnesses = [h for h in (self.hardness, other.hardness) if h is not None]
         return Surface(
@@ -81,9 +90,9 @@ class Surface:
         )
 
 
-def _check_dimension(owner):
+def _check_dimension(owner: Any) -> None:
     remedy = "the fractal dimension of a surface lies in [2, 3] (Hurst exponent H = 3 - Df)"
-    _check(owner, "fractal_dimension", "", remedy, low=2.0, high=3.0, allow_low=True)
+    _check(owner, "fractal_dimension", "", remedy, low=2.0, high=3.0, allow_low=True, needed=False)
 
 
 @dataclass(frozen=True)
@@ -91,8 +100,9 @@ class Contact:
     """One contact, or an array of contacts that share a law.
 
     radius: effective radius R [m], 1/R = 1/R1 + 1/R2; modulus: effective modulus E* [Pa],
-    1/E* = (1-ν1²)/E1 + (1-ν2²)/E2; roughness: combined rms roughness σ = √(Sq1² + Sq2²) [m]; each a number or a 1-D
-    array with one entry a contact. fractal_dimension Df in [2, 3] and hardness H_m [Pa] are shared by all of them.
+    1/E* = (1-ν1²)/E1 + (1-ν2²)/E2; roughness: combined rms roughness σ = √(Sq1² + Sq2²) [m]; each a number, text with a unit
+    ("4.35mm") or a 1-D array with one entry a contact. fractal_dimension Df in [2, 3] and hardness H_m [Pa] are shared by
+    all of them.
     """
 
     radius: float | np.ndarray
@@ -101,13 +111,13 @@ class Contact:
     fractal_dimension: float | None = None
     hardness: float | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         _check(self, "radius", "m", "the effective radius must be positive (two flats have no Hertz contact)", scalar=False)
         _check(self, "modulus", "Pa", "the effective modulus E* must be positive", scalar=False)
         remedy = "rms roughness cannot be negative"
         _check(self, "roughness", "m", remedy, allow_low=True, scalar=False)
         _check_dimension(self)
-        _check(self, "hardness", "Pa", "hardness must be positive")
+        _check(self, "hardness", "Pa", "hardness must be positive", needed=False)
         try:
             np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in ("radius", "modulus", "roughness")))
         except ValueError:
@@ -121,33 +131,43 @@ class Contact:
     @classmethod
     def between(
         cls,
-        material1,
-        material2,
+        material1: Material,
+        material2: Material,
         *,
-        radius1,
-        radius2=math.inf,
-        roughness1=0.0,
-        roughness2=0.0,
-        fractal_dimension=None,
-        hardness=None,
-    ):
+        radius1: float | np.ndarray,
+        radius2: float | np.ndarray = math.inf,
+        roughness1: float | np.ndarray = 0.0,
+        roughness2: float | np.ndarray = 0.0,
+        fractal_dimension: float | None = None,
+        hardness: float | None = None,
+    ) -> "Contact":
         """Contact of two spheres of `radius1` and `radius2` [m] (inf: a flat).
 
         The hardness is the softer material's unless it is given. Radii and roughnesses may be arrays.
         """
-        for name, radius in (("radius1", radius1), ("radius2", radius2)):
-            if not np.all(np.asarray(radius) > 0):
-                raise DemlawsError(f"{name} = {radius} m: a radius must be positive (inf for a flat)")
-        for name, roughness in (("roughness1", roughness1), ("roughness2", roughness2)):
-            if not np.all(np.asarray(roughness) >= 0):
-                raise DemlawsError(f"{name} = {roughness} m: rms roughness Sq cannot be negative")
+        for name, material in (("material1", material1), ("material2", material2)):
+            if not isinstance(material, Material):
+                raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
+        given = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
+        values = {name: real(value, name, "m", array=True) for name, value in given.items()}
+        for name, value in values.items():
+            if name.startswith("radius") and not np.all(value > 0):
+                raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")
+            if not np.all(value >= 0):
+                raise DemlawsError(f"{name} = {value} m: rms roughness Sq cannot be negative")
+        try:
+            np.broadcast_shapes(*(value.shape for value in values.values()))
+        except ValueError:
+            sizes = {name: value.size for name, value in values.items()}
+            raise DemlawsError(f"one entry a contact is needed, got {sizes}; give arrays of one length") from None
+        radius1, radius2, roughness1, roughness2 = values.values()
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
         hardnesses = [m.hardness for m in (material1, material2) if m.hardness is not None]
         if hardness is None and hardnesses:
             hardness = min(hardnesses)
         return cls(
-            radius=1.0 / (1.0 / np.asarray(radius1, float) + 1.0 / np.asarray(radius2, float)),
+            radius=1.0 / (1.0 / radius1 + 1.0 / radius2),
             modulus=1.0 / (1.0 / material1.plane_modulus + 1.0 / material2.plane_modulus),
             roughness=np.hypot(roughness1, roughness2),
             fractal_dimension=fractal_dimension,
@@ -155,20 +175,24 @@ class Contact:
         )
 
     @property
-    def size(self):
+    def size(self) -> int | None:
         """Number of contacts, or None for a single one."""
         shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.roughness))
         return shape[0] if shape else None
 
-    def with_values(self, **changes):
+    def with_values(self, **changes: Any) -> "Contact":
         """A copy with some fields changed."""
+        unknown = changes.keys() - {field.name for field in fields(self)}
+        if unknown:
+            known = ", ".join(field.name for field in fields(self))
+            raise DemlawsError(f"a contact has no {', '.join(sorted(unknown))}: its fields are {known}")
         return replace(self, **changes)
 
-    def as_dict(self):
+    def as_dict(self) -> dict:
         """Plain numbers and lists, for files."""
         values = {field.name: getattr(self, field.name) for field in fields(self)}
         return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
 
-    def roughness_parameter(self, force):
+    def roughness_parameter(self, force: ArrayLike) -> float | np.ndarray:
         """α = σ (16 R E*²/(9 P²))^(1/3): roughness over Hertz overlap at `force` [N] (Greenwood, Johnson & Matsubara 1984)."""
         return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * np.asarray(force, float) ** 2)) ** (1 / 3)

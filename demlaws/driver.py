@@ -5,6 +5,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from demlaws.checks import number
 from demlaws.core import dispatch
@@ -13,6 +14,7 @@ from demlaws.core.fastmath import loop
 from demlaws.core.loops import evaluate_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
+from demlaws.law import Law, Path
 
 
 def _points(turning_points, unit):
@@ -28,7 +30,7 @@ def _count(steps):
     return int(steps)
 
 
-def displacement_controlled(law, turning_points, steps=200):
+def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
     """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps a branch: a `Path`.
 
     Overlaps below 0 part the bodies: the contact that closes next is a new one.
@@ -38,7 +40,7 @@ def displacement_controlled(law, turning_points, steps=200):
     return law.follow(np.concatenate([[0.0], *branches]))
 
 
-def force_controlled(law, turning_points, steps=200):
+def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
     """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps a branch: a `Path`.
 
     On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
@@ -109,7 +111,7 @@ class Impact(NamedTuple):
     force: np.ndarray
 
 
-def impact(law, mass, speed, steps_per_contact=1000):
+def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -> Impact:
     """A body of `mass` [kg] (of two: m1 m2/(m1 + m2)) meets the contact at `speed` [m/s]; nothing but the law damps it.
 
     Velocity Verlet with a step of 1/steps_per_contact of the elastic loading and unloading time.
@@ -153,24 +155,22 @@ def impact(law, mass, speed, steps_per_contact=1000):
 
 def _elastic_contact(law, mass, speed):
     """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
+    from scipy.optimize import brentq
+
     kinetic = 0.5 * mass * speed**2
-    low, high = 0.0, float(law.contact.radius)
+    high = float(law.contact.radius)
     if not float(law.energy(high)) > kinetic:  # also where a table ends before: its energy is not a number there
-        low, high = 0.0, float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
+        high = float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
         if not float(law.energy(high)) > kinetic:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
-    while high - low > 1e-13 * high:
-        middle = 0.5 * (low + high)
-        if middle in (low, high):
-            break
-        low, high = (middle, high) if float(law.energy(middle)) < kinetic else (low, middle)
+    peak = brentq(lambda overlap: float(law.energy(overlap)) - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
     x, weights = np.polynomial.legendre.leggauss(64)
     x = 0.5 * (x + 1.0)
-    overlap = high * (1.0 - x**2)
+    overlap = peak * (1.0 - x**2)
     v2 = speed**2 - 2.0 / mass * np.asarray(law.energy(overlap))
-    times = weights * 0.5 * 2.0 * x * high / np.sqrt(np.maximum(v2, 1e-300))
-    return high, 2.0 * float(np.sum(times))
+    times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
+    return peak, 2.0 * float(np.sum(times))
 
 
 STEP_SAFETY = 0.8
@@ -178,7 +178,7 @@ STEP_SAFETY = 0.8
 force law, Hertz's too, and oscillations of finite size grow (measured by `demlaws stability`)."""
 
 
-def timestep(law, mass, max_force):
+def timestep(law: Law, mass: float, max_force: float) -> float:
     """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
 
     1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. A body with
@@ -188,7 +188,7 @@ def timestep(law, mass, max_force):
     return STEP_SAFETY * 2.0 * math.sqrt(mass / stiffest(law, max_force))
 
 
-def stiffest(law, max_force):
+def stiffest(law: Law, max_force: float) -> float:
     """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
     force = number(max_force, "max_force", "N")
     p = law._single()

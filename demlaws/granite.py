@@ -9,22 +9,21 @@ import io
 import math
 import re
 import warnings
-from pathlib import Path as FilePath
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws import driver
-from demlaws.contact import Contact, Material
+from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.law import Path
 from demlaws.laws.greenwood_tripp import MU
 from demlaws.laws.registry import registry
 from demlaws.make import law
+from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
+from demlaws.points import read_points  # noqa: F401  the reader of a test's points stands beside the tests
 
-GRANITE = Material(young=60.6e9, poisson=0.25, hardness=639 * 9.80665e6, density=2680.0)
-"""Mount Sorrel granite: Table 1 of the paper (639 kgf/mm²)."""
 _MODULUS = 0.5 * GRANITE.plane_modulus
 SWITCH_FORCE = 10.0
 """Load [N] at which the tests went over from displacement control to force control."""
@@ -60,20 +59,19 @@ class Test(NamedTuple):
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
-_SPHERES = 1.66e9
 _CONES = f"fractal dimension {CONE_DIMENSION} is assumed (the paper gives none)"
 TESTS = (
-    Test("SS(18-18)", 4.35 * MILLI, 2.40 * MICRO, 2.22, _SPHERES, ((100.0,),)),
-    Test("SS(12-18)", 3.58 * MILLI, 4.19 * MICRO, 2.29, _SPHERES, ((100.0, 0.0),)),
-    Test("SF(12)", 6.05 * MILLI, 6.56 * MICRO, 2.275, _SPHERES, ((100.0,),)),
-    Test("VS(18-18)", 4.04 * MILLI, 0.15 * MICRO, 2.075, _SPHERES, ((100.0,),)),
-    Test("RS(18-18)", 4.19 * MILLI, 5.34 * MICRO, 2.20, _SPHERES, ((100.0,),)),
+    Test("SS(18-18)", 4.35 * MILLI, 2.40 * MICRO, 2.22, GRANITE_YIELD_PRESSURE, ((100.0,),)),
+    Test("SS(12-18)", 3.58 * MILLI, 4.19 * MICRO, 2.29, GRANITE_YIELD_PRESSURE, ((100.0, 0.0),)),
+    Test("SF(12)", 6.05 * MILLI, 6.56 * MICRO, 2.275, GRANITE_YIELD_PRESSURE, ((100.0,),)),
+    Test("VS(18-18)", 4.04 * MILLI, 0.15 * MICRO, 2.075, GRANITE_YIELD_PRESSURE, ((100.0,),)),
+    Test("RS(18-18)", 4.19 * MILLI, 5.34 * MICRO, 2.20, GRANITE_YIELD_PRESSURE, ((100.0,),)),
     Test(
         "RFC10",
         0.96 * MILLI,
         5.04 * MICRO,
         CONE_DIMENSION,
-        1.66e9,
+        GRANITE_YIELD_PRESSURE,
         ((20.0, 0.0, 40.0, 0.0, 80.0, 0.0, 150.0, 0.0, 300.0, 0.0, 450.0, 0.0),),
         _CONES,
     ),
@@ -382,7 +380,7 @@ def _law_claims(get, points):
         UNDECIDED,
     )
     against = {t: displacement_gained(get("yip-venart", t)) / displacement_gained(get("pohrt-popov", t)) for t in ROUGH_SPHERES}
-    fits = "; ".join(f"measured {t}: {points[t].ranking(get, t)}" for t in ROUGH_SPHERES if t in points)
+    fits = "; ".join(f"measured {t}: {_ranking(points[t], get, t)}" for t in ROUGH_SPHERES if t in points)
     yield Claim(
         "SS(18-18), SS(12-18), SF(12)",
         "Yip-Venart fits SS(18-18) and SS(12-18) and is too soft for SF(12)",
@@ -495,81 +493,10 @@ def effective_radius(alpha):
 # --- measured points
 
 
-class Points(NamedTuple):
-    """Measured points of one test, SI."""
-
-    displacement: np.ndarray
-    force: np.ndarray
-    source: str
-
-    def loading(self):
-        """The points up to the largest force, those above 0.1 N."""
-        end = int(np.argmax(self.force)) + 1
-        keep = self.force[:end] >= 0.1
-        return self.displacement[:end][keep], self.force[:end][keep]
-
-    def gain_over(self, bound):
-        """Displacement measured between the first and the last load, over the law's."""
-        displacement, force = self.loading()
-        return float((displacement[-1] - displacement[0]) / (bound.overlap(force[-1]) - bound.overlap(force[0])))
-
-    def misfit(self, bound):
-        """Root mean square difference in displacement [m] after the best shift of the measured zero."""
-        displacement, force = self.loading()
-        return float(np.std(displacement - bound.overlap(force)))
-
-    def ranking(self, get, test):
-        """Laws from the best to the worst misfit, as text."""
-        rows = sorted((self.misfit(get(name, test)), name) for name in laws_for_tests())
-        return ", ".join(f"{name} {misfit / MICRO:.2f} µm" for misfit, name in rows)
-
-
-_UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "n": 1.0, "kn": 1e3, "mn": 1e-3}
-
-
-def _unit(title, path):
-    match = re.search(r"[(\[_ ]\s*([A-Za-zµμ]+)\s*[)\]]?\s*$", title.strip())
-    unit = match.group(1).lower() if match else ""
-    if unit not in _UNITS:
-        raise DemlawsError(
-            f"{path}, line 1: no unit in the column title {title.strip()!r}: write 'displacement (um)' or 'force (N)'"
-        )
-    return _UNITS[unit]
-
-
-def read_points(path):
-    """Measured points from a CSV file with two columns, displacement and force, and their units in the header."""
-    path = FilePath(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as error:
-        raise DemlawsError(f"cannot read points {path}: {error}") from error
-    rows = list(csv.reader(io.StringIO(text)))
-    if not rows or len(rows[0]) < 2:
-        raise DemlawsError(f"{path}, line 1: two columns are needed, displacement and force with units, separated by commas")
-    titles = [t.lower() for t in rows[0]]
-    try:
-        columns = [next(i for i, t in enumerate(titles) if word in t) for word in ("displacement", "force")]
-    except StopIteration:
-        raise DemlawsError(
-            f"{path}, line 1: columns named displacement and force are needed, got {', '.join(rows[0])}"
-        ) from None
-    units = [_unit(rows[0][c], path) for c in columns]
-    values = []
-    for number, row in enumerate(rows[1:], start=2):
-        if not any(cell.strip() for cell in row):
-            continue
-        try:
-            pair = [float(row[c]) * u for c, u in zip(columns, units, strict=True)]
-        except (ValueError, IndexError):
-            raise DemlawsError(f"{path}, line {number}: two numbers are needed, got {','.join(row)!r}") from None
-        if not all(map(math.isfinite, pair)):
-            raise DemlawsError(f"{path}, line {number}: {','.join(row)!r} is not finite")
-        values.append(pair)
-    if len(values) < 3:
-        raise DemlawsError(f"{path}: {len(values)} points; at least 3 are needed")
-    displacement, force = np.array(values).T
-    return Points(displacement, force, path.name)
+def _ranking(points, get, test):
+    """Laws from the best to the worst misfit, as text."""
+    rows = sorted((points.misfit(get(name, test)), name) for name in laws_for_tests())
+    return ", ".join(f"{name} {misfit / MICRO:.2f} µm" for misfit, name in rows)
 
 
 # --- files

@@ -3,35 +3,70 @@
 The compiled loops know any law and any unloading rule; `Law` checks input, keeps units and shapes, and raises errors.
 """
 
+import itertools
 import math
+import os
 import warnings
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
+from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps
+from demlaws.contact import Contact
 from demlaws.core.grid import quick_to_invert
-from demlaws.core.loops import energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
+from demlaws.core.loops import batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.unloading import RULES, Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
 
 
 class State:
-    """History of n contacts: one array for each quantity that the unloading rule remembers; all zeros is virgin."""
+    """History of n contacts: one array for each quantity that the unloading rule remembers; all zeros is virgin.
+
+    `state.maximum_overlap` is that array; `state.maximum_overlap = saved` sets its values. A state can be copied and
+    pickled, to go on later.
+    """
 
     def __init__(self, names, size, dtype=np.float64):
-        self.names = tuple(names)
-        self.arrays = tuple(np.zeros(size, dtype) for _ in self.names)
+        try:
+            arrays = tuple(np.zeros(size, dtype) for _ in names)
+        except (TypeError, ValueError, MemoryError):
+            raise DemlawsError(
+                f"a state of n = {size!r} contacts in {dtype!r}: give a whole number and float64 or float32"
+            ) from None
+        self.__dict__.update(names=tuple(names), arrays=arrays)
 
-    def __getattr__(self, name):
-        if name != "names" and name in self.names:
-            return self.arrays[self.names.index(name)]
-        raise AttributeError(f"this state has {', '.join(self.names) or 'no quantities'}, not {name!r}")
+    def __getattr__(self, name: str) -> np.ndarray:
+        # of an object that pickle or copy has not filled yet there is nothing to look up
+        names = self.__dict__.get("names", ())
+        if name in names:
+            return self.arrays[names.index(name)]
+        raise AttributeError(f"this state has {', '.join(names) or 'no quantities'}, not {name!r}")
 
-    def copy(self):
+    def __setattr__(self, name: str, values: ArrayLike) -> None:
+        if name in ("names", "arrays"):
+            raise AttributeError(f"{name} belongs to the state that law.new_state made: set the values of its quantities")
+        array = getattr(self, name)
+        new = self._values(name, values)
+        if new.shape not in ((), array.shape):
+            raise DemlawsError(f"{name} holds {array.size} contacts, got values of shape {new.shape}: one entry each")
+        array[...] = new
+
+    @staticmethod
+    def _values(name, values):
+        try:
+            return np.asarray(values, dtype=float)
+        except (TypeError, ValueError):
+            raise DemlawsError(f"{name} must be numbers, one a contact, got {values!r}") from None
+
+    def __repr__(self):
+        return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"
+
+    def copy(self) -> "State":
         twin = State(self.names, 0)
-        twin.arrays = tuple(array.copy() for array in self.arrays)
+        twin.__dict__["arrays"] = tuple(array.copy() for array in self.arrays)
         return twin
 
 
@@ -47,7 +82,7 @@ class Path(NamedTuple):
     dissipated: np.ndarray
 
     @property
-    def work(self):
+    def work(self) -> np.ndarray:
         """Work done on the contact since the path began [J]: ∫P dδ, exact between the points of the path."""
         return self.stored + self.dissipated
 
@@ -61,7 +96,7 @@ class Law:
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
     largest_force = math.inf  # [N]: where a table ends
-    _maker = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
+    _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
 
     def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
         self.definition = definition
@@ -76,6 +111,7 @@ class Law:
         self.shape = shape
         self.params = bind_params(shape, contact) if params is None else params
         self._limits = None
+        self._end = None
         self._warned = set()
 
     def __repr__(self):
@@ -85,23 +121,23 @@ class Law:
 
     # --- joining with a rule
 
-    def joined(self, unloading):
+    def joined(self, unloading: "str | Law") -> "Law":
         """The same law of first loading with another unloading rule: a name, or a law or a `Table` as the curve to follow.
 
         Raises DemlawsError where the pair is not passive.
         """
         return self._maker.joined(self, unloading)
 
-    def bound_to(self, contact):
+    def bound_to(self, contact: Contact) -> "Law":
         """The same law and options for another contact (or array of contacts), elastic."""
         return Law(self.definition, contact, "elastic", self.options, self.definition.prepare(contact, **self.options))
 
-    def quick_shape(self):
+    def quick_shape(self) -> Any:
         """The Shape with which this law serves as an unloading curve: one whose inverse costs no search."""
         return quick_to_invert(self.shape)
 
     @property
-    def collapses(self):
+    def collapses(self) -> bool:
         """Whether one dimensionless curve (with a given unloading curve: one pair of curves) serves all contacts."""
         if self.unloading_law is None or not self.definition.collapses:
             return self.definition.collapses
@@ -109,7 +145,7 @@ class Law:
         # Hertz's curve has no length of its own
         return curve.collapses and (curve.name == "hertz" or curve.definition.length == self.definition.length)
 
-    def kinks(self):
+    def kinks(self) -> list[float]:
         """Overlaps [m] at which the stiffness of first loading (of one contact) jumps or has a kink."""
         return list(self.definition.kinks(loading_part(self.params), **self.options))
 
@@ -117,7 +153,10 @@ class Law:
 
     def _shaped(self, value, name, unit):
         try:
-            array = np.asarray(value, dtype=float)
+            array = np.asarray(value)
+            if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
+                raise TypeError
+            array = array.astype(float, copy=False)
         except (TypeError, ValueError):
             raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
         if not np.all(np.isfinite(array)):
@@ -134,6 +173,7 @@ class Law:
 
     def _both(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
+        self._check_range(values)
         force, stiffness = np.empty(values.size), np.empty(values.size)
         finite = evaluate_loop(Elastic(), self.params, values.ravel(), (), force, stiffness)
         if not finite:
@@ -147,47 +187,57 @@ class Law:
         end = math.inf if self.unloading_law is None else self.unloading_law.largest_force
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
-    def force(self, overlap):
+    def force(self, overlap: ArrayLike) -> float | np.ndarray:
         """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
         return _as_given(self._both(overlap)[0])
 
-    def stiffness(self, overlap):
+    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
         """Tangent stiffness K = dP/dδ [N/m] of first loading at `overlap` [m]; 0 at δ ≤ 0."""
         return _as_given(self._both(overlap)[1])
 
-    def overlap(self, force):
+    def overlap(self, force: ArrayLike) -> float | np.ndarray:
         """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
         inverse_loop(self.params, values.ravel(), result)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._force_out_of_range(float(values.max())))
+        self._check_range(result.reshape(shape))
         self._advise(values)
         return _as_given(result.reshape(shape))
 
     def _force_out_of_range(self, force):
         return f"force up to {force:g} N has no finite overlap"
 
-    def energy(self, overlap):
+    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
         """Work ∫P dδ [J] of first loading to `overlap` [m]."""
         values, shape = self._shaped(overlap, "overlap", "m")
+        self._check_range(values)
         result = np.empty(values.size)
         energy_loop(self.params, values.ravel(), result)
         return _as_given(result.reshape(shape))
 
     # --- history
 
-    def new_state(self, n=None, dtype=np.float64):
+    def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> State:
         """State of n virgin contacts (n: the contact's own size, or 1), kept as float64 or float32."""
         return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
 
-    def evaluate(self, overlap, state=None, out=None, parallel=False):
+    def evaluate(
+        self,
+        overlap: np.ndarray,
+        state: State | None = None,
+        out: tuple[np.ndarray, np.ndarray] | None = None,
+        parallel: bool = False,
+    ) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and tangent stiffness [N/m] of a batch of contacts; `state` is updated in place.
 
         overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
-        `new_state` returned (not needed by elastic laws); out: (force, stiffness) arrays to write to; parallel=True:
-        one thread a core. No input is checked before the loop. An overlap that is NaN, infinite or beyond a table's
-        range raises DemlawsError after it: that contact's force is not finite, all others are good.
+        `new_state` returned (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
+        spares the time that new memory takes; parallel=True: one thread a core. The overlaps are looked at in the loop
+        only. One that is NaN, infinite, beyond the contact's effective radius or beyond a table's range raises
+        DemlawsError after it: that contact's force is not finite, its history is as it was; all others are good. Overlaps
+        beyond a tenth of the radius give one warning.
         """
         overlap = np.asarray(overlap)
         if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
@@ -195,40 +245,91 @@ class Law:
         n = overlap.size
         if self.contact.size not in (None, n):
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
-        arrays = () if state is None else state.arrays
-        if len(arrays) != len(self.state_names):
-            raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns")
-        if any(array.size != n for array in arrays):
-            raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
-        force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else out
-        if force.shape != overlap.shape or stiffness.shape != overlap.shape:
-            raise DemlawsError(f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}")
+        arrays = self._arrays_of(state, n)
+        force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else _writable(out, overlap, arrays)
+        end, small = self._ends()
 
         def part(piece):
-            params = map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
+            params, ends = map_leaves(
+                lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, (self.params, (end,))
+            )
             states = tuple(array[piece] for array in arrays)
-            return evaluate_loop(self.rule, params, overlap[piece], states, force[piece], stiffness[piece])
+            return batch_loop(self.rule, params, overlap[piece], states, ends, small, force[piece], stiffness[piece])
 
-        if parallel and n >= 4096:
-            workers, pool = _threads()
-            edges = np.linspace(0, n, workers + 1).astype(int)
-            finite = all(list(pool.map(part, map(slice, edges[:-1], edges[1:]))))
-        else:
-            finite = part(slice(None))
-        if not finite:
-            bad = np.flatnonzero(~np.isfinite(force))
-            raise DemlawsError(f"contact {bad[0]} (of {bad.size}): {self._out_of_range(float(overlap[bad[0]]))}")
+        good = all(in_threads(part, n)) if parallel and n >= 2 * _PIECE else part(slice(None))
+        if not good:
+            bad = np.flatnonzero(~np.isfinite(force) | (overlap > end))
+            if bad.size:
+                force[bad] = math.nan
+                where = f"contact {bad[0]}" if bad.size == 1 else f"contact {bad[0]} (one of {bad.size})"
+                raise DemlawsError(f"{where}: {self._why_not_finite(overlap[bad[0]], bad[0])}")
+            self._check_range(overlap)
         return force, stiffness
+
+    def _ends(self):
+        """Largest overlap [m] that is answered, one number or one a contact, and the part of it that is small."""
+        if self._end is None:
+            radius = self.contact.radius
+            end = np.minimum(LARGEST_OVERLAP * np.asarray(radius), self._curve_end())
+            small = float(np.min(np.minimum(SMALL_OVERLAP * np.asarray(radius), end) / end))
+            self._end = (float(end) if end.ndim == 0 else np.ascontiguousarray(end)), small
+        return self._end
+
+    def _curve_end(self):
+        """Overlap [m] at which the curve ends: where a table that is the unloading curve does."""
+        force = math.inf if self.unloading_law is None else self.unloading_law.largest_force
+        if force == math.inf:
+            return math.inf
+        result = np.empty(self.contact.size or 1)
+        inverse_loop(self.params, np.full(result.size, force), result)
+        result[np.isnan(result)] = math.inf
+        return result if self.contact.size is not None else float(result[0])
+
+    def _arrays_of(self, state, n):
+        """The arrays of a batch's state, checked."""
+        if state is not None and not isinstance(state, State):
+            raise DemlawsError(f"state must be what law.new_state({n}) returns, got {state!r}")
+        names = () if state is None else state.names
+        if names != self.state_names:
+            given = "" if state is None else f"; this one has {', '.join(names) or 'no quantities'}"
+            raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns{given}")
+        arrays = () if state is None else state.arrays
+        if any(array.size != n for array in arrays):
+            raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
+        return arrays
+
+    def _why_not_finite(self, overlap, index):
+        overlap, radius = float(overlap), float(np.broadcast_to(self.contact.radius, self.contact.size or index + 1)[index])
+        if not math.isfinite(overlap):
+            return f"overlap is {overlap:g} m: give finite values"
+        if overlap > radius:
+            try:
+                check_overlaps(overlap, radius)
+            except DemlawsError as error:
+                return str(error)
+        return self._out_of_range(overlap)
+
+    def _check_range(self, overlap):
+        """Refuse overlaps beyond R, and warn once of those beyond a tenth of it."""
+        text = check_overlaps(overlap, self.contact.radius)
+        if text is not None and "large overlap" not in self._warned:
+            self._warned.add("large overlap")
+            warnings.warn(f"{self.name}: {text}", ValidityWarning, stacklevel=4)
 
     def _single(self):
         if self.contact.size is not None:
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
 
-    def follow(self, overlap, state=None):
+    def follow(self, overlap: ArrayLike, state: State | None = None) -> Path:
         """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
+        self._single()
         values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
+        if values.ndim != 1:
+            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
+        self._check_range(values)
         state = self.new_state(1) if state is None else state
+        self._arrays_of(state, 1)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
         follow_loop(self.rule, self._single(), values, state.arrays, history, *columns)
@@ -241,16 +342,17 @@ class Law:
         plastic = known.get("plastic_overlap", np.zeros(values.size))
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
-    def unloading_overlap(self, force, state):
+    def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
+        self._arrays_of(state, 1)
         result = np.empty(values.size)
         unload_loop(self.rule, self._single(), values.ravel(), state.arrays, result)
         return _as_given(result.reshape(shape))
 
     # --- range
 
-    def limits(self):
+    def limits(self) -> list:
         """The ranges of force [N] in which the law's source supports it, each with its reason."""
         if self._limits is None:
             self._limits = self.definition.limits(self.contact, **self.options)
@@ -271,7 +373,7 @@ class Law:
             self._warned.add(limit.reason)
             warnings.warn(f"{self.name} {range_left}: {limit.reason}", ValidityWarning, stacklevel=3)
 
-    def tabulate(self, rtol=1e-5, max_force=None):
+    def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> Any:
         """A `Table` of this law whose force and stiffness are within `rtol`, measured between its nodes."""
         return self._maker.tabulate(self, rtol=rtol, max_force=max_force)
 
@@ -280,15 +382,64 @@ def _as_given(array):
     return float(array) if array.ndim == 0 else array
 
 
+def _writable(out, overlap, state):
+    """The two arrays of `out`, or an error where the loop could not write to them or would write over what it reads."""
+    try:
+        force, stiffness = out
+    except (TypeError, ValueError):
+        raise DemlawsError(f"out must be two float arrays, for force and stiffness, got {out!r}") from None
+    for name, array in (("force", force), ("stiffness", stiffness)):
+        if not isinstance(array, np.ndarray) or array.dtype not in (np.float64, np.float32):
+            kind = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
+            raise DemlawsError(f"out's {name} must be a float64 or float32 array, got {kind}")
+        if not array.flags.writeable:
+            raise DemlawsError(f"out's {name} is read-only: give an array that may be written to")
+    if force.shape != overlap.shape or stiffness.shape != overlap.shape:
+        raise DemlawsError(f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}")
+    every = (overlap, force, stiffness, *state)
+    if all(array.base is None for array in every) and len({id(array) for array in every}) == len(every):
+        return force, stiffness  # each owns its memory
+    read = (("overlap", overlap), *(("the state", array) for array in state))
+    for mine, array, others in (("force", force, (*read, ("out's stiffness", stiffness))), ("stiffness", stiffness, read)):
+        for name, other in others:
+            if np.may_share_memory(array, other) and np.shares_memory(array, other):
+                raise DemlawsError(f"out's {mine} shares memory with {name}: give an array of its own")
+    return force, stiffness
+
+
+_PIECE = 8192
+"""Smallest number of contacts that is worth a thread's turn."""
 _pool = None
 
 
-def _threads():
-    """Number of threads and the pool that runs them, made on first use."""
+def _forget_pool():
+    """In a child made by fork the pool's threads do not exist: the next parallel call makes its own."""
+    global _pool
+    _pool = None
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forget_pool)
+
+
+def in_threads(part, n):
+    """Results of part(slice) over all of range(n), in pieces that this thread and those of the pool take in turn."""
     global _pool
     import numba
 
     workers = numba.config.NUMBA_NUM_THREADS
     if _pool is None or _pool._max_workers != workers:
         _pool = ThreadPoolExecutor(workers)
-    return workers, _pool
+    # several turns a thread: one that the system holds up then keeps the others waiting for a part of its share only
+    piece = -(-n // (4 * workers * _PIECE)) * _PIECE
+    numbers = itertools.count()  # next() is one operation for all threads
+
+    def work():
+        results = []
+        while (start := next(numbers) * piece) < n:
+            results.append(part(slice(start, min(start + piece, n))))
+        return results
+
+    others = [_pool.submit(work) for _ in range(workers - 1)]
+    own = work()
+    return [*own, *(result for other in others for result in other.result())]

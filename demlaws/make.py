@@ -2,9 +2,11 @@
 
 import os
 import sys
+from typing import Any
 
 import numpy as np
 
+from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
@@ -12,7 +14,7 @@ from demlaws.laws.registry import find
 from demlaws.table import Table, tabulate, take  # noqa: F401  laws call it as Law._maker.tabulate
 
 
-def law(name, contact, unloading="elastic", **options):
+def law(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:
     """Bind law `name` to `contact` and join it with a rule `unloading`: "elastic", "hertz", "thornton", or a curve.
 
     A curve is a law, a `Table` or the path of a saved table: the contact then unloads along that law's curve of first
@@ -20,6 +22,8 @@ def law(name, contact, unloading="elastic", **options):
     Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
     """
     definition = find(name)
+    if not isinstance(contact, Contact):
+        raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
     rule, curve = rule_and_curve(unloading)
     for field in definition.needs:
         if getattr(contact, field) is None:
@@ -73,7 +77,7 @@ def example_curve(name, contact, **options):
     return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), **options)
 
 
-def example(name, contact, unloading="elastic", **options):
+def example(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:
     """Law `name` as tests and measurements make it, joined with any rule of `unloading.RULES`."""
     curve = example_curve(name, contact, **options) if unloading == GIVEN else unloading
     return law(name, contact, curve, **{**find(name).example, **options})

@@ -14,20 +14,17 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws import checks
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError
 
-UNITS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "μm": 1e-6, "nm": 1e-9, "pm": 1e-12}
+UNITS = {**checks.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
 
 
 def length(text, name="length"):
     """Metres from "0.5um", "5e-7" or a number. Raises DemlawsError for anything else."""
-    match = re.fullmatch(r"\s*([-+0-9.eE]+)\s*([a-zµμ]*)\s*", str(text))
-    try:
-        value = float(match[1]) * UNITS[match[2] or "m"]
-    except (TypeError, ValueError, KeyError):
-        raise DemlawsError(f"{name} = {text!r}: give a length in m, or with one of the units {', '.join(UNITS)}") from None
+    value = float(checks.real(text, name, "m"))
     if not (math.isfinite(value) and value > 0):
         raise DemlawsError(f"{name} = {text!r}: a length must be positive")
     return value

@@ -8,9 +8,10 @@ bits of u. A cell with a kink is split there, and all cells right of it move up 
 
 import json
 import math
+import os
 import zlib
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -101,7 +102,7 @@ def _length(definition, contact):
     return (0.0, 1.0) if definition.length == "radius" or smooth else (1.0, 0.0)
 
 
-def tabulate(law, rtol=1e-5, max_force=None):
+def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
     """The smallest `Table` of `law` whose force and stiffness lie within `rtol`, measured between the nodes.
 
     The range ends at the overlap of `max_force` [N] or at a tenth of the radius, and goes down to where the law is a
@@ -268,32 +269,35 @@ class Table(Law):
         )
         return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
 
-    def quick_shape(self):
+    def quick_shape(self) -> Any:
         return quick_to_invert(self.shape, self.nodes.kinks)
 
-    def kinks(self):
+    def kinks(self) -> list[float]:
         return list(self.nodes.kinks * np.ravel(self.length)[0])
 
     @property
-    def loading_shape(self):
+    def loading_shape(self) -> Any:
         """`TableShape` of first loading."""
         return loading_part(self.shape)
 
     @property
-    def length(self):
+    def length(self) -> float | np.ndarray:
         """Length [m] that makes overlaps dimensionless, one a contact."""
         return loading_part(self.params).length
 
     @property
-    def largest_overlap(self):
+    def largest_overlap(self) -> float:
         """End of the table [m]."""
         return self.loading_shape.highest * np.min(self.length)
 
     @property
-    def largest_force(self):
+    def largest_force(self) -> float:  # type: ignore[override]
         """Force [N] at the end of the table."""
         scale = 0.75 * np.min(self.params.hertz_coefficient * np.asarray(self.length) ** 1.5)
         return float(scale * self.nodes.force[-1])
+
+    def _curve_end(self):
+        return np.minimum(super()._curve_end(), self.loading_shape.highest * np.asarray(self.length))
 
     def _out_of_range(self, overlap):
         return (
@@ -304,7 +308,7 @@ class Table(Law):
     def _force_out_of_range(self, force):
         return f"force {force:g} N is beyond the table, which ends at {self.largest_force:g} N: make it with a larger max_force"
 
-    def bound_to(self, contact):
+    def bound_to(self, contact: Contact) -> "Table":
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
         if not self.collapses:
             raise DemlawsError(
@@ -314,7 +318,7 @@ class Table(Law):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
         return Table(self, self.shape, self.nodes, (self.force_error, self.stiffness_error), self.rtol, contact)
 
-    def save(self, path):
+    def save(self, path: str | os.PathLike) -> None:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`."""
         from demlaws import __version__
 
@@ -364,7 +368,7 @@ class Table(Law):
         return write_atomically(path, "".join(parts))
 
     @classmethod
-    def load(cls, path):
+    def load(cls, path: str | os.PathLike) -> "Table":
         """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number."""
         path = Path(path)
         try:

@@ -1,4 +1,5 @@
-"""Shared settings. Helpers are plain modules beside this file: examples, references, accuracy."""
+"""Shared settings, and how tests are shared out. Helpers are plain modules beside this file: examples, references, accuracy,
+processes."""
 
 import os
 
@@ -25,11 +26,35 @@ def rng():
     return np.random.default_rng(20231)
 
 
+def _under(path, folder):
+    return f"tests/{folder}/" in str(path).replace(os.sep, "/")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """The engines first: what takes longest must not be begun last."""
+    items.sort(key=lambda item: not _under(item.path, "engines"))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """A file goes to one process, which makes its fixtures once; the files of LIGGGHTS all to the same one: two runs under MPI
+    at once would wait for each other's processors."""
+    from xdist.scheduler import LoadFileScheduling
+
+    class ByFile(LoadFileScheduling):
+        def _split_scope(self, nodeid):
+            return "liggghts" if _under(nodeid, "engines/liggghts") else super()._split_scope(nodeid)
+
+    config.option.loadscopereorder = False
+    return ByFile(config, log)
+
+
 _skipped_engines = []
 
 
 def pytest_runtest_logreport(report):
-    if report.skipped and "tests/engines" in report.nodeid.replace(os.sep, "/"):
+    if report.skipped and _under(report.nodeid, "engines"):
         _skipped_engines.append(report.nodeid)
 
 

@@ -1,14 +1,19 @@
 """What imports what, and what neither an import nor a call for help may load."""
 
 import ast
+import inspect
 import sys
 
 import pytest
 from processes import PACKAGE, python
 
 import demlaws
+from demlaws.advice.choose import Choice
+from demlaws.advice.fit import Fit
 from demlaws.cli import COMMANDS
+from demlaws.law import Path, State
 from demlaws.laws import MODULES
+from demlaws.laws.definition import Definition
 
 COMPILED = [path.relative_to(PACKAGE).as_posix() for path in sorted((PACKAGE / "core").glob("*.py"))]
 OUTSIDE = {"numpy", "numba", "llvmlite"}
@@ -69,6 +74,43 @@ def test_import_leaves_heavy_packages_alone():
     # whatever numba and numpy themselves bring along is not ours
     bare = python(code.replace("import demlaws", "import numba"))
     assert set(python(code).split()) <= set(bare.split())
+
+
+def test_type_checkers_see_the_public_names():
+    """They read the imports that a running program leaves out."""
+    (block,) = [node for node in ast.parse((PACKAGE / "__init__.py").read_text()).body if isinstance(node, ast.If)]
+    assert sorted(alias.name for node in block.body for alias in node.names) == demlaws.__all__
+    assert (PACKAGE / "py.typed").is_file()
+
+
+def signatures():
+    """Public functions and the public methods of public classes that the package itself writes."""
+    public = [getattr(demlaws, name) for name in demlaws.__all__] + [Definition, State, Path, Choice, Fit]
+    public += [value for value in vars(demlaws.driver).values() if getattr(value, "__module__", "") == "demlaws.driver"]
+    for value in public:
+        if inspect.isfunction(value) and not value.__name__.startswith("_"):
+            yield value
+        elif inspect.isclass(value):
+            for name, member in vars(value).items():
+                member = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
+                written = inspect.isfunction(member) and member.__code__.co_filename.startswith(str(PACKAGE))
+                if written and not name.startswith("_") and member.__name__ != "<lambda>":
+                    yield member
+
+
+def test_public_names_say_their_types():
+    found = {function.__qualname__: function for function in signatures()}
+    assert {"law", "laws", "choose", "fit", "timestep", "impact", "Law.force", "Contact.between", "Table.load"} <= set(found)
+    missing = []
+    for name, function in found.items():
+        wanted = {*inspect.signature(function).parameters, "return"} - {"self", "cls"}
+        missing += [f"{name}: {one}" for one in sorted(wanted - set(function.__annotations__))]
+    assert not missing
+
+
+def test_what_says_the_version_says_the_same():
+    text = (PACKAGE.parent / "CITATION.cff").read_text()
+    assert f"\nversion: {demlaws.__version__}\n" in text
 
 
 def test_import_loads_neither_numba_nor_numpy():

@@ -1,16 +1,23 @@
 """What every law of the registry must do, with every unloading rule that it takes."""
 
+import copy
+import itertools
 import math
+import os
+import pickle
+import signal
+import warnings
 
 import numpy as np
 import pytest
-from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, overlaps, pairs, quiet
+from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, overlaps, pairs, quiet, shared, telling
 from hypothesis import given
 from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
 from demlaws.joining import largest_stiffness_ratio
+from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.surface import HeightMap
@@ -24,7 +31,7 @@ EACH = [(name, contact) for name in LAWS for contact in CONTACTS]
 every_rough_law = pytest.mark.parametrize("name", [n for n, d in registry().items() if not d.needs_map])
 every_law = pytest.mark.parametrize("name", LAWS)
 every_contact = pytest.mark.parametrize(("name", "contact"), EACH)
-every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, telling))
 
 BATCH_OF_CONTACTS = dl.Contact(
     radius=np.array([3e-3, 4.35e-3, 5e-3, 6e-3, 4.1e-3]),
@@ -329,7 +336,169 @@ def test_nan_in_one_contact_is_reported_and_harms_no_other(name, unloading):
         np.testing.assert_array_equal(array, old)
 
 
+@every_pair
+@pytest.mark.parametrize("beyond", [math.inf, 1.001 * GRANITE.radius, math.nan, 1e300])
+def test_what_cannot_be_answered_leaves_the_history_as_it_was(name, unloading, beyond):
+    """Before: an infinite overlap left inf and NaN in the state, and every later force of that contact was NaN."""
+    law = make(name, unloading)
+    state = law.new_state(3) if law.state_size else None
+    law.evaluate(np.full(3, 5e-6), state)
+    kept = [array.copy() for array in state.arrays] if law.state_size else []
+    expected = law.evaluate(np.full(3, 4.8e-6), state)[0]
+    out = np.empty(3), np.empty(3)
+    with pytest.raises(dl.DemlawsError, match=r"contact 1: overlap .*(finite values|beyond R there is no answer)"):
+        law.evaluate(np.array([4.8e-6, beyond, 4.8e-6]), state, out)
+    assert math.isnan(out[0][1])
+    np.testing.assert_array_equal(out[0][[0, 2]], expected[[0, 2]])
+    for array, old in zip(state.arrays if law.state_size else (), kept, strict=True):
+        np.testing.assert_array_equal(array, old)
+    np.testing.assert_array_equal(law.evaluate(np.full(3, 4.8e-6), state)[0], expected)
+
+
+def test_beyond_the_end_of_a_table_the_history_stays():
+    table = make("pohrt-popov", "hertz").tabulate(rtol=1e-3, max_force=50.0)
+    many = make("pohrt-popov").tabulate(rtol=1e-3, max_force=50.0).bound_to(BATCH_OF_CONTACTS).joined("hertz")
+    for law in (table, many, dl.law("pohrt-popov", GRANITE, table.joined("elastic"))):
+        n = law.contact.size or 5
+        state = law.new_state(n)
+        law.evaluate(np.full(n, 2e-6), state)
+        kept = [array.copy() for array in state.arrays]
+        overlap = np.full(n, 1.9e-6)
+        overlap[1] = 2e-4
+        with pytest.raises(dl.DemlawsError, match=r"contact 1: .*table"):
+            law.evaluate(overlap, state)
+        for array, old in zip(state.arrays, kept, strict=True):
+            np.testing.assert_array_equal(array, old)
+
+
+# --- range
+
+
+def test_overlaps_beyond_a_tenth_of_the_radius_warn_once_and_beyond_the_radius_are_refused():
+    """Before: law.force(1.0) on R = 4.35 mm gave 2.8e9 N without a word."""
+
+    def fresh(**changes):
+        return dl.law("hertz", dl.Contact(4.35e-3, 32e9).with_values(**changes))
+
+    small, large, huge = 0.0999 * 4.35e-3, 0.11 * 4.35e-3, 1.0
+    for call in (
+        lambda law, x: law.force(x),
+        lambda law, x: law.stiffness(x),
+        lambda law, x: law.energy(x),
+        lambda law, x: law.overlap(4 / 3 * 32e9 * math.sqrt(4.35e-3) * x**1.5),
+        lambda law, x: law.follow([1e-6, x]),
+        lambda law, x: law.evaluate(np.array([1e-6, x])),
+    ):
+        law = fresh()
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", dl.ValidityWarning)
+            call(law, small)
+        with pytest.warns(dl.ValidityWarning, match=r"0.0004785 m is 0.11 of the effective radius R = 0.00435 m") as told:
+            call(law, large)
+            call(law, large)
+        assert len(told) == 1
+        with pytest.raises(dl.DemlawsError, match=r"1 m is 230 times the effective radius R = 0.00435 m"):
+            call(law, huge)
+    with pytest.warns(dl.ValidityWarning, match=r"\(3 of 5 contacts are beyond 0.1 R\)"):
+        fresh().evaluate(np.array([1e-6, large, 1e-6, 2 * large, large]))
+    several = fresh(radius=np.array([1e-3, 4.35e-3, 0.1]))
+    with pytest.warns(dl.ValidityWarning, match=r"0.00011 m is 0.11 of the effective radius R = 0.001 m \(1 of 3"):
+        several.evaluate(np.full(3, 1.1e-4))
+    with pytest.raises(dl.DemlawsError, match=r"contact 0 .one of 2.: overlap 0.005 m is 5 times"):
+        several.evaluate(np.full(3, 5e-3))
+
+
+# --- threads
+
+
+def test_parallel_works_in_a_child_made_by_fork():
+    """Before: the child waited for ever for threads that only its parent has."""
+    law, n = make("hertz"), 100_000
+    overlap = np.linspace(0.0, 1e-5, n)
+    expected = law.evaluate(overlap, parallel=True)[0]
+    child = os.fork()
+    if child == 0:
+        signal.alarm(20)  # a child that hangs is killed
+        os._exit(0 if np.array_equal(law.evaluate(overlap, parallel=True)[0], expected) else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
+def test_threads_share_the_work():
+    """Every contact once, in pieces of which each thread may take several."""
+    done = []
+    assert sum(in_threads(lambda piece: done.append(piece) or piece.stop - piece.start, 1_000_003)) == 1_000_003
+    ends = sorted((piece.start, piece.stop) for piece in done)
+    assert ends[0][0] == 0
+    assert ends[-1][1] == 1_000_003
+    assert all(a[1] == b[0] for a, b in itertools.pairwise(ends))
+    assert len(done) >= 4
+
+
+# --- what is kept
+
+
+def test_setting_a_quantity_of_a_state_sets_it():
+    """Before: `state.maximum_overlap = saved` was ignored without a word."""
+    law = make("pohrt-popov", "hertz")
+    state = law.new_state(3)
+    array = state.maximum_overlap
+    state.maximum_overlap = [1e-6, 2e-6, 3e-6]
+    state.plastic_overlap = 5e-7
+    np.testing.assert_array_equal(array, [1e-6, 2e-6, 3e-6])
+    np.testing.assert_array_equal(state.arrays[1], 5e-7)
+    with pytest.raises(dl.DemlawsError, match="maximum_overlap holds 3 contacts"):
+        state.maximum_overlap = np.zeros(4)
+    with pytest.raises(dl.DemlawsError, match="must be numbers"):
+        state.maximum_overlap = "deep"
+    with pytest.raises(AttributeError, match="maximum_overlap, plastic_overlap, not 'maximum'"):
+        state.maximum = 1.0
+    with pytest.raises(AttributeError, match="belongs to the state"):
+        state.arrays = ()
+
+
+TWINS = {"deepcopy": copy.deepcopy, "pickle": lambda thing: pickle.loads(pickle.dumps(thing))}
+
+
+@pytest.mark.parametrize("twin", TWINS.values(), ids=TWINS)
+def test_states_paths_and_contacts_can_be_copied_and_pickled(twin):
+    law = make("pohrt-popov", "thornton")
+    state = law.new_state(4, dtype=np.float32)
+    state.maximum_overlap = 3e-6
+    other = twin(state)
+    assert other.names == state.names
+    assert other.maximum_overlap is not state.maximum_overlap
+    assert [a.dtype for a in other.arrays] == [np.float32] * 3
+    np.testing.assert_array_equal(other.arrays, state.arrays)
+    path = law.follow([1e-6, 3e-6, 2e-6])
+    np.testing.assert_array_equal(twin(path), path)
+    np.testing.assert_array_equal(twin(path).work, path.work)
+    assert twin(GRANITE) == GRANITE
+    np.testing.assert_array_equal(twin(BATCH_OF_CONTACTS).radius, BATCH_OF_CONTACTS.radius)
+
+
+@every_pair
+@pytest.mark.parametrize("twin", TWINS.values(), ids=TWINS)
+def test_laws_and_tables_can_be_copied_and_pickled(name, unloading, twin):
+    law = make(name, unloading)
+    overlap = np.array([1e-6, 3e-6, 2.9e-6])
+    for thing in (law, law.tabulate(rtol=1e-3)) if name == "pohrt-popov" else (law,):
+        again = twin(thing)
+        assert repr(again) == repr(thing)
+        np.testing.assert_array_equal(again.follow(overlap).force, thing.follow(overlap).force)
+
+
 # --- errors
+
+
+def read_only(n):
+    arrays = np.zeros(n), np.zeros(n)
+    arrays[1].flags.writeable = False
+    return arrays
+
+
+def in_place(law, out):
+    overlap, state = np.full(3, 1e-6), law.new_state(3)
+    law.evaluate(overlap, state, out(overlap, state))
 
 
 @pytest.mark.parametrize(
@@ -346,6 +515,28 @@ def test_nan_in_one_contact_is_reported_and_harms_no_other(name, unloading):
         (lambda law: law.evaluate(np.zeros(3)), r"needs the state that law.new_state\(3\)"),
         (lambda law: law.evaluate(np.zeros(3), law.new_state(4)), "state holds 4 contacts, overlap has 3"),
         (lambda law: law.evaluate(np.zeros(3), law.new_state(3), out=(np.zeros(2), np.zeros(3))), "out holds arrays of shape"),
+        (lambda law: law.evaluate(np.zeros(3), law.new_state(3), out=(np.zeros(3, int), np.zeros(3))), "out's force .* int64"),
+        (lambda law: law.evaluate(np.zeros(3), law.new_state(3), out=(np.zeros(3), [0, 0, 0])), "out's stiffness .* got list"),
+        (lambda law: law.evaluate(np.zeros(3), law.new_state(3), out=3), "out must be two float arrays"),
+        (lambda law: law.evaluate(np.zeros(3), law.new_state(3), out=read_only(3)), "out's stiffness is read-only"),
+        (lambda law: in_place(law, lambda x, s: (x, np.zeros(3))), "out's force shares memory with overlap"),
+        (lambda law: in_place(law, lambda x, s: (np.zeros(3), s.arrays[1])), "out's stiffness shares memory with the state"),
+        (lambda law: in_place(law, lambda x, s: (s.arrays[0][::-1], x)), "out's force shares memory with the state"),
+        (lambda law: in_place(law, lambda x, s: [np.zeros(3)] * 2), "out's force shares memory with out's stiffness"),
+        (lambda law: law.evaluate(np.zeros(3), np.zeros(3)), r"state must be what law.new_state\(3\) returns"),
+        (lambda law: law.evaluate(np.zeros(3), make("hertz", "thornton").new_state(3)), "this one has .*radius_ratio"),
+        (lambda law: law.evaluate(np.zeros(3), make("hertz").new_state(3)), "this one has no quantities"),
+        (
+            lambda law: law.follow([[1e-6, 2e-6], [3e-6, 1e-6]]),
+            r"1-D sequence of overlaps in m, got an array of shape \(2, 2\)",
+        ),
+        (lambda law: law.follow([1e-6], law.new_state(2)), "state holds 2 contacts, overlap has 1"),
+        (lambda law: law.follow([1e-6], 3), "state must be what"),
+        (lambda law: law.unloading_overlap(1.0, None), "needs the state"),
+        (lambda law: law.force(None), "overlap must be a number or an array in m, got None"),
+        (lambda law: law.force(1e-6 + 0j), "overlap must be a number"),
+        (lambda law: law.new_state("many"), "n = 'many'"),
+        (lambda law: law.new_state(-1), "n = -1"),
     ],
 )
 def test_bad_calls(call, text):

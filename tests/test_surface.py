@@ -45,7 +45,7 @@ def test_blocks_of_rows_give_the_same_fit(monkeypatch):
 
 
 @pytest.mark.parametrize("hurst", [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95])
-@pytest.mark.parametrize("size", [512, 1024])
+@pytest.mark.parametrize("size", [512, pytest.param(1024, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_fractal_dimension_of_self_affine_maps(hurst, size, periodic):
     """Both methods within 0.05 of 3 - H, on three maps each."""
@@ -192,7 +192,7 @@ def test_bad_arguments_are_named(tmp_path):
     for call, words in (
         (lambda: surface.read(tmp_path / "none.npy"), "no such height map"),
         (lambda: surface.read(path), "pixel size"),
-        (lambda: surface.read(path, pixel="1 inch"), "length in m"),
+        (lambda: surface.read(path, pixel="1 inch"), "number in m, or with one of the units"),
         (lambda: surface.read(path, pixel="-1um"), "positive"),
         (lambda: surface.read(path, pixel=1e-6, unit="feet"), "units of height"),
         (lambda: surface.read(path, pixel=1e-6).without_form(20), "form order"),

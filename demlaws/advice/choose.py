@@ -1,13 +1,12 @@
 """The cheapest law that a scene allows: what its loads never reach is left out, and each omission's error is stated.
 
-A `Scene` says what happens; `choose` binds the richest law that the scene's quantities determine (the reference), strips
-it step by step, predicts each candidate's error over the scene's contacts and loads, measures what an evaluation costs
-on this machine, and ranks. Errors are those against the reference; how well that describes the grains is `demlaws fit`'s
-question.
+`choose` binds the richest law that a `Scene`'s quantities determine (the reference), strips it step by step, predicts each
+candidate's error over the scene's contacts and loads, measures what an evaluation costs on this machine, and ranks.
+Errors are those against the reference; how well that describes the grains is `demlaws fit`'s question.
 """
 
-import itertools
 import math
+import os
 import warnings
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -15,402 +14,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number
-from demlaws.contact import Contact, Material, Surface
+from demlaws.advice.scene import Scene, samples
+from demlaws.contact import Contact
 from demlaws.driver import timestep
-from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.laws.registry import find
+from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
+from demlaws.law import Law
+from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
+from demlaws.materials import DENSITY
+from demlaws.measure.errors import error_of
 from demlaws.measure.timing import Batch, nanoseconds
 from demlaws.table import Table, tabulate
 
-QUANTITIES = {
-    "force": "force at equal overlap, over the contact's largest force so far",
-    "stiffness": "tangent stiffness at equal force, relative",
-    "overlap": "overlap at equal force, over the overlap at the largest force so far",
-    "energy": "work of loading to equal force and what a cycle dissipates, over the work of loading",
-    "restitution": "restitution coefficient at equal energy of impact, absolute",
-}
-ENGINES = ("python", "yade", "liggghts")
-FRACTIONS = (0.01, 0.1, 0.3, 0.6, 0.9, 0.99)
-"""Forces of unloading, over the largest force so far, at which cyclic scenes are compared."""
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
 _ROUNDING = 1e-13
-_POINTS = 2800
 _TIMED = 100_000
-
-
-@dataclass(frozen=True)
-class Scene:
-    """What a simulation's contacts go through. SI units.
-
-    radii: radius of the grains, or the smallest and largest; materials, surfaces: one for all grains, or lists of equal
-    length, one entry a kind of grain; force: (smallest, largest) normal force that matters [N]; pressure: (smallest,
-    largest) mean stress [Pa] of a packing, from which forces follow; loads: forces [N] of an actual run; speed: fastest
-    approach [m/s]: an impact's peak force widens the range; one of force, pressure, loads, speed must be given. cyclic:
-    contacts unload and reload; quantity: what must be right, a key of `QUANTITIES`; tolerance: largest error of it;
-    engine: one of `ENGINES`; walls: grains touch flats of their own kind; yield_pressure p_y [Pa], where the bulk may
-    yield; reference, reference_options: law to hold the others against (default: the richest that the quantities given
-    determine); porosity, coordination: of the packing, for pressure and time step; classes: radii [m] of grains that come
-    in a few sizes, such as LIGGGHTS's particle types, in place of `radii`.
-    """
-
-    radii: float | tuple = ()
-    materials: Material | tuple = ()
-    surfaces: Surface | tuple = field(default_factory=Surface)
-    force: tuple | None = None
-    pressure: tuple | None = None
-    loads: np.ndarray | None = None
-    speed: float = 0.0
-    cyclic: bool = False
-    quantity: str = "force"
-    tolerance: float = 0.05
-    engine: str = "python"
-    walls: bool = False
-    yield_pressure: float | None = None
-    reference: str | None = None
-    reference_options: dict = field(default_factory=dict)
-    porosity: float = 0.4
-    coordination: float = 6.0
-    classes: tuple = ()
-    name: str = ""
-
-    def __post_init__(self):
-        classes = tuple(sorted({number(r, "classes", "m") for r in np.ravel(self.classes)}))
-        object.__setattr__(self, "classes", classes)
-        radii = classes or tuple(number(r, "radii", "m") for r in np.ravel(self.radii))
-        if not radii:
-            raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
-        object.__setattr__(self, "radii", (min(radii), max(radii)))
-        materials = (self.materials,) if isinstance(self.materials, Material) else tuple(self.materials)
-        surfaces = (self.surfaces,) if isinstance(self.surfaces, Surface) else tuple(self.surfaces)
-        kinds = max(len(materials), len(surfaces))
-        if {len(materials), len(surfaces)} - {1, kinds} or not kinds:
-            raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one a kind of grain")
-        object.__setattr__(self, "materials", materials * (kinds // len(materials)))
-        object.__setattr__(self, "surfaces", surfaces * (kinds // len(surfaces)))
-        for label, unit in (("force", "N"), ("pressure", "Pa")):
-            if getattr(self, label) is not None:
-                object.__setattr__(self, label, _range(getattr(self, label), label, unit))
-        if self.loads is not None:
-            loads = np.asarray(self.loads, float).ravel()
-            loads = loads[loads > 0.0]
-            if not loads.size or not np.all(np.isfinite(loads)):
-                raise DemlawsError("loads must be finite forces in N, some above 0")
-            object.__setattr__(self, "loads", loads)
-        number(self.speed, "speed", "m/s", allow_low=True)
-        if self.force is None and self.pressure is None and self.loads is None and not self.speed:
-            raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, loads, or speed in m/s")
-        number(self.tolerance, "tolerance", "", 0.0, 1.0)
-        number(self.porosity, "porosity", "", 0.0, 0.95)
-        number(self.coordination, "coordination", "", 0.0, 20.0)
-        if self.yield_pressure is not None:
-            number(self.yield_pressure, "yield_pressure", "Pa")
-        for label, known in (("quantity", QUANTITIES), ("engine", ENGINES)):
-            if getattr(self, label) not in known:
-                raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(known)}")
-
-    @classmethod
-    def load(cls, path):
-        """A scene from a TOML file; its keys are the fields, see the examples of `demlaws choose --help`."""
-        return _from_toml(Path(path))
-
-    def with_fit(self, fit):
-        """This scene with the surface, the modulus and the law that `demlaws.fit` found for its contacts."""
-        contact = fit.contact
-        poisson = self.materials[0].poisson
-        material = replace(self.materials[0], young=2.0 * contact.modulus * (1.0 - poisson**2), hardness=contact.hardness)
-        surface = Surface(contact.roughness / math.sqrt(2.0), contact.fractal_dimension, contact.hardness)
-        changes = {"materials": material, "surfaces": surface, "reference": fit.name, "reference_options": fit.law.options}
-        return replace(self, **changes, yield_pressure=fit.law.options.get("yield_pressure"))
-
-    @property
-    def unloads(self):
-        """Whether unloading matters."""
-        return self.cyclic or self.quantity == "restitution"
-
-    def contacts(self, radius):
-        """One Contact a pair of kinds of grain, all of effective radius `radius` [m] (a number or an array)."""
-        kinds = list(zip(self.materials, self.surfaces, strict=True))
-        pairs = []
-        for (m1, s1), (m2, s2) in itertools.combinations_with_replacement(kinds, 2):
-            joined = s1.combined(s2)
-            hardness = [h for h in (m1.hardness, m2.hardness, joined.hardness) if h is not None]
-            pairs.append(
-                Contact(
-                    radius,
-                    1.0 / (1.0 / m1.plane_modulus + 1.0 / m2.plane_modulus),
-                    joined.roughness,
-                    joined.fractal_dimension,
-                    min(hardness) if hardness else None,
-                )
-            )
-        return pairs
-
-    def effective_radii(self):
-        """Smallest and largest effective radius [m]."""
-        return 0.5 * self.radii[0], self.radii[1] if self.walls else 0.5 * self.radii[1]
-
-    def pair_radii(self):
-        """Every effective radius [m] that grains of `classes` can have."""
-        pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
-        return sorted({*pairs, *(self.classes if self.walls else ())})
-
-    def kinds(self):
-        """Pairs of numbers of kinds of grain, in the order of `contacts`."""
-        return list(itertools.combinations_with_replacement(range(len(self.materials)), 2))
-
-    def grains(self):
-        """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
-        from demlaws.liggghts.export import Grain
-
-        sizes = self.classes or tuple(dict.fromkeys(self.radii))
-        return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]
-
-    def mass(self, radius):
-        """Mass [kg] of the lightest kind of grain whose contact with its like has effective radius `radius` [m]."""
-        density = min(2650.0 if m.density is None else m.density for m in self.materials)
-        return density * 4.0 / 3.0 * math.pi * (2.0 * np.asarray(radius)) ** 3
-
-    def mean_force(self, pressure, radius):
-        """Mean normal force [N] of a packing of grains of one size: p π d²/((1 - porosity) Z) (Rothenburg & Bathurst 1989)."""
-        return math.pi * (4.0 * np.asarray(radius)) ** 2 * pressure / ((1.0 - self.porosity) * self.coordination)
-
-    def force_range(self, contact):
-        """Smallest and largest normal force [N] that matter, one a contact."""
-        ranges = []
-        one = np.ones(np.shape(contact.radius))
-        if self.force is not None:
-            ranges.append((self.force[0] * one, self.force[1] * one))
-        if self.loads is not None:
-            ranges.append((self.loads.min() * one, self.loads.max() * one))
-        if self.pressure is not None:  # forces of a packing: an exponential tail to some 6 means, few below 0.05
-            low, high = (self.mean_force(p, contact.radius) for p in self.pressure)
-            ranges.append((0.05 * low, 6.0 * high))
-        if self.speed:
-            # Hertz impact of two grains: (5/4 m v²)^(3/5) k^(2/5) with m the reduced mass
-            mass = 0.5 * self.mass(contact.radius)
-            peak = (1.25 * mass * self.speed**2) ** 0.6 * (4 / 3 * contact.modulus * np.sqrt(contact.radius)) ** 0.4
-            ranges.append((1e-3 * peak if not ranges else peak, peak))
-        return np.min([r[0] for r in ranges], axis=0), np.max([r[1] for r in ranges], axis=0)
-
-
-def _range(value, label, unit):
-    pair = [number(v, label, unit) for v in np.ravel(value)]
-    if len(pair) == 1:
-        pair = [0.01 * pair[0], pair[0]]
-    if len(pair) != 2 or pair[0] > pair[1]:
-        raise DemlawsError(f"{label} = {value!r}: give the smallest and the largest in {unit}")
-    return tuple(pair)
-
-
-def _from_toml(path):
-    try:
-        import tomllib
-    except ImportError:
-        try:
-            import tomli as tomllib
-        except ImportError as error:
-            raise DemlawsError("scene files need Python 3.11 or 'pip install tomli'") from error
-    try:
-        text = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DemlawsError(f"cannot read scene {path}: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise DemlawsError(f"{path}: {error}") from error
-    measured = text.pop("measured", None)
-    values = {}
-    try:
-        for key, kind in (("material", Material), ("surface", Surface)):
-            given = text.pop(f"{key}s", text.pop(key, None))
-            if given is not None:
-                values[f"{key}s"] = [kind(**entry) for entry in ([given] if isinstance(given, dict) else given)]
-        reference = text.pop("reference", None)
-        if isinstance(reference, dict):
-            values["reference"] = reference.pop("law", None)
-            values["reference_options"] = reference
-        elif reference is not None:
-            values["reference"] = reference
-        scene = Scene(**values, **text)
-    except TypeError as error:
-        names = ", ".join(f for f in Scene.__dataclass_fields__)
-        raise DemlawsError(f"{path}: {str(error).split(') ')[-1]}; a scene's keys are {names}") from None
-    if measured is not None:
-        scene = scene.with_fit(_fit_measured(scene, measured, path))
-    return scene
-
-
-def _fit_measured(scene, measured, path):
-    from demlaws.advice.fit import fit
-    from demlaws.granite import read_points
-
-    unknown = set(measured) - {"points", "radius", "laws", "free", "unloading"}
-    if unknown or "points" not in measured or "radius" not in measured:
-        raise DemlawsError(
-            f"{path}: [measured] needs points (a CSV file) and radius (effective, m); may have laws, free, unloading"
-        )
-    points = read_points(path.parent / measured["points"])
-    contact = scene.contacts(number(measured["radius"], "radius", "m"))[0]
-    return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
-
-
-# --- what a law does, and how far it is from the reference
-
-
-class Sample(NamedTuple):
-    """Contacts of a scene, each with the largest force that it has carried."""
-
-    contact: Contact
-    peak: np.ndarray  # [N]
-    weight: np.ndarray  # share of the load distribution
-
-
-class _Loaded:
-    """A law on a sample, loaded to the peak forces."""
-
-    def __init__(self, law, sample, storage=np.float64):
-        self.law, self.sample, self.storage = law, sample, storage
-        self.top = self.overlap_of(sample.peak)
-
-    def overlap_of(self, force):
-        return np.atleast_1d(self.law.overlap(force)).astype(self.storage)
-
-    def state_at(self, top):
-        state = self.law.new_state(top.size, self.storage)
-        force, stiffness = self.law.evaluate(top.astype(self.storage), state)
-        return state, np.asarray(force, float), np.asarray(stiffness, float)
-
-    def unloaded(self, state, force):
-        """Overlap at `force` after the peak."""
-        if not self.law.state_size:
-            return self.overlap_of(force)
-        ratio = state.radius_ratio if "radius_ratio" in self.law.state_names else 1.0
-        return state.plastic_overlap + np.cbrt(force / (self.law.params.hertz_coefficient * np.sqrt(ratio))) ** 2
-
-    def again(self, overlap, state):
-        """Force and stiffness at `overlap` after the peak."""
-        force, stiffness = self.law.evaluate(np.asarray(overlap).astype(self.storage), state.copy())
-        return np.asarray(force, float), np.asarray(stiffness, float)
-
-    def energies(self, top):
-        """Work of loading to `top`, and the part that unloading does not return."""
-        work = np.asarray(self.law.energy(np.asarray(top, float)), float)
-        if not self.law.state_size:
-            return work, np.zeros_like(work)
-        state, _, _ = self.state_at(top)
-        ratio = state.radius_ratio if "radius_ratio" in self.law.state_names else 1.0
-        coefficient = 0.4 * self.law.params.hertz_coefficient * np.sqrt(ratio)
-        plastic = np.asarray(state.plastic_overlap, float)
-        stored = coefficient * (np.maximum(top - plastic, 0.0) ** 2.5 - np.maximum(-plastic, 0.0) ** 2.5)
-        return work, work - stored
-
-    def overlap_of_work(self, work):
-        """Overlap at which loading has taken `work`, by bisection."""
-        low, high = np.zeros(work.size), np.broadcast_to(np.asarray(self.law.contact.radius, float), work.size).copy()
-        if isinstance(self.law, Table):
-            high = np.minimum(high, self.law.loading_shape.highest * np.broadcast_to(self.law.length, work.size))
-        for _ in range(70):
-            middle = 0.5 * (low + high)
-            less = np.asarray(self.law.energy(middle)) < work
-            low, high = np.where(less, middle, low), np.where(less, high, middle)
-        return 0.5 * (low + high)
-
-
-def error_of(law, reference, sample, quantity, unloads, storage=np.float64):
-    """Error of `law` against `reference` for each contact of `sample`, as `QUANTITIES` define it."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
-        exact, given = _Loaded(reference, sample), _Loaded(law, sample, storage)
-        return _MEASURES[quantity](exact, given, sample, unloads)
-
-
-def _force_error(exact, given, sample, unloads):
-    state, _, _ = exact.state_at(exact.top)
-    other, force, _ = given.state_at(exact.top)
-    worst = np.abs(force - sample.peak) / sample.peak
-    for fraction in FRACTIONS if unloads else ():
-        overlap = exact.unloaded(state, fraction * sample.peak)
-        true, _ = exact.again(overlap, state)  # below a seating load no overlap carries that force
-        force, _ = given.again(overlap, other)
-        worst = np.maximum(worst, np.abs(force - true) / sample.peak)
-    return worst
-
-
-def _stiffness_error(exact, given, sample, unloads):
-    state, _, stiffness = exact.state_at(exact.top)
-    other, _, found = given.state_at(given.top)
-    worst = np.abs(found / stiffness - 1.0)
-    for fraction in FRACTIONS if unloads else ():
-        force = fraction * sample.peak
-        stiffness = exact.again(exact.unloaded(state, force), state)[1]
-        found = given.again(given.unloaded(other, force), other)[1]
-        worst = np.maximum(worst, np.where(stiffness > 0.0, np.abs(found / stiffness - 1.0), 0.0))
-    return worst
-
-
-def _overlap_error(exact, given, sample, unloads):
-    state, _, _ = exact.state_at(exact.top)
-    other, _, _ = given.state_at(given.top)
-    worst = np.abs(given.top / exact.top - 1.0)
-    for fraction in (0.0, *FRACTIONS) if unloads else ():
-        force = fraction * sample.peak
-        worst = np.maximum(worst, np.abs(given.unloaded(other, force) - exact.unloaded(state, force)) / exact.top)
-    return worst
-
-
-def _energy_error(exact, given, sample, unloads):
-    work, lost = exact.energies(exact.top)
-    found, found_lost = given.energies(given.top)
-    worst = np.abs(found / work - 1.0)
-    return np.maximum(worst, np.abs(found_lost - lost) / work) if unloads else worst
-
-
-def _restitution_error(exact, given, sample, unloads):
-    work, lost = exact.energies(exact.top)
-    found, found_lost = given.energies(given.overlap_of_work(work))
-    return np.abs(np.sqrt(np.maximum(1.0 - found_lost / found, 0.0)) - np.sqrt(np.maximum(1.0 - lost / work, 0.0)))
-
-
-_MEASURES = {
-    "force": _force_error,
-    "stiffness": _stiffness_error,
-    "overlap": _overlap_error,
-    "energy": _energy_error,
-    "restitution": _restitution_error,
-}
-
-
-def samples(scene, points=_POINTS, random=None):
-    """One Sample a pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
-    result = []
-    # of sizes that come in classes each pair has a sample, so that each may have a table
-    spans = [(r, r) for r in scene.pair_radii()] or [scene.effective_radii()]
-    for pair, (low, high) in itertools.product(scene.contacts(spans[0][0]), spans):
-        sizes = 1 if low == high else 7
-        if random is None:
-            radius = np.repeat(np.geomspace(low, high, sizes), points // sizes)
-            place = np.tile(np.linspace(0.0, 1.0, points // sizes), sizes)
-        else:
-            radius = np.exp(random.uniform(math.log(low), math.log(high), points))
-            place = random.uniform(0.0, 1.0, points)
-        contact = pair.with_values(radius=radius)
-        smallest, largest = scene.force_range(contact)
-        peak = smallest * (largest / smallest) ** place
-        if scene.pressure is not None:  # exponential distribution of forces about the mean, over logarithmic steps
-            mean = scene.mean_force(math.sqrt(scene.pressure[0] * scene.pressure[1]), radius)
-            weight = peak / mean * np.exp(-peak / mean)
-        elif scene.loads is not None:
-            edges = np.geomspace(scene.loads.min() * 0.999, scene.loads.max() * 1.001, 30)
-            counts = np.histogram(scene.loads, edges)[0].astype(float)
-            weight = counts[np.clip(np.searchsorted(edges, peak) - 1, 0, counts.size - 1)]
-        else:
-            weight = np.ones(peak.size)
-        result.append(Sample(contact, peak, weight / weight.sum()))
-    return result
-
-
-# --- candidates
 
 
 class Plan(NamedTuple):
@@ -456,16 +75,16 @@ class Choice:
     evaluation = property(lambda self: self.plan.evaluation)
 
     @property
-    def cost(self):
+    def cost(self) -> float:
         """ns a contact and reference time step: a law that allows longer steps is evaluated less often."""
         return (self.ns if self.engine_ns is None else self.engine_ns) / self.step_factor
 
     @property
-    def branch(self):
+    def branch(self) -> str | None:
         """The branch of the law that is computed, in brackets, if not all."""
         return "".join(f" ({v})" for k, v in self.plan.options if k == "branch")
 
-    def tables(self):
+    def tables(self) -> dict[tuple[int, int], Table]:
         """Pair of kinds of grain → `Table` of the largest grains (for LIGGGHTS, `export` writes those of all sizes)."""
         scene = self.scene
         rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
@@ -473,12 +92,12 @@ class Choice:
         contacts = scene.contacts(scene.effective_radii()[1])
         return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
 
-    def export(self, folder):
+    def export(self, folder: str | os.PathLike) -> Path:
         """Write a LIGGGHTS case: this law for every kind and size of grain of the scene, with all the tables it needs."""
         from demlaws.liggghts import export
 
-        own = self.evaluation != "table"  # LIGGGHTS's own Hertz
-        options = {"stock": "hertz"} if own else {"rtol": self.plan.rtol}
+        own = self.evaluation != "table"  # a law that LIGGGHTS has itself
+        options = {"stock": find(self.name).native["liggghts"]} if own else {"rtol": self.plan.rtol}
         return export(
             folder,
             self.name,
@@ -489,35 +108,35 @@ class Choice:
             **options,
         )
 
-    def law(self, contact):
+    def law(self, contact: Contact) -> Law:
         """The law on your contact (or array of contacts)."""
         return self.plan.bind(contact, self.max_force)
 
     @property
-    def scene(self):
+    def scene(self) -> Scene:
         return self.judge.scene
 
     @property
-    def reference(self):
+    def reference(self) -> "Plan":
         """The plan that errors are held against."""
         return self.judge.reference
 
     @property
-    def max_force(self):
+    def max_force(self) -> float:
         """Largest force [N] of the scene, and half as much again: where a table ends."""
         return self.judge.max_force
 
-    def batch(self, seed=1):
+    def batch(self, seed: int = 1) -> Batch:
         """Random contacts of the scene in the states that occur, to time."""
         return self.judge.batch(self.plan, seed)
 
-    def describe(self):
+    def describe(self) -> str:
         """One line: law, unloading, evaluation."""
         options = ", ".join(f"{k}={v:g}" if isinstance(v, float) else f"{k}={v}" for k, v in self.plan.options)
         rtol = f" (rtol {self.plan.rtol:g})" if self.plan.rtol else ""
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
-    def script(self, table="law.tbl"):
+    def script(self, table: str = "law.tbl") -> str:
         """The lines that put this choice into the scene's engine."""
         options = "".join(f", {k}={v!r}" for k, v in self.plan.options)
         unloading = "" if self.unloading == "elastic" else f', unloading="{self.unloading}"'
@@ -566,63 +185,68 @@ class Choices(list):
         self.measured_in = measured_in  # what `cost` is of
 
     @property
-    def best(self):
+    def best(self) -> Choice:
         return self[0]
+
+
+def _determined(contact):
+    """Laws that the contact's quantities determine and that choices are made of, the richest first."""
+    known = [d for d in registry().values() if (d.rank or d.candidate) and (d.smooth or contact.roughness > 0.0)]
+    return sorted((d for d in known if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.rank)
 
 
 def reference_plan(scene):
     """The richest law that the scene's quantities determine."""
-    rough = any(s.roughness > 0.0 for s in scene.surfaces)
     options = dict(scene.reference_options)
     contact = scene.contacts(scene.effective_radii()[0])[0]
     if scene.reference is not None:
-        name = find(scene.reference).name
+        definition = find(scene.reference)
     else:
-        loading = "hertz"
-        if rough and contact.fractal_dimension is not None:
-            loading = "pohrt-popov"
-        elif rough:
-            loading = "yip-venart" if contact.hardness is not None else "rms"
-        name = loading if scene.yield_pressure is None else "rough-plastic"
-        if name == "rough-plastic":
-            options = {"yield_pressure": scene.yield_pressure, "loading": loading, **options}
-    for rule in (("thornton",) if name == "rough-plastic" else ()) + ("hertz",) if scene.unloads else ():
+        rough = contact.with_values(roughness=max(c.roughness for c in scene.contacts(scene.effective_radii()[0])))
+        definition = next(d for d in _determined(rough) if d.rank)
+        if scene.yield_pressure is not None:
+            options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
+            definition = next(d for d in registry().values() if d.before_yield is not None)
+    for rule in definition.unloading[:0:-1] if scene.unloads else ():
         try:
-            bind_law(name, contact, rule, **options)
-            return Plan(name, tuple(options.items()), rule, "closed form")
-        except DemlawsError as error:
-            if "cannot take" not in str(error):
-                raise
-    return Plan(name, tuple(options.items()), "elastic", "closed form")
+            bind_law(definition.name, contact, rule, **options)
+            return Plan(definition.name, tuple(options.items()), rule, "closed form")
+        except NotPassive:
+            continue
+    return Plan(definition.name, tuple(options.items()), definition.unloading[0], "closed form")
+
+
+def _before_yield(plan):
+    """The plan's law as it is before the bulk yields: (Definition, options), or None of a law that has no yield."""
+    definition = find(plan.name)
+    if definition.before_yield is None:
+        return None
+    before, options = definition.before_yield(**dict(plan.options))
+    return before, tuple(options.items())
 
 
 def plans(scene, reference):
     """All candidates, tables aside."""
-    options = dict(reference.options)
-    named = [(reference.name, reference.options)]
-    if reference.name == "rough-plastic":
-        own = {k: v for k, v in options.items() if k not in ("yield_pressure", "loading")}
-        named.append((options.get("loading", "pohrt-popov"), tuple(own.items())))
-    contact = scene.contacts(scene.effective_radii()[0])[0]
-    rough = contact.roughness > 0.0
-    if rough and contact.fractal_dimension is not None:
-        named += [("pohrt-popov", ()), ("pohrt-popov", (("branch", "power"),)), ("pohrt-popov", (("branch", "hertz"),))]
-    if rough:
-        named.append(("rms", ()))
-    named.append(("hertz", ()))
-    found = []
-    for name, given in dict.fromkeys(named):
-        rules = ["elastic"]
-        if scene.unloads and name != "hertz":
-            rules += ["hertz"] + (["thornton"] if name == "rough-plastic" else [])
-        found += [Plan(name, given, rule, "closed form") for rule in rules]
-    return list(dict.fromkeys([reference, *found]))
+    candidates = [(find(reference.name), reference.options)]
+    if (before := _before_yield(reference)) is not None:
+        candidates.append(before)
+    for definition in _determined(scene.contacts(scene.effective_radii()[0])[0]):
+        if definition.candidate:
+            candidates += [(definition, ()), *((definition, (("branch", branch),)) for branch in definition.branches)]
+    found = [reference]
+    for definition, options in candidates:
+        rules = definition.unloading if scene.unloads else definition.unloading[:1]
+        found += [Plan(definition.name, options, rule, "closed form") for rule in rules]
+    return list(dict.fromkeys(found))
 
 
-def _range_problem(plan, law, smallest, largest, known):
-    """Why the scene leaves the law's range, or None. known: reasons that hold for the reference as well."""
+def _range_problem(law, smallest, largest, known):
+    """Why the scene leaves the law's range, or None. known: reasons that hold for the reference as well.
+
+    A branch that the law leaves out on purpose is no such reason: what that costs is computed.
+    """
     for limit in law.limits():
-        if limit.reason in known:
+        if limit.reason in known or limit.branch:
             continue
         if largest > limit.maximum_force:
             return f"loads reach {largest:.3g} N: above {limit.maximum_force:.3g} N {limit.reason}"
@@ -658,7 +282,7 @@ class _Judge:
                 one = sample.contact
                 if plan.evaluation == "table" and not find(plan.name).collapses:
                     if np.ptp(one.radius) > 0.0:
-                        raise DemlawsError(_NO_TABLE)
+                        raise NeedsClasses(_NO_TABLE)
                     single = one.with_values(radius=float(one.radius[0]))
                     laws.append(plan.bind(single, self._table_end(plan, single)))
                 else:
@@ -722,24 +346,23 @@ def _left_out(judge, plan):
         if after != before:
             stages.append((what, after, before))
 
-    if reference.name == "rough-plastic" and plan.name != "rough-plastic":
-        options = dict(reference.options)
-        own = tuple((k, v) for k, v in options.items() if k not in ("yield_pressure", "loading"))
-        rule = "hertz" if reference.unloading == "thornton" else reference.unloading
-        stage("bulk yield", name=options.get("loading", "pohrt-popov"), options=own, unloading=rule)
+    if (before := _before_yield(reference)) is not None and _before_yield(plan) is None:
+        definition, options = before
+        rule = reference.unloading if reference.unloading in definition.unloading else definition.unloading[-1]
+        stage("bulk yield", name=definition.name, options=options, unloading=rule)
     now = stages[-1][1] if stages else reference
-    if now.unloading == "thornton" and plan.unloading == "hertz":
-        stage("larger radius after yield", unloading="hertz")
+    if now.unloading != plan.unloading and plan.unloading != "elastic":
+        stage("larger radius after yield", unloading=plan.unloading)
         now = stages[-1][1]
     if now.unloading != "elastic" and plan.unloading == "elastic":
         stage("unloading history", unloading="elastic")
         now = stages[-1][1]
     if (now.name, now.options) != (plan.name, plan.options):
         branch = dict(plan.options).get("branch")
-        if plan.name == "hertz":
+        if find(plan.name).smooth:
             what = "roughness"
-        elif branch and now.name == "pohrt-popov":
-            what = {"power": "Hertz stiffness above the threshold", "hertz": "power law below the threshold"}[branch]
+        elif branch and now.name == plan.name:
+            what = find(plan.name).branches[branch]
         else:
             what = f"{now.name} replaced by {plan.name}"
         stage(what, name=plan.name, options=plan.options, unloading=plan.unloading)
@@ -755,7 +378,7 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene, tables=True):
+def choose(scene: Scene, tables: bool = True) -> Choices:
     """Candidates for a `Scene`, ranked: those that meet its tolerance first, the cheapest of them first (`Choices`).
 
     Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what
@@ -776,8 +399,8 @@ def choose(scene, tables=True):
         label = _label(plan)
         try:
             law = judge.laws(plan)[0]
-            problem = _range_problem(plan, law, judge.smallest, judge.largest, known)
-            if problem and "branch=" not in problem and plan != reference:
+            problem = _range_problem(law, judge.smallest, judge.largest, known)
+            if problem and plan != reference:
                 ruled_out[label] = problem
                 continue
             judged[plan] = judge.error(plan)
@@ -853,8 +476,8 @@ def _rank(choice, least):
 def _engine_costs(judge, plans, notes):
     """Plan → ns a contact and step, measured in the scene's engine (nothing where it cannot be), and what that is of."""
     from demlaws.liggghts.export import Grain
+    from demlaws.measure.candidates import Way
     from demlaws.measure.costs import available, liggghts_costs, yade_costs
-    from demlaws.measure.packings import Way
 
     scene, alone = judge.scene, "the law alone"
     if scene.engine == "python":
@@ -871,7 +494,7 @@ def _engine_costs(judge, plans, notes):
         given = {
             "young": material.young,
             "poisson": material.poisson,
-            "density": 2650.0 if material.density is None else material.density,
+            "density": DENSITY if material.density is None else material.density,
             "surface": {**vars(surface), "hardness": contact.hardness},
             "radius": radius,
             "overlap": float(judge.reference.bind(contact).overlap(math.sqrt(low * high))),
@@ -879,8 +502,8 @@ def _engine_costs(judge, plans, notes):
         ways = []
         for plan in plans:
             own = scene.engine == "liggghts" and plan.evaluation != "table"
-            law = "" if own else plan.name
-            ways.append(Way(_label(plan), law, plan.unloading, plan.rtol, "hertz" if own else "", plan.options))
+            law, model = ("", find(plan.name).native[scene.engine]) if own else (plan.name, "")
+            ways.append(Way(_label(plan), law, plan.unloading, plan.rtol, model, plan.options))
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", ValidityWarning)
@@ -903,26 +526,25 @@ def _label(plan):
 
 
 def _runs_in(plan, engine):
-    """LIGGGHTS computes tables, and Hertz by its own model; YADE computes any law, in double precision."""
+    """LIGGGHTS computes tables, and what it has a model of its own for; YADE computes any law, in double precision."""
     if engine == "liggghts":
-        return plan.evaluation == "table" or (plan.name == "hertz" and plan.evaluation == "closed form")
+        return plan.evaluation == "table" or (engine in find(plan.name).native and plan.evaluation == "closed form")
     return engine == "python" or not plan.evaluation.endswith("float32")
 
 
 def _table_for(judge, plan, closed_error):
     """The smallest table of a plan that still meets the tolerance (of one that does not: the one that adds a tenth)."""
-    if plan.name == "hertz" or dict(plan.options).get("branch"):  # their closed forms cost less than any table
+    definition = find(plan.name)
+    if definition.closed_form_is_cheapest or dict(plan.options).get("branch") in definition.branches:
         return None
     target = judge.scene.tolerance if closed_error < judge.scene.tolerance else 1.1 * closed_error
     for rtol in _TABLE_STEPS:
-        if rtol < 1e-5 or (find(plan.name).solved and rtol < 1e-5):
-            continue
         table = plan._replace(evaluation="table", rtol=rtol)
         try:
             found = judge.error(table)
-        except DemlawsError as error:
-            if "radii" in str(error) or "cannot take" in str(error):
-                raise
+        except (NeedsClasses, NotPassive):
+            raise
+        except DemlawsError:  # out of this table's reach
             continue
         if found[0] <= target:
             return table, found

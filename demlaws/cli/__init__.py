@@ -1,15 +1,18 @@
 """The command `demlaws`. Each file of this folder brings its own commands and is loaded when one of them is named."""
 
 import argparse
+import contextlib
 import importlib
 import re
 import sys
 import warnings
 
+from demlaws.core import notice
 from demlaws.errors import DemlawsError, ValidityWarning
 
 COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
+    "laws": ("laws", "list the laws, or one law's options"),
     "curve": ("curve", "one law, one contact, any path"),
     "table": ("curve", "a law as a certified table"),
     "regime": ("surface", "do asperities or the bulk deform, and which law fits"),
@@ -30,7 +33,13 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
-        self._negative_number_matcher = re.compile(r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.IGNORECASE)
+        self._negative_number_matcher = re.compile(
+            r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
+        )
+
+    def error(self, message):
+        """One line, without the whole usage above it."""
+        self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
 
 
 class _Part:
@@ -66,18 +75,24 @@ def build_parser(commands=tuple(COMMANDS)):
 
 
 def option(text):
-    """`name=value` with the value as JSON where it is JSON, else text."""
+    """`name=value` with the value as a number (also with a unit: 1.66GPa), true, false or null, else text."""
     import json
+
+    from demlaws.checks import any_quantity
 
     name, separator, value = text.partition("=")
     if not separator or not name:
         raise argparse.ArgumentTypeError(
-            f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66e9"
+            f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66GPa"
         )
-    try:
-        return name.replace("-", "_"), json.loads(value)
-    except json.JSONDecodeError:
-        return name.replace("-", "_"), value
+    number = any_quantity(value)
+    if number is not None:
+        return name.replace("-", "_"), number
+    with contextlib.suppress(json.JSONDecodeError):
+        value = json.loads(value)
+    if isinstance(value, (list, dict)):
+        raise argparse.ArgumentTypeError(f"{text!r}: the value of a law's option is one number or one word")
+    return name.replace("-", "_"), value
 
 
 def example(text):
@@ -101,21 +116,57 @@ def _show_warnings():
 
 def main(arguments=None):
     """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
+    for stream in (sys.stdout, sys.stderr):  # a terminal without µ gets ? in its place
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
     try:
         arguments = sys.argv[1:] if arguments is None else arguments
-        parsed = build_parser(arguments[:1]).parse_args(arguments)
-        with warnings.catch_warnings():
-            _show_warnings()
-            return parsed.func(parsed) or 0
+        try:
+            parsed = build_parser(arguments[:1]).parse_args(arguments)
+            with warnings.catch_warnings():
+                _show_warnings()
+                notice.say = _compiling
+                status = parsed.func(parsed) or 0
+        finally:
+            sys.stdout.flush()
+        return status
     except DemlawsError as error:
-        print(f"demlaws: error: {error}", file=sys.stderr)
-        return 2
+        return _failed(error)
+    except MemoryError:
+        return _failed("there is not enough memory for this: ask for less (a smaller map, fewer contacts, steps or points)")
     except KeyboardInterrupt:
         print("demlaws: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        sys.stderr.close()  # the reader of our output has gone; say nothing more
+        _drop_output(sys.stdout, sys.stderr)  # the reader of our output has gone; say nothing more
         return 0
+    except OSError as error:
+        try:
+            sys.stdout.flush()
+        except OSError:
+            _drop_output(sys.stdout)
+        place = f"{error.filename}: " if error.filename else "output: "
+        return _failed(f"{place}{error.strerror or error}")
+
+
+def _failed(reason):
+    print(f"demlaws: error: {reason}", file=sys.stderr)
+    return 2
+
+
+def _drop_output(*streams):
+    """What a stream still holds goes nowhere: Python would try to write it again when it ends."""
+    import os
+
+    for stream in streams:
+        try:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        except (OSError, ValueError):
+            stream.close()
+
+
+def _compiling():
+    print("demlaws: compiling these laws for this machine; this is done once and kept", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.arguments import output
 from demlaws.errors import DemlawsError
 
 SCENE = """
@@ -40,14 +41,16 @@ def register(subparsers):
     parser.add_argument(
         "--out", type=Path, help="table file to write, one a pair of kinds of grain; for LIGGGHTS the folder of a whole case"
     )
-    parser.add_argument("--csv", type=Path, help="file to write all candidates to")
-    parser.add_argument("--figure", type=Path, help="picture to draw: error against cost")
+    parser.add_argument("--csv", type=output, help="file to write all candidates to")
+    parser.add_argument("--figure", type=output, help="picture to draw: error against cost")
     parser.set_defaults(func=run)
 
 
 def run(arguments):
     from demlaws import granite, plots
-    from demlaws.advice.choose import QUANTITIES, Scene, choose, table_name
+    from demlaws.advice.choose import choose, table_name
+    from demlaws.advice.scene import Scene
+    from demlaws.measure.errors import QUANTITIES
     from demlaws.plots import choose as plots_choose
 
     scene = Scene.load(arguments.scene)

@@ -1,14 +1,16 @@
 """`demlaws curve` (one law, one contact, any path) and `demlaws table` (a certified table)."""
 
-from pathlib import Path
-
 from demlaws.cli import example, option
+from demlaws.cli.arguments import force, law_name, length, output, plain, pressure, whole
+from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
+
+SIGMA = "give --sigma, the combined σ = √(Sq1² + Sq2²) of the two surfaces"
 
 
 def add_law_arguments(parser):
     """Arguments that name a law and its contact."""
-    parser.add_argument("--law", required=True, help="name of the law (demlaws curve --law ? lists them)")
+    parser.add_argument("--law", type=law_name, required=True, help="name of the law (--law ? or demlaws laws lists them)")
     parser.add_argument(
         "--unloading",
         default="elastic",
@@ -16,26 +18,32 @@ def add_law_arguments(parser):
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
     curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
-    curve.add_argument("--unloading-law", help="name of that law")
+    curve.add_argument("--unloading-law", type=law_name, help="name of that law")
     curve.add_argument(
         "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
     )
-    curve.add_argument("--unloading-roughness", type=float, help="its σ in m (default: the contact's)")
-    curve.add_argument("--unloading-radius", type=float, help="its R in m (default: the contact's)")
+    curve.add_argument("--unloading-sigma", dest="unloading_roughness", type=length, help="its σ in m (default: the contact's)")
+    curve.add_argument("--unloading-roughness", action=Refused, remedy="give --unloading-sigma, that curve's combined σ")
+    curve.add_argument("--unloading-radius", type=length, help="its R in m (default: the contact's)")
     add_contact_arguments(parser)
 
 
 def add_contact_arguments(parser):
     """Arguments that describe one contact."""
-    contact = parser.add_argument_group("contact (SI units), or --test for one of the granite tests")
+    contact = parser.add_argument_group(
+        "contact (SI units, or with a unit: 4.35mm, 2.4um, 60GPa), or --test for one of the granite tests"
+    )
     contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
-    contact.add_argument("--radius", type=float, help="effective radius R in m")
-    contact.add_argument("--modulus", type=float, help="effective modulus E* in Pa")
-    contact.add_argument("--young", type=float, help="Young's modulus of both bodies in Pa, in place of --modulus")
-    contact.add_argument("--poisson", type=float, help="Poisson's ratio of both bodies, with --young")
-    contact.add_argument("--roughness", type=float, help="combined rms roughness σ in m (default 0)")
-    contact.add_argument("--fractal-dimension", type=float, help="Df from 2 to 3")
-    contact.add_argument("--hardness", type=float, help="hardness in Pa")
+    contact.add_argument("--radius", type=length, help="effective radius R in m")
+    contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa")
+    contact.add_argument("--young", type=pressure, help="Young's modulus of both bodies in Pa, in place of --modulus")
+    contact.add_argument("--poisson", type=plain, help="Poisson's ratio of both bodies, with --young")
+    contact.add_argument(
+        "--sigma", dest="roughness", type=length, help="combined rms roughness σ = √(Sq1² + Sq2²) in m (default 0)"
+    )
+    contact.add_argument("--roughness", action=Refused, remedy=SIGMA)
+    contact.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
+    contact.add_argument("--hardness", type=pressure, help="hardness in Pa")
 
 
 def law_from(arguments):
@@ -62,9 +70,7 @@ def _unloading_from(arguments, contact):
     changes = {name: value for name, value in changes.items() if value is not None}
     if arguments.unloading_law is None:
         if changes or arguments.unloading_option:
-            raise DemlawsError(
-                "--unloading-option, -roughness and -radius describe the curve of --unloading-law: name that law"
-            )
+            raise DemlawsError("--unloading-option, -sigma and -radius describe the curve of --unloading-law: name that law")
         return arguments.unloading
     if arguments.unloading not in ("elastic", "table"):
         raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
@@ -102,16 +108,16 @@ def register(subparsers):
         **example(
             '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
             "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 1e-3 --modulus 3.2e10 \\\n"
-            "      --roughness 5e-6 --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
+            "      --sigma 5e-6 --fractal-dimension 2.2 --unloading thornton --overlaps 2e-5 0 3e-5"
         ),
     )
     add_law_arguments(curve)
     way = curve.add_mutually_exclusive_group(required=True)
-    way.add_argument("--forces", type=float, nargs="+", metavar="N", help="turning points in N, from 0")
-    way.add_argument("--overlaps", type=float, nargs="+", metavar="M", help="turning points in m, from 0")
-    curve.add_argument("--steps", type=int, default=200, help="steps a branch (default 200)")
-    curve.add_argument("--csv", type=Path, help="file to write the curve to (default: print 20 rows)")
-    curve.add_argument("--figure", type=Path, help="picture to draw (png, pdf, svg)")
+    way.add_argument("--forces", type=force, nargs="+", metavar="N", help="turning points in N, from 0")
+    way.add_argument("--overlaps", type=length, nargs="+", metavar="M", help="turning points in m, from 0")
+    curve.add_argument("--steps", type=whole(), default=200, help="steps a branch (default 200)")
+    curve.add_argument("--csv", type=output, help="file to write the curve to (default: print 20 rows)")
+    curve.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     curve.set_defaults(func=run_curve)
 
     table = subparsers.add_parser(
@@ -120,14 +126,14 @@ def register(subparsers):
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
-            "      --unloading-law pohrt-popov --unloading-roughness 0.5e-6"
+            "      --unloading-law pohrt-popov --unloading-sigma 0.5e-6"
         ),
     )
     add_law_arguments(table)
-    table.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance in force and stiffness (default 1e-5)")
-    table.add_argument("--max-force", type=float, help="end of the table in N (default: overlap of a tenth of the radius)")
-    table.add_argument("--out", type=Path, required=True, help="file to write")
-    table.add_argument("--figure", type=Path, help="picture of the table and its errors")
+    table.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance in force and stiffness (default 1e-5)")
+    table.add_argument("--max-force", type=force, help="end of the table in N (default: overlap of a tenth of the radius)")
+    table.add_argument("--out", type=output, required=True, help="file to write")
+    table.add_argument("--figure", type=output, help="picture of the table and its errors")
     table.set_defaults(func=run_table)
 
 

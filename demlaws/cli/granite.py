@@ -7,6 +7,7 @@ import warnings
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.arguments import law_name
 from demlaws.errors import DemlawsError, ValidityWarning
 
 
@@ -23,7 +24,7 @@ def register(subparsers):
         ),
     )
     parser.add_argument("--test", help="one test only, for instance SS(18-18)")
-    parser.add_argument("--law", help="one law only")
+    parser.add_argument("--law", type=law_name, help="one law only")
     parser.add_argument("--data", type=Path, help="CSV file of measured points to overlay; needs --test")
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
     parser.set_defaults(func=run)

@@ -1,15 +1,19 @@
 """`demlaws liggghts build | check | export | run`."""
 
 import argparse
-import json
 
+from demlaws.cli import option
+from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
 
 EXPORT_EXAMPLE = """example:
-  demlaws liggghts export case --law pohrt-popov --radius 0.004 0.005 --roughness 1.7e-6 --fractal-dimension 2.22
+  demlaws liggghts export case --law pohrt-popov --radius 0.004 0.005 --sq 1.7e-6 --fractal-dimension 2.22
   cd case && ./run.sh 2
 without a compiler:
-  demlaws liggghts export case --stock hertz --load 10 --radius 0.004 --roughness 1.7e-6 --fractal-dimension 2.22"""
+  demlaws liggghts export case --stock hertz --load 10 --radius 0.004 --sq 1.7e-6 --fractal-dimension 2.22"""
+RUN_EXAMPLE = """examples:
+  demlaws liggghts run in.case -np 2 -var steps 5000
+  demlaws liggghts run in.case -echo screen -var radii 0.004 0.005 0.006    (what it does not know goes to LIGGGHTS)"""
 
 
 def register(subparsers):
@@ -43,11 +47,12 @@ def register(subparsers):
         help="elastic, hertz, thornton, or a table file whose curve all contacts unload along (default %(default)s)",
     )
     export.add_argument("--unloading-law", help="name of a law whose curve each contact unloads along, in place of --unloading")
-    export.add_argument("--unloading-option", action="append", default=[], metavar="NAME=VALUE", help="an option of that law")
-    export.add_argument("--option", action="append", default=[], metavar="NAME=VALUE", help="an option of the law")
+    options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}
+    export.add_argument("--unloading-option", **options, help="an option of that law")
+    export.add_argument("--option", **options, help="an option of the law")
     export.add_argument("--radius", type=float, nargs="+", required=True, help="grain radius [m], one a particle type")
     for name, default, text in (
-        ("roughness", [0.0], "rms roughness Sq of a grain [m]"),
+        ("sq", [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
         ("fractal-dimension", [None], "fractal dimension of the surface, 2 to 3"),
         ("young", [60.6e9], "Young's modulus [Pa]"),
         ("poisson", [0.25], "Poisson's ratio"),
@@ -56,24 +61,24 @@ def register(subparsers):
     ):
         shown = "" if default == [None] else f" (default {default[0]:g})"
         export.add_argument(f"--{name}", type=float, nargs="+", default=default, help=f"{text}: one, or one a type{shown}")
+    export.add_argument("--roughness", action=Refused, remedy="give --sq, the rms roughness of each grain's own surface")
     export.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance of the tables (default %(default)g)")
     export.add_argument("--count", type=int, default=1000, help="number of grains (default %(default)s)")
     export.add_argument("--stock", choices=("hertz", "edinburgh"), help="fit this stock model instead; needs no compiler")
     export.add_argument("--load", type=float, help="contact force [N] of the fit, and the largest expected (default 10)")
     export.set_defaults(func=_export)
 
-    run = parts.add_parser(
-        "run",
-        help="run an input with the plugin",
-        epilog="example:\n  demlaws liggghts run in.case -np 2 -var steps 5000",
-        **raw,
-    )
+    run = parts.add_parser("run", help="run an input with the plugin", epilog=RUN_EXAMPLE, **raw)
+    _run_options(run)
     run.add_argument("input", help="input script; LIGGGHTS runs in its folder")
-    run.add_argument("-np", type=int, default=1, help="number of MPI ranks (default 1)")
-    run.add_argument("-var", nargs=2, action="append", default=[], metavar=("NAME", "VALUE"), help="a variable of the script")
-    run.add_argument("--portable", action="store_true", help="the plugin that `build --portable` makes")
-    run.add_argument("--stock", action="store_true", help="without the plugin")
+    run.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help="the options above, and any of LIGGGHTS's own")
     run.set_defaults(func=_run)
+
+
+def _run_options(parser, **default):
+    parser.add_argument("-np", type=int, **default or {"default": 1}, help="number of MPI ranks (default 1)")
+    parser.add_argument("--portable", action="store_true", **default, help="the plugin that `build --portable` makes")
+    parser.add_argument("--stock", action="store_true", **default, help="without the plugin")
 
 
 def _build(arguments):
@@ -95,36 +100,21 @@ def _each(arguments, name, count):
     return values if len(values) == count else values * count
 
 
-def _options(texts, flag):
-    options = {}
-    for text in texts:
-        name, separator, value = text.partition("=")
-        if not separator:
-            raise DemlawsError(f"{flag} {text}: write it as name=value")
-        try:
-            options[name.replace("-", "_")] = json.loads(value)
-        except ValueError:
-            options[name.replace("-", "_")] = value
-    return options
-
-
 def _export(arguments):
     from demlaws.contact import Material, Surface
     from demlaws.liggghts.export import Grain, export
     from demlaws.make import law
 
     count = len(arguments.radius)
-    columns = [
-        _each(arguments, name, count) for name in ("roughness", "fractal_dimension", "young", "poisson", "hardness", "density")
-    ]
+    columns = [_each(arguments, name, count) for name in ("sq", "fractal_dimension", "young", "poisson", "hardness", "density")]
     grains = [
-        Grain(radius, Material(young, poisson, hardness, density), Surface(roughness, dimension, hardness))
-        for radius, roughness, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
+        Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
+        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
     ]
-    options, unloading = _options(arguments.option, "--option"), arguments.unloading
+    options, unloading = dict(arguments.option), arguments.unloading
     if arguments.unloading_law is not None:
         contact = grains[0].contact(grains[0])
-        unloading = law(arguments.unloading_law, contact, **_options(arguments.unloading_option, "--unloading-option"))
+        unloading = law(arguments.unloading_law, contact, **dict(arguments.unloading_option))
     path = export(
         arguments.folder,
         arguments.law,
@@ -144,5 +134,15 @@ def _export(arguments):
 def _run(arguments):
     from demlaws.liggghts.run import run
 
-    variables = dict(arguments.var)
-    run(arguments.input, arguments.np, variables, plugin=not arguments.stock, echo=True, portable=arguments.portable)
+    # options may stand behind the input, too; what is none of ours is LIGGGHTS's
+    ours = argparse.ArgumentParser(prog="demlaws liggghts run", add_help=False, allow_abbrev=False)
+    _run_options(ours, default=argparse.SUPPRESS)
+    arguments, rest = ours.parse_known_args(arguments.rest, arguments)
+    run(
+        arguments.input,
+        arguments.np,
+        plugin=not arguments.stock,
+        echo=True,
+        portable=arguments.portable,
+        arguments=rest[1:] if rest[:1] == ["--"] else rest,
+    )

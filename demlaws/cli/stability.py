@@ -1,8 +1,7 @@
 """`demlaws stability`: the extremes, measured."""
 
-from pathlib import Path
-
 from demlaws.cli import example
+from demlaws.cli.arguments import law_name, output, whole
 
 
 def register(subparsers):
@@ -15,16 +14,19 @@ def register(subparsers):
             "  demlaws stability --law hertz --paths 0 --yade --liggghts"
         ),
     )
-    parser.add_argument("--law", action="append", help="only this law (may be repeated)")
+    parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
     parser.add_argument("--unloading", action="append", help="only this rule (may be repeated)")
     parser.add_argument("--evaluation", action="append", choices=("closed form", "table"), help="only this evaluation")
     parser.add_argument(
-        "--paths", type=float, default=1e5, help="random load paths in all, shared by the cases; 0: engines only (default 1e5)"
+        "--paths",
+        type=whole(0, 10**9),
+        default=100_000,
+        help="random load paths in all, shared by the cases; 0: engines only (default 1e5)",
     )
-    parser.add_argument("--cycles", type=float, default=1e6, help="tiny cycles a case (default 1e6)")
-    parser.add_argument("--csv", type=Path, help="file to write every figure to")
+    parser.add_argument("--cycles", type=whole(100, 10**9), default=1_000_000, help="tiny cycles a case (default 1e6)")
+    parser.add_argument("--csv", type=output, help="file to write every figure to")
     parser.add_argument(
-        "--figure", type=Path, help="picture to draw: energy gain by steps per contact, rounding by decade, stable step"
+        "--figure", type=output, help="picture to draw: energy gain by steps per contact, rounding by decade, stable step"
     )
     parser.add_argument("--yade", action="store_true", help="also inside YADE: two spheres, and a thousand (some minutes)")
     parser.add_argument("--liggghts", action="store_true", help="also inside LIGGGHTS")
@@ -35,14 +37,12 @@ def register(subparsers):
 
 def run(arguments):
     from demlaws import granite, plots
-    from demlaws.checks import number
     from demlaws.laws.registry import find
     from demlaws.measure import stability
     from demlaws.plots import choose as plots_choose
 
     laws = [find(n).name for n in arguments.law] if arguments.law else None
-    paths = int(number(arguments.paths, "--paths", low=0.0, allow_low=True))
-    cycles = int(number(arguments.cycles, "--cycles", low=100.0, allow_low=True))
+    paths, cycles = arguments.paths, arguments.cycles
     rows, problems = [], []
     if paths:
         rows = _laws(arguments, laws, paths, cycles)

@@ -3,13 +3,10 @@
 from pathlib import Path
 
 from demlaws.cli import example
+from demlaws.cli.arguments import force, length, output, plain, pressure, whole
+from demlaws.cli.curve import SIGMA
+from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
-
-
-def _metres(text):
-    from demlaws.surface import length
-
-    return length(text)
 
 
 def register(subparsers):
@@ -20,14 +17,19 @@ def register(subparsers):
         **example(
             "  demlaws regime --figure regime.png\n"
             "  demlaws regime --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 --ball-young 430e9 \\\n"
-            "      --ball-poisson 0.17 --roughness 1.3um --load 0.2"
+            "      --ball-poisson 0.17 --sigma 1.3um --load 0.2"
         ),
     )
     _bodies(regime)
-    regime.add_argument("--roughness", type=_metres, help="combined rms roughness σ in m, or with a unit: 1.3um")
-    regime.add_argument("--fractal-dimension", type=float, help="Df from 2 to 3")
-    regime.add_argument("--load", type=float, help="load in N")
-    regime.add_argument("--figure", type=Path, help="map of p(0)/H_m over load and roughness")
+    regime.add_argument("--sigma", dest="roughness", type=length, help="combined rms roughness σ in m, or with a unit: 1.3um")
+    regime.add_argument("--roughness", action=Refused, remedy=SIGMA)
+    regime.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
+    regime.add_argument("--load", type=force, help="load in N")
+    regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
+    regime.add_argument(
+        "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
+    )
+    regime.add_argument("--figure", type=output, help="map of p(0)/H_m over load and roughness")
     regime.set_defaults(func=run_regime)
 
     surface = subparsers.add_parser(
@@ -40,7 +42,7 @@ def register(subparsers):
         "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `contact isotropic` and `contact "
         "anisotropic` repeat the tests of Jamari & Schipper 2008; `synthetic` makes a self-affine map.",
         **example(
-            "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --roughness 1.3um --seed 1 --out map.asc\n"
+            "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
             "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
             "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png"
@@ -49,46 +51,47 @@ def register(subparsers):
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
     surface.add_argument("--pixel", help="pixel size, for files that do not say it: 0.8um, or 0.8um,1um for x and y")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
-    surface.add_argument("--form", type=int, help="order of the polynomial removed (default 2; -1: none)")
+    surface.add_argument("--form", type=whole(-1, 8), help="order of the polynomial removed (default 2; -1: none)")
     surface.add_argument(
-        "--wavelengths", type=_metres, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
+        "--wavelengths", type=length, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
     )
-    surface.add_argument("--out", type=Path, help="write the map: levelled, synthetic, or as the last cycle leaves it")
-    surface.add_argument("--figure", type=Path, help="picture to draw")
+    surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the last cycle leaves it")
+    surface.add_argument("--figure", type=output, help="picture to draw")
     contact = surface.add_argument_group("contact")
     _bodies(contact)
     contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
     contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
-    contact.add_argument("--load", type=float, help="load in N (default 0.2 for the published tests)")
-    contact.add_argument("--cycles", type=int, default=1, help="number of load cycles (default 1)")
-    contact.add_argument("--tolerance", type=float, default=0.01, help="relative tolerance of the load (default 0.01)")
-    contact.add_argument("--plastic-factor", type=float, default=0.71, help="c_h: fully plastic pressure over hardness")
-    contact.add_argument("--plastic-ratio", type=float, default=160.0, help="c_A: 2 ω2/ω1 of a sphere")
-    contact.add_argument("--csv", type=Path, help="write the micro-contacts of the first cycle")
-    contact.add_argument("--table", type=Path, help="write the map's law as a table for YADE and LIGGGHTS")
+    contact.add_argument("--load", type=force, help="load in N (default 0.2 for the published tests)")
+    contact.add_argument("--cycles", type=whole(1, 100_000), default=1, help="number of load cycles (default 1)")
+    contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
+    contact.add_argument("--plastic-factor", type=plain, default=0.71, help="c_h: fully plastic pressure over hardness")
+    contact.add_argument("--plastic-ratio", type=plain, default=160.0, help="c_A: 2 ω2/ω1 of a sphere")
+    contact.add_argument("--csv", type=output, help="write the micro-contacts of the first cycle")
+    contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
     contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
     contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz; reloading: elastic)")
-    contact.add_argument("--max-force", type=float, help="end of the computed curve in N")
-    contact.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance of the table (default 1e-5)")
+    contact.add_argument("--max-force", type=force, help="end of the computed curve in N")
+    contact.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the table (default 1e-5)")
     made = surface.add_argument_group("synthetic")
-    made.add_argument("--size", type=int, default=512, help="pixels along each side (default 512)")
-    made.add_argument("--hurst", type=float, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
-    made.add_argument("--roughness", type=_metres, default=1e-6, help="Sq (default 1um)")
-    made.add_argument("--seed", type=int, default=1, help="seed of the random numbers (default 1)")
-    made.add_argument("--shortest", type=_metres, default=0.0, help="shortest wavelength (default: two pixels)")
-    made.add_argument("--longest", type=_metres, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    made.add_argument("--anisotropy", type=float, default=1.0, help="how much longer along x (default 1)")
+    made.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
+    made.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
+    made.add_argument("--sq", dest="roughness", type=length, default=1e-6, help="rms roughness Sq of the map (default 1um)")
+    made.add_argument("--roughness", action=Refused, remedy="give --sq, the map's own Sq")
+    made.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
+    made.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
+    made.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
+    made.add_argument("--anisotropy", type=plain, default=1.0, help="how much longer along x (default 1)")
     surface.set_defaults(func=run_surface)
 
 
 def _bodies(parser):
-    parser.add_argument("--radius", type=_metres, help="radius of the ball in m, or with a unit: 3.175mm")
-    parser.add_argument("--rough-radius", type=_metres, default=float("inf"), help="radius of the rough body (default: flat)")
-    parser.add_argument("--young", type=float, help="Young's modulus of the rough body in Pa")
-    parser.add_argument("--poisson", type=float, help="its Poisson's ratio")
-    parser.add_argument("--hardness", type=float, help="its hardness in Pa (without: elastic asperities)")
-    parser.add_argument("--ball-young", type=float, help="Young's modulus of the ball (default: as the rough body)")
-    parser.add_argument("--ball-poisson", type=float, help="its Poisson's ratio")
+    parser.add_argument("--radius", type=length, help="radius of the ball in m, or with a unit: 3.175mm")
+    parser.add_argument("--rough-radius", type=length, default=float("inf"), help="radius of the rough body (default: flat)")
+    parser.add_argument("--young", type=pressure, help="Young's modulus of the rough body in Pa")
+    parser.add_argument("--poisson", type=plain, help="its Poisson's ratio")
+    parser.add_argument("--hardness", type=pressure, help="its hardness in Pa (without: elastic asperities)")
+    parser.add_argument("--ball-young", type=pressure, help="Young's modulus of the ball (default: as the rough body)")
+    parser.add_argument("--ball-poisson", type=plain, help="its Poisson's ratio")
 
 
 def _pair(arguments, roughness, fractal_dimension=None):
@@ -117,16 +120,16 @@ def run_regime(arguments):
     given = [n for n in ("radius", "young", "poisson", "hardness", "roughness", "load") if getattr(arguments, n) is not None]
     if not given:
         return _published(arguments)
-    for name in ("roughness", "hardness"):
-        if getattr(arguments, name) is None:
-            raise DemlawsError(f"--{name} missing: the criterion needs it")
+    for name, flag in (("roughness", "sigma"), ("hardness", "hardness")):
+        if getattr(arguments, name) is None and not (name == "hardness" and arguments.yield_pressure is not None):
+            raise DemlawsError(f"--{flag} missing: the criterion needs it")
     pair = _pair(arguments, arguments.roughness, arguments.fractal_dimension)
     if arguments.load is None:
         print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {regime.transition_load(pair):.4g} N; below, asperities")
     else:
-        print(regime.assess(pair, arguments.load))
+        print(regime.assess(pair, arguments.load, arguments.mu, arguments.yield_pressure))
         print("laws at this load:")
-        for advice in regime.advise(pair, arguments.load):
+        for advice in regime.advise(pair, arguments.load, arguments.yield_pressure):
             print(f"  {advice.law:16} {'fits' if advice.fits else 'no'}: {advice.reason}")
     _draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0
@@ -135,15 +138,27 @@ def run_regime(arguments):
 def _published(arguments):
     from demlaws import regime
 
-    print(f"{'test':18} {'P (N)':>6} {'σ (µm)':>7} {'α':>7} {'printed':>8} {'p(0)/H':>7} {'printed':>8}  {'criterion':11} seen")
-    for test in regime.published_tests():
-        found = regime.assess(test.contact, test.load)
-        alpha = f"{test.alpha:8.2f}" if test.alpha == test.alpha else f"{'-':>8}"
-        verdict = "" if found.deforms == test.seen else "   <- the one mismatch"
+    rows = regime.published_ratios()
+    print(f"{'':18} {'':6} {'':7} {'α':>7} {'':>8} {'μ':>8} {'p(0)/H_m':>23}")
+    print(
+        f"{'test':18} {'P (N)':>6} {'σ (µm)':>7} {'comp.':>7} {'printed':>8} {'printed':>8} "
+        f"{'at μ':>7} {'Eq. 4':>7} {'printed':>8}  seen"
+    )
+
+    def cell(value, text):
+        return f"{'-':>{len(format(1.0, text))}}" if value != value else format(value, text)
+
+    for row in rows:
+        test = row.test
         print(
-            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {found.roughness_parameter:7.2f} {alpha} "
-            f"{found.ratio:7.3f} {test.ratio:8.3f}  {found.deforms:11} {test.seen}{verdict}"
+            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {row.alpha:7.2f} {cell(test.alpha, '8.2f')} "
+            f"{cell(test.mu, '8.0f')} {cell(row.solved, '7.3f')} {row.fitted:7.3f} {cell(test.ratio, '8.2f')}  {test.seen}"
         )
+    print("\nat μ: Greenwood & Tripp's solution at the printed μ, the paper's own method; Eq. 4: its closed fit; both computed")
+    for column, name in (("solved", "by the solution"), ("fitted", "by Eq. 4")):
+        count = regime.swaps(rows, column)
+        order = "the order is that of what was seen" if not count else f"{count} of the tests of 2006 stands out of order"
+        print(f"  {name}: {order}")
     _draw(arguments.figure, lambda plots: plots.regime_figure())
     return 0
 

@@ -1,8 +1,7 @@
 """`demlaws trade`: cost against error."""
 
-from pathlib import Path
-
 from demlaws.cli import example
+from demlaws.cli.arguments import law_name, output, whole
 
 ENGINES = ("yade", "liggghts")
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS"}
@@ -20,9 +19,9 @@ def register(subparsers):
             "  demlaws trade --law hertz --law pohrt-popov"
         ),
     )
-    parser.add_argument("--law", action="append", help="only this law (may be repeated)")
-    parser.add_argument("--contacts", type=float, default=2e5, help="contacts of a batch (default 2e5)")
-    parser.add_argument("--rounds", type=int, default=9, help="rounds of timing (default 9)")
+    parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
+    parser.add_argument("--contacts", type=whole(1000), default=200_000, help="contacts of a batch (default 2e5)")
+    parser.add_argument("--rounds", type=whole(), default=9, help="rounds of timing (default 9)")
     parser.add_argument(
         "--engines",
         nargs="*",
@@ -38,8 +37,8 @@ def register(subparsers):
         help="only this: 1,000 spheres settle and are compressed under each law in yade or liggghts, or in both",
     )
     parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds in the engines")
-    parser.add_argument("--csv", type=Path, help="file to write every figure to")
-    parser.add_argument("--figure", type=Path, help="picture to draw: error against cost with the Pareto front")
+    parser.add_argument("--csv", type=output, help="file to write every figure to")
+    parser.add_argument("--figure", type=output, help="picture to draw: error against cost with the Pareto front")
     parser.set_defaults(func=run)
 
 
@@ -47,7 +46,6 @@ def run(arguments):
     from tqdm import tqdm
 
     from demlaws import granite, plots
-    from demlaws.checks import number
     from demlaws.laws.registry import find
     from demlaws.measure import trade
     from demlaws.plots import choose as plots_choose
@@ -56,13 +54,11 @@ def run(arguments):
         return _scenes(arguments)
     engines = [] if arguments.engines is None else trade.installed(arguments.engines)
     laws = [find(n).name for n in arguments.law] if arguments.law else None
-    count = int(number(arguments.contacts, "--contacts", low=1000.0, allow_low=True))
-    rounds = int(number(arguments.rounds, "--rounds", low=1.0, allow_low=True))
 
     def progress(things):
         return tqdm(things, desc="trade", leave=False, disable=None)
 
-    entries, floor = trade.measure(laws, count, rounds, progress)
+    entries, floor = trade.measure(laws, arguments.contacts, arguments.rounds, progress)
     print(trade.table(entries, floor))
     steps = []
     chosen = next((e for e in entries if e[:3] == ("pohrt-popov", "hertz", "closed form")), None)

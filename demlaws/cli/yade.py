@@ -1,8 +1,30 @@
 """The command `demlaws yade`."""
 
-import argparse
-
+from demlaws.cli import Parser
 from demlaws.errors import DemlawsError
+
+WITH_VALUE = ("-j", "--threads", "--batch", "--cores", "--nice", "-f", "-L", "--libs", "--job-threads", "--lines", "--log")
+"""Options, ours and of yade and yade-batch, whose value may be the next word."""
+
+
+class _PassesOn(Parser):
+    """A parser that takes options before the first other word, and keeps those that it does not know for YADE."""
+
+    passes_on = False
+
+    def parse_known_args(self, args=None, namespace=None):
+        if not self.passes_on:
+            return super().parse_known_args(args, namespace)
+        end = 0
+        while end < len(args) and args[end].startswith("-"):
+            end += 2 if args[end] in WITH_VALUE else 1
+        namespace, unknown = super().parse_known_args(args[:end], namespace)
+        namespace.yade_options, namespace.script, namespace.arguments = (
+            unknown,
+            (args[end : end + 1] or [None])[0],
+            args[end + 1 :],
+        )
+        return namespace, []
 
 
 def register(subparsers):
@@ -10,42 +32,58 @@ def register(subparsers):
     parser = subparsers.add_parser(
         "yade",
         description="The laws inside Debian's YADE.",
-        epilog="example: demlaws yade run yade_scripts/two_spheres.py --quick",
+        epilog="example: demlaws yade run -x yade_scripts/two_spheres.py --quick",
     )
-    commands = parser.add_subparsers(dest="yade_command", required=True, metavar="COMMAND")
+    commands = parser.add_subparsers(dest="yade_command", required=True, metavar="COMMAND", parser_class=_PassesOn)
     check = commands.add_parser(
         "check",
         help="versions, what the native bridge finds, self-test of every law",
-        description="Start YADE, verify what the native bridge assumes, and test every law and unloading rule on two spheres.",
-        epilog="example: demlaws yade check",
+        description="Start YADE, verify what the native bridge assumes, and test every law and unloading rule on two spheres. "
+        "The first time on a machine this compiles each of them, which takes minutes; --quick tests two laws in seconds.",
+        epilog="example: demlaws yade check --quick",
     )
+    check.add_argument("--quick", action="store_true", help="two laws only: is the bridge there and does it work")
     check.set_defaults(func=_check)
     run = commands.add_parser(
         "run",
         help="run a script under YADE with this package importable",
-        description="Run a script under Debian's YADE, with this package importable and without the graphical interface.",
-        epilog="example: demlaws yade run yade_scripts/impact.py --quick",
+        description="Run a script under YADE with this package importable. As with `yade`, the interpreter stays when the "
+        "script has ended, unless -x is given. Options before the script that are not listed here go to YADE (yade-batch) as "
+        "they are, for instance --cores=0,1. Without --gui the graphical interface is not started. Where demlaws is "
+        "installed for YADE's own Python, plain `yade SCRIPT` does the same.",
+        epilog="example: demlaws yade run -x yade_scripts/impact.py --quick",
     )
-    run.add_argument("--threads", type=int, default=1, metavar="N", help="OpenMP threads (default 1)")
+    run.add_argument("-x", dest="leave", action="store_true", help="exit when the script has ended (status 1 if it failed)")
+    run.add_argument("-j", "--threads", type=int, default=1, metavar="N", help="OpenMP threads (default 1)")
     run.add_argument("--gui", action="store_true", help="with the graphical interface")
     run.add_argument("--batch", metavar="TABLE", help="run once for each line of this parameter table (yade-batch)")
-    run.add_argument("script")
-    run.add_argument("arguments", nargs=argparse.REMAINDER, help="arguments of the script")
+    run.usage = "demlaws yade run [-x] [-j N] [--gui] [--batch TABLE] [options of YADE] SCRIPT [arguments of the script]"
+    run.passes_on = True
     run.set_defaults(func=_run)
 
 
 def _check(arguments):
     from demlaws.yade.run import run
 
-    return run(_file("check.py")).returncode
+    return run(_file("check.py"), ["--quick"] if arguments.quick else []).returncode
 
 
 def _run(arguments):
     from demlaws.yade.run import run
 
+    if arguments.script is None:
+        raise DemlawsError("no script was given: demlaws yade run [options] SCRIPT [its arguments]")
     if arguments.threads < 1:
         raise DemlawsError(f"--threads {arguments.threads}: at least 1")
-    return run(arguments.script, arguments.arguments, arguments.threads, arguments.gui, arguments.batch).returncode
+    return run(
+        arguments.script,
+        arguments.arguments,
+        arguments.threads,
+        arguments.gui,
+        arguments.batch,
+        stay=not arguments.leave,
+        yade_options=arguments.yade_options,
+    ).returncode
 
 
 def _file(name):

@@ -17,6 +17,8 @@ from numba import types
 from numba.core import config, serialize
 from numba.core.compiler import CompileResult
 
+from demlaws.core import notice
+
 
 def _digest(*contents):
     return sha256(b"\0".join(c if isinstance(c, bytes) else repr(c).encode() for c in contents)).hexdigest()
@@ -127,11 +129,15 @@ class Cache:
         path, key = self._place(signature, context.codegen())
         try:
             stored, payload = pickle.loads(path.read_bytes())
+            if stored == key:
+                return CompileResult._rebuild(context, *payload)
         except Exception:  # absent, or spoilt in any of the ways in which a file can be
-            return None
-        return CompileResult._rebuild(context, *payload) if stored == key else None
+            pass
+        notice.begin()
+        return None
 
     def save_overload(self, signature, result):
+        notice.end()
         path, key = self._place(signature, result.codegen)
         if path is None or result.library.has_dynamic_globals:
             return

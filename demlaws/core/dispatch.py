@@ -6,8 +6,6 @@ on-disk cache valid from one process to the next. The names of these types go in
 each is unique in the package.
 """
 
-from typing import NamedTuple
-
 from numba import types
 from numba.extending import overload
 
@@ -17,28 +15,34 @@ from demlaws.core.fastmath import read_only
 _INLINED = {"forceinline": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
-class Kernels(NamedTuple):
-    """The compiled functions of one law (or of one unloading rule), keyed by the name of the generic function."""
-
-    functions: dict
+_GENERIC = set()  # names of the functions that kernels may be bound to
+_KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name of a generic function: kernel}
 
 
-_KERNELS = {}
+def generic(function):
+    _GENERIC.add(function.__name__)
+    return function
 
 
 def bind(cls, **functions):
     """Make `functions` (name of a generic function → kernel) answer for arguments whose type is the NamedTuple `cls`."""
+    if unknown := sorted(functions.keys() - _GENERIC):
+        known = ", ".join(sorted(_GENERIC))
+        raise TypeError(
+            f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {known}"
+        )
     if any(other.__name__ == cls.__name__ and other is not cls for other in _KERNELS):
         raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
-    _KERNELS.setdefault(cls, Kernels({})).functions.update(functions)
+    _KERNELS.setdefault(cls, {}).update(functions)
     follow(cls, *functions.values())
 
 
 def _kernel_of(argument, name):
     cls = getattr(argument, "instance_class", None)
-    return _KERNELS[cls].functions.get(name) if cls in _KERNELS else None
+    return _KERNELS.get(cls, {}).get(name)
 
 
+@generic
 def scale(shape, radius, modulus, roughness):
     """Params of one contact: the law's `shape`, with R [m], E* [Pa] and σ [m] of the contact."""
 
@@ -49,6 +53,7 @@ def _scale(shape, radius, modulus, roughness):
     return lambda shape, radius, modulus, roughness: kernel(shape, radius, modulus, roughness)
 
 
+@generic
 def virgin(p, overlap):
     """First loading at overlap > 0 [m]: force P [N], tangent stiffness K [N/m], δ_H(P) [m], a²/R [m].
 
@@ -63,6 +68,7 @@ def _virgin(p, overlap):
     return lambda p, overlap: kernel(p, overlap)
 
 
+@generic
 def inverse(p, force):
     """Overlap [m] at which first loading carries `force` > 0 [N]."""
 
@@ -73,6 +79,7 @@ def _inverse(p, force):
     return lambda p, force: kernel(p, force)
 
 
+@generic
 def recover(p, force, equivalent):
     """As `inverse`, from both the force > 0 [N] and its Hertz-equivalent overlap [m], and perhaps rough: one step of Newton's
     method with `virgin` makes it exact. A law that binds nothing has its `inverse` called."""
@@ -86,6 +93,7 @@ def _recover(p, force, equivalent):
     return lambda p, force, equivalent: kernel(p, force, equivalent)
 
 
+@generic
 def parts(p):
     """Params of first loading and of the given unloading curve, and the factor from a Hertz-equivalent overlap of the one
     to that of the other at equal force. A law without such a curve goes back along its own."""
@@ -97,6 +105,7 @@ def _parts(p):
     return (lambda p: (p, p, 1.0)) if kernel is None else (lambda p: kernel(p))
 
 
+@generic
 def energy(p, overlap):
     """Work [J] of first loading from 0 to overlap > 0 [m]."""
 
@@ -107,6 +116,7 @@ def _energy(p, overlap):
     return lambda p, overlap: kernel(p, overlap)
 
 
+@generic
 def step(rule, p, overlap, state):
     """Force, tangent stiffness and new state of a contact at `overlap` [m]; pure: `state` is a tuple of floats."""
 
@@ -117,6 +127,7 @@ def _step(rule, p, overlap, state):
     return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
 
 
+@generic
 def stored_and_dissipated(rule, p, overlap, state):
     """Energy [J] that a contact at `overlap` [m] can still return, and what it has dissipated since it was made."""
 
@@ -127,6 +138,7 @@ def _stored_and_dissipated(rule, p, overlap, state):
     return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
 
 
+@generic
 def unloaded(rule, p, force, state):
     """Overlap [m] at which the contact, below its maximum overlap, carries `force` ≥ 0 [N]."""
 
@@ -154,20 +166,15 @@ class _Source:
             return f"{name}({items})"
         return f"float({expression}[i])" if isinstance(kind, types.Array) and kind.ndim == 1 else expression
 
-    def fix(self, kind, expression, joined=False):
-        """The same tuple with `read_only` pointers in place of 2-D arrays.
+    def fix(self, kind, expression):
+        """The same tuple with `read_only` pointers in place of 2-D arrays; parts that bind a `fix_tables` have it called."""
+        if isinstance(kind, types.BaseNamedTuple) and _kernel_of(kind, "fix_tables") is not None:
+            return f"fix_tables({expression})"
+        return self.fix_parts(kind, expression)
 
-        Of Params with an unloading curve (joined), a curve without a `recover` of its own keeps its arrays: its `inverse`
-        searches them.
-        """
-        if joined and isinstance(kind, types.BaseNamedTuple) and not _kernel_of(kind, "recover"):
-            return expression
+    def fix_parts(self, kind, expression):
         if isinstance(kind, types.BaseTuple):
-            joined = _kernel_of(kind, "parts") is not None
-            names = getattr(kind, "fields", [""] * len(kind))
-            items = "".join(
-                f"{self.fix(item, f'{expression}[{n}]', joined and names[n] == 'unloading')}, " for n, item in enumerate(kind)
-            )
+            items = "".join(f"{self.fix(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
             if not isinstance(kind, types.BaseNamedTuple):
                 return f"({items})"
             name = f"Class{len(self.names)}"
@@ -187,15 +194,31 @@ class _Source:
         return self.names["function"]
 
 
+@generic
 def fix_tables(params):
     """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
 
 
 @overload(fix_tables, jit_options=_INLINED)
 def _fix_tables(params):
+    kernel = _kernel_of(params, "fix_tables")
+    if kernel is not None:
+        return lambda params: kernel(params)
     source = _Source()
-    source.names["read_only"] = read_only
-    return source.function(f"def function(params):\n    return {source.fix(params, 'params')}\n")
+    source.names |= {"read_only": read_only, "fix_tables": fix_tables}
+    return source.function(f"def function(params):\n    return {source.fix_parts(params, 'params')}\n")
+
+
+def fix_to_recover(params):
+    """`fix_tables` for a curve whose overlaps are recovered: one without a `recover` keeps its arrays, its `inverse` searches
+    them."""
+
+
+@overload(fix_to_recover, jit_options=_INLINED)
+def _fix_to_recover(params):
+    if _kernel_of(params, "recover") is None:
+        return lambda params: params
+    return lambda params: fix_tables(params)
 
 
 def gather(arrays, i):

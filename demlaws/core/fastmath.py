@@ -14,6 +14,10 @@ from numba.core.ccallback import CFunc
 from numba.extending import intrinsic
 
 from demlaws.core import cache
+from demlaws.errors import DemlawsError
+
+if numba.config.DISABLE_JIT:
+    raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")
 
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 

@@ -1,5 +1,7 @@
 """Compiled loops over arrays of contacts, for any law and any unloading rule."""
 
+import math
+
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
 from demlaws.core.fastmath import interleave, loop
@@ -17,19 +19,36 @@ def scale_loop(shape, radius, modulus, roughness, params):
 
 
 @loop
-def evaluate_loop(rule, params, overlap, state, force, stiffness):
-    finite = True
+def batch_loop(rule, params, overlap, state, end, small, force, stiffness):
+    """A step of every contact. Returns whether all forces are finite and all overlaps up to `small` times their `end`.
+
+    end: a tuple of the largest overlap that is answered [m], one number or one entry a contact. An overlap beyond it
+    counts as NaN, with which every rule gives the force NaN and leaves the history as it was; a rule without a history
+    answers all the same.
+    """
+    good = True
     params = dispatch.fix_tables(params)
     interleave(4)
     for i in range(overlap.size):
         p = gather(params, i)
-        new_force, new_stiffness, new_state = dispatch.step(rule, p, float(overlap[i]), gather(state, i))
+        last = gather(end, i)[0]
+        here = float(overlap[i])
+        here = here if (here <= last) | (len(state) == 0) else math.nan
+        new_force, new_stiffness, new_state = dispatch.step(rule, p, here, gather(state, i))
         scatter(state, i, new_state)
         force[i] = new_force
         stiffness[i] = new_stiffness
         # last, because LLVM loses the hint where the loop ends in an inlined call
-        finite &= new_force - new_force == 0.0
-    return finite
+        good &= (new_force - new_force == 0.0) & (here <= small * last)
+    return good
+
+
+UNBOUNDED = (math.inf,)
+
+
+def evaluate_loop(rule, params, overlap, state, force, stiffness):
+    """`batch_loop` of a curve that is read at overlaps of any size: whether all forces are finite."""
+    return batch_loop(rule, params, overlap, state, UNBOUNDED, 1.0, force, stiffness)
 
 
 @loop

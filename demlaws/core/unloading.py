@@ -7,7 +7,7 @@ that type. The state is a tuple of floats; all zeros is a virgin contact, and a 
 import math
 from typing import NamedTuple
 
-from demlaws.core.dispatch import bind, energy, inverse, parts, recover, scale, virgin
+from demlaws.core.dispatch import bind, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 
 
@@ -119,8 +119,20 @@ def _joined_parts(p):
     return p.loading, p.unloading, p.equivalent_ratio
 
 
+@kernel
+def _joined_fix_tables(p):
+    return JoinedParams(p.hertz_coefficient, fix_tables(p.loading), fix_to_recover(p.unloading), p.equivalent_ratio)
+
+
 bind(JoinedShape, scale=_joined_scale)
-bind(JoinedParams, virgin=_joined_virgin, inverse=_joined_inverse, energy=_joined_energy, parts=_joined_parts)
+bind(
+    JoinedParams,
+    virgin=_joined_virgin,
+    inverse=_joined_inverse,
+    energy=_joined_energy,
+    parts=_joined_parts,
+    fix_tables=_joined_fix_tables,
+)
 
 
 @kernel
@@ -226,25 +238,25 @@ def _given_step(rule, p, overlap, state):
     loads = overlap >= state[0]
     if loads:
         force, stiffness, equivalent, _ = virgin(loading, positive)
-        wanted = equivalent * ratio
-        place = recover(curve, force, wanted)
-        force = force if place == place else math.nan  # beyond the curve's end
+        sought = equivalent * ratio
+        elastic = recover(curve, force, sought)
+        force = force if elastic == elastic else math.nan  # beyond the curve's end
         maximum, plastic = overlap, 0.0
     else:
-        force, stiffness, wanted = 0.0, 0.0, 0.0
+        force, stiffness, sought = 0.0, 0.0, 0.0
         maximum, plastic = state
-        place = positive - plastic
-        place = 0.0 if place <= 0.0 else place
+        elastic = positive - plastic
+        elastic = 0.0 if elastic <= 0.0 else elastic
     # one reading of the curve for both: where the contact is, or the last step of the search for Pmax on it
-    here, tangent, equivalent, _ = virgin(curve, place)
+    back, tangent, equivalent, _ = virgin(curve, elastic)
     if loads:
         # in δ_H, which is straighter than the force: dδ_H/dδ = K δ_H/(1.5 P)
         rise = tangent * equivalent
-        found = place - (1.5 * here * (equivalent - wanted) / rise if place > 0.0 and rise > 0.0 else 0.0)
+        found = elastic - (1.5 * back * (equivalent - sought) / rise if elastic > 0.0 and rise > 0.0 else 0.0)
         plastic = overlap - (0.0 if found <= 0.0 else found)
     else:
-        force = 0.0 if place <= 0.0 else here
-        stiffness = 0.0 if place <= 0.0 else tangent
+        force = 0.0 if elastic <= 0.0 else back
+        stiffness = 0.0 if elastic <= 0.0 else tangent
     if overlap <= 0.0:
         force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
     return force, stiffness, (maximum, plastic)

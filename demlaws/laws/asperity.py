@@ -18,7 +18,7 @@ from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, bulk_yield, plastic_asperities
+from demlaws.laws.definition import Definition, Limit, Option, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
@@ -153,10 +153,10 @@ def _smooth(u, s, reach):
 
 
 def _local_parabola(x, y, at):
-    """Value and slope at `at` of the parabola fitted with a Gaussian weight around each place."""
+    """Value and slope at `at` of the parabola fitted with a Gaussian weight around each of them."""
     value, slope = np.empty(at.size), np.empty(at.size)
-    for i, place in enumerate(at):
-        d = x - place
+    for i, centre in enumerate(at):
+        d = x - centre
         weight = np.exp(-0.5 * (d / _BANDWIDTH) ** 2)
         near = weight > 1e-8
         basis = np.column_stack([np.ones(near.sum()), d[near], d[near] ** 2]) * np.sqrt(weight[near])[:, None]
@@ -212,27 +212,28 @@ def _prepare(
         surface = HeightMap.from_portable(surface)
     if not isinstance(surface, HeightMap):
         raise DemlawsError(
-            f"surface must be a demlaws.surface.HeightMap (form removed) or the path of a map, got {type(surface).__name__}"
+            "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
+            f"got {'none' if surface is None else type(surface).__name__}"
         )
     if curve == "reloading":
         load = number(load, "load (first loading, for curve='reloading')", "N")
     max_force = None if max_force is None else number(max_force, "max_force", "N")
     if surface.sq == 0.0:
         return HertzShape()
-    made, alike = _pairs(contact)
-    reach = max(0.2 * pair.radius / _length(pair) for pair in made)
+    pairs, alike = _pairs(contact)
+    reach = max(0.2 * pair.radius / _length(pair) for pair in pairs)
     settings = (curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach)
-    curves = [_curve(pair, surface, *settings) for pair in made]
+    curves = [_curve(pair, surface, *settings) for pair in pairs]
     start = min(c.start for c in curves)
-    shapes = [_shape(c, pair, start, reach) for c, pair in zip(curves, made, strict=True)]
-    if len(made) == 1:
+    shapes = [_shape(c, pair, start, reach) for c, pair in zip(curves, pairs, strict=True)]
+    if len(pairs) == 1:
         return shapes[0]
     # one more copy at the end: a curve is read with its neighbour, also where that has no weight
     cells = np.ascontiguousarray(np.concatenate([shape.cells for shape in [*shapes, shapes[-1]]]))
     if alike:
-        ratio = math.log(made[-1].radius / made[0].radius) / (len(made) - 1)
-        return FamilyShape(shapes[0], cells, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), made[0].radius, ratio, len(made))
-    return RowsShape(shapes[0], cells, np.array([[p.radius, p.modulus, p.roughness] for p in made]))
+        ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
+        return FamilyShape(shapes[0], cells, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
+    return RowsShape(shapes[0], cells, np.array([[p.radius, p.modulus, p.roughness] for p in pairs]))
 
 
 def _pairs(contact):
@@ -280,4 +281,13 @@ LAW = Definition(
     advise=plastic_asperities,
     label="asperities",
     colour="#e377c2",
+    options={
+        "surface": Option("", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed"),
+        "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `load`"),
+        "load": Option("N", "above 0", "first loading before the reloading curve; needed by it"),
+        "max_force": Option("N", "above 0", "end of the computed curve; without: the map's edge or bulk yield"),
+        "poisson": Option("", "-1 to 0.5", "Poisson's ratio of the rough body"),
+        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness"),
+        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere"),
+    },
 )

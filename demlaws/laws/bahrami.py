@@ -9,7 +9,7 @@ from demlaws.checks import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import HARDNESS, ROUGHNESS, Definition, Limit, plastic_asperities
+from demlaws.laws.definition import HARDNESS, ROUGHNESS, Definition, Limit, Option, plastic_asperities
 
 _JOINT = 0.47
 CONTINUOUS = 1.5975731915314553
@@ -188,4 +188,7 @@ LAW = Definition(
     free=("roughness",),
     label="Bahrami",
     colour="#9467bd",
+    options={
+        "constant": Option("", "1.5 to 1.7", "of the published correlation; the default makes it continuous (printed: 1.605)"),
+    },
 )

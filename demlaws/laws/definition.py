@@ -1,11 +1,12 @@
 """What a law declares besides its compiled kernels: all that fits, advice, measurements, figures and engines know of it."""
 
 import inspect
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.contact import Contact
 from demlaws.criterion import lowest_transition_load
 from demlaws.errors import DemlawsError
 
@@ -19,7 +20,7 @@ class Limit(NamedTuple):
     branch: bool = False  # outside, the law leaves out a branch of itself on purpose: its error can be computed
 
 
-def bulk_yield(contact, **options):
+def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
     """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`criterion`)."""
     if contact.hardness is None:
         return []
@@ -27,7 +28,7 @@ def bulk_yield(contact, **options):
     return [Limit(0.0, lowest_transition_load(contact), reason)]
 
 
-def no_kinks(params, **options):
+def no_kinks(params: Any, **options: Any) -> list[float]:
     return []
 
 
@@ -37,21 +38,21 @@ def no_kinks(params, **options):
 class Conditions(NamedTuple):
     """What a contact meets up to a load: that from which a law says whether its physics fits (`Definition.advise`)."""
 
-    contact: object
+    contact: Contact
     roughness_parameter: float  # largest α
     pressure_drop: float  # p(0)/p0 there
     yields: bool  # p(0)/H_m passes 0.6
     state: str  # that in words
 
 
-def elastic_bulk(conditions, fits=True, reason=""):
+def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") -> tuple[bool, str]:
     """Advice of a law that keeps the bulk elastic, and that fits otherwise unless `reason` says why it does not."""
     if conditions.yields:
         return False, f"{conditions.state}: the bulk yields and this law keeps it elastic"
     return fits, conditions.state if fits else reason
 
 
-def plastic_asperities(conditions):
+def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
     return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
 
@@ -84,6 +85,18 @@ OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": D
 """The contact's own quantities; a law names those that it depends on, and adds its options, in `Definition.fitted`."""
 
 
+class Option(NamedTuple):
+    """An option of a law, as users are told of it; its default stands in the signature of `prepare`."""
+
+    unit: str
+    values: str  # the range, or the words that it can be
+    meaning: str
+
+
+SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
+SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where contacts differ")
+
+
 class Definition(NamedTuple):
     """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
 
@@ -101,6 +114,7 @@ class Definition(NamedTuple):
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
+    options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
     exact: Callable | None = None  # contact, overlap, **options → force and stiffness in numpy.longdouble (`extended`)
@@ -121,15 +135,30 @@ class Definition(NamedTuple):
     colour: str = "#888888"
     line: str = "-"
 
-    def shape(self, contact, **options):
+    def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
         try:
             inspect.signature(self.prepare).bind(contact, **options)
         except TypeError as error:
-            raise DemlawsError(f"law {self.name!r}: {error}") from None
-        return self.prepare(contact, **options)
+            known = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
+            raise DemlawsError(f"law {self.name!r}: {error}; {known} (demlaws laws {self.name})") from None
+        try:
+            return self.prepare(contact, **options)
+        except TypeError as error:  # a list or None where a number or a word belongs
+            given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
+            raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
 
-    def needed(self, **options):
+    def option_lines(self) -> Iterator[str]:
+        """A line for each option: name, unit, range, default, meaning."""
+        signature = inspect.signature(self.prepare).parameters
+        for name, option in self.options.items():
+            default = signature[name].default if name in signature else inspect.Parameter.empty
+            needed = default in (None, inspect.Parameter.empty)
+            shown = "no default" if needed else f"default {default if isinstance(default, str) else format(default, '.10g')}"
+            unit = f" [{option.unit}]" if option.unit else ""
+            yield f"{name}{unit}: {option.meaning}; {option.values}; {shown}"
+
+    def needed(self, **options: Any) -> tuple[str, ...]:
         """Names of Contact fields that must be given, those of the law before yield included."""
         if self.before_yield is None:
             return self.needs

@@ -9,7 +9,8 @@ from demlaws.checks import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import Definition, Parameter
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
 
@@ -74,7 +75,7 @@ bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 def _prepare(contact, slope=None):
     if slope is None:
-        number(math.nan, "slope", "rad")
+        raise DemlawsError("law 'goddard' needs slope in rad, the flank of the tip (granite cones: 0.035); give slope=...")
     tangent = math.tan(number(slope, "slope", "rad", 0.0, 1.0, allow_low=True))
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(tangent**2, 1e-40))
 
@@ -101,4 +102,7 @@ LAW = Definition(
     free=("slope",),
     label="Goddard",
     colour="#8c564b",
+    options={
+        "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed"),
+    },
 )

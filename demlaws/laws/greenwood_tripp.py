@@ -4,7 +4,7 @@ import math
 
 from demlaws.checks import number
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import ROUGHNESS, Definition, Limit, Parameter
+from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter
 from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
 
 _MODEL = "greenwood-tripp"
@@ -48,4 +48,11 @@ LAW = Definition(
     label="Greenwood-Tripp",
     colour="#17becf",
     line=":",
+    options={
+        "mu": Option("", "0.05 to 1e5", f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"),
+        "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu"),
+        "asperity_radius": Option("m", "above 0", "β, with asperity_density in place of mu"),
+        "seating_load": SEATING,
+        "rtol": SOLUTION,
+    },
 )

@@ -8,7 +8,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, power, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Limit, bulk_yield, elastic_bulk
+from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Limit, Option, bulk_yield, elastic_bulk
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov_branches import HertzBranchShape, PowerBranchShape
 
@@ -102,7 +102,7 @@ _BRANCHES = {"both": PohrtPopovShape, "power": PowerBranchShape, "hertz": HertzB
 
 def _prepare(contact, branch="both"):
     """branch: "power" or "hertz" leaves out the other side of the threshold, for scenes that never go there."""
-    if branch not in _BRANCHES:
+    if not isinstance(branch, str) or branch not in _BRANCHES:
         raise DemlawsError(f"branch={branch!r}: the branches of 'pohrt-popov' are {', '.join(_BRANCHES)}")
     # Extended precision once, so that the exponent and the threshold carry one rounding each.
     dimension = np.longdouble(contact.fractal_dimension)
@@ -157,4 +157,7 @@ LAW = Definition(
     branches={"power": "Hertz stiffness above the threshold", "hertz": "power law below the threshold"},
     label="Pohrt-Popov",
     colour="#d62728",
+    options={
+        "branch": Option("", "both, power or hertz", "side of the threshold that is kept, for scenes that never leave it"),
+    },
 )

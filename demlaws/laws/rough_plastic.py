@@ -10,8 +10,9 @@ from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Parameter
+from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended
+from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
 
 class RoughPlasticShape(NamedTuple):
@@ -93,9 +94,10 @@ def _loading_definition(loading):
 
 def _prepare(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
     if yield_pressure is None:
-        raise DemlawsError(
-            "law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: 1.66e9, that is 0.265 times its hardness)"
+        of_granite = (
+            f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
+        raise DemlawsError(f"law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: {of_granite})")
     definition = _loading_definition(loading)
     for field in definition.needed(**loading_options):
         if getattr(contact, field) is None:
@@ -150,7 +152,7 @@ LAW = Definition(
     kinks=_kinks,
     collapses=False,
     before_yield=_before_yield,
-    example={"yield_pressure": 1.66e9},
+    example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     exact=_exact,
     advise=_advise,
     unloading=("elastic", "hertz", "thornton"),
@@ -165,4 +167,8 @@ LAW = Definition(
     label="rough-plastic",
     colour="#ff7f0e",
     line="-.",
+    options={
+        "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed"),
+        "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
+    },
 )

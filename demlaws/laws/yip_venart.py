@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from demlaws.laws.definition import HARDNESS, ROUGHNESS, Definition, Limit, plastic_asperities
+from demlaws.laws.definition import HARDNESS, ROUGHNESS, SEATING, SOLUTION, Definition, Limit, plastic_asperities
 from demlaws.laws.family import SEATING_LOAD, SMOOTH, CurveNumber, prepare
 
 _MODEL = "yip-venart"
@@ -54,4 +54,8 @@ LAW = Definition(
     rank=3,
     label="Yip-Venart",
     colour="#2ca02c",
+    options={
+        "seating_load": SEATING,
+        "rtol": SOLUTION,
+    },
 )

@@ -1,4 +1,8 @@
-"""Compile the plugin into a cache. The key is everything that the result depends on, so a stale one is never loaded."""
+"""Compile the plugin into a cache. Its name holds everything that it depends on, so a stale one is never loaded.
+
+The name has two keys: what it runs on (our sources, LIGGGHTS's library, the processor), and what made it (compiler, headers,
+flags). Where there is no compiler, as on a compute node, the newest with the first key serves.
+"""
 
 import hashlib
 import os
@@ -29,11 +33,11 @@ def header_folder():
 
 
 def cache_folder():
-    """$DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws."""
+    """$DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws; always an absolute path."""
     named = os.environ.get("DEMLAWS_CACHE")
     if named:
-        return Path(named)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "demlaws"
+        return Path(named).absolute()  # LIGGGHTS is started in the input's folder
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
 
 
 def _output(command):
@@ -63,7 +67,7 @@ def _mpi_flags():
     for command in (["mpicxx", "--showme:compile"], ["pkg-config", "--cflags", "ompi-cxx"]):
         flags = _output(command).split()
         if flags:
-            return [flag for flag in flags if flag.startswith("-I")]
+            return [word for flag in flags if flag.startswith("-I") for word in ("-isystem", flag[2:])]
     raise DemlawsError(f"the MPI headers were not found (neither mpicxx nor pkg-config ompi-cxx answers): {PACKAGES}")
 
 
@@ -81,47 +85,90 @@ def _mpi_libraries(compiler):
 def _command(portable):
     architecture = [] if portable else ["-march=native"]
     headers = _headers()
-    includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}", f"-I{headers}", *_mpi_flags()]
+    includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}"]
+    includes += ["-isystem", str(headers), *_mpi_flags()]  # so that warnings are of our own files only
     compiler = _compiler()
     link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", "-lliggghts"]
     link += ["-Wl,--as-needed", *_mpi_libraries(compiler)]  # several of that name; only what is used is linked
     return [compiler, *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
 
 
-def _key(command, link, portable):
+def _key(parts):
     digest = hashlib.sha256()
-    parts = [demlaws.__version__, *command, *link, _output([command[0], "--version"]), platform.machine()]
-    if not portable:  # -march=native means another thing on another processor
-        parts.append(_output([command[0], "-march=native", "-Q", "--help=target"]))
-    for text in parts:
-        digest.update(text.encode() + b"\0")
+    for part in parts:
+        digest.update((part if isinstance(part, bytes) else part.encode()) + b"\0")
+    return digest.hexdigest()[:12]
+
+
+def _processor():
+    """What the processor can do, as Linux says it; a library made with -march=native needs the same."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor()
+    return next((line for line in lines if line.startswith(("flags", "Features"))), platform.processor())
+
+
+def _engine():
+    """The bytes of LIGGGHTS's library, as the binary loads it."""
+    binary = shutil.which(os.environ.get("DEMLAWS_LIGGGHTS", "liggghts"))
+    found = re.search(r"libliggghts\S* => (/\S+)", _output(["ldd", binary])) if binary else None
+    return Path(found.group(1)).read_bytes() if found else b""
+
+
+def _runs_on(portable):
+    """First part of the plugin's name: what it runs on. Needs no compiler."""
+    parts = [demlaws.__version__, platform.machine(), "portable" if portable else _processor(), _engine()]
     for file in sorted([*SOURCES.rglob("*"), *SHARED.glob("*.h")]):
         if file.is_file():
-            digest.update(file.name.encode() + b"\0" + file.read_bytes())
+            parts += [file.name, file.read_bytes()]
+    return f"libdemlaws_liggghts-{demlaws.__version__}-{_key(parts)}"
+
+
+def _made_by(command, link, portable):
+    parts = [*command, *link, _output([command[0], "--version"])]
+    if not portable:  # -march=native means another thing on another processor
+        parts.append(_output([command[0], "-march=native", "-Q", "--help=target"]))
     for file in sorted(_headers().glob("*.h")):  # an update of LIGGGHTS changes them
-        digest.update(f"{file.name} {file.stat().st_size} {file.stat().st_mtime_ns}".encode())
-    return digest.hexdigest()[:16]
+        parts.append(f"{file.name} {file.stat().st_size} {file.stat().st_mtime_ns}")
+    return _key(parts)
 
 
 def library_path(portable=False):
     """Where the plugin of this version, these sources, this compiler and these headers belongs, built or not."""
-    command, link = _command(portable)
-    return cache_folder() / f"libdemlaws_liggghts-{demlaws.__version__}-{_key(command, link, portable)}.so"
+    return cache_folder() / f"{_runs_on(portable)}-{_made_by(*_command(portable), portable)}.so"
+
+
+def _made_elsewhere(portable):
+    """The newest plugin in the cache that runs here, whichever compiler made it; None if there is none."""
+    made = [file for file in cache_folder().glob(f"{_runs_on(portable)}-*.so") if os.access(file, os.R_OK)]
+    return max(made, key=lambda file: file.stat().st_mtime_ns, default=None)
 
 
 def build(portable=False, force=False):
     """Path of the plugin's shared object; compiled (about 10 s) unless the cache has it.
 
     portable: without -march=native, for a cluster whose nodes differ (the step costs some 10 % more).
-    force: compile even so. Raises DemlawsError that names the missing package, or shows the compiler's message.
+    force: compile even so. Where a compiler or the headers are missing, a plugin that was compiled elsewhere for the same
+    sources, LIGGGHTS and processor is taken from the cache. Raises DemlawsError that names the missing package, or shows the
+    compiler's message.
     """
-    command, link = _command(portable)
-    library = cache_folder() / f"libdemlaws_liggghts-{demlaws.__version__}-{_key(command, link, portable)}.so"
-    if any(mark in str(library) for mark in " :"):
+    if any(mark in str(cache_folder()) for mark in " :"):
         raise DemlawsError(
-            f"the cache {library.parent} has a space or a colon in its name, at which LD_PRELOAD splits: "
+            f"the cache {cache_folder()} has a space or a colon in its name, at which LD_PRELOAD splits: "
             "set DEMLAWS_CACHE to another folder"
         )
+    try:
+        command, link = _command(portable)
+    except DemlawsError as missing:
+        made = None if force else _made_elsewhere(portable)
+        if made:
+            return made
+        raise DemlawsError(
+            f"{missing}; nor does the cache {cache_folder()} hold a plugin for this processor and LIGGGHTS: where there is a "
+            "compiler, run `demlaws liggghts build --portable` with the same DEMLAWS_CACHE, and here use --portable"
+        ) from missing
+    library = cache_folder() / f"{_runs_on(portable)}-{_made_by(command, link, portable)}.so"
     if library.is_file() and not force:
         return library
     try:

@@ -59,7 +59,7 @@ def packages():
     """Debian's versions of the binary, library and headers; raises where they differ."""
     if not shutil.which("dpkg-query"):
         return {}
-    names = ("liggghts", "libliggghts3", "libliggghts-dev")
+    names = ("liggghts", "libliggghts[0-9]*", "libliggghts-dev")  # libliggghts3, since Debian 13 libliggghts3t64
     out = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${Version}\n", *names], capture_output=True, text=True).stdout
     found = dict(line.split() for line in out.splitlines() if len(line.split()) == 2)
     if len(set(found.values())) > 1:

@@ -51,9 +51,10 @@ def versions():
     return _versions_of(executable())
 
 
-def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True, portable=False):
+def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True, portable=False, arguments=()):
     """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` makes.
 
+    arguments: more of LIGGGHTS's own, such as ("-echo", "screen").
     Root needs --allow-run-as-root and --oversubscribe of mpirun, more ranks than cores the latter.
     """
     if ranks < 1:
@@ -65,6 +66,7 @@ def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True, po
     line = [executable(), "-in", str(script), "-log", str(log)]
     for name, value in (variables or {}).items():
         line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
+    line += map(str, arguments)
     if ranks > 1:
         if not shutil.which("mpirun"):
             raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
@@ -81,20 +83,30 @@ def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True, po
 
 
 def run(
-    script, ranks=1, variables=None, folder=None, log="log.liggghts", plugin=True, echo=False, timeout=None, portable=False
+    script,
+    ranks=1,
+    variables=None,
+    folder=None,
+    log="log.liggghts",
+    plugin=True,
+    echo=False,
+    timeout=None,
+    portable=False,
+    arguments=(),
 ):
-    """Run `script` in `folder` (default: the script's own) and return what its log's thermo tables hold.
+    """Run `script` in `folder` (default: the script's own) and return what the thermo tables of its output hold.
 
     variables: {name: value} for the script's ${name}; echo: show LIGGGHTS's output as it comes; portable: the plugin
-    without -march=native, for a cluster of unlike nodes.
-    Returns a dict column → array over all rows (see `read_log`). Raises DemlawsError with LIGGGHTS's own error.
+    without -march=native, for a cluster of unlike nodes; arguments: more of LIGGGHTS's own command line.
+    Returns a dict column → array over all rows (see `read_log`); empty where the input has no run, or no thermo output.
+    Raises DemlawsError with LIGGGHTS's own error.
     """
     script = Path(script)
     if folder is None:
         folder, script = script.resolve().parent, Path(script.name)
     if not (Path(folder) / script).is_file():
         raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws liggghts export` writes one")
-    line, environment = command(script, ranks, variables, log, plugin, portable)
+    line, environment = command(script, ranks, variables, log, plugin, portable, arguments)
     # a screen must stay: LIGGGHTS dies in mesh cases with -screen none
     lines = []
     with subprocess.Popen(
@@ -111,14 +123,61 @@ def run(
         except BaseException:
             process.kill()
             raise
-    errors = [text.strip() for text in lines if text.startswith("ERROR")]
-    if process.returncode or errors:
+    if process.returncode:
+        errors = [text.strip() for text in lines if text.startswith("ERROR")]
         reason = errors[0] if errors else "".join(lines[-8:]).strip()
         raise DemlawsError(f"LIGGGHTS stopped (exit {process.returncode}): {reason}")
-    return read_log(Path(folder) / log)
+    return _thermo(lines)  # not of the log file: the input may have named another
 
 
-_NUMBER = re.compile(r"[-+0-9.]")
+_MULTI = re.compile(r"-+ Step\s+(\S+) -+ CPU =\s+(\S+)")
+_VALUE = re.compile(r"(\S+)\s*=\s*([-+]?\d\S*)")
+
+
+def _numbers(words):
+    try:
+        return [float(word) for word in words]
+    except ValueError:
+        return None
+
+
+def _thermo(lines):
+    """Columns of all thermo tables, as `read_log` gives them; empty where there are none.
+
+    A table stands between the lines "Memory usage" and "Loop time" of a run; its first line names the columns, which may be
+    numbers themselves (c_1 is headed 1). `thermo_style multi` prints a paragraph a row.
+    """
+    names, rows = [], []
+
+    def put(found, row):
+        nonlocal names, rows
+        if found != names:
+            names, rows = found, []
+        step = found.index("Step") if "Step" in found else None
+        if step is None or not rows or row[step] > rows[-1][step]:
+            rows.append(row)
+
+    header, multi = None, None  # header: None outside a table, [] where its line comes next
+    for line in lines:
+        words = line.split()
+        start = _MULTI.match(line)
+        if line.startswith("Memory usage"):
+            header = []
+        elif start or line.startswith("Loop time"):
+            if multi:
+                put(list(multi), list(multi.values()))
+            multi = {"Step": float(start[1]), "CPU": float(start[2])} if start else None
+            if not start:
+                header = None
+        elif multi is not None:
+            multi.update((name, float(value)) for name, value in _VALUE.findall(line) if _numbers([value]))
+        elif header == []:
+            header = words
+        elif header and len(words) == len(header):
+            row = _numbers(words)
+            if row:
+                put(header, row)
+    return dict(zip(names, np.array(rows).T, strict=True)) if rows else {}
 
 
 def read_log(path):
@@ -131,28 +190,10 @@ def read_log(path):
         lines = Path(path).read_text(errors="replace").splitlines()
     except OSError as error:
         raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
-    names, rows = None, []
-    inside = False
-    for line in lines:
-        words = line.split()
-        if words and words[0] == "Step" and not any(w[0].isdigit() for w in words):
-            if words != names:
-                names, rows = words, []
-            inside = True
-            continue
-        if inside and names and len(words) == len(names) and _NUMBER.match(words[0]):
-            try:
-                row = [float(w) for w in words]
-            except ValueError:
-                inside = False
-                continue
-            if not rows or row[0] > rows[-1][0]:
-                rows.append(row)
-        elif line.startswith("Loop time"):
-            inside = False
-    if not rows:
+    found = _thermo(lines)
+    if not found:
         raise DemlawsError(f"{path} holds no thermo output")
-    return dict(zip(names, np.array(rows).T, strict=True))
+    return found
 
 
 def timings(path):

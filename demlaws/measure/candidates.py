@@ -3,16 +3,15 @@
 import warnings
 from typing import NamedTuple
 
-from demlaws.contact import Material, Surface
+from demlaws.contact import Surface
 from demlaws.errors import ValidityWarning
 from demlaws.make import law as bind_law
+from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
 ENGINES = ("yade", "liggghts")
-GRANITE = Material(60.6e9, 0.25, 6.27e9, 2680.0)
-SURFACE = Surface(1.7e-6, 2.22, 6.27e9)
+SURFACE = Surface(1.7e-6, 2.22, GRANITE.hardness)
 RADII = (3.5e-3, 4.5e-3)
-YIELD = 1.66e9
-CDM = (YIELD, 1.4)
+CDM = (GRANITE_YIELD_PRESSURE, 1.4)
 """sigmaMax [Pa] and alpha of YADE's Conical Damage Model: the yield pressure, and the slope that is nearest to RICHEST."""
 
 
@@ -35,7 +34,7 @@ class Way(NamedTuple):
             return law.tabulate(self.rtol) if self.rtol else law
 
 
-RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton", options=(("yield_pressure", YIELD),))
+RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton", options=(("yield_pressure", GRANITE_YIELD_PRESSURE),))
 
 
 def ways(engine):

@@ -21,11 +21,10 @@ from demlaws.driver import _elastic_contact, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
+from demlaws.materials import DENSITY
 from demlaws.measure.stability import DIMENSIONS, EPS, GRANITE, TABLE, Case, impact_loop, safe_steps
 
-HARDNESS = 6.266e9
 POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
-DENSITY = 2650.0
 MODULI = (1e3, 1e6, 32.32e9, 1e13)  # [Pa]
 # roughness of each of two like spheres [m], and the effective radii [m] that it goes with: σ/R from 0 to a tenth
 SURFACES = ((0.0, (1e-6, 1e-3, 1.0)), (1e-7, (1.5e-6, 1e-4, 1e-2)), (1e-4, (1.5e-3, 0.1, 1.0)))
@@ -118,7 +117,7 @@ def groups(case, random, quick=False):
     if _one_contact(case):
         return [granite_group(case, 12)]
     found = []
-    dimensions = DIMENSIONS if "fractal_dimension" in definition.needs else (2.22,)
+    dimensions = DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,)
     for dimension in dimensions[:: 2 if quick and len(dimensions) > 1 else 1]:
         rows = []
         for sigma, radii in SURFACES:
@@ -131,7 +130,7 @@ def groups(case, random, quick=False):
         order = random.permutation(sigma.size)
         sigma, radius, modulus, ratio = sigma[order], radius[order], modulus[order], np.maximum(ratio[order], 1.0)
         first, second = radius * (1.0 + 1.0 / ratio), radius * (1.0 + ratio)
-        contact = Contact(first * second / (first + second), modulus, np.hypot(sigma, sigma), dimension, HARDNESS)
+        contact = Contact(first * second / (first + second), modulus, np.hypot(sigma, sigma), dimension, GRANITE.hardness)
         found.append(make_group(case, contact, first, second, sigma))
     return found
 
@@ -295,15 +294,15 @@ def impacts(engine, case, quick=False):
 
 def _mass_for(law, speed, duration):
     """Mass [kg] whose elastic contact at `speed` lasts `duration`."""
-    low, high = 1e-30, 1e6
-    for _ in range(60):
-        middle = math.sqrt(low * high)
+    from scipy.optimize import brentq
+
+    def longer(logarithm):
         try:
-            longer = _elastic_contact(law, middle, speed)[1] > duration
+            return math.log(_elastic_contact(law, math.exp(logarithm), speed)[1] / duration)
         except DemlawsError:  # it would crush the contact
-            longer = True
-        low, high = (low, middle) if longer else (middle, high)
-    return low
+            return 1.0
+
+    return math.exp(brentq(longer, math.log(1e-30), math.log(1e6), xtol=1e-15))
 
 
 # --- a thousand spheres
@@ -359,7 +358,7 @@ def packing(case, name, count=1000, speed=100.0, share=30.0, seed=7):
     position = position - position.min(axis=0) + 2.0 * largest
     mass = DENSITY * 4.0 / 3.0 * math.pi * radius**3
     effective = radius[-1] * radius[0] / (radius[-1] + radius[0])
-    contact = Contact(effective, modulus, sigma, 2.22, HARDNESS)
+    contact = Contact(effective, modulus, sigma, GRANITE.fractal_dimension, GRANITE.hardness)
     if single:
         contact = GRANITE
     closed = case._replace(evaluation="closed form").bind(contact)

@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 
-from demlaws.advice.choose import FRACTIONS, Sample, _Loaded, error_of
 from demlaws.liggghts.export import stock_fit
 from demlaws.make import law as bind_law
+from demlaws.materials import DENSITY
 from demlaws.measure.costs import under_yade
+from demlaws.measure.errors import FRACTIONS, Loaded, Sample, error_of
 
 CDM_STRENGTHS = (0.3, 0.5, 1.0, 2.0, 4.0)  # sigmaMax over the yield pressure
 CDM_SLOPES = (1e-6, 0.25, 0.5, 1.0, 1.4)  # alpha
@@ -16,7 +17,7 @@ CDM_SLOPES = (1e-6, 0.25, 0.5, 1.0, 1.4)  # alpha
 def reference_paths(reference, peaks):
     """Overlaps [m] and forces [N] of contacts of `reference` that are loaded to `peaks` [N] and unloaded, one row each."""
     sample = Sample(reference.contact, peaks, np.full(peaks.size, 1.0 / peaks.size))
-    exact = _Loaded(reference, sample)
+    exact = Loaded(reference, sample)
     state, _, _ = exact.state_at(exact.top)
     overlaps, forces = [exact.top], [peaks]
     for fraction in sorted(FRACTIONS, reverse=True):
@@ -63,7 +64,7 @@ def cdm_error(reference, peaks, yield_pressure, poisson=0.25):
     given = {
         "young": 2.0 * contact.modulus * (1.0 - poisson**2),
         "poisson": poisson,
-        "density": 2650.0,
+        "density": DENSITY,
         "radius": 2.0 * contact.radius,
         "paths": overlaps.tolist(),
         "ways": [{"model": "cdm", "cdm": option} for option in options],

@@ -19,6 +19,7 @@ from demlaws.core.fastmath import loop
 from demlaws.core.unloading import RULES, Given
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.granite import find_test
 from demlaws.laws.registry import registry
 from demlaws.make import example
 
@@ -28,7 +29,7 @@ SPEEDS = tuple(np.geomspace(1e-6, 100.0, 9))
 STEPS = (5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000, 10_000, 100_000)
 ALLOWED_GAIN = 1e-4
 TABLE = 1e-5
-GRANITE = Contact(4.35e-3, 32.32e9, 2.40e-6, 2.22, 6.266e9)
+GRANITE = find_test("SS(18-18)").contact
 _MASS = 1.2e-2  # kg, of a granite sphere of twice that radius
 
 
@@ -66,7 +67,7 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
     return found
 
 
-def extreme_contacts(count, random, dimension=2.22):
+def extreme_contacts(count, random, dimension=GRANITE.fractal_dimension):
     """Contacts with R from 1e-6 to 1 m and radius ratios to 1e6, E* from 1e3 to 1e13 Pa, σ from 0 to R/10."""
     one = 10.0 ** random.uniform(-6.0, 0.0, count)
     radius = 1.0 / (1.0 / one + 1.0 / (one * 10.0 ** random.uniform(0.0, 6.0, count)))
@@ -74,7 +75,7 @@ def extreme_contacts(count, random, dimension=2.22):
     roughness[::10] = 0.0
     roughness[1::10] = 0.1 * radius[1::10]
     modulus = 10.0 ** random.uniform(3.0, 13.0, count)
-    return Contact(radius, modulus, roughness, dimension, 6.266e9)
+    return Contact(radius, modulus, roughness, dimension, GRANITE.hardness)
 
 
 def contacts_for(case, count, random):
@@ -84,7 +85,7 @@ def contacts_for(case, count, random):
     if definition.solved or one_curve:
         return [(case.bind(GRANITE, 0.9), "granite pair")]
     result = []
-    for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (2.22,):
+    for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,):
         contact = extreme_contacts(count, random, dimension)
         if case.evaluation == "table":  # one curve for all; a table that scales with roughness has no smooth contacts
             contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-12 * contact.radius))
@@ -313,7 +314,7 @@ def rounding_by_decade(case, count=20_000, seed=3):
     length = sigma if definition.length == "roughness" else radius
     overlap = length * 10.0 ** (decade + random.random(count))
     keep = overlap < radius
-    contact = Contact(radius[keep], modulus[keep], sigma[keep], 2.22, 6.266e9)
+    contact = Contact(radius[keep], modulus[keep], sigma[keep], GRANITE.fractal_dimension, GRANITE.hardness)
     overlap, decade = overlap[keep], decade[keep]
     exact, _ = definition.exact(contact, overlap, **definition.example)
     law = case.bind(contact)

@@ -2,7 +2,7 @@
 
 The scene is a granite pair of the tests, SS(18-18), from 0.1 N to 2 kN (bulk yield included), loading and unloading.
 Costs are ns a contact of batches whose rounds are interleaved, with a copy kernel beside them; errors are those of
-`choose.QUANTITIES`.
+`errors.QUANTITIES`.
 """
 
 import math
@@ -12,7 +12,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.choose import Sample, error_of
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
 from demlaws.core.fastmath import loop
@@ -23,11 +22,12 @@ from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
 from demlaws.measure import candidates, peers
 from demlaws.measure.costs import StepCost, available, liggghts_costs, yade_costs
+from demlaws.measure.errors import Sample, error_of
 from demlaws.measure.stability import GRANITE, STEPS, impact_loop
 from demlaws.measure.timing import Batch, nanoseconds
 
 LOADS = (0.1, 2000.0)
-RICHEST = ("rough-plastic", "thornton", {"yield_pressure": 1.66e9})
+RICHEST = (candidates.RICHEST.law, candidates.RICHEST.unloading, dict(candidates.RICHEST.options))
 COMPARED = ("force", "stiffness", "energy", "restitution")
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
 LAZY = (1e-4, 1e-3, 1e-2)
@@ -143,9 +143,7 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
         for name, definition in registry().items():
             if definition.needs_map or (laws and name not in laws):
                 continue
-            for rule in ("elastic", "hertz", *(("thornton",) if name == "rough-plastic" else ())):
-                if name == "hertz" and rule != "elastic":
-                    continue
+            for rule in definition.unloading:
                 try:
                     bound[name, rule] = _bind(name, rule)
                 except DemlawsError:

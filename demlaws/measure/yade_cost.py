@@ -18,7 +18,7 @@ from yade import utils
 
 import demlaws as dl
 from demlaws.measure.yade_oedometer import hand_over, material
-from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, bridge
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, native
 
 O = yade.O  # noqa: E741
 BLOCK = 2  # steps timed in a row: short, so that some blocks are not interrupted
@@ -81,7 +81,7 @@ def clock():
 
 def loop_time(steps=BLOCK):
     """Nanoseconds a step of the interaction loop alone."""
-    for engine in O.engines:
+    for engine in O._currEngines:  # the guard, too, which would put our code back
         engine.dead = not isinstance(engine, (yade.InteractionLoop, yade.ForceResetter))  # the spheres stand still
     O.step()  # not O.run, which waits for 40 ms before it looks whether a run has ended
     started = clock()
@@ -92,11 +92,11 @@ def loop_time(steps=BLOCK):
 
 def rest_time(steps=20):
     """Nanoseconds a step of everything but the interaction loop."""
-    for engine in O.engines:
+    for engine in O._currEngines:
         engine.dead, engine.execTime = False, 0
     for _ in range(steps):
         O.step()
-    return sum(e.execTime for e in O.engines if not isinstance(e, yade.InteractionLoop)) / steps
+    return sum(e.execTime for e in O._currEngines if not isinstance(e, yade.InteractionLoop)) / steps
 
 
 @numba.cfunc(types.uint8(*[types.int64] * 4))
@@ -126,7 +126,7 @@ def measure(given, ways, side, repeats):
             tables = [attachment.table.ctypes.data + 16, attachment.native_table, table.ctypes.data + 16]
         rest = [rest_time() for _ in range(5)]
         made.append((number, law, tables, [[] for _ in tables], undisturbed(rest), O.interactions.countReal()))
-    place = bridge.layout().slot[0] if any(tables[0] is not None for _, _, tables, *_ in made) else 0
+    place = native.layout().slot[0] if any(tables[0] is not None for _, _, tables, *_ in made) else 0
     for _ in range(-(-repeats // VISIT)):
         for number, law, tables, times, _, _ in made:
             O.switchToScene(number)
@@ -134,10 +134,10 @@ def measure(given, ways, side, repeats):
             for _ in range(VISIT):
                 for table, samples in zip(tables, times, strict=True):
                     if table is not None:
-                        ctypes.c_uint64.from_address(bridge.address(law) + place).value = table
+                        ctypes.c_uint64.from_address(native.address(law) + place).value = table
                     samples.append(loop_time())
             if tables[0] is not None:
-                ctypes.c_uint64.from_address(bridge.address(law) + place).value = tables[0]
+                ctypes.c_uint64.from_address(native.address(law) + place).value = tables[0]
     found = []
     for _, _, _, times, rest, contacts in made:
         loops = [undisturbed(samples) for samples in times] + [None] * (3 - len(times))

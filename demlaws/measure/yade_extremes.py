@@ -7,8 +7,9 @@ import yade
 
 from demlaws.contact import Surface
 from demlaws.laws.registry import find
-from demlaws.measure.extremes import HARDNESS, POISSON, Balance
-from demlaws.yade.functor import Law2_ScGeom_MindlinPhys_Demlaws
+from demlaws.materials import GRANITE
+from demlaws.measure.extremes import POISSON, Balance
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
 O = yade.O  # noqa: E741  YADE's name
 
@@ -24,7 +25,7 @@ class Yade:
         """An empty scene; returns its law functor and a function that gives the material of a modulus and roughness."""
         O.reset()
         labels = {float(s): f"surface{n}" for n, s in enumerate(np.unique(roughness))}
-        hardness = HARDNESS if contact.hardness is None else contact.hardness
+        hardness = GRANITE.hardness if contact.hardness is None else contact.hardness
         surfaces = {name: Surface(s, contact.fractal_dimension, hardness) for s, name in labels.items()}
         if find(case.law).solved:  # the others serve whatever comes
             radii, span = (tuple(float(f(x)) for f in (np.min, np.max)) for x in (effective_radii, moduli))

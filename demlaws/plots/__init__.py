@@ -55,6 +55,8 @@ def available():
 def save(fig, path):
     """Write a figure; its format is the file's ending, PNG if there is none."""
     path = Path(path)
+    if not path.name or path.is_dir():
+        raise DemlawsError(f"cannot draw {path}: that is a folder; name a file in it")
     kind = path.suffix.lstrip(".").lower() or "png"
     buffer = io.BytesIO()
     try:
@@ -117,8 +119,9 @@ def granite_force(test, runs, points=None):
         end = _first_peak(path.force) if test.cyclic else path.force.size
         _line(ax, (path.overlap[:end] - zero) * 1e6, path.force[:end], run.law.name, lw=1.5)
     if points is not None:
-        displacement, _ = points.loading()
-        ax.plot((points.displacement - displacement[0]) * 1e6, points.force, "k.", ms=3, label=f"measured: {points.source}")
+        zero, placed_by = points.zero([run.law for run in runs])
+        label = f"measured: {points.source}" + (f" (placed by {placed_by.name})" if placed_by is not None else "")
+        ax.plot((points.displacement - zero) * 1e6, points.force, "k.", ms=3, label=label)
     ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
     ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
     ax.legend(fontsize=8)

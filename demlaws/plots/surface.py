@@ -32,7 +32,8 @@ def regime_figure(contact=None, load=None, title=None):
         ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
         return fig
     fig, axes = figure(columns=3, width=4.6, height=4.4)
-    tests = regime.published_tests()
+    ratios = {row.test.label: row for row in regime.published_ratios()}
+    tests = [row.test for row in ratios.values()]
     groups = (
         ("aluminium, steel ball R = 5 mm (2006)", [t for t in tests if t.label.startswith("Al")]),
         ("brass, steel ball R = 5 mm (2006)", [t for t in tests if t.label.startswith("Br")]),
@@ -46,9 +47,9 @@ def regime_figure(contact=None, load=None, title=None):
             x, y = test.load, test.contact.roughness * _MICRO
             ax.plot(x, y, marker, mfc=face, mec="black", ms=8, zorder=5)
             side = {"Al_A": (8, 7), "Al_AB": (8, -12)}.get(test.label, (8, -3 + 10 * n if "2008" in test.label else -3))
-            mismatch = "  (mismatch)" if test.label == "Al_A" else ""
+            solved, fitted = ratios[test.label].solved, ratios[test.label].fitted
             ax.annotate(
-                f"{regime.pressure_ratio(test.contact, test.load):.3f}{mismatch}",
+                f"{fitted:.3f}" if np.isnan(solved) else f"{solved:.3f} at μ = {test.mu:g}",
                 (x, y),
                 side,
                 textcoords="offset points",
@@ -81,7 +82,9 @@ def _regime_axis(ax, contact, loads, roughness):
 def _regime_bar(fig, image, axes):
     """Colours are log10 of p(0)/(0.6 H_m); the bar shows p(0)/H_m itself."""
     ratios = np.array([0.06, 0.1, 0.2, 0.4, 0.6, 1.0, 2.0, 4.0, 6.0])
-    bar = fig.colorbar(image, ax=axes, label="p(0)/H$_m$", shrink=0.9, ticks=np.log10(ratios / regime.YIELD_RATIO))
+    bar = fig.colorbar(
+        image, ax=axes, label="p(0)/H$_m$ (map: closed fit)", shrink=0.9, ticks=np.log10(ratios / regime.YIELD_RATIO)
+    )
     bar.ax.set_yticklabels([f"{r:g}" for r in ratios])
 
 

@@ -2,8 +2,9 @@
 
     from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
-Importing this package does not import YADE; asking it for one of its names does. Start scripts with
-`demlaws yade run SCRIPT`, or with a Python that sees both YADE and this package.
+Importing this package does not import YADE; asking it for one of its names does, and installs what it puts in place of YADE's
+own entry points (`patches`). Start scripts with `demlaws yade run SCRIPT`, or with plain `yade SCRIPT` where this package is
+installed for YADE's Python.
 """
 
 import importlib
@@ -13,28 +14,17 @@ from demlaws.errors import DemlawsError
 _HOMES = {
     "Law2_ScGeom_MindlinPhys_Demlaws": "functor",
     "BridgeWarning": "functor",
-    "ContactState": "functor",
-    "Totals": "functor",
-    "attached": "functor",
-    "engines": "functor",
-    "guard": "functor",
+    "TimeStepWarning": "functor",
+    "ContactState": "contacts",
+    "Totals": "contacts",
+    "attached": "scene",
+    "engines": "engines",
+    "guard": "scene",
+    "public_finish": "scene",
+    "public_step": "scene",
 }
 
 __all__ = [*_HOMES]
-
-
-def public_step(label):
-    """Called by a PyRunner of the public way, before the law acts."""
-    from demlaws.yade import functor, public
-
-    public.step(functor.attached(label))
-
-
-def public_finish(label):
-    """Called by a PyRunner of the public way, after the law has acted."""
-    from demlaws.yade import functor, public
-
-    public.finish(functor.attached(label))
 
 
 def __getattr__(name):
@@ -46,6 +36,9 @@ def __getattr__(name):
         raise DemlawsError(
             f"{name} needs YADE in this Python ({error}): start the script with `demlaws yade run SCRIPT`"
         ) from error
+    from demlaws.yade import patches
+
+    patches.install()
     value = getattr(importlib.import_module(f"{__name__}.{_HOMES[name]}"), name)
     globals()[name] = value
     return value

@@ -1,7 +1,7 @@
 """What runs inside YADE at each contact and each step: compiled code that reads and writes memory, no Python, no YADE.
 
 `respond` is the law: one contact, its pair of surfaces, its overlap and history in; force, tangent and new history out.
-`act` is that law at work inside a native functor (see `bridge`). Addresses are 64-bit integers. All that `act` must
+`act` is that law at work inside a native functor (see `native`). Addresses are 64-bit integers. All that `act` must
 know it finds in the context, a block of words whose address stands behind the functor's table of virtual functions, so
 that one piece of machine code, kept on disk by numba, serves every functor of a law.
 """
@@ -28,16 +28,25 @@ GEOMETRY, GEOMETRY_6D, PHYSICS = 9, 10, 11  # what the first word of an object o
 BODY1, BODY2, BODY_BY_ID, MATERIAL, LABEL = 12, 13, 14, 15, 16
 SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
 RATIO = 22  # tangential over normal stiffness (a double); 0: as YADE's Ip2 functor has it
-GUARDED = 23  # 1 once the Python guard watches FAULTS
 BANKED = 24  # dissipation of contacts that have ended [J] (a double)
 ROWS, ROW_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # the contacts' rows, their size, number, validity
 ROWS_USED = 37
 FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36  # a cache line apart from the above
-CONTEXT_WORDS = 40
+ALARM = 38  # address of the guard's PyRunner.nDone, or 0: a zero written there makes it run before the next step's contacts
+FLATS, SHAPE, FACET, WALL, BOX = 40, 41, 42, 43, 44  # FLATS 1: R of a sphere on one of these shapes is the sphere's radius
+UNLISTED, UNLISTED_SEEN, UNLISTED_BODY1, UNLISTED_BODY2 = 45, 46, 47, 48  # contacts of materials without a surface
+CONTEXT_WORDS = 56
+
+# A contact outside YADE's objects: its history as in MindlinPhys, and what the law answers.
+CONTACT = np.dtype([(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus", "state0", "state1", "state2")])
+RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent")])
+ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
+STATE_OFFSET = CONTACT.fields["state0"][1]
 
 # A contact's history in MindlinPhys.momentBend, momentTwist (6 doubles, which Mindlin's law without moments ignores):
 # pair number + 1 (0: not seen yet), radius R [m], modulus E* [Pa], then up to three state values of the unloading rule;
-# prevU[0] holds K_t/K, prevU[1] the number of the contact's row, negative for a smooth pair. Rows are memory of this process,
+# prevU[0] holds K_t/K, prevU[1] the number of the contact's row, negative for a smooth pair, prevU[2] the overlap of the last
+# step, which ScGeom does not save. Rows are memory of this process,
 # so the number carries a generation drawn at random: a row of another process or of a buffer since renewed is not taken.
 TAG, RADIUS, MODULUS, STATE = 0, 8, 16, 24
 
@@ -49,7 +58,7 @@ ROW_PHYSICS, ROW_GEOMETRY, ROW_INTERACTION, ROW_RECORD, ROW_OWN = 0, 8, 16, 24, 
 AHEAD = 2  # rows; measured: 1 to 4 serve alike
 LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 288, 352), (0, 64, 128, 192), (0, 64)
 
-WRONG_CLASS, NOT_FINITE, WRONG_CONTACT = 1, 2, 3
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH = 1, 2, 3, 4
 
 # A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
 RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
@@ -330,6 +339,8 @@ def params_of(kind, record, radius, modulus):
 @kernel
 def respond(kind, rule, record, radius, modulus, overlap, state):
     """Force [N], tangent stiffness [N/m] and new state of a contact whose surfaces are the pair in `record`."""
+    if modulus == 0.0:  # a marker: YADE's own law gives it no force
+        return 0.0, 0.0, state
     if load_word(record) != 0:
         return step(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return step(rule, params_of(kind, record, radius, modulus), overlap, state)
@@ -338,6 +349,8 @@ def respond(kind, rule, record, radius, modulus, overlap, state):
 @kernel
 def energies(kind, rule, record, radius, modulus, overlap, state):
     """Stored and dissipated energy [J] of a contact since it was made."""
+    if modulus == 0.0:
+        return 0.0, 0.0
     if load_word(record) != 0:
         return stored_and_dissipated(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return stored_and_dissipated(rule, params_of(kind, record, radius, modulus), overlap, state)
@@ -354,6 +367,17 @@ def coefficients(force, stiffness, overlap, ratio):
 
 
 @kernel
+def for_time_steppers(stiffness, radius, modulus, overlap):
+    """The stiffness [N/m] that YADE's time steppers are shown: the tangent, or smooth Hertz's 2 E* √(R δ) if that is larger.
+
+    A young rough contact is soft, but before the next look it may be as stiff as a smooth one, and it unloads as stiffly:
+    no law here carries more than Hertz's force at an overlap, nor unloads along a curve stiffer than Hertz's there, except
+    where yield has flattened it, and then its own tangent is the larger. [our derivation]
+    """
+    return max(stiffness, 2.0 * modulus * math.sqrt(radius * overlap))
+
+
+@kernel
 def effective_radius(radius1, radius2):
     """R as Ip2_FrictMat_FrictMat_MindlinPhys has it from ScGeom's two radii."""
     first = radius1 if radius1 > 0.0 else radius2
@@ -365,10 +389,22 @@ def word(context, number):
     return load_word(context + 8 * number)
 
 
+@kernel
+def body_of(context, interaction, body):
+    """Address of one of the two bodies of a contact."""
+    return load_word(call_body_by_id(word(context, BODY_BY_ID), load_int(interaction + word(context, body))))
+
+
+@kernel
+def is_flat(context, body):
+    """Whether a body's shape is a facet, a wall or a box."""
+    shape = load_word(load_word(body + word(context, SHAPE)))
+    return shape == word(context, FACET) or shape == word(context, WALL) or shape == word(context, BOX)
+
+
 @numba.njit(error_model="numpy", nogil=True)
-def surface_of(context, interaction, body):
+def surface_of(context, pointer):
     """Number of the surface whose label the body's material bears; 0 where no surface has that label."""
-    pointer = load_word(call_body_by_id(word(context, BODY_BY_ID), load_int(interaction + word(context, body))))
     label = load_word(pointer + word(context, MATERIAL)) + word(context, LABEL)
     text = load_word(label)
     value = np.uint64(0xCBF29CE484222325)
@@ -390,9 +426,17 @@ def label_hash(label):
     return value - 2**64 if value >= 2**63 else value
 
 
+@kernel
+def alarm(context):
+    """Have the guard run before the contacts of the next step."""
+    if word(context, ALARM) != 0:
+        store_word(word(context, ALARM), 0)
+
+
 @numba.njit(error_model="numpy", nogil=True)
 def fault(context, kind, interaction, overlap):
     """Note a fault for the guard, which stops the simulation before the next step. The last one is told."""
+    alarm(context)
     store_word(context + 8 * FAULTS, word(context, FAULTS) + 1)
     store_word(context + 8 * FAULT_KIND, kind)
     store_word(context + 8 * FAULT_BODY1, np.int64(load_int(interaction + word(context, BODY1))))
@@ -418,18 +462,32 @@ def record_of(context, history):
 @numba.njit(error_model="numpy", nogil=True)
 def first_sight(context, geom, phys, interaction):
     """Write down what the contact is made of: called once in a contact's life."""
-    radius = effective_radius(load_double(geom + word(context, RADIUS1)), load_double(geom + word(context, RADIUS2)))
+    radius2 = load_double(geom + word(context, RADIUS2))
+    radius = effective_radius(load_double(geom + word(context, RADIUS1)), radius2)
     native = load_double(phys + word(context, KNO))
-    history = phys + word(context, HISTORY)
-    first, second = surface_of(context, interaction, BODY1), surface_of(context, interaction, BODY2)
-    pair = load_word(word(context, PAIRS) + 8 * (first * word(context, SURFACES) + second))
     modulus = 0.75 * native / math.sqrt(radius)
+    body1, body2 = body_of(context, interaction, BODY1), body_of(context, interaction, BODY2)
+    if word(context, FLATS) != 0 and (is_flat(context, body1) or is_flat(context, body2)):
+        radius = radius2  # YADE's own radius of a contact with a flat is half or two thirds of it
+    history = phys + word(context, HISTORY)
+    first, second = surface_of(context, body1), surface_of(context, body2)
+    if (first == 0 or second == 0) and word(context, UNLISTED) == 0 and word(context, UNLISTED_SEEN) == 0:
+        store_word(context + 8 * UNLISTED_BODY1, np.int64(load_int(interaction + word(context, BODY1))))
+        store_word(context + 8 * UNLISTED_BODY2, np.int64(load_int(interaction + word(context, BODY2))))
+        store_word(context + 8 * UNLISTED_SEEN, 1)
+        alarm(context)
+    pair = load_word(word(context, PAIRS) + 8 * (first * word(context, SURFACES) + second))
+    record = word(context, RECORDS) + pair * word(context, RECORD_BYTES)
     store_double(history + RADIUS, radius)
     store_double(history + MODULUS, modulus)
-    if not serves(word(context, RECORDS) + pair * word(context, RECORD_BYTES), radius, modulus):
-        fault(context, WRONG_CONTACT, interaction, radius)
     ratio = from_bits(word(context, RATIO))
-    if ratio == 0.0:
+    if native == 0.0:
+        ratio = 0.0
+    elif not serves(record, radius, modulus):
+        fault(context, WRONG_CONTACT, interaction, radius)
+    elif load_double(record + RECORD_ROUGHNESS) > radius:
+        fault(context, TOO_ROUGH, interaction, radius)
+    elif ratio == 0.0:
         ratio = load_double(phys + word(context, KSO)) / (1.5 * native)
     store_double(phys + word(context, SPARE), ratio)
     store_double(history + TAG, pair + 1.0)
@@ -462,8 +520,10 @@ def make_row(kind, context, geom, phys, interaction):
     if load_double(history + TAG) == 0.0:
         first_sight(context, geom, phys, interaction)
     number = next_number(context + 8 * ROWS_USED)
+    if number >= word(context, CAPACITY) >> 1:
+        alarm(context)  # the guard makes a larger buffer before the next step
     if number >= word(context, CAPACITY):
-        return 0  # the guard makes a larger buffer before the next step
+        return 0
     row = word(context, ROWS) + 8 * number * word(context, ROW_WORDS)
     record, radius, modulus = record_of(context, history), load_double(history + RADIUS), load_double(history + MODULUS)
     store_word(row + ROW_PHYSICS, phys)
@@ -471,7 +531,7 @@ def make_row(kind, context, geom, phys, interaction):
     store_word(row + ROW_INTERACTION, interaction)
     store_word(row + ROW_RECORD, record)
     code = (word(context, GENERATION) << 28) + number
-    if load_word(record) != 0:
+    if load_word(record) != 0 or modulus == 0.0:
         code = -code
         store_double(row + ROW_OWN, hertz_coefficient(radius, modulus))
     else:
@@ -518,11 +578,13 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
         if code > 0:
             p = read_params(params_kind, kind, row + ROW_OWN, load_word(row + ROW_RECORD) + RECORD_SHAPE)
             force, stiffness, new = step(rule, p, overlap, old)
-        else:
+        elif load_double(row + ROW_OWN) != 0.0:
             force, stiffness, new = step(rule, HertzParams(load_double(row + ROW_OWN)), overlap, old)
+        else:
+            force, stiffness, new = 0.0, 0.0, old
     if force - force != 0.0:
         fault(context, NOT_FINITE, interaction, overlap)
-        if word(context, GUARDED) != 0:
+        if word(context, ALARM) != 0:  # else nobody watches: the number that is none shall be seen
             force, stiffness, new = 0.0, 0.0, old
     if overlap > 0.0:
         kno, kso = coefficients(force, stiffness, overlap, load_double(phys + word(context, SPARE)))
@@ -535,8 +597,10 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
     write_state(rule, history + STATE, new)
     keep = call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
     if overlap > 0.0:
-        # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
-        store_double(phys + word(context, KN), stiffness)
+        store_double(phys + word(context, SPARE) + 16, overlap)
+        # Mindlin left 1.5 P/δ here
+        seen = for_time_steppers(stiffness, load_double(history + RADIUS), load_double(history + MODULUS), overlap)
+        store_double(phys + word(context, KN), seen)
     return keep
 
 
@@ -559,34 +623,36 @@ def entry(kind, params_kind, rule, behind):
 
 
 @loop
-def respond_loop(kind, rule, records, record_bytes, columns, out):
-    """Rows of (overlap, K_t/K, tag, radius, modulus, 3 state values): the state is updated in place; out: kno, kso, K.
+def respond_loop(kind, rule, records, record_bytes, contacts, out):
+    """`respond` for an array of `CONTACT`, whose state is updated in place; out: an array of `RESPONSE`.
 
-    Returns the first row whose force is not finite, or -1.
+    Returns the first contact whose force is not finite, or -1.
     """
     bad = -1
-    for i in range(columns.shape[0]):
-        overlap, row = columns[i, 0], columns.ctypes.data + 8 * i * columns.shape[1]
-        record = records + (np.int64(columns[i, 2]) - 1) * record_bytes
-        old = read_state(rule, row + 40)
-        force, stiffness, new = respond(kind, rule, record, columns[i, 3], columns[i, 4], overlap, old)
+    for i in range(contacts.size):
+        c = contacts[i]
+        record = records + (np.int64(c.tag) - 1) * record_bytes
+        state = contacts.ctypes.data + i * contacts.itemsize + STATE_OFFSET
+        old = read_state(rule, state)
+        force, stiffness, new = respond(kind, rule, record, c.radius, c.modulus, c.overlap, old)
         if force - force != 0.0:
             bad = i if bad < 0 else bad
             force, stiffness, new = 0.0, 0.0, old
-        write_state(rule, row + 40, new)
-        kno, kso = coefficients(force, stiffness, overlap, columns[i, 1]) if overlap > 0.0 else (0.0, 0.0)
-        out[i, 0] = kno
-        out[i, 1] = kso
-        out[i, 2] = stiffness
+        write_state(rule, state, new)
+        kno, kso = coefficients(force, stiffness, c.overlap, c.ratio) if c.overlap > 0.0 else (0.0, 0.0)
+        out[i].kno = kno
+        out[i].kso = kso
+        out[i].tangent = stiffness
     return bad
 
 
 @loop
-def energies_loop(kind, rule, records, record_bytes, columns, out):
-    """Stored and dissipated energy of each row (as in `respond_loop`)."""
-    for i in range(columns.shape[0]):
-        record = records + (np.int64(columns[i, 2]) - 1) * record_bytes
-        state = read_state(rule, columns.ctypes.data + 8 * (i * columns.shape[1] + 5))
-        stored, dissipated = energies(kind, rule, record, columns[i, 3], columns[i, 4], columns[i, 0], state)
-        out[i, 0] = stored
-        out[i, 1] = dissipated
+def energies_loop(kind, rule, records, record_bytes, contacts, out):
+    """`energies` for an array of `CONTACT`; out: an array of `ENERGY`."""
+    for i in range(contacts.size):
+        c = contacts[i]
+        record = records + (np.int64(c.tag) - 1) * record_bytes
+        state = read_state(rule, contacts.ctypes.data + i * contacts.itemsize + STATE_OFFSET)
+        stored, dissipated = energies(kind, rule, record, c.radius, c.modulus, c.overlap, state)
+        out[i].stored = stored
+        out[i].dissipated = dissipated

@@ -25,8 +25,16 @@ from demlaws.table import Table
 from demlaws.yade import kernel
 
 _MAP = "height map"
+EVERY = "*"
+"""In place of a label: every material whose label is not listed."""
+FLATS = ("yade", "plane")
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
+
+NOT_SERVED = (
+    "no law was given for it: the surfaces of its materials are not listed, or a table of a law without a single "
+    "dimensionless curve, or a solved curve, was made for other contacts; list the surfaces, make the law after the bodies"
+)
 
 
 class Span(NamedTuple):
@@ -38,6 +46,10 @@ class Span(NamedTuple):
     def widened(self):
         """At least 2 % of radius, so that laws that depend on it are made as families."""
         return self._replace(radius=(min(self.radius[0], self.radius[1] / 1.02), self.radius[1]))
+
+    def around(self, roughness):
+        """At least a hundred times the roughness: whether it fits the bodies is seen when they meet."""
+        return self._replace(radius=tuple(max(r, 100.0 * roughness) for r in self.radius))
 
     def arguments(self):
         """Keyword arguments of a `Contact`: numbers, or the four corners of the span."""
@@ -205,11 +217,23 @@ class Pairs:
     σ² = Sq1² + Sq2² and so on as in `Surface.combined`. A pair of smooth surfaces is Hertz unless the law means more than
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
     reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
-    two labels, or None where nothing is known of the contacts.
+    two labels, or None where nothing is known of the contacts. smooth: materials without a surface are meant smooth; flats:
+    "plane" or "yade" (see the functor).
     """
 
-    def __init__(self, given, surfaces, unloading, options, spans=None):
+    def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane"):
+        if isinstance(surfaces, Surface):
+            surfaces = {EVERY: surfaces}
+        if not isinstance(surfaces, dict | None):
+            raise DemlawsError(
+                "surfaces must be one demlaws.Surface for all materials, or a dict from labels of YADE's materials to theirs "
+                f'(surfaces={{"granite": demlaws.Surface(2.4e-6, 2.22)}}), by which contacts find them; got {surfaces!r}'
+            )
+        if flats not in FLATS:
+            raise DemlawsError(f'flats must be "plane" (R of a sphere on a flat is its radius) or "yade", got {flats!r}')
+        self.smooth, self.flats = bool(smooth), flats
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
+        self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
         self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
         self.spans = {}
@@ -220,7 +244,7 @@ class Pairs:
         else:
             self.default, self.special = self._source(given, options), {}
             rules = {self.default.unloading}
-            if isinstance(given, Law) and not self.surfaces:
+            if isinstance(given, Law) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
             raise DemlawsError(f"the laws come with different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
@@ -232,7 +256,7 @@ class Pairs:
                     source.unload_along(curve)
         self.rule = RULES[self.unloading].tag
         self.state_names = RULES[self.unloading].state
-        combined = [Surface(), *self.surfaces.values()]
+        combined = [self.everywhere or Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [kernel.label_hash(label) for label in self.surfaces], np.int64)
@@ -288,21 +312,22 @@ class Pairs:
 
     def _pair(self, surface, labels, widened):
         source = self.special.get(tuple(sorted(labels)), self.default)
+        known = all(labels) or self.everywhere is not None
         if source is None:
             if surface.roughness == 0.0:
                 return None, (0.0, 0.0)
-            if not all(labels):
+            if not known:
                 return None, (math.nan, math.nan)
             raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
         names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
         span = self._spans(labels)
         if span is None:
-            if source.needs_span and surface.roughness > 0.0 and all(labels):
+            if source.needs_span and surface.roughness > 0.0 and known:
                 raise DemlawsError(
                     f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
                     "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
                 )
-            span = Span(**NOMINAL)
+            span = Span(**NOMINAL).around(surface.roughness)
             if source.needs_span:
                 return None, (math.nan, math.nan)  # no such contact is expected, and none is served
         span = span.widened() if widened else span
@@ -310,7 +335,7 @@ class Pairs:
         try:
             return source.shape(surface, self.unloading, span), source.only_for()
         except DemlawsError as error:
-            if not all(labels):
+            if not known:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(f"{names}: {error}") from None
 
@@ -325,6 +350,42 @@ class Pairs:
         """Record of two materials' labels."""
         return int(self.numbers[tuple(self.labels.index(x) if x in self.surfaces else 0 for x in (first, second))])
 
+    # --- what the law says of contacts outside YADE's objects
+
+    def respond(self, contacts):
+        """What the law answers to an array of `kernel.CONTACT`, whose state is updated in place: an array of
+        `kernel.RESPONSE`, and the first contact whose force is not finite, or -1."""
+        out = np.zeros(len(contacts), kernel.RESPONSE)
+        return out, kernel.respond_loop(self.kind, self.rule, *self._where(), contacts, out)
+
+    def energies(self, contacts):
+        """Stored and dissipated energy of an array of `kernel.CONTACT`: an array of `kernel.ENERGY`."""
+        out = np.zeros(len(contacts), kernel.ENERGY)
+        kernel.energies_loop(self.kind, self.rule, *self._where(), contacts, out)
+        return out
+
+    def serves(self, number, radius, modulus):
+        """Whether the law of a record may be used at this R and E*."""
+        first, size = self._where()
+        return kernel.serves(first + number * size, radius, modulus)
+
+    def _where(self):
+        return self.records.ctypes.data, self.records.strides[0]
+
+    def all_surfaces(self):
+        """Label → surface, with `EVERY` for the materials that are not listed, if they have one."""
+        return self.surfaces if self.everywhere is None else {**self.surfaces, EVERY: self.everywhere}
+
+    @property
+    def needs_no_judgement(self):
+        """Whether materials that are not listed are known to be meant as they are served."""
+        return self.smooth or self.only_hertz or self.everywhere is not None
+
+    @property
+    def only_hertz(self):
+        """Whether the law needs no surface, being Hertz for every pair."""
+        return all(source.name == "hertz" for source in (self.default, *self.special.values()) if source)
+
     @property
     def name(self):
         """What acts, in words."""
@@ -333,15 +394,19 @@ class Pairs:
         }
         return f"{', '.join(sorted(sources))}, {self.unloading} unloading"
 
-    def as_text(self):
-        """JSON from which `from_text` makes the same pairs in another process."""
+    def as_text(self, identity=False):
+        """JSON from which `from_text` makes the same pairs in another process; identity: what makes two laws the same."""
         content = {
             "unloading": self.unloading,
             "spans": [[a, b, *span] for (a, b), span in self._known_spans()],
-            "surfaces": {label: vars(surface) for label, surface in self.surfaces.items()},
+            "surfaces": {label: vars(surface) for label, surface in self.all_surfaces().items()},
             "default": self.default and self.default.as_dict(),
             "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
+            "smooth": self.smooth,
+            "flats": self.flats,
         }
+        if identity:
+            del content["spans"], content["smooth"]
         try:
             return json.dumps(content, default=lambda value: value.portable())
         except (TypeError, AttributeError) as error:
@@ -354,4 +419,6 @@ class Pairs:
         if content["default"]:
             given = Source.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus)) for a, b, radius, modulus in content["spans"]}
-        return cls(given, content["surfaces"], content["unloading"], {}, spans)
+        # scenes saved before these were asked for
+        flats, smooth = content.get("flats", "yade"), content.get("smooth", True)
+        return cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats)

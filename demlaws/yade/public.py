@@ -1,7 +1,8 @@
 """The law through YADE's public interface only: slow, for YADEs that the native bridge does not know.
 
 InteractionLoop computes the geometry with a law functor whose forces are thrown away; Python sets kno and kso of every
-contact; the forces are reset; Mindlin's law then acts through a LawDispatcher of its own.
+contact; the forces are reset; Mindlin's law then acts through a LawDispatcher of its own. The engines behind the user's
+InteractionLoop are hidden from him, as the guard of the native way is (see `scene`).
 """
 
 import numpy as np
@@ -9,20 +10,28 @@ import yade
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
+from demlaws.yade.contacts import is_ours, rows_of, write_history
+from demlaws.yade.pairs import NOT_SERVED
 
 PREPARE = "__import__('demlaws.yade').yade.public_step({label!r})"
 FINISH = "__import__('demlaws.yade').yade.public_finish({label!r})"
+AWAY = "demlaws_throws_away_"
+HIDDEN = 4
+"""Engines behind the InteractionLoop: PyRunner, ForceResetter, LawDispatcher, PyRunner."""
 
 
-def rewritten(engines, functor):
-    """The engine list with `functor` in a LawDispatcher of its own behind the code that sets its coefficients."""
-    label = functor.label
-    commands = (PREPARE.format(label=label), FINISH.format(label=label))
-    if any(isinstance(e, yade.PyRunner) and e.command in commands for e in engines):
-        return engines
-    place = next(
-        n for n, e in enumerate(engines) if isinstance(e, yade.InteractionLoop) and functor in e.lawDispatcher.functors
-    )
+def stands_for(functor):
+    """Label of the law in whose stead a functor makes forces that are thrown away, or None."""
+    return functor.label.removeprefix(AWAY) if functor.label.startswith(AWAY) else None
+
+
+def begins_hidden(engine):
+    """Whether this is the first of the hidden engines."""
+    return isinstance(engine, yade.PyRunner) and engine.command.startswith(PREPARE.split("{")[0])
+
+
+def check(engines, place, functor):
+    """Refuse engine lists in which the public way cannot act; `place`: that of the InteractionLoop."""
     loop = engines[place]
     for engine in engines[:place]:
         if not isinstance(engine, yade.ForceResetter | yade.Collider | yade.PyRunner | yade.TimeStepper):
@@ -30,22 +39,28 @@ def rewritten(engines, functor):
                 f"{type(engine).__name__} stands before InteractionLoop: the public way resets forces behind it; put engines "
                 "that apply forces after InteractionLoop"
             )
-    others = [f for f in loop.lawDispatcher.functors if f is not functor]
+    if not isinstance(loop, yade.InteractionLoop):
+        raise DemlawsError(
+            f"the public way needs the law in an InteractionLoop of the engine list, not in {type(loop).__name__}"
+        )
+    others = [f for f in loop.lawDispatcher.functors if f is not functor and stands_for(f) != functor.label]
     if others or loop.callbacks:
         raise DemlawsError("the public way cannot share its InteractionLoop with other law functors or callbacks")
-    throw_away = yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear(neverErase=True)
-    geometry = yade.InteractionLoop(
-        list(loop.geomDispatcher.functors), list(loop.physDispatcher.functors), [throw_away], label=loop.label
-    )
+
+
+def hidden_engines(functor):
+    """The engines to be put behind the user's InteractionLoop."""
     return [
-        *engines[:place],
-        geometry,
-        yade.PyRunner(command=commands[0], iterPeriod=1, initRun=True),
+        yade.PyRunner(command=PREPARE.format(label=functor.label), iterPeriod=1, initRun=True),
         yade.ForceResetter(),
         yade.LawDispatcher([functor]),
-        yade.PyRunner(command=commands[1], iterPeriod=1, initRun=True),
-        *engines[place + 1 :],
+        yade.PyRunner(command=FINISH.format(label=functor.label), iterPeriod=1, initRun=True),
     ]
+
+
+def throw_away(label):
+    """A functor that stands in the user's InteractionLoop while the law acts behind it."""
+    return yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear(neverErase=True, label=AWAY + label)
 
 
 def _label(body):
@@ -56,101 +71,96 @@ class Held:
     """A scene's contacts between steps: reading and writing YADE objects is what the public way costs."""
 
     def __init__(self):
-        self.keys, self.objects, self.columns, self.tangents = [], [], np.zeros((0, 8)), ()
+        self.keys, self.objects, self.rows, self.tangents = [], [], np.zeros(0, kernel.CONTACT), ()
         self.valid_at = None  # (scene, step) at which this may be used
 
     def flush(self):
         """Write the history to YADE's objects, where saving and reading look for it."""
-        for (_, phys, _), row in zip(self.objects, self.columns, strict=True):
-            phys.momentBend = yade.Vector3(*row[2:5])
-            phys.momentTwist = yade.Vector3(*row[5:8])
+        for (_, phys, _), row in zip(self.objects, self.rows, strict=True):
+            write_history(phys, row)
 
     def take(self, binding):
         """The contacts of this step: those held if they are the same ones."""
-        from demlaws.yade.functor import rows_of
-
         omega = yade.O
         contacts = [contact for contact in omega.interactions if contact.isReal]
         keys = [(contact.id1, contact.id2, contact.iterMadeReal) for contact in contacts]
-        here = omega.thisScene, omega.iter
-        known = self.valid_at == here
+        known = self.valid_at == (binding.scene, omega.iter)
         if known and keys == self.keys:
-            self.columns[:, 0] = [geom.penetrationDepth for geom, _, _ in self.objects]
+            self.rows["overlap"] = [geom.penetrationDepth for geom, _, _ in self.objects]
         else:
             if known:
                 self.flush()
             for contact in contacts:
-                if not isinstance(contact.phys, yade.MindlinPhys):
+                if not is_ours(contact):
                     raise DemlawsError(f"contact {contact.id1}+{contact.id2} is not described by MindlinPhys")
-            self.keys, self.columns = keys, rows_of(contacts)
+            self.keys, self.rows = keys, rows_of(contacts)
             self.objects = [(contact.geom, contact.phys, contact) for contact in contacts]
-            for contact, row in zip(contacts, self.columns, strict=True):
-                if row[2] == 0.0:
-                    first_sight(binding.pairs, binding.ratio, contact, row)
+            for contact, row in zip(contacts, self.rows, strict=True):
+                if row["tag"] == 0.0:
+                    first_sight(binding, contact, row)
             self.flush()
-        self.valid_at = here[0], here[1] + 1
+        self.valid_at = binding.scene, omega.iter + 1
 
 
 def step(binding):
     """Set kno and kso of every contact and move its history on."""
     yade.O.forces.f(0, True)  # or the threads' own sums survive the reset
+    binding.answer()
     held, pairs = binding.held, binding.pairs
     held.take(binding)
-    columns = held.columns
-    ending = columns[columns[:, 0] <= 0]
+    rows = held.rows
+    ending = rows[rows["overlap"] <= 0]
     if len(ending):
         at_rest = ending.copy()
-        at_rest[:, 0] = 0.0
-        binding.banked += float(binding._energies(at_rest)[:, 1].sum())
-    out = np.zeros((len(columns), 3))
-    records = pairs.records
-    bad = kernel.respond_loop(pairs.kind, pairs.rule, records.ctypes.data, records.strides[0], columns, out)
+        at_rest["overlap"] = 0.0
+        binding.banked += float(pairs.energies(at_rest)["dissipated"].sum())
+    answer, bad = pairs.respond(rows)
     if bad >= 0:
         first, second, _ = held.keys[bad]
-        raise DemlawsError(f"contact {first}+{second} at overlap {columns[bad, 0]:g} m: the law gives no finite force there")
-    for (_, phys, _), overlap, kno, kso in zip(
-        held.objects, columns[:, 0].tolist(), out[:, 0].tolist(), out[:, 1].tolist(), strict=True
-    ):
+        raise DemlawsError(
+            f"contact {first}+{second} at overlap {rows['overlap'][bad]:g} m: the law gives no finite force there"
+        )
+    overlaps = rows["overlap"]
+    for (_, phys, _), overlap, (kno, kso, _) in zip(held.objects, overlaps.tolist(), answer.tolist(), strict=True):
         if overlap > 0.0:
             phys.kno = kno
             phys.kso = kso
-    held.tangents = out[:, 2].tolist()
+    smooth = 2.0 * rows["modulus"] * np.sqrt(rows["radius"] * np.maximum(overlaps, 0.0))
+    held.tangents = np.maximum(answer["tangent"], smooth).tolist()  # what `kernel.for_time_steppers` says
 
 
-def first_sight(pairs, ratio, contact, row):
+def first_sight(binding, contact, row):
     """What `kernel.first_sight` does."""
-    phys, geom = contact.phys, contact.geom
-    row[3] = kernel.effective_radius(geom.refR1, geom.refR2)
-    row[4] = 0.75 * phys.kno / np.sqrt(row[3])
-    row[1] = ratio or phys.kso / (1.5 * phys.kno)
-    number = pairs.number(*(_label(body) for body in (contact.id1, contact.id2)))
-    if not kernel.serves(pairs.records.ctypes.data + number * pairs.records.strides[0], row[3], row[4]):
-        from demlaws.yade.functor import NOT_SERVED
+    pairs, phys, geom = binding.pairs, contact.phys, contact.geom
+    radius = kernel.effective_radius(geom.refR1, geom.refR2)
+    row["modulus"] = 0.75 * phys.kno / np.sqrt(radius)
+    flat = any(isinstance(yade.O.bodies[n].shape, yade.Facet | yade.Wall | yade.Box) for n in (contact.id1, contact.id2))
+    row["radius"] = geom.refR2 if flat and pairs.flats == "plane" else radius
+    labels = [_label(body) for body in (contact.id1, contact.id2)]
+    if any(label not in pairs.surfaces for label in labels):
+        binding.judge_unlisted((contact.id1, contact.id2))
+    number = pairs.number(*labels)
+    row["ratio"] = 0.0
+    if phys.kno != 0.0:
+        if not pairs.serves(number, row["radius"], row["modulus"]):
+            raise DemlawsError(f"contact {contact.id1}+{contact.id2} with R = {row['radius']:g} m: {NOT_SERVED}")
+        if pairs.roughnesses[number] > row["radius"]:
+            raise DemlawsError(binding.too_rough(contact.id1, contact.id2, row["radius"]))
+        row["ratio"] = binding.ratio or phys.kso / (1.5 * phys.kno)
+    row["tag"] = number + 1
+    phys.prevU = yade.Vector3(row["ratio"], 0, 0)
 
-        raise DemlawsError(f"contact {contact.id1}+{contact.id2} with R = {row[3]:g} m: {NOT_SERVED}")
-    row[2] = number + 1
-    phys.prevU = yade.Vector3(row[1], 0, 0)
 
-
-def finish(binding):
+def finish(binding, never_erase):
     """Leave the tangent where the time stepper looks for it; erase ended contacts, which LawDispatcher does not."""
     held, ended = binding.held, []
-    for (_, phys, contact), overlap, tangent in zip(held.objects, held.columns[:, 0].tolist(), held.tangents, strict=True):
+    for (_, phys, contact), overlap, tangent in zip(held.objects, held.rows["overlap"].tolist(), held.tangents, strict=True):
         if overlap > 0.0:
             phys.kn = tangent
         elif overlap < 0.0:
             ended.append(contact)
-    if ended and not _never_erase(binding.label):
+    if ended and not never_erase:
         interactions = yade.O.interactions
         for contact in ended:  # `step` has banked what they dissipated: YADE's own function, without the account
-            type(interactions).erase.native(interactions, contact.id1, contact.id2)
-
-
-def _never_erase(label):
-    return any(
-        functor.neverErase
-        for engine in yade.O.engines
-        if isinstance(engine, yade.LawDispatcher)
-        for functor in engine.functors
-        if functor.label == label
-    )
+            erase = type(interactions).erase
+            getattr(erase, "native", erase)(interactions, contact.id1, contact.id2)

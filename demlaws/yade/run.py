@@ -1,5 +1,6 @@
 """Start YADE on a script with this package importable."""
 
+import importlib.metadata
 import os
 import shutil
 import subprocess
@@ -34,6 +35,12 @@ def python_of(yade):
     return tuple(int(part) for part in version) if len(version) == 2 and all(part.isdigit() for part in version) else None
 
 
+def numpy_built_for(folder="/usr/lib/python3/dist-packages"):
+    """Major version of the numpy that the system's Python packages, YADE among them, are built for; None if there is none."""
+    found = [d.version for d in importlib.metadata.distributions(name="numpy", path=[folder])]
+    return int(found[0].split(".")[0]) if found else None
+
+
 def environment():
     """Environment in which YADE's Python finds this package and the numba and numpy that it runs on."""
     import numba
@@ -47,9 +54,11 @@ def environment():
             f"YADE runs on Python {wanted[0]}.{wanted[1]}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
             "demlaws in a venv of that Python (/usr/bin/python3 -m venv --system-site-packages)"
         )
-    if int(numpy.__version__.split(".")[0]) >= 2:
+    built, major = numpy_built_for(), int(numpy.__version__.split(".")[0])
+    if built is not None and major > built:
         raise DemlawsError(
-            f"Debian's YADE needs numpy 1, this is numpy {numpy.__version__}: pip install 'numpy<2' in this venv"
+            f"this system's YADE is built for numpy {built}, this is numpy {numpy.__version__}: "
+            f"pip install 'numpy<{built + 1}' in this venv"
         )
     folders = []
     for module in (demlaws, numba, numpy):
@@ -60,8 +69,12 @@ def environment():
     return {**os.environ, "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
 
-def command(script, arguments=(), threads=1, gui=False, batch=None):
-    """The command line that runs `script`."""
+def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=False, options=()):
+    """The command line that runs `script`.
+
+    gui: with the graphical interface; batch: a parameter table for yade-batch; stay: keep the interpreter when the script has
+    ended, as `yade` does by itself; options: further options of yade (or yade-batch).
+    """
     script = str(script)
     if not os.path.exists(script):
         raise DemlawsError(f"no script {script}")
@@ -70,11 +83,12 @@ def command(script, arguments=(), threads=1, gui=False, batch=None):
             raise DemlawsError(f"no parameter table {batch}")
         if arguments:
             raise DemlawsError("a batch takes its parameters from the table, not from arguments")
-        return [executable("yade-batch"), f"--job-threads={threads}", batch, script]
-    return [executable(), *([] if gui else ["-n"]), "-x", f"-j{threads}", script, *map(str, arguments)]
+        return [executable("yade-batch"), f"--job-threads={threads}", *options, batch, script]
+    ours = [*([] if gui else ["-n"]), *([] if stay else ["-x"]), f"-j{threads}"]
+    return [executable(), *ours, *options, script, *map(str, arguments)]
 
 
-def run(script, arguments=(), threads=1, gui=False, batch=None, **options):
+def run(script, arguments=(), threads=1, gui=False, batch=None, stay=False, yade_options=(), **options):
     """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status."""
-    line = command(script, arguments, threads, gui, batch)
+    line = command(script, arguments, threads, gui, batch, stay=stay, options=yade_options)
     return subprocess.run(line, env=environment(), check=False, **options)

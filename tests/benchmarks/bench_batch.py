@@ -27,7 +27,7 @@ import demlaws as dl
 from demlaws.core.loops import evaluate_loop
 from demlaws.core.params import leaves, map_leaves
 from demlaws.core.unloading import RULES
-from demlaws.law import _threads
+from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 
@@ -173,18 +173,20 @@ def copy(arrays, parameters, states, parallel):
     if not parallel:
         kernel(*arrays)
         return
-    workers, pool = _threads()
-    edges = np.linspace(0, arrays[0].size, workers + 1).astype(int)
-    list(pool.map(lambda piece: kernel(*(a[piece] for a in arrays)), map(slice, edges[:-1], edges[1:])))
+    in_threads(lambda piece: kernel(*(a[piece] for a in arrays)), arrays[0].size)
 
 
-def measure(law, case, extreme, n, rounds):
-    """Time law and copy in turn; the state is put back before each."""
+def times(law, case, extreme, n, rounds):
+    """ns a contact of law and copy, timed in turn round after round; the state is put back before each.
+
+    Of one thread the processor's time counts, which other processes take nothing of; of several, the clock.
+    """
     overlap, initial = inputs(law, extreme, n, case.storage)
     state = law.new_state(n, case.storage)
     out = np.zeros_like(overlap), np.zeros_like(overlap)
     read = arrays_read(law, overlap, initial)
     parallel = case.threads == "all"
+    clock = time.perf_counter if parallel else time.thread_time
     moved = [overlap, *read, *state.arrays, *out]
 
     def law_once():
@@ -193,15 +195,20 @@ def measure(law, case, extreme, n, rounds):
     def copy_once():
         copy(moved, len(read), len(state.arrays), parallel)
 
-    times = {law_once: [], copy_once: []}
+    taken = {law_once: [], copy_once: []}
     for _ in range(rounds + 1):
-        for run, taken in times.items():
+        for run, nanoseconds in taken.items():
             for target, source in zip(state.arrays, initial, strict=True):
                 target[:] = source
-            start = time.perf_counter()
+            start = clock()
             run()
-            taken.append((time.perf_counter() - start) / n * 1e9)
-    law_times, copy_times = (taken[1:] for taken in times.values())  # the first round compiles and touches memory
+            nanoseconds.append((clock() - start) / n * 1e9)
+    return [nanoseconds[1:] for nanoseconds in taken.values()]  # the first round compiles and touches memory
+
+
+def measure(law, case, extreme, n, rounds):
+    """Fastest and median round."""
+    law_times, copy_times = times(law, case, extreme, n, rounds)
     return Result(min(law_times), float(np.median(law_times)), min(copy_times), float(np.median(copy_times)))
 
 

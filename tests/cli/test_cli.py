@@ -1,13 +1,19 @@
 """The command line: help, results, and errors in one line without a traceback."""
 
+import inspect
+import os
 import subprocess
 import sys
+import threading
 import warnings
 
 import pytest
 
 from demlaws import cli
-from demlaws.cli import main
+from demlaws.cli import main, option
+from demlaws.core import notice
+from demlaws.errors import DemlawsError
+from demlaws.laws.registry import registry
 from demlaws.table import Table
 
 
@@ -31,7 +37,7 @@ def test_every_command_has_help(name, capsys):
     assert "usage: demlaws" in capsys.readouterr().out
 
 
-CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--roughness", "2e-6", "--fractal-dimension", "2.2"]
+CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--sigma", "2e-6", "--fractal-dimension", "2.2"]
 
 
 def test_curve(tmp_path, capsys):
@@ -56,7 +62,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     """By the name of a law, then the file of that law's own table; both in one file."""
     both, curve, again, picture = (tmp_path / name for name in ("both.tbl", "curve.tbl", "again.tbl", "both.png"))
     smoother = [*CONTACT[:-3], "0.5e-6", *CONTACT[-2:]]
-    options = ["--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6"]
+    options = ["--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6"]
     assert main(["table", "--law", "pohrt-popov", *CONTACT, *options, "--out", str(both), "--figure", str(picture)]) == 0
     assert "unloading along 'pohrt-popov'" in capsys.readouterr().out
     assert picture.stat().st_size > 1000
@@ -68,7 +74,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     assert one.unloading_law.made_for.roughness == other.unloading_law.made_for.roughness == 0.5e-6
     path = [1e-5, 9e-6, 8e-6]
     assert one.follow(path).force == pytest.approx(other.follow(path).force, rel=1e-4)
-    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6", "--forces", "9", "0"]
+    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6", "--forces", "9", "0"]
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, *forces]) == 0
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading-radius", "1e-3", "--forces", "9"]) == 2
     assert "name that law" in capsys.readouterr().err
@@ -91,7 +97,12 @@ def test_granite(tmp_path, capsys):
         (["curve", "--law", "hertz", "--radius", "1e-3", "--modulus", "nan", "--forces", "1"], "modulus = nan Pa"),
         (["curve", "--law", "hertz", "--radius", "1e-3", "--forces", "1"], "--modulus missing"),
         (["curve", "--law", "pohrt-popov", *CONTACT[:-1], "3.5", "--forces", "1"], "fractal_dimension = 3.5"),
-        (["curve", "--law", "hertz", *CONTACT, "--roughness", "1", "--forces", "1"], "exceeds the effective radius"),
+        (["curve", "--law", "hertz", "--radius", "4e-3", "--roughness", "1e-6", "--forces", "1"], "give --sigma"),
+        (["table", "--law", "hertz", *CONTACT, "--unloading-roughness", "1e-6", "--out", "t"], "give --unloading-sigma"),
+        (["regime", "--roughness", "1e-6"], "give --sigma"),
+        (["surface", "synthetic", "--roughness", "1um", "--out", "t"], "give --sq"),
+        (["liggghts", "export", "t", "--radius", "1e-3", "--roughness", "1e-6"], "give --sq"),
+        (["curve", "--law", "hertz", *CONTACT, "--sigma", "1", "--forces", "1"], "exceeds the effective radius"),
         (["curve", "--law", "hertz", *CONTACT, "--forces", "-1"], "no tension"),
         (["curve", "--law", "bahrami", *CONTACT, "--forces", "1"], "hardness"),
         (["curve", "--law", "hertz", *CONTACT, "--option", "x=1", "--forces", "1"], "'x'"),
@@ -110,6 +121,97 @@ def test_errors_are_one_line(arguments, says, capsys, tmp_path, monkeypatch):
     (line,) = [x for x in captured.err.splitlines() if "warning" not in x]
     assert line.startswith("demlaws: error: ")
     assert says in line
+
+
+@pytest.mark.parametrize("arguments", [["curve", "--law", "?"], ["fit", "--law", "?"], ["laws"]])
+def test_the_laws_are_listed(arguments, capsys):
+    """Before: `--law ?`, which the help names, was an unknown law."""
+    try:
+        assert main(arguments) == 0
+    except SystemExit as end:
+        assert end.code == 0
+    out = capsys.readouterr().out
+    for name, definition in registry().items():
+        assert any(line.startswith(f"{name} ") and definition.description in line for line in out.splitlines())
+
+
+@pytest.mark.parametrize("name", registry())
+def test_options_of_a_law_are_listed(name, capsys):
+    """Each option of a law's `prepare` with unit, range and default, and an unknown one is told of them."""
+    definition = registry()[name]
+    taken = inspect.signature(definition.prepare).parameters.values()
+    named = [p.name for p in taken if p.kind is not inspect.Parameter.VAR_KEYWORD][1:]
+    assert list(definition.options) == named
+    assert main(["laws", name]) == 0
+    out = capsys.readouterr().out
+    for one in named:
+        assert f"    {one}" in out
+        assert definition.options[one].values in out
+    if name != "rough-plastic":
+        with pytest.raises(DemlawsError, match=", ".join(named) or "it has no options"):
+            definition.shape(None, nonsense=1)
+
+
+def test_quantities_have_units(capsys):
+    """Before: of a contact's arguments only some of `surface` and `regime` took a unit."""
+    for contact, overlaps in (
+        (["--radius", "4mm", "--modulus", "30GPa", "--sigma", "2.4um"], ["1um", "0.2um"]),
+        (["--radius", "4e-3", "--modulus", "3e10", "--sigma", "2.4e-6"], ["1e-6", "2e-7"]),
+    ):
+        assert main(["curve", "--law", "rms", *contact, "--overlaps", *overlaps, "--steps", "3"]) == 0
+    out = capsys.readouterr().out
+    assert out[: len(out) // 2] == out[len(out) // 2 :]
+    assert option("yield_pressure=1.66GPa") == ("yield_pressure", 1.66e9)
+    assert option("branch=power") == ("branch", "power")
+    with pytest.raises(SystemExit):
+        main(["curve", "--law", "rms", "--radius", "4parsec", "--overlaps", "1"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert "--radius: a length must be a number in m, or with one of the units m, mm, um" in line
+
+
+FULL_OR_ASCII = """
+import os, sys
+sys.argv = ["demlaws", "curve", "--law", "hertz", "--radius", "4mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
+from demlaws.cli import main
+sys.exit(main())
+"""
+
+
+def run_alone(code, **more):
+    environment = {**os.environ, **more.pop("env", {})}
+    return subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, text=True, env=environment, **more)
+
+
+def test_output_that_cannot_be_written_is_one_line():
+    """Before: OSError at the end of the process, and UnicodeEncodeError at the first µ."""
+    with open("/dev/full", "w") as full:
+        result = run_alone(FULL_OR_ASCII, stdout=full)
+    assert result.returncode == 2
+    assert [x for x in result.stderr.splitlines() if "compiling" not in x] == [
+        "demlaws: error: output: No space left on device"
+    ]
+    result = run_alone(FULL_OR_ASCII, stdout=subprocess.PIPE, env={"PYTHONIOENCODING": "ascii"})
+    assert result.returncode == 0
+    assert "overlap (?m)" in result.stdout
+
+
+def test_without_machine_code_there_is_one_clear_error():
+    result = run_alone(FULL_OR_ASCII, stdout=subprocess.PIPE, env={"NUMBA_DISABLE_JIT": "1"})
+    assert result.returncode == 2
+    (line,) = result.stderr.splitlines()
+    assert line.startswith("demlaws: error: NUMBA_DISABLE_JIT is set")
+
+
+def test_a_compilation_that_takes_long_says_so(capsys, monkeypatch):
+    told = threading.Event()
+    monkeypatch.setattr(notice, "say", told.set)
+    notice.begin()
+    notice.end()
+    assert not notice._timers
+    notice.begin()
+    assert told.wait(60)
+    assert notice.say is None  # once in a process
+    notice.end()
 
 
 def test_module_and_version():

@@ -24,12 +24,12 @@ def test_regime_reproduces_the_published_table(capsys):
 
 def test_regime_of_one_contact(capsys, tmp_path):
     figure = tmp_path / "regime.png"
-    arguments = ["regime", *ALUMINIUM, *BALL, "--roughness", "1.3um", "--load", "0.2", "--figure", str(figure)]
+    arguments = ["regime", *ALUMINIUM, *BALL, "--sigma", "1.3um", "--load", "0.2", "--figure", str(figure)]
     assert cli.main(arguments) == 0
     text = capsys.readouterr().out
     assert "0.159" in text and "1.373 N" in text and "asperity         fits" in text
     assert figure.stat().st_size > 10000
-    assert cli.main(["regime", *ALUMINIUM, "--roughness", "1.3um"]) == 0
+    assert cli.main(["regime", *ALUMINIUM, "--sigma", "1.3um"]) == 0
     assert "bulk yields" in capsys.readouterr().out
 
 
@@ -44,7 +44,7 @@ def test_surface_prints_and_writes(capsys, tmp_path, map_file):
 
 def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
     out = tmp_path / "made.csv"
-    arguments = ["surface", "synthetic", "--size", "64", "--pixel", "1um", "--roughness", "2um", "--out", str(out)]
+    arguments = ["surface", "synthetic", "--size", "64", "--pixel", "1um", "--sq", "2um", "--out", str(out)]
     assert cli.main(arguments) == 0
     assert "Sq = 2 µm" in capsys.readouterr().out
     assert surface.read(out, pixel="1um").sq == pytest.approx(2e-6, rel=1e-6)
@@ -72,8 +72,8 @@ def test_published_repeated_contact(capsys, tmp_path):
 
 
 @pytest.mark.parametrize(("arguments", "words"), [
-    (["regime", *ALUMINIUM, "--load", "1"], "--roughness missing"),
-    (["regime", "--load", "1", "--roughness", "1um", "--hardness", "1e9"], "--radius, --young, --poisson"),
+    (["regime", *ALUMINIUM, "--load", "1"], "--sigma missing"),
+    (["regime", "--load", "1", "--sigma", "1um", "--hardness", "1e9"], "--radius, --young, --poisson"),
     (["surface", "nowhere.csv"], "no such height map"),
     (["surface", "synthetic"], "--out missing"),
     (["surface", "contact"], "takes one height map"),

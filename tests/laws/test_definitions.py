@@ -82,7 +82,7 @@ def _comparisons(path):
             )
 
 
-OURS = ["core", "plots", "driver.py", "joining.py", "make.py", "regime.py", "granite.py"]
+OURS = ["advice", "core", "measure", "plots", "driver.py", "joining.py", "make.py", "regime.py", "granite.py"]
 
 
 @pytest.mark.parametrize("part", OURS)

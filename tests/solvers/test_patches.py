@@ -1,8 +1,6 @@
 import math
-import time
 import tracemalloc
 import warnings
-from pathlib import Path
 
 import mpmath
 import numpy as np
@@ -14,6 +12,7 @@ import demlaws as dl
 from demlaws import regime
 from demlaws.solvers import patches as asperity
 from demlaws.surface import HeightMap, self_affine
+from demlaws.validation.maps import load_ratios
 
 ALUMINIUM = asperity.plasticity(71.3e9, 0.24e9, 0.34)
 ELASTIC = asperity.plasticity(50e9, math.inf, 0.3)
@@ -333,42 +332,14 @@ def test_memory_is_below_twelve_maps():
     assert peak / heights.heights.nbytes <= 12 - 1  # the input map itself is the twelfth
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("size", [1024, 2048, 4096])
-def test_a_load_step_costs_twenty_labellings_at_most(size):
-    """One load step against scipy.ndimage.label of the same map at the same cut; the bound holds at every size."""
-    from scipy import ndimage
-
-    warm = asperity.published_contact("isotropic")
-    warm.load(0.2)
-    heights = self_affine(size, 0.5e-6, 0.8, 1.3e-6, 1, periodic=True)
-    contact = asperity.RoughContact(heights, warm.pair, 0.34, flat=True)
-    steps, labels = [], []
-    for _ in range(3):
-        start = time.perf_counter()
-        step = contact.load(0.2 * (size / 512) ** 2)
-        steps.append(time.perf_counter() - start)
-        start = time.perf_counter()
-        ndimage.label(contact.gap > step.cut)
-        labels.append(time.perf_counter() - start)
-    assert min(steps) <= 20 * min(labels)
-
-
 # --- an elastic boundary-element solution
-
-
-def stored_boundary_elements():
-    lines = (Path(__file__).parent.parent / "data" / "asperity_bem.csv").read_text().splitlines()
-    names = lines[0].split(",")
-    return [dict(zip(names, line.split(","), strict=True)) for line in lines[1:]]
 
 
 def test_against_boundary_elements():
     """Ratio of loads at equal separation, whatever it is: 1.00 on a smooth ball, 0.5 to 1.3 on rough maps."""
-    for row in stored_boundary_elements():
-        ratio = float(row["model_force"]) / float(row["bem_force"])
-        low, high = (0.99, 1.01) if row["case"] == "smooth ball" else (0.5, 1.35)
-        assert low < ratio < high, row
+    for case, ratio in load_ratios():
+        low, high = (0.99, 1.01) if case == "smooth ball" else (0.5, 1.35)
+        assert low < ratio < high, (case, ratio)
 
 
 # --- as a law

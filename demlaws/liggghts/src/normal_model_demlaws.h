@@ -1,39 +1,19 @@
 // Normal model `demlaws/table` of LIGGGHTS: force and tangent stiffness from a table file, unloading with history.
-//
-//   pair_style gran model demlaws/table tangential history table granite.tbl
-//   pair_style gran model demlaws/table tangential history table granite.tbl pairtable 1 2 granite-steel.tbl
-//   fix w all wall/gran model demlaws/table tangential history primitive type 1 zplane 0.0       (tables of the pair style)
-//
-// Settings: tangential_damping on|off (on), limitForce on|off (off), surfaceRoughness on|off (off: the length of the
-// file; on: sigma = sqrt(sigma_i^2 + sigma_j^2) from property/global surfaceRoughness peratomtype),
-// radius_tolerance X (0.01: for tables of laws that do not collapse, how far R of a contact may be from the table's).
+// Its words and settings: docs/liggghts.md.
 #ifndef DEMLAWS_NORMAL_MODEL_H
 #define DEMLAWS_NORMAL_MODEL_H
 #include <memory>
-#include <set>
 #include "contact_models.h"
 #include "normal_model_base.h"
 #include "global_properties.h"
-#include "neighbor.h"
-#include "comm.h"
-#include "update.h"
 #include "demlaws_table.h"
+#include "instance.h"
 
 namespace demlaws {
 
-typedef std::map<std::pair<int, int>, std::string> Files; // (0, 0) is the table of all pairs without their own
-
-// What `table` and `pairtable` of the line being parsed said, and what the pair style of each instance said.
-struct Pending {
-  static Files &now() {
-    static Files files;
-    return files;
-  }
-  static std::map<void *, Files> &of_pair_style() {
-    static std::map<void *, Files> files;
-    return files;
-  }
-};
+// Most values that a contact keeps, and what they are called in LIGGGHTS.
+static const int MOST_STATE = 3;
+static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
 
 struct TypePair {
   Pair pair;
@@ -43,66 +23,60 @@ struct TypePair {
   double radius;             // > 0: the only radius the table is valid for
 };
 
-// The wall contacts of one wall in the last step, for their stored energy.
+// Energies of a contact at `overlap`: what it holds, what its plastic flow took. In a contact that has not been updated
+// at this overlap, as none has before the first step, the state is the one that the step will give it.
+inline void energies_at(const Pair &pair, double radius, double overlap, const double *state, int size, double &stored,
+                        double &dissipated) {
+  double now[MOST_STATE] = {0., 0., 0.};
+  for (int k = 0; k < size; k++) now[k] = state ? state[k] : 0.;
+  if (overlap > 0.) step(pair, radius, overlap, now, true);
+  stored_and_dissipated(pair, radius, overlap, now, stored, dissipated);
+}
+
+// The wall contacts of one wall in the last step.
 class WallContacts {
 public:
   WallContacts() : step_(-1) {}
-  void add(bigint step, const Pair &pair, double radius, double overlap, const double *state, int size) {
+  void add(bigint step, int particle, const Pair &pair, double radius, double overlap, const double *state, int size) {
     if (step != step_) forget();
     step_ = step;
-    contacts_.push_back(Contact(pair, radius, overlap));
+    const Contact contact = {&pair, radius, overlap, particle};
+    contacts_.push_back(contact);
     states_.insert(states_.end(), state, state + size);
   }
   void forget() {
     contacts_.clear();
     states_.clear();
   }
-  double stored(bigint step, int size) const {
-    double sum = 0., stored, dissipated;
+  void add_energies(bigint step, const int *mask, int groupbit, int size, double &stored, double &pending) const {
     for (size_t n = 0; step == step_ && n < contacts_.size(); n++) {
       const Contact &c = contacts_[n];
-      stored_and_dissipated(*c.pair, c.radius, c.overlap, size ? &states_[n * size] : NULL, stored, dissipated);
-      sum += stored;
+      if (!(mask[c.particle] & groupbit)) continue;
+      double s, booked = 0., d;
+      const double *const state = size ? &states_[n * size] : NULL;
+      if (size) stored_and_dissipated(*c.pair, c.radius, c.overlap, state, s, booked);
+      energies_at(*c.pair, c.radius, c.overlap, state, size, s, d);
+      stored += s;
+      pending += d - booked;
     }
-    return sum;
   }
 
 private:
   struct Contact {
     const Pair *pair;
     double radius, overlap;
-    Contact(const Pair &p, double r, double o) : pair(&p), radius(r), overlap(o) {}
+    int particle;
   };
   bigint step_;
   std::vector<Contact> contacts_;
   std::vector<double> states_;
 };
 
-// Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended and
-// in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the model; so
-// the dissipation of walls is added up while it happens, not when a contact ends.
-struct Ledger {
-  double taken;
-  int readers; // computes that will ask for what walls store
-  std::set<class WallBook *> walls;
-  Ledger() : taken(0.), readers(0) {}
-  static Ledger &of(void *lmp) {
-    static std::map<void *, Ledger> ledgers;
-    return ledgers[lmp];
-  }
-};
-class WallBook {
-public:
-  virtual ~WallBook() {}
-  virtual double stored() const = 0; // [J]
-  virtual void forget() = 0;         // before forces are computed anew
-};
-
 } // namespace demlaws
 
 namespace MODEL_PARAMS {
 inline VectorProperty *createSurfaceRoughness(PropertyRegistry &registry, const char *caller, bool checks) {
-  return createPerTypeProperty(registry, "surfaceRoughness", caller, checks, 0., 1.);
+  return createPerTypeProperty(registry, "surfaceRoughness", caller, checks, 0., 1e9); // 1 m in the smallest unit
 }
 } // namespace MODEL_PARAMS
 
@@ -114,72 +88,96 @@ static const int DEMLAWS_TABLE = 60; // a free 6-bit id (stock uses 0 to 12)
 template <> class NormalModel<DEMLAWS_TABLE> : public NormalModelBase, private demlaws::WallBook {
 public:
   NormalModel(LAMMPS *lmp, IContactHistorySetup *setup, class ContactModelBase *base)
-      : NormalModelBase(lmp, setup, base), base_(base), effective_modulus_(NULL), effective_shear_(NULL), beta_(NULL),
-        roughness_(NULL), damp_tangentially_(true), limit_force_(false), use_roughness_(false),
-        radius_tolerance_(0.01), offset_(-1), state_size_(0), types_(0), ledger_(demlaws::Ledger::of(lmp)) {
-    if (base->is_wall()) ledger_.walls.insert(this);
+      : NormalModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()),
+        effective_modulus_(NULL), effective_shear_(NULL), beta_(NULL), roughness_(NULL), damp_tangentially_(true),
+        limit_force_(false), check_restart_(true), offset_(-1), state_size_(0), reserved_(0), types_(0) {
+    if (wall_) instance_->ledger.walls.insert(this);
   }
-  ~NormalModel() { ledger_.walls.erase(this); }
+  ~NormalModel() {
+    if (wall_) instance_->ledger.walls.erase(this);
+    else instance_->pair = demlaws::PairSettings();
+  }
 
   void registerSettings(Settings &settings) {
     settings.registerOnOff("tangential_damping", damp_tangentially_, true);
     settings.registerOnOff("limitForce", limit_force_, false);
-    settings.registerOnOff("surfaceRoughness", use_roughness_, false);
-    settings.registerDoubleSetting("radius_tolerance", radius_tolerance_, 0.01);
+    settings.registerOnOff("surfaceRoughness", own_.use_roughness, false);
+    settings.registerDoubleSetting("radius_tolerance", own_.radius_tolerance, 0.01);
+    settings.registerOnOff("extrapolation", own_.extrapolate, false);
+    settings.registerOnOff("restart_check", check_restart_, true);
   }
 
-  // The tables are known here (Pending), so only as much history is kept as their unloading needs.
+  // The tables are known here (Instance::line), so only as much history is kept as their unloading needs; a wall that
+  // stands before the pair style, whose tables it will take, keeps room for any.
   void postSettings(IContactHistorySetup *setup, ContactModelBase *base) {
-    files_ = demlaws::Pending::now();
-    if (files_.empty() && base_->is_wall()) files_ = demlaws::Pending::of_pair_style()[lmp];
-    if (files_.empty()) {
-      const char *file = getenv("DEMLAWS_TABLE");
-      if (file) files_[std::make_pair(0, 0)] = file;
+    given_ = instance_->line.given;
+    own_.files = instance_->line.files;
+    if (!wall_) {
+      if (own_.files.empty())
+        error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
+      instance_->pair = own_;
     }
-    if (files_.empty())
-      error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
-    if (!base_->is_wall()) demlaws::Pending::of_pair_style()[lmp] = files_;
-    for (demlaws::Files::const_iterator it = files_.begin(); it != files_.end(); ++it) {
-      std::shared_ptr<demlaws::Table> &table = tables_[it->second];
-      if (table) continue;
-      table.reset(new demlaws::Table);
-      try {
-        table->read(it->second);
-      } catch (const std::exception &problem) {
-        error->all(FLERR, (std::string("model demlaws/table: ") + problem.what()).c_str());
-      }
-      state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
-    }
-    static const char *const names[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
-    for (int i = 0; i < state_size_; i++) {
-      const int at = setup->add_history_value(names[i], "0"); // the same seen from either particle
-      base->add_history_offset(names[i], at);
+    settle();
+    reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
+    for (int i = 0; i < reserved_; i++) {
+      const int at = setup->add_history_value(demlaws::STATE_NAMES[i], "0"); // the same seen from either particle
+      base->add_history_offset(demlaws::STATE_NAMES[i], at);
       if (i == 0) offset_ = at;
     }
   }
 
   void connectToProperties(PropertyRegistry &registry) {
     const char *const me = "model demlaws/table";
+    settle();
+    if (now_.files.empty())
+      error->all(FLERR, wall_ ? "model demlaws/table: fix wall/gran has no table, nor has the pair style: add 'table FILE' "
+                                "behind 'primitive ...' or 'mesh ...'"
+                              : "model demlaws/table: repeat the pair_style line after read_restart");
+    if (state_size_ > reserved_)
+      error->all(FLERR, "model demlaws/table: the pair style's tables were changed, and this wall keeps too little history "
+                        "for them: define the wall anew (unfix, fix) below the pair_style line");
     registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff, me);
     registry.registerProperty("Geff", &MODEL_PARAMS::createGeff, me);
     registry.registerProperty("betaeff", &MODEL_PARAMS::createBetaEff, me);
     registry.connect("Yeff", effective_modulus_, me);
     registry.connect("Geff", effective_shear_, me);
     registry.connect("betaeff", beta_, me);
-    if (use_roughness_) {
+    if (now_.use_roughness) {
       registry.registerProperty("surfaceRoughness", &MODEL_PARAMS::createSurfaceRoughness);
       registry.connect("surfaceRoughness", roughness_, me);
     }
     if (force->cg_active()) error->cg(FLERR, me);
     if (atom->shapetype_flag || atom->superquadric_flag)
       error->all(FLERR, "model demlaws/table: only spheres; superquadric and convex particles are not supported");
-    if (tables_.empty()) error->all(FLERR, "model demlaws/table: repeat the pair_style line after read_restart");
+    if (!demlaws::Units::of(update->unit_style, units_))
+      error->all(FLERR, (std::string("model demlaws/table: units ") + update->unit_style +
+                         ": a table is in metres and pascals; use units si, cgs, micro or nano").c_str());
     // walls have no contact flags: without this factor surfacesClose() is never called for them
-    if (state_size_ > 0 && base_->is_wall()) neighbor->register_contact_dist_factor(1.01);
+    if (state_size_ > 0 && wall_) neighbor->register_contact_dist_factor(1.01);
     types_ = registry.max_type() + 1;
     pairs_.assign(types_ * types_, demlaws::TypePair());
+    demlaws::Fingerprints &used = instance_->used[instance_->owner];
+    used.clear();
     for (int i = 1; i < types_; i++)
-      for (int j = 1; j < types_; j++) connect(i, j);
+      for (int j = 1; j < types_; j++) used[demlaws::types_of(i, j)] = connect(i, j);
+    check_restart(instance_->owner);
+  }
+
+  // Refuses other tables than those of the restart file: the overlaps kept in it are of those laws.
+  void check_restart(const std::string &owner) const {
+    std::map<std::string, demlaws::Fingerprints>::const_iterator of_file = instance_->stored.find(owner);
+    if (of_file == instance_->stored.end() || !check_restart_) return;
+    const demlaws::Fingerprints &used = instance_->used[owner];
+    for (demlaws::Fingerprints::const_iterator it = of_file->second.begin(); it != of_file->second.end(); ++it) {
+      demlaws::Fingerprints::const_iterator mine = used.find(it->first);
+      if (mine == used.end() || mine->second == it->second) continue;
+      std::ostringstream what;
+      what << "model demlaws/table: " << owner << ", types " << it->first.first << " and " << it->first.second << ": "
+           << file_of(it->first.first, it->first.second) << " (fingerprint " << std::hex << mine->second
+           << ") is not the table that the restart file was written with (" << it->second
+           << "), so the overlaps kept in it belong to another law; take that table, or say 'restart_check off'";
+      error->all(FLERR, what.str().c_str());
+    }
   }
 
   double stressStrainExponent() { return 1.5; }
@@ -190,17 +188,18 @@ public:
   }
 
   template <bool WALL> inline void touch(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
+    using demlaws::MOST_STATE;
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    if (type.radius > 0. && !(fabs(radius - type.radius) <= radius_tolerance_ * type.radius)) refuse_radius(data, radius, type);
+    if (type.radius > 0. && !(fabs(radius - type.radius) <= now_.radius_tolerance * type.radius)) refuse_radius(data, radius, type);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
-    if (__builtin_expect(now.outside, 0)) refuse_overlap(data, radius, type);
+    if (__builtin_expect(now.outside, 0)) beyond(data, radius, type, update);
 
     const double damping = type.damping * sqrt(now.stiffness * data.meff);
     double normal = now.force - damping * data.vn;
@@ -211,7 +210,7 @@ public:
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
-      if (data.computeflag) enter(type.pair, radius, data.deltan, state, update ? before : NULL);
+      if (data.computeflag) enter(data.i, type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
     } else
@@ -229,7 +228,7 @@ public:
     if (!data.is_wall) {
       double stored, dissipated;
       energies(data, 0., stored, dissipated);
-      ledger_.taken += data.j < atom->nlocal ? dissipated : 0.5 * dissipated;
+      instance_->ledger.take(dissipated, data.i, data.j, atom->nlocal);
     }
     for (int i = 0; i < state_size_; i++) state[i] = 0.;
   }
@@ -237,41 +236,70 @@ public:
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
 
-  // Energies of one contact [J].
+  // Energies of one contact.
   void energies(const SurfacesCloseData &data, double overlap, double &stored, double &dissipated) const {
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    demlaws::stored_and_dissipated(type.pair, radius, overlap, state_size_ ? &data.contact_history[offset_] : NULL, stored,
-                                   dissipated);
+    demlaws::energies_at(type.pair, radius, overlap, state_size_ ? &data.contact_history[offset_] : NULL, state_size_, stored,
+                         dissipated);
   }
-  int state_size() const { return state_size_; }
+  demlaws::Instance &instance() const { return *instance_; }
 
 private:
-  static const int MOST_STATE = 3;
-  double stored() const { return contacts_.stored(update->ntimestep, state_size_); }
+  void add_energies(int groupbit, double &stored, double &pending) const {
+    contacts_.add_energies(update->ntimestep, atom->mask, groupbit, state_size_, stored, pending);
+  }
   void forget() { contacts_.forget(); }
   // A wall contact after its step: what it holds, and what its plastic flow took since `before`.
-  inline void enter(const demlaws::Pair &pair, double radius, double overlap, const double *state, const double *before) {
-    if (ledger_.readers) contacts_.add(update->ntimestep, pair, radius, overlap, state, state_size_);
+  inline void enter(int particle, const demlaws::Pair &pair, double radius, double overlap, const double *state,
+                    const double *before) {
+    if (instance_->ledger.readers)
+      contacts_.add(update->ntimestep, particle, pair, radius, overlap, state, state_size_);
     if (!before || std::equal(before, before + state_size_, state)) return;
     double stored, earlier, now;
     demlaws::stored_and_dissipated(pair, radius, overlap, before, stored, earlier);
     demlaws::stored_and_dissipated(pair, radius, overlap, state, stored, now);
-    ledger_.taken += now - earlier;
+    instance_->ledger.take_at_wall(now - earlier, particle);
   }
-  void connect(int i, int j) {
+
+  // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether it
+  // stands above or below that.
+  void settle() {
+    const demlaws::PairSettings &from = instance_->pair;
+    now_ = own_;
+    if (wall_) {
+      if (own_.files.empty()) now_.files = from.files;
+      if (!given_.count("surfaceRoughness")) now_.use_roughness = from.use_roughness;
+      if (!given_.count("radius_tolerance")) now_.radius_tolerance = from.radius_tolerance;
+      if (!given_.count("extrapolation")) now_.extrapolate = from.extrapolate;
+    }
+    state_size_ = 0;
+    for (demlaws::Files::const_iterator it = now_.files.begin(); it != now_.files.end(); ++it) {
+      std::shared_ptr<demlaws::Table> &table = tables_[it->second];
+      if (!table) table = demlaws::load(lmp, it->second);
+      state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
+    }
+  }
+
+  // The file of two types; empty where there is none.
+  std::string file_of(int i, int j) const {
+    demlaws::Files::const_iterator it = now_.files.find(demlaws::types_of(i, j));
+    if (it == now_.files.end()) it = now_.files.find(demlaws::Types(0, 0));
+    return it == now_.files.end() ? std::string() : it->second;
+  }
+
+  // Makes the law of two types; returns its table's fingerprint.
+  uint32_t connect(int i, int j) {
     demlaws::TypePair &type = pairs_[i * types_ + j];
-    demlaws::Files::const_iterator it = files_.find(std::make_pair(i, j));
-    if (it == files_.end()) it = files_.find(std::make_pair(j, i));
-    if (it == files_.end()) it = files_.find(std::make_pair(0, 0));
     std::ostringstream who;
     who << "model demlaws/table: types " << i << " and " << j << ": ";
-    if (it == files_.end()) error->all(FLERR, (who.str() + "no table; add 'table FILE' or 'pairtable I J FILE'").c_str());
-    const demlaws::Table &table = *tables_[it->second];
-    double sigma = 0.;
-    if (use_roughness_) {
-      sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]);
-      if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive [m]").c_str());
+    const std::string file = file_of(i, j);
+    if (file.empty()) error->all(FLERR, (who.str() + "no table; add 'table FILE' or 'pairtable I J FILE'").c_str());
+    const demlaws::Table &table = *tables_[file];
+    double sigma = 0.; // [m]
+    if (now_.use_roughness) {
+      sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]) / units_.length;
+      if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive").c_str());
     }
     const double E = effective_modulus_[i][j] / force->nktv2p;
     const bool collapses = table.collapses();
@@ -280,18 +308,22 @@ private:
     } catch (const std::exception &problem) {
       error->all(FLERR, (who.str() + problem.what()).c_str());
     }
+    if (type.pair.length > 0.) {
+      type.pair.length *= units_.length;
+      type.pair.inverse_length = 1. / type.pair.length;
+    }
     type.radius = 0.;
     if (!collapses) {
-      type.radius = table.of_contact("radius", 0.);
-      const double made_for = table.of_contact("modulus", 0.);
+      type.radius = units_.length * table.of_contact("radius", 0.);
+      const double made_for = table.of_contact("modulus", 0.), pascals = E / units_.pressure;
       if (!(type.radius > 0.) || !(made_for > 0.))
         error->all(FLERR, (who.str() + table.path() + " says 'collapses: no' but has no radius and modulus").c_str());
-      if (fabs(E - made_for) > 1e-6 * made_for) {
-        who << table.path() << " holds for the effective modulus " << made_for << " Pa only, the case has " << E
+      if (fabs(pascals - made_for) > 1e-6 * made_for) {
+        who << table.path() << " holds for the effective modulus " << made_for << " Pa only, the case has " << pascals
             << " Pa; make a table of this pair";
         error->all(FLERR, who.str().c_str());
       }
-      if (use_roughness_) {
+      if (now_.use_roughness) {
         who << table.path() << " holds for its own roughness only: law " << table.text("law")
             << " does not collapse; use 'surfaceRoughness off'";
         error->all(FLERR, who.str().c_str());
@@ -300,6 +332,7 @@ private:
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;
+    return table.fingerprint();
   }
 
   __attribute__((noinline, cold)) void place(std::ostringstream &what, const SurfacesCloseData &data) const {
@@ -308,33 +341,58 @@ private:
     else what << "particles " << atom->tag[data.i] << " and " << atom->tag[data.j];
     what << " (types " << data.itype << " and " << data.jtype << "): ";
   }
-  __attribute__((noinline, cold)) void refuse_overlap(const SurfacesIntersectData &data, double radius,
-                                                      const demlaws::TypePair &type) const {
+  // An overlap beyond the last row: counted and warned of with `extrapolation on`, refused without.
+  __attribute__((noinline, cold)) void beyond(const SurfacesIntersectData &data, double radius, const demlaws::TypePair &type,
+                                              bool update) {
+    const double last = type.pair.table->last_overlap() * type.pair.length_of(radius);
+    if (now_.extrapolate && instance_->warned_beyond) {
+      if (update) {
+        instance_->beyond.count++;
+        instance_->beyond.furthest = std::max(instance_->beyond.furthest, data.deltan / last);
+      }
+      return;
+    }
     std::ostringstream what;
     place(what, data);
-    what << "overlap " << data.deltan << " m is beyond the last row of " << type.pair.table->path() << ", "
-         << type.pair.table->last_overlap() * type.pair.length_of(radius) << " m; make a table with a larger range";
+    const double newtons = units_.length * units_.length * units_.pressure, u = data.deltan / type.pair.length_of(radius);
+    double s, slope;
+    type.pair.table->evaluate(u, s, slope);
+    const double hertz_overlap = s * type.pair.length_of(radius);
+    const double load = 4. / 3. * type.pair.modulus * sqrt(radius * hertz_overlap) * hertz_overlap;
+    what << "overlap " << data.deltan / units_.length << " m is beyond the last row of " << type.pair.table->path() << ", "
+         << last / units_.length << " m";
+    if (now_.extrapolate) {
+      what << ": its last power law goes on, uncertified (extrapolation on; told once, counted at the end of the run)";
+      instance_->warned_beyond = true;
+      error->warning(FLERR, what.str().c_str());
+      beyond(data, radius, type, update);
+      return;
+    }
+    what << " (there some " << load / newtons << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
+         << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
     error->one(FLERR, what.str().c_str());
   }
   __attribute__((noinline, cold)) void refuse_radius(const SurfacesIntersectData &data, double radius,
                                                      const demlaws::TypePair &type) const {
     std::ostringstream what;
     place(what, data);
-    what << "contact radius " << radius << " m, but law " << type.pair.table->text("law") << " does not collapse and "
-         << type.pair.table->path() << " holds for " << type.radius << " m (radius_tolerance " << radius_tolerance_
+    what << "contact radius " << radius / units_.length << " m, but law " << type.pair.table->text("law")
+         << " does not collapse and " << type.pair.table->path() << " holds for " << type.radius / units_.length
+         << " m (radius_tolerance " << now_.radius_tolerance
          << "); make a table of this pair of types or widen the tolerance";
     error->one(FLERR, what.str().c_str());
   }
 
-  class ContactModelBase *base_;
+  std::shared_ptr<demlaws::Instance> instance_;
+  const bool wall_;
   double **effective_modulus_, **effective_shear_, **beta_, *roughness_;
-  bool damp_tangentially_, limit_force_, use_roughness_;
-  double radius_tolerance_;
-  int offset_, state_size_, types_;
-  demlaws::Ledger &ledger_;
+  bool damp_tangentially_, limit_force_, check_restart_;
+  std::set<std::string> given_;
+  demlaws::PairSettings own_, now_; // as the line says; as they hold
+  demlaws::Units units_;
+  int offset_, state_size_, reserved_, types_;
   demlaws::WallContacts contacts_;
   std::vector<demlaws::TypePair> pairs_;
-  demlaws::Files files_;
   std::map<std::string, std::shared_ptr<demlaws::Table> > tables_;
 };
 

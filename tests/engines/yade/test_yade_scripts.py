@@ -15,6 +15,7 @@ SAID = {
     "ballast": "exponent n of bulk stiffness",
     "cost": "ratio to native Hertz-Mindlin",
     "measured_surface": "law of mean",
+    "examples": "runs by both laws, 0 failed",
 }
 
 
@@ -26,25 +27,25 @@ def test_every_script_is_tested():
 @pytest.mark.parametrize("name", SAID)
 def test_script(name, tmp_path):
     script = SCRIPTS / f"{name}.py"
-    command = [sys.executable, "-m", "demlaws", "yade", "run", str(script), "--quick", "--out", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=SCRIPTS.parent)
+    command = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script), "--quick", "--out", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=6000, cwd=SCRIPTS.parent)
     assert done.returncode == 0, done.stdout + done.stderr
     assert SAID[name] in done.stdout
     assert (tmp_path / f"{name}.png").stat().st_size > 5000
     text = script.read_text()
-    assert "Shows:" in text and "Start: demlaws yade run" in text and "Takes:" in text
+    assert "Shows:" in text and "Start: demlaws yade run -x" in text and "Takes:" in text
 
 
 def test_a_failing_script_fails(tmp_path):
     script = tmp_path / "bad.py"
     script.write_text("raise ValueError('on purpose')\n")
-    command = [sys.executable, "-m", "demlaws", "yade", "run", str(script)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=SCRIPTS.parent)
+    command = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=SCRIPTS.parent)
     assert done.returncode == 1 and "on purpose" in done.stderr + done.stdout
 
 
 def test_missing_script():
     command = [sys.executable, "-m", "demlaws", "yade", "run", "nowhere.py"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, cwd=SCRIPTS.parent)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=SCRIPTS.parent)
     assert done.returncode == 2
     assert done.stderr.splitlines()[-1] == "demlaws: error: no script nowhere.py"

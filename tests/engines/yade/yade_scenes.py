@@ -67,7 +67,10 @@ class Recorder:
                 if contact.isReal:
                     phys, geom = contact.phys, contact.geom
                     force = phys.normalForce.dot(geom.normal)
-                    row = (geom.penetrationDepth, force, phys.kn, geom.refR1, geom.refR2)
+                    # the tangent that the law gave: kn may be larger, so that time steppers are safe
+                    tangent = phys.kso * max(geom.penetrationDepth, 0.0) ** 0.5 / phys.prevU[0]
+                    flat = not isinstance(omega.bodies[contact.id1].shape, yade.Sphere)
+                    row = (geom.penetrationDepth, force, tangent, np.inf if flat else geom.refR1, geom.refR2)
                     self.lives[contact.id1, contact.id2, contact.iterMadeReal].append(row)
 
     def worst(self, law="pohrt-popov", unloading="hertz", pair=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
@@ -76,7 +79,7 @@ class Recorder:
         wrong, largest, tangent, steps = 0.0, 0.0, 0.0, 0
         for rows in self.lives.values():
             overlap, force, stiffness, radius1, radius2 = np.array(rows).T
-            radius = radius1[0] * radius2[0] / (radius1[0] + radius2[0])
+            radius = 1.0 / (1.0 / radius1[0] + 1.0 / radius2[0])
             contact = dl.Contact(radius, modulus, pair.roughness, pair.fractal_dimension, pair.hardness)
             keep = overlap >= 0
             if not keep.any():

@@ -17,13 +17,15 @@ those that are meant to be native among them. It would survive `O.load` by itsel
 import ctypes
 import os
 import re
+from functools import cache
 
 import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
 
-VERSION = "2023.02a"
+TESTED = ("2023.02a", "2025.2.0", "2026.1.0")
+"""Versions on which the tests have run; the checks below decide for every other one."""
 LAW = "Law2_ScGeom_MindlinPhys_Mindlin"
 GO = f"_ZN4yade{len(LAW)}{LAW}2goERN5boost10shared_ptrINS_5IGeomEEERNS2_INS_5IPhysEEEPNS_11InteractionE"
 TABLE = f"_ZTVN4yade{len(LAW)}{LAW}E"
@@ -38,11 +40,19 @@ class BridgeUnavailable(DemlawsError):
     """An assumption of the native bridge does not hold here; nothing was patched."""
 
 
+@cache
+def _native_repr():
+    import yade
+
+    return yade.Serializable.__repr__
+
+
 def address(thing):
     """Address of the C++ object behind a YADE Python object: the wrapper shows it in its repr."""
-    match = re.search(r" instance at 0x([0-9a-fA-F]+)>", repr(thing))
+    text = _native_repr()(thing)
+    match = re.search(r" instance at 0x([0-9a-fA-F]+)>", text)
     if match is None:
-        raise BridgeUnavailable(f"no address in {thing!r}")
+        raise BridgeUnavailable(f"no address in {text}")
     return int(match.group(1), 16)
 
 
@@ -162,8 +172,7 @@ class Layout:
         import yade
         import yade.config
 
-        if yade.config.version != VERSION:
-            raise BridgeUnavailable(f"this is YADE {yade.config.version}; the bridge is made for {VERSION}")
+        self.version = yade.config.version
         if not yade.config.suffix.endswith("-double"):
             raise BridgeUnavailable(f"this YADE computes in {yade.config.suffix.strip('-')}; the bridge needs double")
         if ctypes.sizeof(ctypes.c_void_p) != 8:
@@ -185,7 +194,9 @@ class Layout:
             kernel.BODY2: self._body_number("id2"),
             kernel.MATERIAL: _find_pointer(yade.Body, "material", yade.FrictMat),
             kernel.LABEL: _find_string(yade.FrictMat, "label"),
+            kernel.SHAPE: _find_pointer(yade.Body, "shape", yade.Sphere),
         }
+        self.number_done = _find(yade.PyRunner, "nDone", ctypes.c_int64, (1122334455667788, 2233445566778899, 3344556677889900))
         if self._vector("momentTwist") != self.offsets[kernel.HISTORY] + 24:
             raise BridgeUnavailable("MindlinPhys.momentTwist does not follow momentBend")
         for name, word in (("penetrationDepth", kernel.OVERLAP), ("refR1", kernel.RADIUS1), ("refR2", kernel.RADIUS2)):
@@ -196,6 +207,9 @@ class Layout:
             (kernel.GEOMETRY, yade.ScGeom),
             (kernel.GEOMETRY_6D, yade.ScGeom6D),
             (kernel.PHYSICS, yade.MindlinPhys),
+            (kernel.FACET, yade.Facet),
+            (kernel.WALL, yade.Wall),
+            (kernel.BOX, yade.Box),
         ):
             thing = cls()  # referenced while it is read
             first = ctypes.c_uint64.from_address(_window(thing)[0]).value
@@ -251,10 +265,15 @@ class Layout:
             raise BridgeUnavailable(f"the virtual function go of {LAW} stands at {len(found)} places, not one")
         return found[0]
 
-    def is_native(self, functor):
-        """Whether the functor's `go` is YADE's own."""
-        table = ctypes.c_uint64.from_address(_window(functor)[0] + self.slot[0]).value
-        return self.table < table < self.table + 4096
+    @property
+    def untested(self):
+        """A line about a YADE on which the tests have not run, or None."""
+        if self.version in TESTED:
+            return None
+        return (
+            f"this is YADE {self.version}, on which demlaws has not been tested ({', '.join(TESTED)} are): the checks of its "
+            "memory layout have passed, and a self-test is made with each kind of law"
+        )
 
 
 _layout = None
@@ -283,10 +302,22 @@ def _entry(kind, params_kind, rule):
     return _entries[key].address
 
 
-class Attachment:
-    """A law made ready for functors: context, pair records and a patched table of virtual functions."""
+_attachments = {}  # address of a patched table of virtual functions → Attachment
 
-    def __init__(self, pairs, ratio):
+
+def acting(functor):
+    """The `Attachment` by which a functor acts, or None: what counts is where it points, not its name."""
+    offset, _, _ = layout().slot
+    return _attachments.get(ctypes.c_uint64.from_address(_window(functor)[0] + offset).value)
+
+
+class Attachment:
+    """A law made ready for functors: context, pair records and a patched table of virtual functions.
+
+    ratio: K_t/K or None; flats: 1 where a sphere on a flat has its own radius as R.
+    """
+
+    def __init__(self, pairs, ratio, flats=1):
         self.layout = layout()
         _, index, thunk = self.layout.slot
         self.pairs = pairs
@@ -302,6 +333,8 @@ class Attachment:
         self.context[kernel.RECORD_BYTES] = pairs.records.strides[0]
         self.context[kernel.RATIO] = np.float64(ratio or 0.0).view(np.int64)
         self.context[kernel.ROW_WORDS] = pairs.row_words
+        self.context[kernel.FLATS] = flats
+        self._runner = None
         self._generation = int.from_bytes(os.urandom(3), "little")
         self._renew(1 << 14)
         probe = self._native_table()
@@ -310,6 +343,12 @@ class Attachment:
         self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.rule)
         self.table[COPIED + 2] = self.context.ctypes.data
         _forever.append(self)
+        _attachments[self.table.ctypes.data + 16] = self
+
+    def watched_by(self, runner):
+        """The guard's PyRunner, which native code can have run before the next step; None: nobody watches."""
+        self._runner = runner  # referenced: native code writes into it
+        self.context[kernel.ALARM] = 0 if runner is None else address(runner) + self.layout.number_done
 
     def _renew(self, capacity):
         """A buffer for the rows of `capacity` contacts, in place of the old one, whose rows count no more."""
@@ -342,10 +381,8 @@ class Attachment:
         return _read(point - 16, 8 * (COPIED + 2), ctypes.c_int64).copy()
 
     def patch(self, functor):
-        """Make `functor` act by this law. It must be an untouched Mindlin functor, or act by it already."""
-        if self.acts_in(functor):
-            return
-        offset, _, _ = self.layout.find_slot(functor)
+        """Make `functor` act by this law. It must be an untouched Mindlin functor, or one that acts by a law of ours."""
+        offset, _, _ = self.layout.slot if acting(functor) is not None else self.layout.find_slot(functor)
         ctypes.c_uint64.from_address(address(functor) + offset).value = self.table.ctypes.data + 16
 
     def release(self, functor):
@@ -376,3 +413,19 @@ class Attachment:
         kind, first, second = (int(n) for n in self.context[kernel.FAULT_KIND : kernel.FAULT_OVERLAP])
         overlap = float(self.context[kernel.FAULT_OVERLAP : kernel.FAULT_OVERLAP + 1].view(np.float64)[0])
         return kind, first, second, overlap
+
+    def take_unlisted(self):
+        """Bodies of a contact of materials without a surface that has not been judged yet, or None; it is cleared."""
+        if not self.context[kernel.UNLISTED_SEEN]:
+            return None
+        self.context[kernel.UNLISTED_SEEN] = 0
+        return tuple(int(n) for n in self.context[kernel.UNLISTED_BODY1 : kernel.UNLISTED_BODY2 + 1])
+
+    @property
+    def unlisted_served(self):
+        """Whether materials without a surface are known to be meant smooth."""
+        return bool(self.context[kernel.UNLISTED])
+
+    @unlisted_served.setter
+    def unlisted_served(self, value):
+        self.context[kernel.UNLISTED] = int(value)

@@ -1,0 +1,262 @@
+"""A `Scene`: what a simulation's contacts go through, and contacts and loads that stand for them."""
+
+import itertools
+import math
+import os
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.advice.fit import Fit
+from demlaws.checks import number
+from demlaws.contact import Contact, Material, Surface
+from demlaws.errors import DemlawsError
+from demlaws.materials import DENSITY
+from demlaws.measure.errors import QUANTITIES, Sample
+
+ENGINES = ("python", "yade", "liggghts")
+_POINTS = 2800
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a simulation's contacts go through. SI units.
+
+    radii: radius of the grains, or the smallest and largest; materials, surfaces: one for all grains, or lists of equal
+    length, one entry a kind of grain; force: (smallest, largest) normal force that matters [N]; pressure: (smallest,
+    largest) mean stress [Pa] of a packing, from which forces follow; loads: forces [N] of an actual run; speed: fastest
+    approach [m/s]: an impact's peak force widens the range; one of force, pressure, loads, speed must be given. cyclic:
+    contacts unload and reload; quantity: what must be right, a key of `QUANTITIES`; tolerance: largest error of it;
+    engine: one of `ENGINES`; walls: grains touch flats of their own kind; yield_pressure p_y [Pa], where the bulk may
+    yield; reference, reference_options: law to hold the others against (default: the richest that the quantities given
+    determine); porosity, coordination: of the packing, for pressure and time step; classes: radii [m] of grains that come
+    in a few sizes, such as LIGGGHTS's particle types, in place of `radii`.
+    """
+
+    radii: float | tuple = ()
+    materials: Material | tuple = ()
+    surfaces: Surface | tuple = field(default_factory=Surface)
+    force: tuple | None = None
+    pressure: tuple | None = None
+    loads: np.ndarray | None = None
+    speed: float = 0.0
+    cyclic: bool = False
+    quantity: str = "force"
+    tolerance: float = 0.05
+    engine: str = "python"
+    walls: bool = False
+    yield_pressure: float | None = None
+    reference: str | None = None
+    reference_options: dict = field(default_factory=dict)
+    porosity: float = 0.4
+    coordination: float = 6.0
+    classes: tuple = ()
+    name: str = ""
+
+    def __post_init__(self):
+        classes = tuple(sorted({number(r, "classes", "m") for r in np.ravel(self.classes)}))
+        object.__setattr__(self, "classes", classes)
+        radii = classes or tuple(number(r, "radii", "m") for r in np.ravel(self.radii))
+        if not radii:
+            raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
+        object.__setattr__(self, "radii", (min(radii), max(radii)))
+        materials = (self.materials,) if isinstance(self.materials, Material) else tuple(self.materials)
+        surfaces = (self.surfaces,) if isinstance(self.surfaces, Surface) else tuple(self.surfaces)
+        kinds = max(len(materials), len(surfaces))
+        if {len(materials), len(surfaces)} - {1, kinds} or not kinds:
+            raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one a kind of grain")
+        object.__setattr__(self, "materials", materials * (kinds // len(materials)))
+        object.__setattr__(self, "surfaces", surfaces * (kinds // len(surfaces)))
+        for label, unit in (("force", "N"), ("pressure", "Pa")):
+            if getattr(self, label) is not None:
+                object.__setattr__(self, label, _range(getattr(self, label), label, unit))
+        if self.loads is not None:
+            loads = np.asarray(self.loads, float).ravel()
+            loads = loads[loads > 0.0]
+            if not loads.size or not np.all(np.isfinite(loads)):
+                raise DemlawsError("loads must be finite forces in N, some above 0")
+            object.__setattr__(self, "loads", loads)
+        number(self.speed, "speed", "m/s", allow_low=True)
+        if self.force is None and self.pressure is None and self.loads is None and not self.speed:
+            raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, loads, or speed in m/s")
+        number(self.tolerance, "tolerance", "", 0.0, 1.0)
+        number(self.porosity, "porosity", "", 0.0, 0.95)
+        number(self.coordination, "coordination", "", 0.0, 20.0)
+        if self.yield_pressure is not None:
+            number(self.yield_pressure, "yield_pressure", "Pa")
+        for label, known in (("quantity", QUANTITIES), ("engine", ENGINES)):
+            if getattr(self, label) not in known:
+                raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(known)}")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> "Scene":
+        """A scene from a TOML file; its keys are the fields, see the examples of `demlaws choose --help`."""
+        return _from_toml(Path(path))
+
+    def with_fit(self, fit: Fit) -> "Scene":
+        """This scene with the surface, the modulus and the law that `demlaws.fit` found for its contacts."""
+        contact = fit.contact
+        poisson = self.materials[0].poisson
+        material = replace(self.materials[0], young=2.0 * contact.modulus * (1.0 - poisson**2), hardness=contact.hardness)
+        surface = Surface(contact.roughness / math.sqrt(2.0), contact.fractal_dimension, contact.hardness)
+        changes = {"materials": material, "surfaces": surface, "reference": fit.name, "reference_options": fit.law.options}
+        return replace(self, **changes, yield_pressure=fit.law.options.get("yield_pressure"))
+
+    @property
+    def unloads(self) -> bool:
+        """Whether unloading matters."""
+        return self.cyclic or self.quantity == "restitution"
+
+    def contacts(self, radius: float | np.ndarray) -> list[Contact]:
+        """One Contact a pair of kinds of grain, all of effective radius `radius` [m] (a number or an array)."""
+        kinds = list(zip(self.materials, self.surfaces, strict=True))
+        pairs = []
+        for (m1, s1), (m2, s2) in itertools.combinations_with_replacement(kinds, 2):
+            joined = s1.combined(s2)
+            hardness = [h for h in (m1.hardness, m2.hardness, joined.hardness) if h is not None]
+            pairs.append(
+                Contact(
+                    radius,
+                    1.0 / (1.0 / m1.plane_modulus + 1.0 / m2.plane_modulus),
+                    joined.roughness,
+                    joined.fractal_dimension,
+                    min(hardness) if hardness else None,
+                )
+            )
+        return pairs
+
+    def effective_radii(self) -> tuple:
+        """Smallest and largest effective radius [m]."""
+        return 0.5 * self.radii[0], self.radii[1] if self.walls else 0.5 * self.radii[1]
+
+    def pair_radii(self) -> list[float]:
+        """Every effective radius [m] that grains of `classes` can have."""
+        pairs = [a * b / (a + b) for a, b in itertools.combinations_with_replacement(self.classes, 2)]
+        return sorted({*pairs, *(self.classes if self.walls else ())})
+
+    def kinds(self) -> list[tuple[int, int]]:
+        """Pairs of numbers of kinds of grain, in the order of `contacts`."""
+        return list(itertools.combinations_with_replacement(range(len(self.materials)), 2))
+
+    def grains(self) -> list:
+        """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
+        from demlaws.liggghts.export import Grain
+
+        sizes = self.classes or tuple(dict.fromkeys(self.radii))
+        return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]
+
+    def mass(self, radius: float | np.ndarray) -> float | np.ndarray:
+        """Mass [kg] of the lightest kind of grain whose contact with its like has effective radius `radius` [m]."""
+        density = min(DENSITY if m.density is None else m.density for m in self.materials)
+        return density * 4.0 / 3.0 * math.pi * (2.0 * np.asarray(radius)) ** 3
+
+    def mean_force(self, pressure: float, radius: float | np.ndarray) -> float | np.ndarray:
+        """Mean normal force [N] of a packing of grains of one size: p π d²/((1 - porosity) Z) (Rothenburg & Bathurst 1989)."""
+        return math.pi * (4.0 * np.asarray(radius)) ** 2 * pressure / ((1.0 - self.porosity) * self.coordination)
+
+    def force_range(self, contact: Contact) -> tuple:
+        """Smallest and largest normal force [N] that matter, one a contact."""
+        ranges = []
+        one = np.ones(np.shape(contact.radius))
+        if self.force is not None:
+            ranges.append((self.force[0] * one, self.force[1] * one))
+        if self.loads is not None:
+            ranges.append((self.loads.min() * one, self.loads.max() * one))
+        if self.pressure is not None:  # forces of a packing: an exponential tail to some 6 means, few below 0.05
+            low, high = (self.mean_force(p, contact.radius) for p in self.pressure)
+            ranges.append((0.05 * low, 6.0 * high))
+        if self.speed:
+            # Hertz impact of two grains: (5/4 m v²)^(3/5) k^(2/5) with m the reduced mass
+            mass = 0.5 * self.mass(contact.radius)
+            peak = (1.25 * mass * self.speed**2) ** 0.6 * (4 / 3 * contact.modulus * np.sqrt(contact.radius)) ** 0.4
+            ranges.append((1e-3 * peak if not ranges else peak, peak))
+        return np.min([r[0] for r in ranges], axis=0), np.max([r[1] for r in ranges], axis=0)
+
+
+def _range(value, label, unit):
+    pair = [number(v, label, unit) for v in np.ravel(value)]
+    if len(pair) == 1:
+        pair = [0.01 * pair[0], pair[0]]
+    if len(pair) != 2 or pair[0] > pair[1]:
+        raise DemlawsError(f"{label} = {value!r}: give the smallest and the largest in {unit}")
+    return tuple(pair)
+
+
+def _from_toml(path):
+    try:
+        import tomllib
+    except ImportError:
+        try:
+            import tomli as tomllib
+        except ImportError as error:
+            raise DemlawsError("scene files need Python 3.11 or 'pip install tomli'") from error
+    try:
+        text = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise DemlawsError(f"cannot read scene {path}: {error.strerror or error}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise DemlawsError(f"{path}: {error}") from error
+    measured = text.pop("measured", None)
+    values = {}
+    try:
+        for key, kind in (("material", Material), ("surface", Surface)):
+            given = text.pop(f"{key}s", text.pop(key, None))
+            if given is not None:
+                values[f"{key}s"] = [kind(**entry) for entry in ([given] if isinstance(given, dict) else given)]
+        reference = text.pop("reference", None)
+        if isinstance(reference, dict):
+            values["reference"] = reference.pop("law", None)
+            values["reference_options"] = reference
+        elif reference is not None:
+            values["reference"] = reference
+        scene = Scene(**values, **text)
+    except TypeError as error:
+        names = ", ".join(f for f in Scene.__dataclass_fields__)
+        raise DemlawsError(f"{path}: {str(error).split(') ')[-1]}; a scene's keys are {names}") from None
+    if measured is not None:
+        scene = scene.with_fit(_fit_measured(scene, measured, path))
+    return scene
+
+
+def _fit_measured(scene, measured, path):
+    from demlaws.advice.fit import fit
+    from demlaws.granite import read_points
+
+    unknown = set(measured) - {"points", "radius", "laws", "free", "unloading"}
+    if unknown or "points" not in measured or "radius" not in measured:
+        raise DemlawsError(
+            f"{path}: [measured] needs points (a CSV file) and radius (effective, m); may have laws, free, unloading"
+        )
+    points = read_points(path.parent / measured["points"])
+    contact = scene.contacts(number(measured["radius"], "radius", "m"))[0]
+    return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
+
+
+def samples(scene, points=_POINTS, random=None):
+    """One Sample a pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
+    result = []
+    # of sizes that come in classes each pair has a sample, so that each may have a table
+    spans = [(r, r) for r in scene.pair_radii()] or [scene.effective_radii()]
+    for pair, (low, high) in itertools.product(scene.contacts(spans[0][0]), spans):
+        sizes = 1 if low == high else 7
+        if random is None:
+            radius = np.repeat(np.geomspace(low, high, sizes), points // sizes)
+            share = np.tile(np.linspace(0.0, 1.0, points // sizes), sizes)
+        else:
+            radius = np.exp(random.uniform(math.log(low), math.log(high), points))
+            share = random.uniform(0.0, 1.0, points)
+        contact = pair.with_values(radius=radius)
+        smallest, largest = scene.force_range(contact)
+        peak = smallest * (largest / smallest) ** share
+        if scene.pressure is not None:  # exponential distribution of forces about the mean, over logarithmic steps
+            mean = scene.mean_force(math.sqrt(scene.pressure[0] * scene.pressure[1]), radius)
+            weight = peak / mean * np.exp(-peak / mean)
+        elif scene.loads is not None:
+            edges = np.geomspace(scene.loads.min() * 0.999, scene.loads.max() * 1.001, 30)
+            counts = np.histogram(scene.loads, edges)[0].astype(float)
+            weight = counts[np.clip(np.searchsorted(edges, peak) - 1, 0, counts.size - 1)]
+        else:
+            weight = np.ones(peak.size)
+        result.append(Sample(contact, peak, weight / weight.sum()))
+    return result

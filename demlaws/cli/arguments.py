@@ -1,0 +1,60 @@
+"""Kinds of argument that several commands share: quantities with units, whole numbers, names of laws."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from demlaws.errors import DemlawsError
+
+
+def _quantity(unit, kind):
+    def convert(text):
+        from demlaws.checks import quantity
+
+        try:
+            return quantity(text, kind, unit)
+        except DemlawsError as error:
+            raise argparse.ArgumentTypeError(str(error)) from None
+
+    return convert
+
+
+length = _quantity("m", "a length")
+pressure = _quantity("Pa", "a pressure")
+force = _quantity("N", "a force")
+speed = _quantity("m/s", "a speed")
+density = _quantity("kg/m³", "a density")
+compliance = _quantity("m/N", "a compliance")
+plain = _quantity("", "this")
+
+
+def whole(low=1, high=10_000_000):
+    """A whole number from `low` to `high`; 1e5 is one, too."""
+
+    def convert(text):
+        from demlaws import checks
+
+        try:
+            return checks.whole(checks.quantity(text, "this"), "this", low, high)
+        except DemlawsError as error:
+            raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
+
+    return convert
+
+
+def law_name(text):
+    """Name of a law; "?" prints all of them."""
+    if text == "?":
+        from demlaws.cli.laws import print_laws
+
+        print_laws()
+        sys.exit(0)
+    return text
+
+
+def output(text):
+    """A file to write: no folder."""
+    path = Path(text)
+    if not path.name or path.is_dir():
+        raise argparse.ArgumentTypeError(f"{text!r} is a folder: name a file in it")
+    return path

@@ -1,0 +1,40 @@
+"""`demlaws laws`: the laws, and the options of each."""
+
+from demlaws.cli import example
+
+
+def register(subparsers):
+    parser = subparsers.add_parser(
+        "laws",
+        description="Lists the laws of first loading, or one law's equation, source, what of the contact it needs, its options "
+        "(for --option NAME=VALUE and dl.law(..., name=value)) and the unloading rules.",
+        **example("  demlaws laws\n  demlaws laws rough-plastic"),
+    )
+    parser.add_argument("name", nargs="?", help="name of a law (default: list all)")
+    parser.set_defaults(func=run)
+
+
+def print_laws():
+    from demlaws.laws.registry import registry
+
+    for name, definition in registry().items():
+        print(f"{name:16} {definition.description}")
+
+
+def run(arguments):
+    from demlaws.core.unloading import RULES
+    from demlaws.laws.registry import find
+
+    if arguments.name is None:
+        print_laws()
+        print(f"unloading: {', '.join(RULES)}; options of a law: demlaws laws NAME")
+        return
+    definition = find(arguments.name)
+    print(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
+    print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needs))}")
+    lines = list(definition.option_lines())
+    print("  no options" if not lines else "  options:")
+    for line in lines:
+        print(f"    {line}")
+    if definition.unloading:
+        print(f"  unloading: {', '.join(RULES)} (those that are passive with it)")

@@ -1,0 +1,29 @@
+"""Word of a compilation that takes longer than a second. Who wants it told (the command line does) sets `say`."""
+
+import threading
+
+say = None
+"""Called without arguments, once in a process; None: nobody wants to know."""
+_timers = []
+
+
+def _tell():
+    global say
+    told, say = say, None
+    if told is not None:
+        told()
+
+
+def begin():
+    """Machine code of a loop was not found: its compilation begins."""
+    if say is not None:
+        timer = threading.Timer(1.0, _tell)
+        timer.daemon = True
+        timer.start()
+        _timers.append(timer)
+
+
+def end():
+    """The compilation that began last has ended."""
+    if _timers:
+        _timers.pop().cancel()

@@ -1,0 +1,64 @@
+// The words of a pair_style or wall/gran line that the stock Settings do not know.
+#ifndef DEMLAWS_ARGUMENTS_H
+#define DEMLAWS_ARGUMENTS_H
+#include <cstdlib>
+#include "instance.h"
+
+namespace demlaws {
+
+// Takes 'table FILE' and 'pairtable I J FILE' out of the arguments, for as long as it lives.
+class Arguments {
+public:
+  Arguments(LAMMPS *lmp, int &count, char **&arguments) : lmp_(lmp), instance_(Instance::of(lmp)) {
+    Line &line = instance_->line;
+    line = Line();
+    for (int i = 0; i < count; i++) {
+      const std::string word = arguments[i];
+      if (word == "table") {
+        if (i + 1 >= count) refuse("'table' needs a file name");
+        add(Types(0, 0), arguments[++i]);
+      } else if (word == "pairtable") {
+        if (i + 3 >= count) refuse("'pairtable' needs two types and a file name");
+        add(types_of(type(arguments[i + 1]), type(arguments[i + 2])), arguments[i + 3]);
+        i += 3;
+      } else {
+        static const char *const early[] = {"primitive", "mesh", "tangential", "rolling_friction", "cohesion", "surface"};
+        for (const char *other : early)
+          if (word == other)
+            refuse("'" + word + "' stands too late: the words of demlaws/table (table, pairtable, settings) come last, behind " +
+                   "'tangential ...', 'rolling_friction ...' and, at a wall, 'primitive ...' or 'mesh ...'");
+        line.given.insert(word);
+        kept_.push_back(arguments[i]);
+      }
+    }
+    count = (int)kept_.size();
+    kept_.push_back(NULL);
+    arguments = &kept_[0];
+  }
+  ~Arguments() { instance_->line = Line(); }
+
+private:
+  void refuse(const std::string &what) const { lmp_->error->all(FLERR, ("model demlaws/table: " + what).c_str()); }
+  void add(const Types &types, const std::string &file) {
+    const std::pair<Files::iterator, bool> put = instance_->line.files.insert(std::make_pair(types, file));
+    if (put.second || put.first->second == file) return;
+    std::ostringstream what;
+    if (types.first) what << "'pairtable' gives types " << types.first << " and " << types.second;
+    else what << "'table' gives all other pairs";
+    what << " two tables, " << put.first->second << " and " << file << ": leave one (a pair has one law, seen from either side)";
+    refuse(what.str());
+  }
+  int type(const char *text) const {
+    char *end;
+    const long value = strtol(text, &end, 10);
+    if (*end || value < 1 || value > lmp_->atom->ntypes)
+      refuse(std::string("'pairtable' names type ") + text + ", which the simulation box does not have");
+    return (int)value;
+  }
+  LAMMPS *const lmp_;
+  const std::shared_ptr<Instance> instance_;
+  std::vector<char *> kept_;
+};
+
+} // namespace demlaws
+#endif

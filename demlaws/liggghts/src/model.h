@@ -1,0 +1,93 @@
+// The contact model that the pair loop and the walls are made from.
+#ifndef DEMLAWS_MODEL_H
+#define DEMLAWS_MODEL_H
+#include "stock.h"
+#include "contact_models.h"
+#include "normal_model_demlaws.h"
+
+namespace demlaws {
+using namespace LAMMPS_NS;
+using namespace LIGGGHTS;
+using namespace LIGGGHTS::ContactModels;
+
+// The sub-models of one contact, composed when compiled, as the stock ContactModel is; cohesion is off.
+template <int TANGENTIAL, int ROLLING> class Model : public ContactModelBase {
+public:
+  SurfaceModel<SURFACE_DEFAULT> surface;
+  NormalModel<DEMLAWS_TABLE> normal;
+  TangentialModel<TANGENTIAL> tangential;
+  RollingModel<ROLLING> rolling;
+
+  // the order of the members is the order in which they claim history
+  Model(LAMMPS *lmp, IContactHistorySetup *setup, bool wall, const int64_t)
+      : ContactModelBase(lmp, wall), surface(lmp, setup, this), normal(lmp, setup, this), tangential(lmp, setup, this),
+        rolling(lmp, setup, this) {}
+  int64_t hashcode() { return Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, COHESION_OFF, ROLLING, SURFACE_DEFAULT); }
+  void registerSettings(Settings &s) {
+    surface.registerSettings(s);
+    normal.registerSettings(s);
+    tangential.registerSettings(s);
+    rolling.registerSettings(s);
+  }
+  void postSettings(IContactHistorySetup *h) {
+    surface.postSettings(h, this);
+    tangential.postSettings(h, this);
+    rolling.postSettings(h, this);
+    normal.postSettings(h, this);
+  }
+  void connectToProperties(PropertyRegistry &p) {
+    surface.connectToProperties(p);
+    normal.connectToProperties(p);
+    tangential.connectToProperties(p);
+    rolling.connectToProperties(p);
+  }
+  void beginPass(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    surface.beginPass(d, i, j);
+    normal.beginPass(d, i, j);
+    tangential.beginPass(d, i, j);
+    rolling.beginPass(d, i, j);
+  }
+  void endPass(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    rolling.endPass(d, i, j);
+    tangential.endPass(d, i, j);
+    normal.endPass(d, i, j);
+    surface.endPass(d, i, j);
+  }
+  double stressStrainExponent() { return normal.stressStrainExponent(); }
+  void tally_pp(double value, int i, int j, int index) { surface.tally_pp(value, i, j, index); }
+  void tally_pw(double value, int i, int j, int index) { surface.tally_pw(value, i, j, index); }
+  bool checkSurfaceIntersect(SurfacesIntersectData &d) { return surface.checkSurfaceIntersect(d); }
+  inline void surfacesIntersect(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    surface.surfacesIntersect(d, i, j);
+    normal.surfacesIntersect(d, i, j);
+    tangential.surfacesIntersect(d, i, j);
+    rolling.surfacesIntersect(d, i, j);
+  }
+  inline void pairsIntersect(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+    surface.surfacesIntersect(d, i, j);
+    normal.template touch<false>(d, i, j);
+    tangential.surfacesIntersect(d, i, j);
+    rolling.surfacesIntersect(d, i, j);
+  }
+  void endSurfacesIntersect(SurfacesIntersectData &d, class TriMesh *mesh, ForceData &i, ForceData &) {
+    surface.endSurfacesIntersect(d, mesh, i.delta_F);
+  }
+  inline void surfacesClose(SurfacesCloseData &d, ForceData &i, ForceData &j) {
+    surface.surfacesClose(d, i, j);
+    normal.surfacesClose(d, i, j);
+    tangential.surfacesClose(d, i, j);
+    rolling.surfacesClose(d, i, j);
+  }
+  bool contact_match(const std::string kind, const std::string name) {
+    Factory &known = Factory::instance();
+    if (kind == "surface") return known.getSurfaceModelId(name) == SURFACE_DEFAULT;
+    if (kind == "normal") return known.getNormalModelId(name) == DEMLAWS_TABLE;
+    if (kind == "cohesion") return known.getCohesionModelId(name) == COHESION_OFF;
+    if (kind == "tangential") return known.getTangentialModelId(name) == TANGENTIAL;
+    if (kind == "rolling_friction") return known.getRollingModelId(name) == ROLLING;
+    return false;
+  }
+};
+
+} // namespace demlaws
+#endif

@@ -1,0 +1,146 @@
+"""How far a law is from a reference on the same contacts and loads: force, stiffness, overlap, energy, restitution."""
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.loops import energies_loop, energy_loop, evaluate_loop, unloaded_loop
+from demlaws.core.unloading import Elastic
+from demlaws.errors import ValidityWarning
+
+QUANTITIES = {
+    "force": "force at equal overlap, over the contact's largest force so far",
+    "stiffness": "tangent stiffness at equal force, relative",
+    "overlap": "overlap at equal force, over the overlap at the largest force so far",
+    "energy": "work of loading to equal force and what a cycle dissipates, over the work of loading",
+    "restitution": "restitution coefficient at equal energy of impact, absolute",
+}
+FRACTIONS = (0.01, 0.1, 0.3, 0.6, 0.9, 0.99)
+"""Forces of unloading, over the largest force so far, at which cyclic scenes are compared."""
+
+
+class Sample(NamedTuple):
+    """Contacts of a scene, each with the largest force that it has carried."""
+
+    contact: Contact
+    peak: np.ndarray  # [N]
+    weight: np.ndarray  # share of the load distribution
+
+
+class Loaded:
+    """A law on a sample, loaded to the peak forces."""
+
+    def __init__(self, law, sample, storage=np.float64):
+        self.law, self.sample, self.storage = law, sample, storage
+        self.top = self.overlap_of(sample.peak)
+
+    def overlap_of(self, force):
+        return np.atleast_1d(self.law.overlap(force)).astype(self.storage)
+
+    def state_at(self, top):
+        state = self.law.new_state(top.size, self.storage)
+        force, stiffness = self.law.evaluate(top.astype(self.storage), state)
+        return state, np.asarray(force, float), np.asarray(stiffness, float)
+
+    def unloaded(self, state, force):
+        """Overlap at `force` after the peak."""
+        overlap = np.empty(np.size(force))
+        unloaded_loop(self.law.rule, self.law.params, force, state.arrays, overlap)
+        return overlap if self.law.state_size else overlap.astype(self.storage)
+
+    def again(self, overlap, state):
+        """Force and stiffness at `overlap` after the peak."""
+        force, stiffness = self.law.evaluate(np.asarray(overlap).astype(self.storage), state.copy())
+        return np.asarray(force, float), np.asarray(stiffness, float)
+
+    def energies(self, top):
+        """Work of loading to `top`, and the part that unloading does not return."""
+        work = np.asarray(self.law.energy(np.asarray(top, float)), float)
+        state, _, _ = self.state_at(top)
+        stored, dissipated = np.empty(work.size), np.empty(work.size)
+        energies_loop(self.law.rule, self.law.params, np.asarray(top, float), state.arrays, stored, dissipated)
+        return work, dissipated
+
+    def overlap_of_work(self, work):
+        """Overlap at which loading has taken `work`; not a number where the law ends before.
+
+        Newton's method for ln W over ln δ, nearly a straight line in every law.
+        """
+        params = self.law.params
+        overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
+        found, force, stiffness = (np.empty(work.size) for _ in range(3))
+        for _ in range(60):
+            energy_loop(params, overlap, found)
+            evaluate_loop(Elastic(), params, overlap, (), force, stiffness)
+            step = np.log(work / found) * found / (force * overlap)
+            step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
+            overlap *= np.exp(step)
+            if np.all(np.abs(step) < 1e-13):
+                break
+        return np.where(np.abs(step) < 1e-9, overlap, np.nan)
+
+
+def error_of(law, reference, sample, quantity, unloads, storage=np.float64):
+    """Error of `law` against `reference` for each contact of `sample`, as `QUANTITIES` define it."""
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ValidityWarning)
+        exact, given = Loaded(reference, sample), Loaded(law, sample, storage)
+        return _MEASURES[quantity](exact, given, sample, unloads)
+
+
+def _force_error(exact, given, sample, unloads):
+    state, _, _ = exact.state_at(exact.top)
+    other, force, _ = given.state_at(exact.top)
+    worst = np.abs(force - sample.peak) / sample.peak
+    for fraction in FRACTIONS if unloads else ():
+        overlap = exact.unloaded(state, fraction * sample.peak)
+        true, _ = exact.again(overlap, state)  # below a seating load no overlap carries that force
+        force, _ = given.again(overlap, other)
+        worst = np.maximum(worst, np.abs(force - true) / sample.peak)
+    return worst
+
+
+def _stiffness_error(exact, given, sample, unloads):
+    state, _, stiffness = exact.state_at(exact.top)
+    other, _, found = given.state_at(given.top)
+    worst = np.abs(found / stiffness - 1.0)
+    for fraction in FRACTIONS if unloads else ():
+        force = fraction * sample.peak
+        stiffness = exact.again(exact.unloaded(state, force), state)[1]
+        found = given.again(given.unloaded(other, force), other)[1]
+        worst = np.maximum(worst, np.where(stiffness > 0.0, np.abs(found / stiffness - 1.0), 0.0))
+    return worst
+
+
+def _overlap_error(exact, given, sample, unloads):
+    state, _, _ = exact.state_at(exact.top)
+    other, _, _ = given.state_at(given.top)
+    worst = np.abs(given.top / exact.top - 1.0)
+    for fraction in (0.0, *FRACTIONS) if unloads else ():
+        force = fraction * sample.peak
+        worst = np.maximum(worst, np.abs(given.unloaded(other, force) - exact.unloaded(state, force)) / exact.top)
+    return worst
+
+
+def _energy_error(exact, given, sample, unloads):
+    work, lost = exact.energies(exact.top)
+    found, found_lost = given.energies(given.top)
+    worst = np.abs(found / work - 1.0)
+    return np.maximum(worst, np.abs(found_lost - lost) / work) if unloads else worst
+
+
+def _restitution_error(exact, given, sample, unloads):
+    work, lost = exact.energies(exact.top)
+    found, found_lost = given.energies(given.overlap_of_work(work))
+    return np.abs(np.sqrt(np.maximum(1.0 - found_lost / found, 0.0)) - np.sqrt(np.maximum(1.0 - lost / work, 0.0)))
+
+
+_MEASURES = {
+    "force": _force_error,
+    "stiffness": _stiffness_error,
+    "overlap": _overlap_error,
+    "energy": _energy_error,
+    "restitution": _restitution_error,
+}

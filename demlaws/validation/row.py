@@ -1,0 +1,75 @@
+"""One row of the report: a number that somebody else wrote, and ours."""
+
+import math
+from typing import NamedTuple
+
+
+class Row(NamedTuple):
+    """A found value passes from `low` to `high`; `found` is NaN where the row could not be run, and `note` says why."""
+
+    what: str
+    where: str  # "Python" or the engine
+    expected: str  # as printed
+    low: float
+    high: float
+    found: float
+    source: str  # key of SOURCES
+    unit: str = ""
+    note: str = ""
+
+    @property
+    def verdict(self):
+        if math.isnan(self.found):
+            return "not run"
+        return "pass" if self.low <= self.found <= self.high else "FAIL"
+
+
+def near(what, where, expected, found, tolerance, source, unit="", note=""):
+    """A row that passes within a relative `tolerance` of `expected`."""
+    width = abs(expected) * tolerance
+    return Row(
+        what, where, f"{expected:.7g} ± {tolerance:g}", expected - width, expected + width, float(found), source, unit, note
+    )
+
+
+def between(what, where, low, high, found, source, unit="", note=""):
+    """A row that passes from `low` to `high`."""
+    return Row(what, where, f"{low:g} to {high:g}", low, high, float(found), source, unit, note)
+
+
+def missing(what, where, expected, source, why):
+    """A row that could not be run."""
+    return Row(what, where, expected, math.nan, math.nan, math.nan, source, "", why)
+
+
+class Source(NamedTuple):
+    """Who wrote the answer, and under what terms it may stand here."""
+
+    text: str
+    licence: str
+
+
+FACTS = "numbers and formulas quoted as facts"
+SOURCES = {
+    "chung-ooi": Source("Chung & Ooi 2011, Granular Matter 13, 643: tests 1 and 2 (10.1007/s10035-011-0277-0)", FACTS),
+    "lammps": Source(
+        "LAMMPS 4Jul2026, unittest/granular: dem02-hertz-peak-3d-si, dem03-hertz-peak-wall-3d-si", "GPL-2.0: numbers quoted"
+    ),
+    "thornton": Source("Thornton & Ning 1998, Powder Technology 99, 154 (10.1016/S0032-5910(98)00099-0)", FACTS),
+    "duffy-mindlin": Source("Duffy & Mindlin 1957, J. Appl. Mech. 24, 585; Walton 1987, J. Mech. Phys. Solids 35, 213", FACTS),
+    "gt-code": Source(
+        "V. A. Yastrebov, Greenwood-Tripp-Model, run with 400 rings and Newton's method (github.com/vyastreb)",
+        "BSD-3-Clause: results quoted",
+    ),
+    "gt-paper": Source("Greenwood & Tripp 1967, J. Appl. Mech. 34, 153, solved by an independent program", FACTS),
+    "yv-paper": Source("Yip & Venart 1971, J. Phys. D 4, 1470, solved by an independent program", FACTS),
+    "jamari": Source("Jamari & Schipper 2006, Wear 262, 138: p(0)/p0 at α = 0.09 in the text, read from its Fig. 1", FACTS),
+    "granite": Source(
+        "Altuhafi, Baudet & Coop 2023: equations and inputs of its tests, computed by an independent program", FACTS
+    ),
+    "sneddon": Source("Sneddon 1965, Int. J. Eng. Sci. 3, 47: rigid cone; Johnson 1985, ch. 5", FACTS),
+    "jackson-green": Source("Jackson & Green 2005, J. Tribol. 127, 343 (10.1115/1.1866166): finite elements", FACTS),
+    "kogut-etsion": Source("Kogut & Etsion 2002, J. Appl. Mech. 69, 657 (10.1115/1.1490373): finite elements", FACTS),
+    "bem": Source("ContactMechanics (L. Pastewka and others), elastic boundary elements", "MIT: results computed with it"),
+    "sands": Source("small-strain stiffness of sands ∝ pressure^0.5: Hardin & Richart 1963, J. Soil Mech. 89, 33", FACTS),
+}

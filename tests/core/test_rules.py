@@ -1,0 +1,104 @@
+"""One record a rule: the kernels are bound to its tag, and the C++ header and the plugins say the same of it."""
+
+import re
+import subprocess
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, quiet
+
+import demlaws as dl
+from demlaws.core import dispatch
+from demlaws.core.loops import energies_loop, unloaded_loop
+from demlaws.core.unloading import GIVEN, RULES, rule_of
+
+PACKAGE = Path(dl.__file__).parent
+IN_CPP = [rule for rule in RULES.values() if rule.number is not None]
+
+
+def test_records_agree_with_one_another():
+    assert [name for name in RULES] == [rule.name for rule in RULES.values()]
+    assert len({type(rule.tag) for rule in RULES.values()}) == len(RULES)
+    assert all(rule_of(type(rule.tag)) is rule for rule in RULES.values())
+    assert {rule.name for rule in RULES.values() if rule.curve == "given"} == {GIVEN}
+    for rule in RULES.values():
+        assert bool(rule.state) == (rule.curve != "own")
+        assert make("pohrt-popov", rule.name).state_names == rule.state
+
+
+@pytest.fixture(scope="module")
+def header(tmp_path_factory):
+    """What demlaws_table.h says of each rule, from a program: name, state size, whether the name gives the number back."""
+    folder = tmp_path_factory.mktemp("rules")
+    (folder / "rules.cpp").write_text(
+        """
+        #include <cstdio>
+        #include "demlaws_table.h"
+        int main() {
+          for (int n = 0; n < COUNT; n++) {
+            const demlaws::Unloading rule = static_cast<demlaws::Unloading>(n);
+            demlaws::Unloading back = static_cast<demlaws::Unloading>(-1);
+            const bool known = demlaws::unloading_from_name(demlaws::unloading_name(rule), back);
+            std::printf("%s %d %d\\n", demlaws::unloading_name(rule), demlaws::state_size(rule), known ? back : -1);
+          }
+          demlaws::State state;
+          const double *const values = &state.maximum_overlap;
+          std::printf("%d %d\\n", int(&state.plastic_overlap - values), int(&state.radius_ratio - values));
+        }
+        """.replace("COUNT", str(len(IN_CPP)))
+    )
+    command = ["g++", "-std=c++11", "-I", str(PACKAGE / "cpp"), "rules.cpp", "-o", "rules"]
+    subprocess.run(command, cwd=folder, check=True)
+    return subprocess.run([folder / "rules"], capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+def test_the_header_has_the_same_rules(header):
+    for rule in IN_CPP:
+        assert header[rule.number] == f"{rule.name} {len(rule.state)} {rule.number}"
+    assert sorted(rule.number for rule in IN_CPP) == list(range(len(IN_CPP)))
+    longest = max((rule.state for rule in IN_CPP), key=len)
+    assert header[-1] == f"{longest.index('plastic_overlap')} {longest.index('radius_ratio')}"
+
+
+def test_histories_of_liggghts_are_the_state_in_its_order():
+    sources = "".join(path.read_text() for path in sorted((PACKAGE / "liggghts" / "src").glob("*.h")))
+    listed = re.search(r"\[MOST_STATE\] = \{([^}]*)\}", sources).group(1)
+    words = [re.sub(r"[A-Z]", lambda m: "_" + m.group().lower(), name) for name in re.findall(r'"demlaws_(\w+)"', listed)]
+    for rule in IN_CPP:
+        assert tuple(words[: len(rule.state)]) == rule.state
+
+
+class Unbound(NamedTuple):
+    value: float
+
+
+def test_an_unknown_kernel_is_refused():
+    with pytest.raises(TypeError, match=r"Unbound: no generic function is called virign; there are energy, .*virgin"):
+        dispatch.bind(Unbound, virign=lambda p, overlap: overlap)
+    with pytest.raises(TypeError, match="another law has a type of this name"):
+        dispatch.bind(type("HertzParams", (tuple,), {}), virgin=lambda p, overlap: overlap)
+
+
+@pytest.mark.parametrize("unloading", RULES)
+def test_batches_unload_and_balance_as_one_contact_does(unloading):
+    """`unloaded_loop` and `energies_loop` over contacts that differ, against the driver's path of each."""
+    law = make("pohrt-popov", unloading)
+    many = GRANITE.with_values(radius=GRANITE.radius * np.linspace(0.7, 1.4, 9))
+    curve = (
+        None if law.unloading_law is None else law.unloading_law.bound_to(many.with_values(roughness=0.25 * GRANITE.roughness))
+    )
+    batch = dl.law("pohrt-popov", many, curve or unloading)
+    top = quiet(batch.overlap, 60.0)
+    state = batch.new_state(9)
+    batch.evaluate(top, state)
+    overlap, stored, dissipated = np.empty(9), np.empty(9), np.empty(9)
+    unloaded_loop(batch.rule, batch.params, np.full(9, 12.0), state.arrays, overlap)
+    assert batch.evaluate(overlap, state.copy())[0] == pytest.approx(12.0, rel=1e-9)
+    energies_loop(batch.rule, batch.params, overlap, state.arrays, stored, dissipated)
+    for i in (0, 8):
+        alone = many.with_values(radius=float(many.radius[i]))
+        own = None if curve is None else law.unloading_law.bound_to(alone.with_values(roughness=0.25 * GRANITE.roughness))
+        path = dl.law("pohrt-popov", alone, own or unloading).follow(np.array([top[i], overlap[i]]))
+        assert (stored[i], dissipated[i]) == pytest.approx((path.stored[1], path.dissipated[1]), rel=1e-10, abs=1e-20)

@@ -1,0 +1,53 @@
+"""Batches are vectorised: a loop that stops being so costs several times more. Told by the compiled code, not by time."""
+
+import re
+
+import numba
+import numpy as np
+import pytest
+from examples import GRANITE, make, pairs
+
+import demlaws as dl
+from demlaws.core import loops
+from demlaws.laws.registry import registry
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+# the last rule that each law takes is the one that does most; the rest of the product is for `make test-all`
+PAIRS = [pair for pair in pairs(with_curves=()) if not registry()[pair[0]].implicit]
+LAST = {name: unloading for name, unloading in PAIRS}
+
+
+OVERLAP = np.linspace(1e-7, 1e-5, 64)
+OPTIONS = {name: value for name, value in loops.evaluate_loop.targetoptions.items() if name != "nopython"}
+
+
+def vector_operations(law):
+    """Operations on several doubles at once in the loop over a batch; numba keeps no such text in its cache."""
+    compiled = numba.njit(**OPTIONS)(loops.evaluate_loop.py_func)
+    state = law.new_state(OVERLAP.size)
+    compiled(law.rule, law.params, OVERLAP, state.arrays, np.zeros(OVERLAP.size), np.zeros(OVERLAP.size))
+    (text,) = compiled.inspect_llvm().values()
+    return len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text))
+
+
+@pytest.mark.parametrize(
+    ("name", "unloading"),
+    [pytest.param(*p, marks=[] if LAST[p[0]] == p[1] else pytest.mark.slow) for p in PAIRS],
+)
+def test_a_batch_is_vectorised(name, unloading):
+    assert vector_operations(make(name, unloading)) > 10
+
+
+def test_a_batch_of_contacts_that_differ_is_vectorised():
+    each = GRANITE.with_values(radius=np.linspace(1e-3, 9e-3, 64))
+    assert vector_operations(dl.law("pohrt-popov", each, "hertz")) > 10
+
+
+def test_a_table_is_vectorised():
+    assert vector_operations(dl.law("pohrt-popov", GRANITE, "hertz").tabulate(1e-3)) > 10
+
+
+def test_what_is_not_vectorised_is_found():
+    """Bahrami's implicit curve searches, which no processor does for several contacts at once."""
+    assert vector_operations(make("bahrami")) == 0

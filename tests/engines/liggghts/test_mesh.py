@@ -1,0 +1,175 @@
+"""Mesh walls: rims, holes, edges and nodes carry what the stock wall and a closed form say; tiled flats have no bump."""
+
+import math
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.liggghts import run
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+RADIUS = 4e-3
+MODULUS = 60.6e9 / (1 - 0.25**2) / 2
+CASE = """\
+atom_style granular
+atom_modify map array
+boundary f f f
+newton off
+communicate single vel yes
+units si
+hard_particles yes
+processors 1 1 1
+region box block -0.03 0.03 -0.03 0.03 -0.02 0.04 units box
+create_box 1 box
+neighbor 1e-3 bin
+neigh_modify delay 0
+fix m1 all property/global youngsModulus peratomtype 60.6e9
+fix m2 all property/global poissonsRatio peratomtype 0.25
+fix m3 all property/global coefficientRestitution peratomtypepair 1 1.0
+fix m4 all property/global coefficientFriction peratomtypepair 1 0.0
+pair_style gran model {model} tangential history {words}
+pair_coeff * *
+timestep 1e-7
+create_atoms 1 single {at} units box
+set atom 1 diameter 0.008 density 2650
+group one id 1
+fix plate all mesh/surface/stress file plate.stl type 1
+fix w all wall/gran model {model} tangential history mesh n_meshes 1 meshes plate {words}
+fix move all nve/{mover}
+compute f one reduce sum fx fy fz
+compute x one reduce sum x y z
+thermo_style custom step c_f[1] c_f[2] c_f[3] c_x[1] c_x[2] c_x[3]
+thermo_modify format float %.15e lost ignore norm no
+thermo {every}
+"""
+COLUMNS = ("f[1]", "f[2]", "f[3]", "x[1]", "x[2]", "x[3]")
+
+
+def write_mesh(path, triangles):
+    rows = ["solid plate"]
+    for triangle in triangles:
+        rows += [
+            "facet normal 0 0 1",
+            "outer loop",
+            *(f"vertex {x!r} {y!r} {z!r}" for x, y, z in triangle),
+            "endloop",
+            "endfacet",
+        ]
+    path.write_text("\n".join([*rows, "endsolid plate"]) + "\n")
+
+
+def plate_with_hole(n, inner=3e-3, outer=12e-3):
+    """Coplanar triangles around a regular n-sided hole of inradius `inner`."""
+
+    def ring(apothem):
+        radius = apothem / math.cos(math.pi / n)
+        angles = [(2 * k + 1) * math.pi / n for k in range(n)]
+        return [(radius * math.cos(a), radius * math.sin(a), 0.0) for a in angles]
+
+    inside, outside = ring(inner), ring(outer)
+    mesh = []
+    for k in range(n):
+        other = (k + 1) % n
+        mesh += [(inside[k], outside[k], outside[other]), (inside[k], outside[other], inside[other])]
+    return mesh
+
+
+def tiled(side=6, width=2e-3, height=lambda x, y: 0.0):
+    """Squares of two triangles around the origin, which is a node of six of them."""
+
+    def node(i, j):
+        x, y = width * (i - side / 2), width * (j - side / 2)
+        return (x, y, height(x, y))
+
+    mesh = []
+    for i in range(side):
+        for j in range(side):
+            a, b, c, d = node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)
+            mesh += [(a, b, c), (a, c, d)]
+    return mesh
+
+
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("tables")
+    contact = dl.Contact(radius=RADIUS, modulus=MODULUS, roughness=2.4e-6, fractal_dimension=2.22)
+    dl.law("hertz", contact).tabulate(rtol=1e-9).save(folder / "hertz.tbl")
+    dl.law("pohrt-popov", contact, unloading="hertz").tabulate(rtol=1e-7).save(folder / "granite.tbl")
+    return folder
+
+
+def simulate(folder, mesh, at, commands="run 0\n", table=None, mover="noforce", every=1):
+    """[rows, 6] force on the sphere and its place; stock hertz without a table."""
+    write_mesh(folder / "plate.stl", mesh)
+    model, words = ("hertz", "") if table is None else ("demlaws/table", f"table {table}")
+    text = CASE.format(model=model, words=words, at=" ".join(map(repr, at)), mover=mover, every=every) + commands
+    (folder / "in.mesh").write_text(text)
+    log = run(folder / "in.mesh", plugin=table is not None)
+    return np.stack([log[name] for name in COLUMNS], -1)
+
+
+def hertz(overlap):
+    return 4 / 3 * MODULUS * math.sqrt(RADIUS) * max(overlap, 0.0) ** 1.5
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 6, 8, 12])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_sphere_in_a_hole_rests_on_every_edge(tmp_path, tables, n, side):
+    """From above and from below: n edges, each with Hertz's force at the overlap there."""
+    height = 2.6e-3
+    distance = math.hypot(3e-3, height)
+    force = simulate(tmp_path, plate_with_hole(n), (0.0, 0.0, side * height), table=tables / "hertz.tbl")[0, :3]
+    assert force[2] == pytest.approx(side * n * hertz(RADIUS - distance) * height / distance, rel=1e-9)
+    assert np.abs(force[:2]).max() <= 1e-9 * abs(force[2])
+
+
+@pytest.mark.parametrize("at", ["hole", "rim", "outer corner", "inner corner", "fold", "ridge", "node", "edge"])
+def test_the_support_is_that_of_the_stock_wall(tmp_path, tables, at):
+    """A hundred places about each feature of a mesh, Hertz as a table against stock hertz."""
+    fold = {"fold": lambda x, y: abs(x) * 0.2, "ridge": lambda x, y: -abs(x) * 0.2}
+    mesh = tiled(height=fold[at]) if at in fold else tiled() if at in ("node", "edge") else plate_with_hole(5)
+    low, out = RADIUS - 5e-5, 1 / math.cos(math.pi / 5)
+    places = {
+        "hole": (0.0, 0.0, 2.62e-3), "rim": (3e-3, 0.0, low), "outer corner": (-12e-3 * out, 0.0, low),
+        "inner corner": (-3e-3 * out, 0.0, low), "fold": (0.0, 1e-4, low), "ridge": (0.0, 1e-4, low),
+        "node": (0.0, 0.0, low), "edge": (1e-3, 0.0, low),
+    }  # fmt: skip
+    x, y, z = places[at]
+    rng = np.random.default_rng(5)
+    moves = [
+        f"set atom 1 x {x + a!r} y {y + b!r} z {z + c!r}\nrun 1\n" for a, b, c in rng.uniform(-4e-5, 4e-5, (100, 3)).tolist()
+    ]
+    commands = "".join(moves)
+    found = {}
+    for table in (None, tables / "hertz.tbl"):
+        (tmp_path / str(table is None)).mkdir()
+        found[table] = simulate(tmp_path / str(table is None), mesh, (x, y, z), commands, table)
+    stock, ours = found.values()
+    assert len(stock) > 90 and np.count_nonzero(stock[:, 2] > 1.0) > 40
+    assert np.abs(ours - stock)[:, :3].max() <= 1e-9 * np.abs(stock[:, :3]).max()
+
+
+@pytest.mark.parametrize(
+    "table, speed", [("hertz.tbl", 0.01), ("granite.tbl", 0.01), ("granite.tbl", -0.013), ("granite.tbl", 10.0)]
+)
+def test_no_bump_on_a_tiled_flat(tmp_path, tables, table, speed):
+    """A sphere that slides over edges and nodes of a flat of tiles, slower and faster than the edges are wide."""
+    depth, steps = 1e-5, 4000
+    start = (-np.sign(speed) * 2e-6 if abs(speed) < 1 else -2e-3, 0.0, RADIUS - depth)
+    # over the node, askew; at 0.01 m/s the mesh's 1e-8 m take ten steps
+    commands = f"velocity all set {speed} {0.37 * speed} 0\nrun {steps}\n"
+    rows = simulate(tmp_path, tiled(), start, commands, tables / table)
+    force = rows[1:, :3]
+    assert np.ptp(rows[:, 3]) > 3.9e-6 and rows[:, 3].min() < 0 < rows[:, 3].max()
+    assert np.ptp(force[:, 2]) <= 1e-9 * force[0, 2]
+    assert np.abs(force[:, :2]).max() <= 1e-9 * force[0, 2]
+
+
+def test_a_sphere_does_not_fall_through_a_perforated_plate(tmp_path, tables):
+    """Let go over a square hole that is too small for it, under gravity: it stays, as in the stock wall."""
+    commands = "fix g all gravity 9.81 vector 0 0 -1\nfix d all viscous 0.05\nrun 200000\n"
+    for table in (None, tables / "hertz.tbl"):
+        rows = simulate(tmp_path, plate_with_hole(4), (0.0, 0.0, 2.66e-3), commands, table, mover="sphere", every=20000)
+        assert math.hypot(3e-3, rows[-1, 5]) == pytest.approx(RADIUS, rel=1e-3)

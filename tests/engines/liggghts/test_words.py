@@ -1,0 +1,332 @@
+"""Words and settings of demlaws/table: units, what walls take over, what contradicts itself, instances, ranks, restarts."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from inputs_for_liggghts import modulus, two_spheres
+
+import demlaws as dl
+from demlaws.errors import DemlawsError
+from demlaws.liggghts import build, read_log, run
+from demlaws.liggghts.run import command
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+GRAN = "pair_style gran model demlaws/table tangential history "
+WALL = "fix floor all wall/gran model demlaws/table tangential history primitive type 1 zplane 0.0 "
+PRESS = [(-0.2, 0, 30000), (0.2, 0, 20000)]
+# two spheres of 8 mm, one above the other, fall on a floor; lengths in L, masses in M of the units
+FALL = """\
+atom_style granular
+atom_modify map array
+boundary f f f
+newton off
+communicate single vel yes
+units {units}
+hard_particles yes
+region box block {box} units box
+create_box 2 box
+neighbor {skin!r} bin
+neigh_modify delay 0
+fix m1 all property/global youngsModulus peratomtype {young!r} {young!r}
+fix m2 all property/global poissonsRatio peratomtype 0.25 0.25
+fix m3 all property/global coefficientRestitution peratomtypepair 2 0.8 0.8 0.8 0.8
+fix m4 all property/global coefficientFriction peratomtypepair 2 0.1 0.1 0.1 0.1
+fix m9 all property/global surfaceRoughness peratomtype {rough1!r} {rough2!r}
+{before}
+pair_style gran model demlaws/table tangential history {words}
+pair_coeff * *
+timestep {step!r}
+create_atoms 1 single 0 0 {low!r} units box
+create_atoms 2 single 0 0 {high!r} units box
+set group all diameter {diameter!r} density {density!r}
+fix move all nve/sphere
+velocity all set 0 0 {speed!r}
+{after}
+compute f all property/atom fz z
+compute top all reduce max c_f[1] c_f[2]
+compute low all reduce min c_f[1] c_f[2]
+thermo_style custom step ke c_top[1] c_top[2] c_low[1] c_low[2]
+thermo_modify format float %.15e
+thermo 100
+run 3000
+"""
+SCALES = {"si": (1.0, 1.0, 1.0), "cgs": (1e2, 1e3, 1.0), "micro": (1e6, 1e15, 1e6), "nano": (1e9, 1e21, 1e9)}
+
+
+def falling(words, units="si", before="", after=WALL):
+    """The input, in the units asked for: scales of length, mass, time."""
+    L, M, T = SCALES[units]
+    box = " ".join(f"{L * v:.10g}" for v in (-0.03, 0.03, -0.03, 0.03, -0.03, 0.04))
+    return FALL.format(
+        units=units, box=box, skin=1e-4 * L, young=60.6e9 * M / (L * T * T), rough1=1e-6 * L, rough2=2e-6 * L, step=1e-8 * T,
+        low=0.004 * L, high=0.0119999 * L, diameter=0.008 * L, density=2650.0 * M / L**3, speed=-0.1 * L / T,
+        words=words, before=before, after=after,
+    )  # fmt: skip
+
+
+def simulate(folder, text, ranks=1, **options):
+    (folder / "in.case").write_text(text)
+    return run(folder / "in.case", ranks, **options)
+
+
+def refused(folder, text, ranks=1, **options):
+    with pytest.raises(DemlawsError) as caught:
+        simulate(folder, text, ranks, **options)
+    return str(caught.value)
+
+
+@pytest.fixture
+def granite(tmp_path):
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(tmp_path / "granite.tbl")
+    dl.law("hertz", contact).tabulate().save(tmp_path / "hertz.tbl")
+    return tmp_path
+
+
+# --- units
+
+
+@pytest.mark.parametrize("units", ["cgs", "micro", "nano"])
+@pytest.mark.parametrize("words", ["table granite.tbl", "table granite.tbl surfaceRoughness on"])
+def test_other_units_give_the_same(granite, units, words):
+    """σ and radius of the table are metres: forces and energies are those of SI, converted."""
+    L, M, T = SCALES[units]
+    si = simulate(granite, falling(words))
+    other = simulate(granite, falling(words, units))
+    for name, scale in (("KinEng", M * L * L / T**2), ("top[1]", M * L / T**2), ("low[2]", L)):
+        assert np.abs(other[name] / scale - si[name]).max() <= 1e-8 * np.abs(si[name]).max(), name
+
+
+def test_a_table_for_one_contact_knows_its_radius_in_other_units(granite):
+    contact = dl.Contact(radius=2e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    law = dl.law("rough-plastic", contact, unloading="hertz", yield_pressure=1.66e9)
+    law.tabulate().save(granite / "plastic.tbl")
+    words = "table plastic.tbl"
+    si, cgs = (simulate(granite, falling(words, units, after="")) for units in ("si", "cgs"))
+    assert np.abs(cgs["top[1]"] / 1e5 - si["top[1]"]).max() <= 1e-8 * si["top[1]"].max() > 0
+    message = refused(granite, falling(words, "cgs"))
+    assert "contact radius 0.004 m" in message and "holds for 0.002 m" in message
+
+
+@pytest.mark.parametrize("units", ["lj", "electron"])
+def test_units_without_a_metre_are_refused(granite, units):
+    text = falling("table granite.tbl").replace("units si", f"units {units}", 1)
+    assert f"units {units}" in refused(granite, text)
+
+
+# --- what a wall takes over
+
+
+def test_a_wall_takes_over_the_settings_of_the_pair_style(granite):
+    """surfaceRoughness, radius_tolerance: as if the wall's own line had them; the line's own word goes first."""
+    words = "table granite.tbl surfaceRoughness on"
+    taken, said = (simulate(granite, falling(words, after=WALL + own)) for own in ("", "surfaceRoughness on"))
+    off = simulate(granite, falling(words, after=WALL + "surfaceRoughness off"))
+    assert np.array_equal(taken["KinEng"], said["KinEng"])
+    assert np.abs(taken["KinEng"] - off["KinEng"]).max() > 1e-3 * taken["KinEng"].max()
+    contact = dl.Contact(radius=2e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    dl.law("rough-plastic", contact, yield_pressure=1.66e9).tabulate().save(granite / "plastic.tbl")
+    assert "radius_tolerance 0.01" in refused(granite, falling("table plastic.tbl"))
+    simulate(granite, falling("table plastic.tbl radius_tolerance 1.5"))
+    own = WALL + "radius_tolerance 0.1"
+    assert "radius_tolerance 0.1)" in refused(granite, falling("table plastic.tbl radius_tolerance 1.5", after=own))
+
+
+def test_a_wall_may_stand_above_the_pair_style(granite):
+    words = "table granite.tbl surfaceRoughness on"
+    above = simulate(granite, falling(words, before=WALL, after=""))
+    assert np.array_equal(above["KinEng"], simulate(granite, falling(words))["KinEng"])
+    own = simulate(granite, falling("table hertz.tbl", before=WALL + "table granite.tbl", after=""))
+    assert np.array_equal(
+        own["KinEng"], simulate(granite, falling("table hertz.tbl", after=WALL + "table granite.tbl"))["KinEng"]
+    )
+
+
+# --- contradictions and order
+
+
+@pytest.mark.parametrize(
+    "words, named",
+    [
+        ("table granite.tbl table hertz.tbl", "two tables, granite.tbl and hertz.tbl"),
+        ("table granite.tbl pairtable 1 2 granite.tbl pairtable 2 1 hertz.tbl", "types 1 and 2 two tables"),
+        ("table granite.tbl pairtable 1 1 granite.tbl pairtable 1 1 hertz.tbl", "types 1 and 1 two tables"),
+    ],
+)
+def test_contradictions_are_refused(granite, words, named):
+    assert named in refused(granite, falling(words))
+    assert named in refused(granite, falling("table granite.tbl", after=WALL + words))
+
+
+def test_a_pair_named_twice_alike_is_no_contradiction(granite):
+    simulate(granite, falling("table hertz.tbl pairtable 1 2 granite.tbl pairtable 2 1 granite.tbl"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        falling("table granite.tbl", after=WALL.replace("primitive", "table granite.tbl primitive")),
+        falling("table granite.tbl").replace("tangential history table granite.tbl", "table granite.tbl tangential history"),
+    ],
+)
+def test_words_in_the_wrong_order_are_told_where_they_belong(granite, text):
+    assert "come last" in refused(granite, text)
+
+
+# --- overlaps beyond the table
+
+
+def test_the_message_names_the_ways_out(granite):
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    dl.law("pohrt-popov", contact, unloading="hertz").tabulate(max_force=1.0).save(granite / "short.tbl")
+    message = refused(granite, falling("table short.tbl"))
+    for word in ("short.tbl", "--max-force", "time step", "extrapolation on"):
+        assert word in message
+
+
+def test_extrapolation_is_the_last_power_law_warned_once_and_counted(granite):
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+    law = dl.law("pohrt-popov", contact, unloading="elastic")
+    table = law.tabulate(max_force=1.0)
+    table.save(granite / "short.tbl")
+    text = two_spheres(GRAN + "table short.tbl extrapolation on", PRESS, 16e-3, 16e-3, every=100)
+    log = simulate(granite, text)
+    last = table.overlap(table.largest_force)
+    exponent = float(table.stiffness(last)) * last / table.largest_force
+    beyond = log["overlap"] > 1.01 * last
+    assert beyond.sum() > 100
+    # the Hertz-equivalent overlap goes on as a power law, so the force does
+    expected = table.largest_force * (log["overlap"][beyond] / last) ** exponent
+    assert np.abs(log["force"][beyond] / expected - 1).max() < 1e-6
+    said = (granite / "log.liggghts").read_text()
+    assert said.count("WARNING: model demlaws/table") == 1
+    counts = [int(line.split("run ")[1].split()[0]) for line in said.splitlines() if "lay beyond the last row" in line]
+    assert len(counts) == 2 and counts[0] + counts[1] == pytest.approx(100 * beyond.sum(), rel=0.02)
+
+
+# --- instances
+
+
+def test_nothing_is_left_after_clear(granite):
+    """A wall without a table does not find the one of the pair style before `clear`."""
+    first = falling("table granite.tbl")
+    second = first.replace("demlaws/table tangential history table granite.tbl", "hertz tangential history")
+    assert "has no table" in refused(granite, first + "clear\n" + second)
+
+
+TWO_INSTANCES = """\
+import ctypes, sys
+ctypes.CDLL("libmpi.so.40", mode=ctypes.RTLD_GLOBAL)
+library = ctypes.CDLL("libliggghts.so.3", mode=ctypes.RTLD_GLOBAL)
+ctypes.CDLL(sys.argv[1], mode=ctypes.RTLD_GLOBAL)
+words = (ctypes.c_char_p * 5)(b"liggghts", b"-log", b"none", b"-screen", b"none")
+for number, name in enumerate(sys.argv[2:]):
+    instance = ctypes.c_void_p()
+    library.lammps_open_no_mpi(5, words, ctypes.byref(instance))
+    print("instance", instance.value, flush=True)
+    library.lammps_file(instance, name.encode())
+    print("ran", name, flush=True)
+    library.lammps_close(instance)
+"""
+
+
+def test_a_second_instance_at_the_same_address_finds_nothing(granite):
+    first = falling("table granite.tbl")
+    (granite / "in.first").write_text(first)
+    (granite / "in.second").write_text(
+        first.replace("demlaws/table tangential history table granite.tbl", "hertz tangential history")
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", TWO_INSTANCES, str(build()), "in.first", "in.first", "in.second"],
+        cwd=granite, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    assert done.stdout.count("ran in.first") == 2, done.stderr
+    assert "ran in.second" not in done.stdout
+
+
+# --- ranks: rank 0 reads
+
+
+def on_two_folders(first, second, text):
+    """Two ranks, each in a folder of its own, as nodes with unlike file systems have it."""
+    (first / "in.case").write_text(text)
+    line, environment = command("in.case", 2)
+    at = line.index("-np")
+    program = line[
+        line.index("liggghts") if "liggghts" in line else next(i for i, w in enumerate(line) if w.endswith("/liggghts")) :
+    ]
+    common = [*line[:at], *(w for w in line[at + 2 : len(line) - len(program)] if w != "-x" and not w.startswith("LD_PRELOAD"))]
+    preload = ["-x", next(w for w in line if w.startswith("LD_PRELOAD="))]
+    part = [["-np", "1", "-wdir", str(folder), *preload, *program] for folder in (first, second)]
+    return subprocess.run(
+        [*common, *part[0], ":", *part[1]], env=environment, cwd=first, capture_output=True, text=True, timeout=60
+    )
+
+
+def test_a_table_that_one_rank_does_not_see(granite, tmp_path_factory):
+    """Rank 0 reads it for all; where rank 0 has none, all stop: neither hangs (the timeout is the test)."""
+    empty = tmp_path_factory.mktemp("empty")
+    text = falling("table granite.tbl")
+    assert on_two_folders(granite, empty, text).returncode == 0
+    log = read_log(granite / "log.liggghts")
+    assert np.array_equal(log["KinEng"], simulate(granite, text, 2)["KinEng"])
+    done = on_two_folders(empty, granite, text)
+    assert done.returncode and "granite.tbl" in done.stdout + done.stderr
+
+
+def test_unlike_tables_on_two_ranks_become_rank_0s(granite, tmp_path_factory):
+    other = tmp_path_factory.mktemp("other")
+    os.link(granite / "hertz.tbl", other / "granite.tbl")
+    text = falling("table granite.tbl").replace("region box", "processors 1 1 2\nregion box", 1)
+    assert on_two_folders(granite, other, text).returncode == 0
+    log = read_log(granite / "log.liggghts")
+    assert np.array_equal(log["KinEng"], simulate(granite, text, 2)["KinEng"])
+
+
+# --- restart files
+
+
+def again(text, restart="now.restart", **words):
+    """The input that reads the restart file and goes on as `text` did."""
+    lines = [line for line in text.splitlines() if not line.startswith(("create_", "set ", "region ", "velocity "))]
+    lines.insert(next(i for i, line in enumerate(lines) if line.startswith("neighbor")), f"read_restart {restart}")
+    out = "\n".join(lines) + "\n"
+    for old, new in words.get("change", []):
+        assert old in out
+        out = out.replace(old, new)
+    return out
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_restart_with_another_table_is_refused(granite, ranks):
+    first = falling("table granite.tbl") + "write_restart now.restart\n"
+    simulate(granite, first, ranks)
+    (granite / "copy.tbl").write_bytes((granite / "granite.tbl").read_bytes())
+    second = again(falling("table granite.tbl"))
+    good = simulate(granite, second, ranks)
+    assert good["Step"][-1] == 6000
+    copied = simulate(granite, second.replace("granite.tbl", "copy.tbl"), ranks)  # the contents count, not the name
+    assert np.array_equal(copied["KinEng"], good["KinEng"])
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=3e-6, fractal_dimension=2.22)
+    dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(granite / "other.tbl")
+    message = refused(granite, second.replace("granite.tbl", "other.tbl"), ranks)
+    assert "pair, types 1 and 1" in message and "other.tbl" in message and "restart_check off" in message
+    wall = again(falling("table granite.tbl", after=WALL + "table other.tbl"))
+    assert "wall floor" in refused(granite, wall, ranks)
+    meant = second.replace("table granite.tbl", "table other.tbl restart_check off").replace(WALL, WALL + "restart_check off")
+    assert simulate(granite, meant, ranks)["Step"][-1] == 6000
+
+
+def test_a_restart_file_of_a_stock_run(granite):
+    """Elastic tables keep what stock hertz keeps and go on; those with a history cannot, and LIGGGHTS says so."""
+    stock = falling("").replace("demlaws/table", "hertz") + "write_restart stock.restart\n"
+    simulate(granite, stock, plugin=False)
+    assert simulate(granite, again(falling("table hertz.tbl"), "stock.restart"))["Step"][-1] == 6000
+    text = again(falling("table granite.tbl"), "stock.restart")
+    assert "history_floor" in refused(granite, text)
+    text = text.replace("fix floor", "fix ground")
+    assert "different contact history model" in refused(granite, text)

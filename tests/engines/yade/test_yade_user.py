@@ -1,0 +1,756 @@
+"""What surrounds the law, as a user of YADE meets it: engine lists, scenes, labels, loading, markers, the time step."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yade_scenes import GRANITE, functor, material, set_engines
+
+import demlaws as dl
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+ROOT = Path(__file__).parents[3]
+OVERLAP = 1e-5
+
+
+def still(law, overlap=OVERLAP, label="granite", young=60.6e9, poisson=0.25):
+    """Two fixed spheres that overlap, and engines."""
+    import yade
+    from yade.utils import sphere
+
+    stone = material(label, young, poisson)
+    yade.O.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material=stone))
+    yade.O.bodies.append(sphere((0, 0, 0.02 - overlap), 0.01, fixed=True, material=stone))
+    set_engines(law, 1e-9)
+
+
+def force():
+    import yade
+
+    return yade.O.interactions[0, 1].phys.normalForce.norm()
+
+
+def expected(overlap=OVERLAP, roughness=GRANITE.roughness, modulus=60.6e9 / (1 - 0.25**2) / 2):
+    pair = dl.Contact(0.005, modulus, roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
+    return float(dl.law("pohrt-popov", pair, "hertz").force(overlap))
+
+
+def under_yade(text, tmp_path, *options):
+    from demlaws.yade.run import command, environment
+
+    script = tmp_path / "script.py"
+    script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\n{text}")
+    line = command(script, stay="-x" not in options, options=[one for one in options if one != "-x"])
+    return subprocess.run(line, env=environment(), capture_output=True, text=True, timeout=3000, cwd=tmp_path, input="")
+
+
+# --- the engine list
+
+
+def test_engines_are_what_the_user_wrote(omega):
+    """Reading, slicing, indexing and assigning O.engines know nothing of the guard, which is there all the same."""
+    import yade
+
+    from demlaws.yade import engines
+
+    law = functor(bridge="native")
+    wrote = engines(law)
+    omega.engines = wrote
+    assert [type(e) for e in omega.engines] == [type(e) for e in wrote]
+    assert omega.engines[2] is wrote[2]
+    assert len(omega._currEngines) == len(wrote) + 1
+    # YADE's triax tutorial, FEMxDEM's prepareRVE, apply-buoyancy-clumps
+    recorder = yade.PyRunner(command="pass", iterPeriod=20)
+    omega.engines = omega.engines[0:3] + [recorder] + omega.engines[3:4]  # noqa: RUF005
+    assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "PyRunner", "NewtonIntegrator"]
+    omega.engines = omega.engines[:3] + omega.engines[4:]
+    assert [type(e) for e in omega.engines] == [type(e) for e in wrote]
+    for engine in omega.engines:
+        engine.dead = isinstance(engine, yade.PyRunner)
+    stone = material()
+    omega.bodies.append([yade.utils.sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    omega.dt = 1e-9
+    omega.run(3, True)
+    assert law.binding.guards >= 2 and force() == pytest.approx(expected(), rel=1e-13)
+    omega.bodies[1].state.pos = (0, 0, float("nan"))
+    with pytest.raises(RuntimeError, match="contact 0\\+1"):
+        omega.run(20, True)
+
+
+def test_the_guard_rests(omega):
+    """It runs at the first two steps, then every hundred: what a step of Python costs is spent on one in a hundred."""
+    law = functor(bridge="native")
+    still(law)
+    omega.run(1001, True)
+    assert law.binding.guards <= 13
+
+
+def test_parallel_engine(omega, tmp_path):
+    import yade
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    stone = material()
+    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    loop = yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law])
+    omega.engines = [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=1e-3),
+        yade.ParallelEngine([[loop]]),
+        yade.NewtonIntegrator(),
+    ]
+    assert len(omega._currEngines) == 5 and len(omega.engines) == 4
+    omega.dt = 1e-9
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+    omega.save(str(tmp_path / "x.yade"))
+    omega.load(str(tmp_path / "x.yade"))
+    omega.run(3, True)
+    assert law.binding.guards >= 2 and force() == pytest.approx(expected(), rel=1e-13)
+    omega.bodies[1].state.pos = (0, 0, float("nan"))
+    with pytest.raises(RuntimeError, match="contact 0\\+1"):
+        omega.run(20, True)
+
+
+def test_a_saved_scene_never_acts_natively(omega, tmp_path):
+    """Loaded where this package is not imported and its guard has been made dead: YADE ends, it does not go on with Mindlin."""
+    still(functor(bridge="native"))
+    omega.run(3, True)
+    file = tmp_path / "x.yade"
+    omega.save(str(file))
+    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(expected(), rel=1e-13)
+    text = f"""
+import yade
+yade.O.load({str(file)!r})
+for engine in yade.O.engines:
+    engine.dead = isinstance(engine, yade.PyRunner)
+yade.O.run(5, True)
+print("WENT ON", yade.O.interactions[0, 1].phys.normalForce.norm())
+"""
+    done = under_yade(text, tmp_path, "-x")
+    assert done.returncode != 0 and "WENT ON" not in done.stdout
+    assert "None of given Law2 functors can handle" in done.stdout + done.stderr
+
+
+def test_patches_can_be_taken_back(omega):
+    import yade
+
+    from demlaws.yade import omega as native
+    from demlaws.yade import patches
+
+    law = functor(bridge="native")
+    still(law)
+    assert type(omega).engines is not native.engines
+    patches.remove()
+    try:
+        assert type(omega).engines is native.engines and yade.LawDispatcher.functors is native.functors
+        assert len(omega.engines) == 5 and not hasattr(type(omega).load, "native")
+    finally:
+        patches.install()
+    assert len(omega.engines) == 4
+
+
+# --- scenes
+
+
+def test_scenes_keep_apart(omega, tmp_path):
+    """Two scenes under one label: saved, loaded and switched, each keeps its own surfaces and its guard."""
+    rough = dl.Surface(1e-5, 2.22, 6.266e9)
+    still(functor(bridge="native"))
+    omega.run(3, True)
+    omega.switchScene()
+    try:
+        second = functor(surfaces={"granite": rough}, bridge="native")
+        still(second)
+        omega.run(3, True)
+        assert force() == pytest.approx(expected(roughness=1e-5), rel=1e-13)
+        omega.switchScene()
+        omega.run(3, True)
+        omega.save(str(tmp_path / "a.yade"))
+        omega.load(str(tmp_path / "a.yade"))
+        omega.run(3, True)
+        assert force() == pytest.approx(expected(), rel=1e-13)
+        omega.switchScene()
+        omega.run(3, True)
+        assert force() == pytest.approx(expected(roughness=1e-5), rel=1e-13)
+        omega.bodies[1].state.pos = (0, 0, float("nan"))
+        with pytest.raises(RuntimeError, match="contact 0\\+1"):
+            omega.run(20, True)
+    finally:
+        omega.reset()
+
+
+def test_one_law_is_refused_in_a_second_living_scene(omega):
+    law = functor(bridge="native")
+    still(law)
+    other = omega.addScene()
+    omega.switchToScene(other)
+    with pytest.raises(dl.DemlawsError, match="at work in another scene"):
+        still(law)
+    omega.reset()
+    still(law)
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+
+
+# --- labels
+
+
+@pytest.mark.parametrize(
+    ("law", "surfaces", "why"),
+    [
+        ("pohrt-popov", {"granit": GRANITE}, "bears the label 'granit'.*labels? of the bodies' materials: 'granite'"),
+        ("pohrt-popov", None, "no surface was given.*'granite'"),
+        ("table", None, "no surface was given.*'granite'"),
+    ],
+)
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_what_would_be_smooth_unsaid_is_an_error(omega, tmp_path, law, surfaces, why, way):
+    if law == "table":
+        contact = dl.Contact(0.005, 32e9, 2.4e-6, 2.22)
+        law = str(dl.law("pohrt-popov", contact, "hertz").tabulate(1e-4).save(tmp_path / "rough.tbl"))
+    still(functor(law, None if "." in law else "hertz", surfaces, bridge=way, label="unsaid"))
+    with pytest.raises(RuntimeError, match=re.compile(why, re.DOTALL | re.IGNORECASE)):
+        omega.run(5, True)
+
+
+def test_smooth_said(omega):
+    still(functor(surfaces=None, smooth=True, bridge="native"))
+    omega.run(3, True)
+    smooth = float(dl.law("hertz", dl.Contact(0.005, 60.6e9 / (1 - 0.25**2) / 2)).force(OVERLAP))
+    assert force() == pytest.approx(smooth, rel=1e-13)
+
+
+def test_one_surface_for_all_materials(omega):
+    """YADE's examples have materials without labels."""
+    still(functor(surfaces=GRANITE, bridge="native"), label="")
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+    omega.saveTmp()
+    omega.loadTmp()
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+
+
+def test_repr_says_what_acts(omega):
+    law = functor(bridge="native")
+    still(law)
+    omega.run(3, True)
+    for part in ("pohrt-popov, hertz unloading", "granite: Sq 2.4e-06 m", "native bridge", "1 contacts of 1"):
+        assert part in repr(law)
+
+
+def test_label_is_read_only(omega):
+    law = functor(bridge="native")
+    with pytest.raises(dl.DemlawsError, match="label='other'"):
+        law.label = "other"
+    assert law.label == "demlaws"
+
+
+def test_surfaces_in_a_list(omega):
+    with pytest.raises(dl.DemlawsError, match=r"dict from labels .*surfaces=\{\"granite\""):
+        functor(surfaces=[GRANITE])
+
+
+# --- false alarms and markers
+
+
+def test_scaled_stiffness_is_no_alarm(omega):
+    """TriaxialStressController with internalCompaction scales kn; what derives from MindlinPhys is another law's."""
+    law = functor(bridge="native")
+    still(law)
+    omega.run(3, True)
+    omega.interactions[0, 1].phys.kn *= 1.5
+    law.binding.verify()
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+
+
+def test_a_law_beside_one_of_yades(omega):
+    """YADE's example of the Conical Damage Model: its physics derives from MindlinPhys."""
+    import yade
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    stone = yade.FrictMatCDM(
+        young=60.6e9, poisson=0.25, density=2650, frictionAngle=0.5, sigmaMax=5e9, alpha=1.4, c1=0.0, c2=0.0
+    )
+    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    omega.engines = [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=1e-3),
+        yade.InteractionLoop(
+            [yade.Ig2_Sphere_Sphere_ScGeom()],
+            [yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM(), yade.Ip2_FrictMat_FrictMat_MindlinPhys()],
+            [yade.Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM(), law],
+        ),
+        yade.NewtonIntegrator(),
+    ]
+    omega.dt = 1e-9
+    omega.run(205, True)  # the guard has looked at everything
+    law.binding.verify()
+    assert law.totals() == (0.0, 0.0) and len(law.contacts().force) == 0
+
+
+def test_a_foreign_contact_is_told_without_advice_that_destroys_unsaid(omega):
+    import yade
+
+    still(yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    omega.run(5, True)
+    law = functor(bridge="native")
+    with pytest.raises(dl.DemlawsError, match=r"erases their history|erases all contacts with their history"):
+        law.binding.verify()
+
+
+@pytest.mark.parametrize("name", ["hertz", "pohrt-popov"])
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_marker_bears_nothing(omega, name, way):
+    """young=0, as YADE's examples mark water levels: no force, as native Mindlin."""
+    import yade
+    from yade.utils import facet, sphere
+
+    law = functor(name, "hertz", bridge=way)
+    stone, air = material(), yade.FrictMat(young=0, label="granite")
+    omega.bodies.append(sphere((0, 0, 0.01), 0.01, material=stone))
+    omega.bodies.append(facet([(-1, -1, 1e-3), (1, -1, 1e-3), (0, 1, 1e-3)], material=air))
+    set_engines(law, 1e-7)
+    omega.run(20, True)
+    assert omega.interactions.countReal() == 1
+    assert tuple(omega.bodies[0].state.vel) == (0, 0, 0)
+    assert law.totals() == (0.0, 0.0)
+    functor("yip-venart", "elastic", bridge=way, moduli=None)  # made after the marker
+
+
+# --- after loading
+
+
+def test_right_at_once_after_loading(omega, tmp_path):
+    import builtins
+
+    law = functor(bridge="native")
+    still(law)
+    omega.run(3, True)
+    omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
+    omega.run(3, True)
+    totals, state = law.totals(), law.contacts()
+    assert state.branch.tolist() == [1] and totals.dissipated > 0
+    omega.save(str(tmp_path / "x.yade"))
+    omega.run(2, True)
+    omega.load(str(tmp_path / "x.yade"))
+    assert law.totals() == totals
+    assert law.contacts().force == pytest.approx(state.force, rel=1e-14)
+    assert builtins.demlaws is law and type(omega.engines[2].lawDispatcher.functors[0]) is type(law)
+    again = functor(bridge="native")
+    set_engines(again, 1e-9)  # load, then define the engines: YADE's standard way
+    omega.run(3, True)
+    assert again.totals() == pytest.approx(totals, rel=1e-12) and law.totals() == again.totals()
+    assert again.contacts().maximum_overlap[0] == pytest.approx(OVERLAP, rel=1e-9)
+    with pytest.raises(dl.DemlawsError, match="erases all contacts with their history"):
+        set_engines(functor(surfaces={"granite": dl.Surface(1e-6, 2.22)}, bridge="native"), 1e-9)
+
+
+def test_engines_made_anew_in_a_new_process(omega, tmp_path):
+    still(functor(bridge="native"))
+    omega.run(3, True)
+    omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
+    omega.run(3, True)
+    omega.save(str(tmp_path / "x.yade"))
+    text = f"""
+import yade
+yade.O.load({str(tmp_path / "x.yade")!r})
+from yade_scenes import functor, set_engines
+law = functor(bridge="native")
+print("label", type(demlaws).__name__)
+set_engines(law, 1e-9)
+yade.O.run(3, True)
+print("found", law.contacts().maximum_overlap[0].hex(), *[x.hex() for x in law.totals()], law.contacts().force[0].hex())
+"""
+    done = under_yade(text, tmp_path, "-x")
+    lines = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if line.startswith(("label", "found"))}
+    assert lines["label"] == ["Law2_ScGeom_MindlinPhys_Demlaws"], done.stdout + done.stderr
+    law = omega.engines[2].lawDispatcher.functors[0]
+    state = law.contacts()
+    here = [state.maximum_overlap[0], *law.totals(), state.force[0]]
+    assert [float.fromhex(x) for x in lines["found"]] == pytest.approx(here, rel=1e-12)
+
+
+# --- sizes, flats
+
+
+def test_surfaces_are_judged_against_the_bodies_that_meet(omega):
+    """Rocks of a metre with 6 mm of roughness, in a law made before the bodies; then spheres that are too small for it."""
+    import yade
+    from yade.utils import sphere
+
+    surface = dl.Surface(6e-3, 2.2)
+    law = functor(surfaces={"rock": surface}, bridge="native")
+    rock = material("rock")
+    omega.bodies.append([sphere((0, 0, z), 1.0, fixed=True, material=rock) for z in (0, 1.99)])
+    set_engines(law, 1e-9)
+    omega.run(3, True)
+    assert 0 < force() < yade.O.interactions[0, 1].phys.kno * 0.01**1.5 * 1.001
+    omega.reset()
+    law = functor(surfaces={"rock": surface}, bridge="native")
+    rock = material("rock")
+    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=rock) for z in (0, 0.0199)])
+    set_engines(law, 1e-9)
+    with pytest.raises(RuntimeError, match=r"0\.00848528 m exceeds its effective radius 0\.005 m"):
+        omega.run(3, True)
+
+
+FLATS = {
+    "facet": lambda utils, stone: utils.facet([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], fixed=True, material=stone),
+    "wall": lambda utils, stone: utils.wall(0, 2, sense=1, material=stone),
+    "box": lambda utils, stone: utils.box((0, 0, -0.1), (1, 1, 0.1), fixed=True, material=stone),
+}
+OF_YADE = {"facet": 2 / 3, "wall": 0.5, "box": 0.5}
+
+
+@pytest.mark.parametrize("flat", FLATS)
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat, way):
+    from yade import utils
+
+    for flats, share in (("plane", 1.0), ("yade", OF_YADE[flat])):
+        omega.reset()
+        law = functor(bridge=way, flats=flats)
+        stone = material()
+        omega.bodies.append(FLATS[flat](utils, stone))
+        omega.bodies.append(utils.sphere((0, 0, 0.01 - OVERLAP), 0.01, fixed=True, material=stone))
+        set_engines(law, 1e-9)
+        omega.run(3, True)
+        pair = dl.Contact(0.01 * share, 60.6e9 / (1 - 0.25**2) / 2, GRANITE.roughness * 2**0.5, 2.22, GRANITE.hardness)
+        assert force() == pytest.approx(float(dl.law("pohrt-popov", pair).force(OVERLAP)), rel=1e-12)
+
+
+@pytest.mark.parametrize("flat", FLATS)
+def test_chung_and_ooi_2(omega, flat):
+    """Chung & Ooi (2011), test 2: an aluminium sphere of 0.1 m hits a rigid flat at 0.2 m/s: 11,369.9 N by Hertz."""
+    import yade
+    from yade import utils
+
+    law = functor("hertz", "elastic", None, bridge="native")
+    alloy = yade.FrictMat(young=70e9, poisson=0.3, density=2699, frictionAngle=0.0)
+    rigid = yade.FrictMat(young=70e18, poisson=0.3, frictionAngle=0.0)
+    omega.bodies.append(FLATS[flat](utils, rigid))
+    omega.bodies.append(utils.sphere((0, 0, 0.1), 0.1, material=alloy))
+    omega.bodies[1].state.vel = yade.Vector3(0, 0, -0.2)
+    set_engines(law, 4e-7)
+    mass = omega.bodies[1].state.mass
+    modulus = 70e9 / (1 - 0.3**2)
+    closed = (4 / 3 * modulus * 0.1**0.5) ** 0.4 * (1.25 * mass * 0.2**2) ** 0.6
+    peak = 0.0
+    while omega.bodies[1].state.vel[2] < 0:
+        omega.step()
+        if omega.interactions.countReal():
+            peak = max(peak, force())
+    assert closed == pytest.approx(11_369.9, rel=2e-5)
+    assert peak == pytest.approx(closed, rel=1e-5)
+
+
+@pytest.mark.parametrize("flat", ["facet", "wall"])
+def test_hertzian_flats_are_understood(omega, flat):
+    """hertzian=True: YADE gives R = r, which a law solved for the scene's contacts must serve."""
+    import yade
+    from yade import utils
+
+    stone = material()
+    omega.bodies.append(FLATS[flat](utils, stone))
+    omega.bodies.append(utils.sphere((0, 0, 0.01 - OVERLAP), 0.01, fixed=True, material=stone))
+    geometries = [yade.Ig2_Facet_Sphere_ScGeom(hertzian=True), yade.Ig2_Wall_Sphere_ScGeom(hertzian=True)]
+    for flats in ("plane", "yade"):
+        law = functor("yip-venart", "elastic", bridge="native", flats=flats)
+        set_engines(law, 1e-9, geometries=geometries)
+        omega.run(3, True)
+        assert law.contacts().radius[0] == pytest.approx(0.01, rel=1e-7) and law.contacts().force[0] > 0
+        omega.interactions.clear()
+
+
+# --- the time step
+
+
+def test_the_stepper_is_bounded(omega):
+    """Young rough contacts are soft: 27 spheres in a box keep their energy under `engines(law, timestep=…)`."""
+    import yade
+    from yade import geom, utils
+
+    from demlaws.yade import engines
+
+    stone = material()
+    law = functor(bridge="native")
+    law_engines = engines(law, timestep=0.1, newton=yade.NewtonIntegrator(damping=0))
+    side = 0.03
+    omega.bodies.append(geom.facetBox((side / 2,) * 3, (side / 2,) * 3, material=stone))
+    generator = np.random.default_rng(1)
+    for n in range(27):
+        place = [0.005 * (2 * m + 1) for m in (n % 3, n // 3 % 3, n // 9)]
+        omega.bodies.append(utils.sphere(place, 0.0049 * generator.uniform(0.8, 1), material=stone))
+        omega.bodies[-1].state.vel = yade.Vector3(*(0.1 * generator.standard_normal(3)))
+    omega.engines = law_engines
+    omega.dt = 1e-7
+    start = utils.kineticEnergy()
+    for _ in range(20):
+        omega.run(500, True)
+        assert utils.kineticEnergy() <= 1.01 * start
+    assert omega.dt <= 0.1 * 4 * utils.PWaveTimeStep() * (1 + 1e-12)
+
+
+def test_a_stepper_without_a_bound_is_warned_of(omega):
+    import yade
+
+    from demlaws.yade import TimeStepWarning, engines
+
+    law = functor(bridge="native")
+    stepper = yade.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.5)
+    still(law)
+    with pytest.warns(TimeStepWarning, match=r"maxDt to at most 8\.36e-06 s"):
+        omega.engines = [*engines(law), stepper]
+    assert yade.utils.PWaveTimeStep() == pytest.approx(2.09e-6, rel=1e-3)
+    with pytest.raises(dl.DemlawsError, match=r"timestep = 3"):
+        engines(law, timestep=3)
+
+
+# --- restitution
+
+
+def test_true_restitution(omega):
+    """`en` is an elastic Hertz contact's; what a dissipating law gives with it can be asked for, and had."""
+    from yade.utils import sphere
+
+    stone = material()
+    omega.bodies.append([sphere((0, 0, z), 0.01, material=stone) for z in (0, 0.05)])
+    first, second = omega.bodies
+    hertz = functor("hertz", "elastic", None, bridge="native")
+    assert hertz.restitution(first, second, 0.1) == pytest.approx(1.0, abs=1e-3)
+    assert hertz.restitution(first, second, 0.1, en=0.9) == pytest.approx(0.9, abs=5e-3)
+    law = functor(bridge="native", label="rough")
+    alone, damped = law.restitution(first, second, 0.1), law.restitution(first, second, 0.1, en=0.9)
+    assert 0.5 < damped < 0.9 * alone + 0.02 < alone < 0.99
+    en = law.en_for(0.9 * alone, first, second, 0.1)
+    assert law.restitution(first, second, 0.1, en=en) == pytest.approx(0.9 * alone, abs=1e-3)
+    with pytest.raises(dl.DemlawsError, match="is the most"):
+        law.en_for(0.999, first, second, 0.1)
+    assert len(omega.bodies) == 2 and law.totals() == (0.0, 0.0)
+
+
+# --- while it runs
+
+
+def test_totals_while_it_runs(omega):
+    law = functor(bridge="native")
+    still(law)
+    omega.run(3, True)
+    goal = law.totals()
+    omega.run(10**7, False)
+    try:
+        for _ in range(3):
+            assert omega.running
+            assert law.totals() == pytest.approx(goal, rel=1e-12)
+            assert len(law.contacts().force) == 1
+    finally:
+        omega.pause()
+
+
+def test_a_law_made_while_it_runs_says_why_it_is_slow(omega):
+    import __main__
+    from demlaws.yade import native
+
+    made = []
+    __main__.make_a_law = lambda: made.append(functor(label="late"))
+    still(functor(bridge="native"))
+    import yade
+
+    omega.engines = [*omega.engines, yade.PyRunner(command="make_a_law()", iterPeriod=1, initRun=True, nDo=1)]
+    with pytest.warns(match="made while a simulation runs .*before O.run"):
+        omega.run(3, True)
+    assert made[0].way == "public" and native.layout()
+
+
+def test_contacts_for_paraview(omega, tmp_path):
+    law = functor(bridge="native")
+    still(law)
+    omega.run(3, True)
+    omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
+    omega.run(3, True)
+    lines = law.export_vtk(tmp_path / "contacts.vtk").read_text().splitlines()
+    state = law.contacts()
+
+    def value(name):
+        return float(lines[next(n for n, line in enumerate(lines) if line.startswith(f"SCALARS {name} ")) + 2])
+
+    assert "POINTS 2 double" in lines and "LINES 1 3" in lines
+    assert value("plastic_overlap") == state.plastic_overlap[0] > 0
+    assert value("branch") == 1 and value("force") == state.force[0]
+
+
+# --- versions and layouts
+
+
+def test_an_untested_version_passes_with_a_line_that_names_it(omega, monkeypatch):
+    import yade.config
+
+    from demlaws.yade import BridgeWarning, native
+
+    monkeypatch.setattr(native, "_layout", None)
+    monkeypatch.setattr(yade.config, "version", "2031.01")
+    with pytest.warns(BridgeWarning, match="YADE 2031.01, on which demlaws has not been tested"):
+        law = functor(bridge="native")
+    assert law.way == "native"
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("GO", "do not export"),
+        ("TABLE", "do not export"),
+        ("BODY_BY_ID", "do not export"),
+    ],
+)
+def test_missing_symbols_fail_closed(monkeypatch, name, why):
+    from demlaws.yade import native
+
+    monkeypatch.setattr(native, "_layout", None)
+    monkeypatch.setattr(native, name, getattr(native, name) + "x")
+    with pytest.raises(native.BridgeUnavailable, match=why):
+        native.layout()
+
+
+@pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved vector"])
+def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
+    from demlaws.yade import native
+
+    monkeypatch.setattr(native, "_layout", None)
+    real = native._read
+
+    def read(start, size, kind):
+        words = real(start, size, kind).copy()
+        if doctored == "two places" and kind is native.ctypes.c_double:
+            words[-1] = words[np.argmax(np.abs(np.nan_to_num(words)))]
+        elif doctored == "no place":
+            words[:] = 0
+        return words
+
+    if doctored in ("two places", "no place"):
+        monkeypatch.setattr(native, "_read", read)
+    elif doctored == "another class":
+        monkeypatch.setattr(native, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
+    else:
+        vector = native.Layout._vector
+        shift = {"momentTwist": 8}
+        monkeypatch.setattr(native.Layout, "_vector", staticmethod(lambda name: vector(name) + shift.get(name, 0)))
+    with pytest.raises(native.BridgeUnavailable):
+        native.layout()
+
+
+def test_numpy_as_yade_is_built_for(tmp_path, monkeypatch):
+    from demlaws.yade import run
+
+    for version, major in (("1.24.2", 1), ("2.2.4", 2)):
+        folder = tmp_path / version
+        (folder / f"numpy-{version}.dist-info").mkdir(parents=True)
+        (folder / f"numpy-{version}.dist-info" / "METADATA").write_text(
+            f"Metadata-Version: 2.1\nName: numpy\nVersion: {version}\n"
+        )
+        assert run.numpy_built_for(folder) == major
+    assert run.numpy_built_for(tmp_path / "empty") is None
+    monkeypatch.setattr(np, "__version__", "2.4.0")
+    monkeypatch.setattr(run, "numpy_built_for", lambda: 2)
+    run.environment()
+    monkeypatch.setattr(run, "numpy_built_for", lambda: 1)
+    with pytest.raises(dl.DemlawsError, match=r"built for numpy 1.*'numpy<2'"):
+        run.environment()
+
+
+def test_files_of_earlier_versions(omega):
+    """They hold the native functor itself, a guard that runs each step, and a tag without what came later: YADE's radii."""
+    import yade
+    from yade import utils
+
+    from demlaws.yade import omega as native
+    from demlaws.yade import patches
+
+    law = functor(bridge="native", flats="yade")
+    text = law.binding.as_text().replace(', "smooth": false, "flats": "yade"', "")
+    assert "flats" not in text
+    stone = material()
+    omega.bodies.append(FLATS["wall"](utils, stone))
+    omega.bodies.append(utils.sphere((0, 0, 0.01 - OVERLAP), 0.01, fixed=True, material=stone))
+    patches.remove()
+    try:
+        listed = [*engines_around(yade.Law2_ScGeom_MindlinPhys_Mindlin(label="demlaws"))]
+        listed.insert(2, yade.PyRunner(command="__import__('demlaws.yade').yade.guard('demlaws')", iterPeriod=1, initRun=True))
+        native.set_engines(listed)
+        omega.tags["demlaws.demlaws"] = text
+        omega.dt = 1e-9
+        omega.saveTmp()
+        omega.loadTmp()
+        omega.run(3, True)  # as in a process that does not know this package: the guard alone puts the law in place
+    finally:
+        patches.install()
+    pair = dl.Contact(0.005, 60.6e9 / (1 - 0.25**2) / 2, GRANITE.roughness * 2**0.5, 2.22, GRANITE.hardness)
+    assert force() == pytest.approx(float(dl.law("pohrt-popov", pair).force(OVERLAP)), rel=1e-12)
+
+
+def engines_around(law):
+    from demlaws.yade import engines
+
+    return engines(law)
+
+
+# --- the command
+
+
+def test_run_keeps_the_interpreter(tmp_path):
+    """As yade does: what is typed after the script sees its variables; -x leaves; options and arguments go through."""
+    script = tmp_path / "script.py"
+    script.write_text("import sys, yade\nanswer = 6 * 7\nprint('arguments', sys.argv[1:], 'threads', yade.O.numThreads)\n")
+    command = [sys.executable, "-m", "demlaws", "yade", "run"]
+    options = {"capture_output": True, "text": True, "timeout": 1200, "cwd": tmp_path, "input": "print('typed', answer)\n"}
+    stays = subprocess.run([*command, "--nice=1", "-j2", str(script), "-a", "b"], **options)
+    assert "arguments ['-a', 'b'] threads 2" in stays.stdout and "typed 42" in stays.stdout
+    leaves = subprocess.run([*command, "-x", str(script)], **options)
+    assert "threads 1" in leaves.stdout and "typed" not in leaves.stdout and leaves.returncode == 0
+
+
+def test_command_lines(tmp_path, monkeypatch):
+    from demlaws.cli import main
+    from demlaws.yade import run
+
+    seen = []
+    monkeypatch.setattr(
+        run, "run", lambda *arguments, **options: seen.append((arguments, options)) or subprocess.CompletedProcess([], 0)
+    )
+    main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"])
+    arguments, options = seen[0]
+    assert arguments == ("s.py", ["-x", "--threads"], 1, True, None)
+    assert options == {"stay": True, "yade_options": ["--cores=0,1", "-f5"]}
+    script = tmp_path / "s.py"
+    script.write_text("")
+    line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
+    assert line[1:] == ["-j1", "--cores=0,1", str(script)]
+    assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
+
+
+def test_quick_check(tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "demlaws", "yade", "check", "--quick"], capture_output=True, text=True, timeout=3000
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    lines = done.stdout.splitlines()
+    assert "native bridge: available" in done.stdout and sum(line.startswith(tuple(dl.laws())) for line in lines) == 2
+
+
+def test_plain_yade(tmp_path):
+    """`yade script.py`, the package being installed for that Python (here: on its path)."""
+    import os
+
+    from demlaws.yade.run import environment
+
+    script = tmp_path / "script.py"
+    script.write_text("import demlaws.yade\nprint(demlaws.yade.Law2_ScGeom_MindlinPhys_Demlaws('hertz').way)\n")
+    environment = {**os.environ, "PYTHONPATH": environment()["PYTHONPATH"]}
+    done = subprocess.run(["yade", "-n", "-x", str(script)], env=environment, capture_output=True, text=True, timeout=2000)
+    assert done.returncode == 0 and "native" in done.stdout.splitlines()
