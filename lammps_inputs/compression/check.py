@@ -31,7 +31,9 @@ def check(folder):
             what = f"{label}: stiffness, {quantity}, from LAMMPS's mean ({100 * chance:.2f} % of it is chance)"
             findings.append((what, difference, max(LEAST, 2 * chance)))
     for label, o in found.items():
-        findings.append((f"{label}: centre of gravity at rest, from LAMMPS's [µm]", abs(o["height"] - first["height"]) * 1e6, 0.1))
+        findings.append(
+            (f"{label}: centre of gravity at rest, from LAMMPS's [µm]", abs(o["height"] - first["height"]) * 1e6, 0.1)
+        )
     return findings
 
 
