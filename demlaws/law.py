@@ -95,7 +95,7 @@ class Law:
     """
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
-    largest_force = math.inf  # [N]: where a table ends
+    largest_overlap, largest_force = math.inf, math.inf  # [m], [N]: where a table ends
     _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
 
     def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
