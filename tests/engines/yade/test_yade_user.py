@@ -80,6 +80,68 @@ def test_engines_are_what_the_user_wrote(omega):
         omega.run(20, True)
 
 
+def test_engines_of_the_public_way(omega):
+    """Its engines behind the InteractionLoop are hidden, too."""
+    import yade
+
+    from demlaws.yade import engines
+
+    law = functor(bridge="public", label="slow")
+    wrote = engines(law)
+    omega.engines = wrote
+    assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and omega.engines[2] is wrote[2]
+    assert len(omega._currEngines) == len(wrote) + 4
+    recorder = yade.PyRunner(command="pass", iterPeriod=20)
+    omega.engines = omega.engines[0:3] + [recorder] + omega.engines[3:4]  # noqa: RUF005
+    assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "PyRunner", "NewtonIntegrator"]
+    stone = material()
+    omega.bodies.append([yade.utils.sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    omega.dt = 1e-9
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+
+
+def test_the_account_outlives_an_empty_list(omega):
+    law = functor(bridge="native")
+    still(law)
+    omega.run(3, True)
+    omega.bodies[1].state.pos = (0, 0, 0.02 + OVERLAP)
+    omega.run(3, True)
+    totals = law.totals()
+    assert totals.stored == 0.0 < totals.dissipated
+    listed, omega.engines = omega.engines, []
+    omega.engines = listed
+    omega.run(3, True)
+    assert law.totals() == totals
+
+
+def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
+    """As FEMxDEM's prepareRVE does when its controller is done."""
+    import yade
+
+    import __main__
+
+    law = functor(bridge="native")
+    still(law)
+
+    def done():
+        omega.engines = omega.engines[:3] + omega.engines[4:]
+        omega.save(str(tmp_path / "x.yade"))
+
+    __main__.done = done
+    once = yade.PyRunner(command="done()", iterPeriod=1, nDo=1, initRun=True)
+    omega.engines = [*omega.engines[:3], once, *omega.engines[3:]]
+    omega.run(5, True)
+    assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "NewtonIntegrator"]
+    assert len(omega._currEngines) == 5 and force() == pytest.approx(expected(), rel=1e-13)
+    omega.load(str(tmp_path / "x.yade"))
+    omega.run(5, True)
+    assert len(omega._currEngines) == 5 and force() == pytest.approx(expected(), rel=1e-13)
+    omega.bodies[1].state.pos = (0, 0, float("nan"))
+    with pytest.raises(RuntimeError, match=r"contact 0\+1"):
+        omega.run(20, True)
+
+
 def test_the_guard_rests(omega):
     """It runs at the first two steps, then every hundred: what a step of Python costs is spent on one in a hundred."""
     law = functor(bridge="native")
