@@ -148,6 +148,7 @@ def one(given):
         text = text.replace(old, new)
     exec(compile(text, example.path, "exec"), main)
     exec(compile(example.after, "after", "exec"), main)
+    example.share = 1.0  # of the steps that are left
     while omega.iter < example.steps and not omega.demlaws_paused:
         before = omega.iter
         omega.run(min(500, example.steps - omega.iter), True)
@@ -181,7 +182,8 @@ def nothing_to_see(yade):
 
 
 def shorten(omega, example):
-    """O.run waits, and takes a share of the steps that it is asked for, up to the example's number."""
+    """O.run takes a share of the steps that it is asked for, up to the example's number; one without end waits for O.wait or
+    the end of the script, which may define what the engines call only then."""
     cls = type(omega)
     run, pause = cls.run, cls.pause
     cls.demlaws_paused = False
@@ -189,14 +191,17 @@ def shorten(omega, example):
     def shorter(self, nSteps=-1, wait=False):
         left = max(example.steps - self.iter, 0)
         steps = left if nSteps <= 0 else min(max(int(nSteps * example.share), 1), left)
-        if steps and not cls.demlaws_paused:
+        if steps and not cls.demlaws_paused and (nSteps > 0 or wait):
             run(self, steps, True)
+
+    def waited(self):
+        shorter(self, wait=True)
 
     def paused(self):
         cls.demlaws_paused = True
         pause(self)
 
-    cls.run, cls.pause = shorter, paused
+    cls.run, cls.pause, cls.wait = shorter, paused, waited
 
 
 def random_numbers(main):

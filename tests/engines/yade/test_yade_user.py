@@ -796,6 +796,19 @@ def test_command_lines(tmp_path, monkeypatch):
     assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
 
 
+def test_windows_and_a_newer_mpmath(tmp_path, monkeypatch):
+    import mpmath.ctx_mp_python
+
+    from demlaws.yade import run
+
+    monkeypatch.setattr(mpmath, "__file__", "/venv/mpmath/__init__.py")
+    monkeypatch.delattr(mpmath.ctx_mp_python, "mpf", raising=False)
+    with pytest.raises(dl.DemlawsError, match="pip uninstall mpmath"):
+        run.run(tmp_path / "script.py", gui=True)
+    monkeypatch.setattr(mpmath.ctx_mp_python, "mpf", object, raising=False)
+    run.check_windows()
+
+
 def test_quick_check(tmp_path):
     done = subprocess.run(
         [sys.executable, "-m", "demlaws", "yade", "check", "--quick"], capture_output=True, text=True, timeout=3000
