@@ -55,15 +55,15 @@ EXAMPLES = (
     Example("settings of hSize", "PeriodicBoundaries/periodic-triax-settingHsize.py", MINDLIN, 4000, 1e-7),
     Example(
         "triax of clumps",
-        "clumps/triax-basic-with-clumps.py",
-        f"{MINDLIN}; 27 clumps",
-        2000,
-        1e-4,
-        swaps=[("Vector3(10, 10, 10)", "Vector3(3.75, 3.75, 3.75)"), ("d = 8", "d = 3")],
+        "triax-tutorial/script-session1.py",
+        f"{MINDLIN}; clumps = True",
+        3000,
+        1e-5,
+        swaps=[("clumps = False", "clumps = True")],
     ),
     Example(
         "STL drum",
-        "baraban/rotating-cylinder.py",
+        "baraban/baraban.py",
         f"{VISCOUS}; 216 grains",
         1500,
         1e-5,
@@ -310,7 +310,7 @@ def row(example, mindlin, ours):
     a, b = mindlin[quantity], ours[quantity]
     seen = f"{ours['seen']}/{ours['contacts']}"
     line = (
-        f"{example.name:21}{example.changed:33}{'nothing':9}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
+        f"{example.name:21}{example.changed:33}{'nothing':9}{mindlin['steps']:7d}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
         f"{mindlin['energy']:12.3e}{ours['energy']:12.3e}  {quantity:7}{a:12.4g}{b:12.4g} {unit}"
     )
     return line, (example.name, a, b)
@@ -348,7 +348,7 @@ def main():
         "To Mindlin: what differs from the example; to ours: what had to be changed beside the law; seen: contacts by our law."
     )
     print(
-        f"{'example':21}{'to Mindlin':33}{'to ours':9}{'steps':>7}{'':>7}{'contacts seen':>12}"
+        f"{'example':21}{'to Mindlin':33}{'to ours':9}{'steps':>7}{'ours':>7}{'':>7}{'contacts seen':>12}"
         f"{'E_kin [J]':>11}{'ours':>12}  {'':7}{'Mindlin':>12}{'ours':>12}"
     )
     rows, failed = [], 0
