@@ -31,7 +31,7 @@ def _checked(law):
 
 
 def _count(steps):
-    return whole(steps, "steps a branch")
+    return whole(steps, "steps")
 
 
 def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:

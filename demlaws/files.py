@@ -3,11 +3,12 @@
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from demlaws.errors import DemlawsError
 
 
-def as_path(path):
+def as_path(path: Any) -> Path:
     """A Path of text or of a Path."""
     try:
         return Path(path)
