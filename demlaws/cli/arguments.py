@@ -24,6 +24,7 @@ pressure = _quantity("Pa", "a pressure")
 force = _quantity("N", "a force")
 speed = _quantity("m/s", "a speed")
 density = _quantity("kg/m³", "a density")
+compliance = _quantity("m/N", "a compliance")
 plain = _quantity("", "this")
 
 

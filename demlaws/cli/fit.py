@@ -3,11 +3,12 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, law_name, length, output
+from demlaws.cli.arguments import compliance, force, law_name, length, output
 from demlaws.cli.curve import add_contact_arguments, contact_from
 
 UNITS = {"roughness": ("µm", 1e6), "zero": ("µm", 1e6), "modulus": ("GPa", 1e-9), "hardness": ("GPa", 1e-9)}
 UNITS["yield_pressure"] = UNITS["modulus"]
+UNITS["compliance"] = ("µm/N", 1e6)
 
 
 def register(subparsers):
@@ -23,7 +24,7 @@ def register(subparsers):
             "  displacement (um),force (N)"
         ),
     )
-    parser.add_argument("points", type=Path, help="CSV file of measured points")
+    parser.add_argument("points", type=Path, help="text file of measured points: two columns, titles with units")
     add_contact_arguments(parser)
     parser.add_argument(
         "--law", type=law_name, action="append", help="only this law (may be repeated; default: all that need no height map)"
@@ -32,6 +33,13 @@ def register(subparsers):
     parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
     parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
     parser.add_argument("--force-noise", type=force, default=0.0, metavar="N", help="standard deviation of the force in N")
+    parser.add_argument(
+        "--compliance",
+        type=compliance,
+        default=0.0,
+        metavar="M/N",
+        help="how far the apparatus gives way, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
+    )
     parser.add_argument("--csv", type=output, help="file to write the ranking to")
     parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
@@ -41,14 +49,18 @@ def shown(name, estimate):
     """A parameter with its interval, in handy units."""
     from demlaws.advice.fit import PARAMETERS
 
+    if estimate.note.startswith("not determined"):
+        return f"{name} {estimate.note}"
     unit, factor = UNITS.get(name, (PARAMETERS[name].unit if name in PARAMETERS else "m", 1.0))
     text = f"{name} {estimate.value * factor:.5g}"
-    if estimate.error == estimate.error:
+    if estimate.low == estimate.low:
         text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"
     return f"{text} {unit}".rstrip() + (f" ({estimate.note})" if estimate.note else "")
 
 
 def run(arguments):
+    from tqdm import tqdm
+
     from demlaws import granite, plots
     from demlaws.advice.fit import fit
     from demlaws.plots import choose as plots_choose
@@ -62,6 +74,8 @@ def run(arguments):
         free=arguments.free,
         displacement_noise=arguments.displacement_noise,
         force_noise=arguments.force_noise,
+        compliance=arguments.compliance,
+        progress=lambda jobs: tqdm(jobs, desc="fit", unit="law", leave=False, disable=None),
     )
     print(f"{points.source}: {ranking.points[1].size} points to {ranking.points[1].max():.4g} N; intervals hold 95 %\n")
     print(f"{'law':16} {'unloading':9} {'misfit (µm)':>11} {'ΔAICc':>9} {'weight':>7}  parameters")

@@ -312,7 +312,7 @@ def must(root, *command):
 
 def steps(wanted, pytest_arguments):
     """[(name, function of the root)] in order."""
-    tests = ["-m", "pytest", "-q", *(pytest_arguments or ["tests/engines"])]
+    tests = ["-m", "pytest", "-q", "-n", str(os.cpu_count()), *(pytest_arguments or ["tests/engines"])]
     plan = []
     if "granite" in wanted:
         plan.append(("make granite", lambda root: make(root, "granite", f"{INSIDE}/.venv/.plots")))
@@ -322,7 +322,7 @@ def steps(wanted, pytest_arguments):
         plan.append(("demlaws yade check", lambda root: must(root, ".venv/bin/demlaws", "yade", "check")))
         plan.append(("demlaws liggghts check", lambda root: must(root, ".venv/bin/demlaws", "liggghts", "check")))
     if "tests" in wanted:
-        plan.append((" ".join(tests[1:]), lambda root: must(root, ".venv/bin/python", *tests)))
+        plan.append((f"pytest {' '.join(tests[5:])}", lambda root: must(root, ".venv/bin/python", *tests)))
     return plan
 
 

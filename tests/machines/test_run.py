@@ -45,7 +45,8 @@ def test_all_steps_pass_and_nothing_stays(machines, pretend, tmp_path, capsys):
     assert machines.main(["debian-13", "--folder", str(tmp_path), "--", "tests/engines/yade", "-k", "wall"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert "debian-13: all passed" in lines[-1]
-    assert pretend[1][-1] == ".venv/bin/python -m pytest -q tests/engines/yade -k wall"
+    assert pretend[1][-1].startswith(".venv/bin/python -m pytest ")
+    assert pretend[1][-1].endswith(" tests/engines/yade -k wall")
     told = [line for line in lines if ": passed," in line]
     assert len(told) == 6  # root, granite, engines and venv, two checks, tests
     assert [path.name for path in tmp_path.iterdir()] == ["debian-13.lock"]
