@@ -11,7 +11,7 @@ from demlaws.checks import number
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop
-from demlaws.core.loops import evaluate_loop
+from demlaws.core.loops import energy_loop, evaluate_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Path
@@ -162,17 +162,23 @@ def elastic_contact(law, mass, speed):
     from scipy.optimize import brentq
 
     kinetic = 0.5 * mass * speed**2
+
+    def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
+        values = np.atleast_1d(np.asarray(overlaps, float))
+        result = np.empty(values.size)
+        energy_loop(law.params, values, result)
+        return result
+
     high = float(law.contact.radius)
-    if not float(law.energy(high)) > kinetic:  # also where a table ends before: its energy is not a number there
+    if not work(high)[0] > kinetic:  # also where a table ends before: its energy is not a number there
         high = float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
-        if not float(law.energy(high)) > kinetic:
+        if not work(high)[0] > kinetic:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
-    peak = brentq(lambda overlap: float(law.energy(overlap)) - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
+    peak = brentq(lambda overlap: work(overlap)[0] - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
     x, weights = np.polynomial.legendre.leggauss(64)
     x = 0.5 * (x + 1.0)
-    overlap = peak * (1.0 - x**2)
-    v2 = speed**2 - 2.0 / mass * np.asarray(law.energy(overlap))
+    v2 = speed**2 - 2.0 / mass * work(peak * (1.0 - x**2))
     times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
     return peak, 2.0 * float(np.sum(times))
 

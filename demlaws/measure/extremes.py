@@ -93,7 +93,9 @@ def make_group(case, contact, radius1, radius2, roughness):
     """A `Group` of these contacts; in a table's case the table reaches nearly to R."""
     law, closed_form = _granite_laws(case) if contact is GRANITE else _laws(case, contact)
     solved, table = registry()[case.law].solved, case.evaluation == "table"
-    largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * (0.098 if solved else 0.85 if table else 1.0)
+    # beyond R there is no answer, and positions round
+    share = 0.098 if solved else 0.85 if table else 1.0 - 1e-6
+    largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * share
     modulus = np.broadcast_to(np.asarray(contact.modulus, float), radius1.shape).copy()
     return Group(case, law, closed_form, radius1, radius2, modulus, roughness, largest)
 

@@ -41,15 +41,25 @@ class Case(NamedTuple):
     evaluation: str  # "closed form" or "table"
 
     def bind(self, contact, table_end=None):
-        """The law on a contact or an array of contacts."""
+        """The law on a contact or an array of contacts; as a table one that reaches `table_end` times each of their radii."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            law = example(self.law, contact, self.unloading)
             if self.evaluation == "closed form":
-                return law
+                return example(self.law, contact, self.unloading)
+            law = example(self.law, _longest(contact), self.unloading)
             share = 0.099 if registry()[self.law].solved else table_end  # solved curves end at a tenth of the radius
-            end = None if table_end is None else float(np.max(law.force(share * np.asarray(contact.radius))))
-            return law.tabulate(TABLE, end)
+            end = None if table_end is None else float(np.max(law.force(share * np.asarray(law.contact.radius))))
+            table = law.tabulate(TABLE, end)
+            return table if contact.size is None else table.bound_to(contact)
+
+
+def _longest(contact):
+    """Of an array of contacts the one whose radius is the most multiples of its roughness."""
+    if contact.size is None:
+        return contact
+    columns = {name: np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "roughness")}
+    index = int(np.argmax(columns["radius"] / np.maximum(columns["roughness"], 1e-300)))
+    return contact.with_values(**{name: float(column[index]) for name, column in columns.items()})
 
 
 def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
