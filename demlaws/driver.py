@@ -171,7 +171,7 @@ def elastic_contact(law, mass, speed):
 
     high = float(law.contact.radius)
     if not work(high)[0] > kinetic:  # also where a table ends before: its energy is not a number there
-        high = float(getattr(law, "largest_overlap", high)) * (1.0 - 1e-12)
+        high = min(high, float(law.largest_overlap)) * (1.0 - 1e-12)
         if not work(high)[0] > kinetic:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
     peak = brentq(lambda overlap: work(overlap)[0] - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)

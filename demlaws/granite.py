@@ -1,7 +1,7 @@
-"""The granite contact tests of Altuhafi, Baudet & Coop 2023, run with every law, and the paper's claims held against them.
+"""The granite contact tests of Altuhafi, Baudet & Coop 2023, run with every law.
 
-No measured point of these tests is public: a claim about a fit to the data cannot be decided from the laws alone. A
-user's points (`read_points`) decide those that concern their test.
+No measured point of these tests is public; a user's can be laid over them (`read_points`). What the paper says in words is
+held against the runs in `claims`.
 """
 
 import csv
@@ -18,7 +18,6 @@ from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.law import Path
-from demlaws.laws.greenwood_tripp import MU
 from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
@@ -239,240 +238,13 @@ def _next_rise(force):
     return int(rises[0]) + 1 if rises.size else force.size
 
 
-# --- claims
-
-REPRODUCED, NOT_REPRODUCED, UNDECIDED = "reproduced", "not reproduced", "cannot be decided without measured points"
-
-
-class Claim(NamedTuple):
-    """One sentence of the paper, what the run gives, and the verdict."""
-
-    test: str
-    claim: str
-    gives: str
-    verdict: str
-
-
-def _verdict(holds):
-    return REPRODUCED if holds else NOT_REPRODUCED
-
-
-class _Laws:
-    """Laws on tests, bound once."""
-
-    def __init__(self):
-        self.known = {}
-
-    def __call__(self, name, test):
-        if (name, test) not in self.known:
-            self.known[name, test] = bind(name, find_test(test))
-        return self.known[name, test]
-
-
-def claims(points=None):
-    """Every claim of the paper that a run can be held against. points: measured points by test name."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
-        get = _Laws()
-        return [claim for group in (_sphere_claims, _law_claims, _cone_claims) for claim in group(get, points or {})]
-
-
-def _sphere_claims(get, points):
-    ratio = {
-        load: stiffness_at(get("pohrt-popov", "VS(18-18)"), load) / hertz_stiffness(find_test("VS(18-18)"), load)
-        for load in (0.5, 2.0, 10.0)
-    }
-    rms = stiffness_at(get("rms", "VS(18-18)"), 10.0) / hertz_stiffness(find_test("VS(18-18)"), 10.0)
-    yield Claim(
-        "VS(18-18)",
-        "closest to the Hertz stiffness after the initial loading, even before 10 N",
-        f"Pohrt-Popov K/K_H = {ratio[0.5]:.3f} at 0.5 N, {ratio[2.0]:.3f} at 2 N, {ratio[10.0]:.3f} at 10 N; "
-        f"RMS {rms:.3f} at 10 N",
-        _verdict(min(ratio[2.0], ratio[10.0], rms) > 0.9),
-    )
-    gained = {
-        name: [displacement_gained(get(name, t)) / MICRO for t in ("RS(18-18)", "SS(18-18)", "VS(18-18)")]
-        for name in ("pohrt-popov", "rms", "yip-venart")
-    }
-    yield Claim(
-        "RS, SS, VS(18-18)",
-        "softness in the order RS(18-18) > SS(18-18) > VS(18-18)",
-        "µm gained to 100 N: " + "; ".join(f"{n} {' > '.join(f'{v:.1f}' for v in row)}" for n, row in gained.items()),
-        _verdict(all(a > b > c for a, b, c in gained.values())),
-    )
-    softer = {t: displacement_gained(get("pohrt-popov", t)) / displacement_gained(get("hertz", t)) for t in ROUGH_SPHERES}
-    measured = [t for t in ROUGH_SPHERES if t in points]
-    yield Claim(
-        "rough spheres",
-        "Hertz is too stiff in every rough test",
-        "Pohrt-Popov gains "
-        + ", ".join(f"{v:.2f}" for v in softer.values())
-        + " times Hertz's displacement to 100 N"
-        + "".join(f"; measured {t}: {points[t].gain_over(get('hertz', t)):.2f} times" for t in measured),
-        UNDECIDED
-        if len(measured) < len(ROUGH_SPHERES)
-        else _verdict(all(points[t].gain_over(get("hertz", t)) > 1.1 for t in measured)),
-    )
-    low, high = (
-        {t: stiffness_at(get("pohrt-popov", t), load) / hertz_stiffness(find_test(t), load) for t in ROUGH_SPHERES}
-        for load in (1.0, 100.0)
-    )
-    yield Claim(
-        "rough spheres",
-        "the effect of roughness is very significant at lower load levels",
-        "Pohrt-Popov K/K_H " + "; ".join(f"{t} {low[t]:.2f} at 1 N, {high[t]:.2f} at 100 N" for t in ROUGH_SPHERES),
-        _verdict(all(low[t] < 0.6 and low[t] < high[t] for t in ROUGH_SPHERES)),
-    )
-    yield Claim(
-        "SS(12-18)",
-        "unloading is Hertz-like",
-        "the Hertz rule unloads with K/K_H = 1 by construction",
-        UNDECIDED,
-    )
-
-
-def _law_claims(get, points):
-    threshold = threshold_force(find_test("SS(18-18)"))
-    yield Claim(
-        "SS(18-18)",
-        "Pohrt-Popov crosses over to Hertz at around 73 N",
-        f"{threshold:.1f} N from the paper's own Eqs. 8 and 9 and its table",
-        _verdict(abs(threshold - 73.0) < 3.0),
-    )
-    exponents = {t.name: 0.2567 * t.fractal_dimension for t in TESTS[:5]}
-    yield Claim(
-        "all spheres",
-        "exponent of stiffness against load around 0.56 for these fractal dimensions",
-        ", ".join(f"{t} {m:.3f}" for t, m in exponents.items()),
-        _verdict(all(abs(m - 0.56) < 0.015 for m in exponents.values())),
-    )
-    smooth = find_test("SS(18-18)")
-    loads = np.geomspace(0.01, 10.0, 20)
-    slopes = []
-    for roughness in (2.40e-6, 5.34e-6):
-        bound = law("pohrt-popov", smooth.contact.with_values(roughness=roughness))
-        slopes.append(np.polyfit(np.log(loads), np.log(bound.stiffness(bound.overlap(loads))), 1)[0])
-    yield Claim(
-        "SS, RS(18-18)",
-        "roughness moves the Pohrt-Popov stiffness line and leaves its gradient",
-        f"gradient {slopes[0]:.6f} at σ = 2.40 µm, {slopes[1]:.6f} at 5.34 µm",
-        _verdict(abs(slopes[0] - slopes[1]) < 1e-9),
-    )
-    difference = {}
-    for t in ROUGH_SPHERES:
-        load = np.linspace(1.0, 70.0, 70)
-        a, b = get("rms", t).overlap(load), get("pohrt-popov", t).overlap(load)
-        difference[t] = float(np.max(np.abs((a - a[0]) - (b - b[0]))) / (b[-1] - b[0]))
-    yield Claim(
-        "rough spheres",
-        "RMS and Pohrt-Popov lie close to each other to about 70 N",
-        "displacement from 1 N on differs by at most " + ", ".join(f"{t} {100 * d:.0f} %" for t, d in difference.items()),
-        _verdict(max(difference.values()) < 0.15),
-    )
-    yield Claim("rough spheres", "above about 70 N RMS and Pohrt-Popov are too stiff", "needs the measured curves", UNDECIDED)
-    early = {t: float(get("rms", t).overlap(0.5) / get("pohrt-popov", t).overlap(0.5)) for t in ROUGH_SPHERES}
-    tripp = {t: float(get("rms", t).overlap(0.5) / get("hertz", t).overlap(0.5)) for t in ROUGH_SPHERES}
-    yield Claim(
-        "rough spheres",
-        "RMS overestimates deformation at low load",
-        "at 0.5 N RMS gives "
-        + ", ".join(f"{t} {early[t]:.2f} × Pohrt-Popov's and {tripp[t]:.1f} × Hertz's overlap" for t in ROUGH_SPHERES),
-        UNDECIDED,
-    )
-    against = {t: displacement_gained(get("yip-venart", t)) / displacement_gained(get("pohrt-popov", t)) for t in ROUGH_SPHERES}
-    fits = "; ".join(f"measured {t}: {_ranking(points[t], get, t)}" for t in ROUGH_SPHERES if t in points)
-    yield Claim(
-        "SS(18-18), SS(12-18), SF(12)",
-        "Yip-Venart fits SS(18-18) and SS(12-18) and is too soft for SF(12)",
-        "Yip-Venart gains "
-        + ", ".join(f"{t} {v:.3f}" for t, v in against.items())
-        + " times Pohrt-Popov's displacement"
-        + (f"; {fits}" if fits else ""),
-        UNDECIDED,
-    )
-    stiffer = {t: displacement_gained(get("bahrami", t)) / displacement_gained(get("pohrt-popov", t)) for t in ROUGH_SPHERES}
-    yield Claim(
-        "rough spheres",
-        "Bahrami suits none of the tests",
-        "Bahrami gains " + ", ".join(f"{t} {v:.2f}" for t, v in stiffer.items()) + " times Pohrt-Popov's displacement",
-        UNDECIDED,
-    )
-    pair = [displacement_gained(get(n, "SS(12-18)")) / MICRO for n in ("greenwood-tripp", "yip-venart", "pohrt-popov")]
-    yield Claim(
-        "SS(12-18)",
-        "elastic or plastic asperities make little difference",
-        f"µm gained to 100 N: Greenwood-Tripp (μ = {MU:g} assumed) {pair[0]:.1f}, Yip-Venart {pair[1]:.1f}, "
-        f"Pohrt-Popov {pair[2]:.1f}",
-        _verdict(max(pair) / min(pair) < 1.15),
-    )
-    curves = effective_radius(np.array([0.05]))
-    values = [float(v[0]) for v in curves.values()]
-    yield Claim(
-        "a*/a_H",
-        "for α below 0.05 Hertz underestimates the contact radius by up to 7 %",
-        "at α = 0.05: " + ", ".join(f"{n} {100 * (v - 1):.1f} %" for n, v in zip(curves, values, strict=True)),
-        _verdict(max(values) <= 1.07),
-    )
+# --- derived curves
 
 
 def threshold_force(test):
     """F of Pohrt & Popov [N]."""
     bound = bind("pohrt-popov", test, "elastic")
     return float(bound.force(1.0 / bound.params.inverse_threshold))
-
-
-def _cone_claims(get, points):
-    cone, small = find_test("RFC10"), find_test("FC5")
-    rfc, _ = run_test("rough-plastic", cone)
-    fc, _ = run_test("rough-plastic", small)
-    yields = {t.name: math.pi**3 * t.radius**2 * t.yield_pressure**3 / (6.0 * _MODULUS**2) for t in (cone, small)}
-    p = rfc.law.params
-    yield Claim(
-        "RFC10",
-        "the elastic models hold to 20 N",
-        f"p_y = 1.66 GPa, read from the 5000 N/mm of the test, lets a smooth tip yield at {yields['RFC10']:.1f} N",
-        _verdict(abs(yields["RFC10"] - 20.0) < 2.0),
-    )
-    yield Claim(
-        "RFC10",
-        "the first 20 N follow Pohrt-Popov",
-        f"rough-plastic is Pohrt-Popov to {p.yield_force:.1f} N (Df = {CONE_DIMENSION} assumed)",
-        UNDECIDED,
-    )
-    stages = stages_of(rfc)
-    over = [s.over_hertz for s in stages if math.isfinite(s.over_hertz)]
-    final = [s.final_stiffness / 1e3 for s in stages if s.maximum_force > p.yield_force]
-    yield Claim(
-        "RFC10",
-        "reloading is nearly Hertz up to gross yield, then about 5000 N/mm",
-        f"reload K/K_H = {min(over):.3f} to {max(over):.3f}; "
-        f"after yield {min(final):.0f} to {max(final):.0f} N/mm (p_y chosen for it)",
-        _verdict(0.9 < min(over) and max(over) < 1.1 and all(abs(k / 5000 - 1) < 0.1 for k in final)),
-    )
-    load = np.array([s.maximum_force for s in stages])
-    plastic = np.array([s.plastic_overlap for s in stages])
-    r2 = float(np.corrcoef(load, plastic)[0, 1] ** 2)
-    yield Claim(
-        "RFC10",
-        "cumulative plastic deformation is nearly linear in the maximum load",
-        "µm: " + ", ".join(f"{d / MICRO:.1f} at {f:.0f} N" for f, d in zip(load, plastic, strict=True)) + f"; R² = {r2:.4f}",
-        _verdict(r2 > 0.98),
-    )
-    yield Claim(
-        "FC5",
-        "Pohrt-Popov is good below 7 N",
-        f"p_y = 2.35 GPa lets a smooth tip of R = 0.33 mm yield at {yields['FC5']:.1f} N, the rough one at "
-        f"{fc.law.params.yield_force:.1f} N (σ and Df assumed)",
-        UNDECIDED,
-    )
-    other = {round(s.maximum_force): s.plastic_overlap for s in stages_of(fc) if s.stage == 4}
-    ratios = {f: other[round(f)] / d for f, d in zip(load, plastic, strict=True) if round(f) in other}
-    yield Claim(
-        "FC5",
-        "plastic deformations compare well with RFC10's",
-        "FC5 over RFC10: " + ", ".join(f"{v:.2f} at {f:.0f} N" for f, v in ratios.items()),
-        _verdict(all(0.5 < v < 2.0 for v in ratios.values())),
-    )
 
 
 def effective_radius(alpha):
@@ -488,15 +260,6 @@ def effective_radius(alpha):
         values[order] = solve_greenwood_tripp(mu, force[order]).effective_radius
         curves[f"Greenwood-Tripp μ = {mu:g}"] = values
     return curves
-
-
-# --- measured points
-
-
-def _ranking(points, get, test):
-    """Laws from the best to the worst misfit, as text."""
-    rows = sorted((points.misfit(get(name, test)), name) for name in laws_for_tests())
-    return ", ".join(f"{name} {misfit / MICRO:.2f} µm" for misfit, name in rows)
 
 
 # --- files

@@ -95,7 +95,7 @@ class Law:
     """
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
-    largest_force = math.inf  # [N]: where a table ends
+    largest_overlap, largest_force = math.inf, math.inf  # [m], [N]: where a table ends
     _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
 
     def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
@@ -256,7 +256,7 @@ class Law:
             states = tuple(array[piece] for array in arrays)
             return batch_loop(self.rule, params, overlap[piece], states, ends, small, force[piece], stiffness[piece])
 
-        good = all(_in_threads(part, n)) if parallel and n >= 2 * _PIECE else part(slice(None))
+        good = all(in_threads(part, n)) if parallel and n >= 2 * _PIECE else part(slice(None))
         if not good:
             bad = np.flatnonzero(~np.isfinite(force) | (overlap > end))
             if bad.size:
@@ -422,7 +422,7 @@ if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_forget_pool)
 
 
-def _in_threads(part, n):
+def in_threads(part, n):
     """Results of part(slice) over all of range(n), in pieces that this thread and those of the pool take in turn."""
     global _pool
     import numba

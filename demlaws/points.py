@@ -14,6 +14,15 @@ UNLOADED = 0.02
 """Part of the largest force so far by which the force must fall to count as unloading, rather than as noise."""
 
 
+class Fit(NamedTuple):
+    """A law against measured points of first loading."""
+
+    misfit: float  # rms difference in displacement [m]
+    uncertainty: float  # its standard error [m]
+    offset: float  # displacement of the measurement where the law's overlap is 0 [m]
+    compliance: float  # of the apparatus [m/N]; 0 where it was not fitted
+
+
 class Points(NamedTuple):
     """Measured points of one test, SI, in the order of the test."""
 
@@ -66,6 +75,68 @@ class Points(NamedTuple):
         """Root mean square difference in displacement [m] on first loading, after the best shift of the measured zero."""
         displacement, force = self.loading()
         return float(np.std(displacement - bound.overlap(force)))
+
+    def travel(self):
+        """Displacement measured from the first to the last point of first loading [m]."""
+        displacement, _ = self.loading()
+        return float(displacement[-1] - displacement[0])
+
+    def up_to(self, force):
+        """The same measurement, ended where first loading passes `force` [N]."""
+        keep = self.first_loading() & (self.force <= force)
+        if np.count_nonzero(keep) < 4:
+            raise DemlawsError(
+                f"{self.source}: {np.count_nonzero(keep)} points of first loading up to {force:g} N; 4 are needed"
+            )
+        return self._replace(displacement=self.displacement[keep], force=self.force[keep])
+
+    def fit(self, bound, compliance=False):
+        """`Fit` of a law's first loading: offset, and with compliance=True the apparatus's compliance, by least squares."""
+        displacement, force = self.loading()
+        columns = [np.ones_like(force), force] if compliance else [np.ones_like(force)]
+        design = np.stack(columns, axis=1)
+        rest = displacement - bound.overlap(force)
+        values = np.linalg.lstsq(design, rest, rcond=None)[0]
+        left = rest - design @ values
+        free = max(force.size - design.shape[1], 1)
+        misfit = float(np.sqrt(np.sum(left**2) / free))
+        return Fit(misfit, misfit / math.sqrt(2.0 * free), float(values[0]), float(values[1]) if compliance else 0.0)
+
+    def gain_above(self, bound, force):
+        """Displacement measured from `force` [N] to the last load over the law's, and its standard error."""
+        displacement, measured = self.loading()
+        keep = measured >= force
+        if np.count_nonzero(keep) < 4:
+            raise DemlawsError(
+                f"{self.source}: {np.count_nonzero(keep)} points of first loading above {force:g} N; 4 are needed"
+            )
+        ours, theirs = bound.overlap(measured[keep]), displacement[keep]
+        # scatter of single points about their neighbours: what is common to neighbours is no noise
+        noise = float(np.std(np.diff(theirs - ours, 2))) / math.sqrt(6.0)
+        gained = float(ours[-1] - ours[0])
+        return float(theirs[-1] - theirs[0]) / gained, math.sqrt(2.0) * noise / gained
+
+    def unloading_misfit(self, bound):
+        """Root mean square difference [m] of the first unloading, both measured from the maximum, along a law's own curve."""
+        peak = int(np.argmax(self.force))
+        after = self.force[peak:]
+        end = int(np.argmin(after)) + 1
+        if end < 4:
+            raise DemlawsError(f"{self.source}: {end - 1} points of unloading after the largest force; 3 are needed")
+        ours = bound.overlap(after[:end]) - bound.overlap(after[0])
+        return float(np.sqrt(np.mean((self.displacement[peak : peak + end] - self.displacement[peak] - ours) ** 2)))
+
+    def residuals(self):
+        """(largest force so far, displacement left after it) of every unloading to below 5 % of that force, in order."""
+        found, largest = [], 0.0
+        start = float(self.displacement[0])
+        for k in range(1, self.force.size):
+            largest = max(largest, float(self.force[k]))
+            low = self.force[k] <= 0.05 * largest
+            turns = k + 1 == self.force.size or self.force[k + 1] > self.force[k]
+            if low and turns and (not found or largest > found[-1][0]):
+                found.append((largest, float(self.displacement[k]) - start))
+        return found
 
 
 _COLUMNS = {

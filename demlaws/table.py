@@ -1,4 +1,4 @@
-"""Tables: a law's dimensionless curve on a bit-indexed semi-logarithmic grid, certified, saved as readable text.
+"""Tables: a law's dimensionless curve on a bit-indexed semi-logarithmic grid, certified; `table_file` has their text.
 
 With u = δ/length and f = P/(E* √R length^1.5) a table holds s(u) = (3f/4)^(2/3), the Hertz-equivalent overlap, as one
 cubic a cell. Then f = (4/3) s^1.5, df/du = 2 √s ds/du and the plastic overlap of Hertz unloading is u - s: no power, no
@@ -9,28 +9,26 @@ bits of u. A cell with a kink is split there, and all cells right of it move up 
 import json
 import math
 import os
-import zlib
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws import table_file
 from demlaws.checks import number
 from demlaws.contact import Contact
-from demlaws.core.curve import SEATED
-from demlaws.core.grid import MOST_BITS, Nodes, grid, node, node_number, quick_to_invert, shape_from_nodes
+from demlaws.core.curve import BulkYield
+from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes
 from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
-from demlaws.core.unloading import GIVEN, RULES, Elastic, JoinedShape
+from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.joining import joined_law
 from demlaws.law import Law
+from demlaws.laws.definition import Definition
 from demlaws.laws.registry import find
-
-FORMAT = "# demlaws-table 1"
-_TITLES = "overlap force stiffness"
-_UNLOADING_TITLES = "unloading overlap force stiffness"
+from demlaws.table_file import UNLOADING, Rows
 
 
 class Source(NamedTuple):
@@ -76,7 +74,8 @@ class Source(NamedTuple):
 
     def certify(self, shape, table):
         """`Certificate` of a table's shape, bound to the contact as `table`."""
-        u = np.append(shape.starts[:, 3] + shape.starts[:, 4] * shape.starts[:, 0], shape.highest)
+        starts = shape.grid.starts
+        u = np.append(starts[:, 3] + starts[:, 4] * starts[:, 0], shape.grid.highest)
         # where cubics through exact ends err most in value and in slope; closer together for laws that have cells of their own
         fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
         width = np.diff(u)
@@ -134,10 +133,11 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
     kinks = [k / length for k in _kinks_of_one(law, index)]
     source = Source(params, length, params.hertz_coefficient, kinks, definition.solved)
     smallest = min(source.lowest(rtol), largest / 64.0)
-    bulk_yield = _bulk_yield(params, length)
+    straight = _starts_from_force(law)
     for bits_per_octave in range(1, MOST_BITS + 1):
         nodes = source.nodes(smallest, largest, bits_per_octave)
-        shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius, bulk_yield)
+        bulk = _bulk_yield(law, params, length, nodes.u[-1])
+        shape = shape_from_nodes(nodes, bits_per_octave, over_roughness, over_radius, bulk, straight)
         certificate = source.certify(shape, bind_params(shape, one))
         if max(certificate) <= rtol:
             return Table(law, shape, nodes, certificate, rtol)
@@ -182,7 +182,10 @@ def take(law, rule, curve=None):
         return joined_law(law, rule, curve)
     shape, certificate = law.loading_shape, (law.force_error, law.stiffness_error)
     elastic = Law(law.definition, law.contact, "elastic", law.options, shape, loading_part(law.params))
-    plain = Table(elastic if curve is not None else joined_law(elastic, rule), shape, law.nodes, certificate, law.rtol)
+    joined = elastic if curve is not None else joined_law(elastic, rule)
+    plain = Table(joined, shape, law.nodes, certificate, law.rtol)
+    if law.unloading_law is None:
+        plain.said_to_collapse = law.said_to_collapse
     return plain if curve is None else with_curve(plain, curve)
 
 
@@ -197,7 +200,7 @@ def with_curve(table, curve):
     kinks = [k / length for k in _kinks_of_one(curve, index)]
     source = Source(params.unloading, length, coefficient, kinks, curve.definition.solved)
     end, top = 0.75 * coefficient * length**1.5 * table.nodes.force[-1], np.empty(1)
-    for bits_per_octave in range(52 - own.shift, MOST_BITS + 1):
+    for bits_per_octave in range(52 - own.grid.shift, MOST_BITS + 1):
         # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
         inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits_per_octave)]), top)
         if not np.isfinite(top[0]):
@@ -210,7 +213,7 @@ def with_curve(table, curve):
         if not np.all(np.isfinite(nodes.force)):  # a table as the curve ends within the last cell
             continue
         lengths = own.length_over_roughness, own.length_over_radius
-        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, floor=_floor(own))
+        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, straight=_starts_from_force(curve), floor=_floor(own))
         certificate = source.certify(shape, bind_params(shape, one))
         if max(certificate) <= table.rtol:
             law = Law(curve.definition, table.contact, "elastic", curve.options, shape)
@@ -222,7 +225,7 @@ def with_curve(table, curve):
 
 def _floor(shape):
     """s where the power law of a loading curve ends below: the unloading curve's ends there, too, and stays the stiffer one."""
-    return None if shape.exponent < SEATED else float(shape.cells[0, 1])
+    return None if shape.grid.seat > 0.0 else float(shape.grid.cells[0, 1])
 
 
 def _joined_table(table, rows):
@@ -232,12 +235,23 @@ def _joined_table(table, rows):
     return Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
 
 
-def _bulk_yield(params, length):
-    """What Thornton's rule needs of a law whose bulk yields, dimensionless; see `TableShape`."""
-    if not hasattr(params, "area_slope"):
-        return math.inf, 0.0, 0.0
-    slope = params.area_slope * params.hertz_coefficient * math.sqrt(length)
-    return params.yield_overlap / length, params.yield_area / length, slope
+def _starts_from_force(law):
+    """Whether the law's force at overlap 0+ is not 0: its curve then goes on straight below the first row."""
+    if isinstance(law, Table):
+        return law.loading_shape.grid.seat > 0.0
+    return law.definition.seated(**law.options)
+
+
+def _bulk_yield(law, params, length, highest):
+    """`BulkYield` of a law whose bulk yields within the table."""
+    if isinstance(law, Table):
+        return law.loading_shape.bulk
+    if law.definition.bulk is None:
+        return NO_YIELD
+    overlap, area, slope = law.definition.bulk(params)
+    if not overlap / length < highest:
+        return NO_YIELD
+    return BulkYield(area / length, slope * params.hertz_coefficient * math.sqrt(length))
 
 
 def _lengths(definition, contact):
@@ -260,6 +274,7 @@ class Table(Law):
         self.nodes = nodes
         self.force_error, self.stiffness_error = certificate
         self.rtol = rtol
+        self.said_to_collapse = None  # what a file says, where the table comes from one
         self.made_for = self.contact  # of a table that is the unloading curve of another: the contact of its law
 
     def __repr__(self):
@@ -276,6 +291,16 @@ class Table(Law):
         return list(self.nodes.kinks * np.ravel(self.length)[0])
 
     @property
+    def collapses(self) -> bool:
+        return super().collapses if self.said_to_collapse is None else self.said_to_collapse
+
+    @property
+    def rows(self) -> Rows:
+        """What a file holds of the curve of first loading."""
+        grid = self.loading_shape.grid
+        return Rows(self.nodes, 52 - grid.shift, grid.seat > 0.0)
+
+    @property
     def loading_shape(self) -> Any:
         """`TableShape` of first loading."""
         return loading_part(self.shape)
@@ -288,7 +313,7 @@ class Table(Law):
     @property
     def largest_overlap(self) -> float:
         """End of the table [m]."""
-        return self.loading_shape.highest * np.min(self.length)
+        return self.loading_shape.grid.highest * np.min(self.length)
 
     @property
     def largest_force(self) -> float:  # type: ignore[override]
@@ -297,7 +322,7 @@ class Table(Law):
         return float(scale * self.nodes.force[-1])
 
     def _curve_end(self):
-        return np.minimum(super()._curve_end(), self.loading_shape.highest * np.asarray(self.length))
+        return np.minimum(super()._curve_end(), self.loading_shape.grid.highest * np.asarray(self.length))
 
     def _out_of_range(self, overlap):
         return (
@@ -316,10 +341,20 @@ class Table(Law):
             )
         if self.loading_shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
-        return Table(self, self.shape, self.nodes, (self.force_error, self.stiffness_error), self.rtol, contact)
+        bound = Table(self, self.shape, self.nodes, (self.force_error, self.stiffness_error), self.rtol, contact)
+        bound.said_to_collapse = self.said_to_collapse
+        return bound
 
-    def save(self, path: str | os.PathLike) -> None:
+    def save(self, path: str | os.PathLike) -> Path:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`."""
+        return write_atomically(path, self._compose()[0])
+
+    @property
+    def fingerprint(self) -> int:
+        """Check value (CRC-32) of the file that `save` writes: tables with one fingerprint are one table."""
+        return self._compose()[1]
+
+    def _compose(self):
         from demlaws import __version__
 
         shape, curve = self.loading_shape, self.unloading_law
@@ -335,15 +370,16 @@ class Table(Law):
             "length": repr(float(np.ravel(self.length)[0])),
             "length_over_roughness": repr(shape.length_over_roughness),
             "length_over_radius": repr(shape.length_over_radius),
-            **_describe_rows(self),
+            **table_file.describe_rows(self.rows, (self.force_error, self.stiffness_error)),
             "rtol": repr(self.rtol),
             "demlaws": __version__,
         }
-        if math.isfinite(shape.yield_overlap):  # f at yield, and d(a²/(R length))/df after it
-            header["yield_overlap"] = repr(shape.yield_overlap)
-            header["yield_force"] = repr(4.0 / 3.0 * shape.yield_area**1.5)
-            header["yield_area"] = repr(shape.yield_area)
-            header["yield_area_slope"] = repr(0.75 * shape.yield_area_slope)
+        if math.isfinite(shape.bulk.area):
+            u, s, _ = self.nodes.curve()
+            header["yield_overlap"] = repr(float(u[np.argmin(np.abs(s - shape.bulk.area))]))  # a kink of these laws: a row
+            header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
+            header["yield_area"] = repr(shape.bulk.area)
+            header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
         if curve is not None:
             about = {
                 "law": curve.name,
@@ -351,127 +387,73 @@ class Table(Law):
                 "source": curve.definition.source,
                 "options": json.dumps(curve.options, default=lambda value: value.record()),
                 "contact": json.dumps(_first(curve.made_for).as_dict()),
-                **_describe_rows(curve),
+                **table_file.describe_rows(curve.rows, (curve.force_error, curve.stiffness_error)),
             }
-            header |= {f"unloading_{key}": value for key, value in about.items()}
-        lines = [*(f"{key}: {value}".rstrip() for key, value in header.items()), _TITLES, *_text_rows(self.nodes)]
-        if curve is not None:
-            lines += [_UNLOADING_TITLES, *_text_rows(curve.nodes)]
-        lines.append(f"end: {self.nodes.u.size + (0 if curve is None else curve.nodes.u.size)} rows")
-        text, check = FORMAT + "\n", zlib.crc32((FORMAT + "\n").encode())
-        parts = [text]
-        for line in lines:
-            check = zlib.crc32(line.encode(), check)
-            tail = f" {check:08x}\n"
-            check = zlib.crc32(tail.encode(), check)
-            parts.append(line + tail)
-        return write_atomically(path, "".join(parts))
+            header |= {UNLOADING + key: value for key, value in about.items()}
+        return table_file.compose(header, self.rows, None if curve is None else curve.rows)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Table":
-        """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number."""
+        """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number.
+
+        A law that this version of demlaws does not have is no error: its table is its curve.
+        """
         path = Path(path)
         try:
-            lines = path.read_bytes().split(b"\n")
+            data = path.read_bytes()
         except OSError as error:
             raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
+        file = table_file.parse(data, path)
+        values = file.values
+        lengths = values["length_over_roughness"], values["length_over_radius"]
 
-        def refuse(number, why):
-            raise DemlawsError(f"{path}, line {number}: {why}")
-
-        if lines[0].decode(errors="replace") != FORMAT:
-            refuse(1, f"not a demlaws table (the first line must be {FORMAT!r})")
-        check = zlib.crc32(lines[0] + b"\n")
-        header, rows, curve_rows, ended, places = {}, [], [], None, {}
-        reading = None
-        for place, raw in enumerate(lines[1:], start=2):
-            if ended is not None:
-                if raw:
-                    refuse(place, f"text after the last line ({ended})")
-                continue
-            body, separator, mark = raw.rpartition(b" ")
-            check = zlib.crc32(body, check)
-            if not separator or mark != b"%08x" % check:
-                what = "the file ends here: it was cut short" if place >= len(lines) - 1 else "this line was changed"
-                refuse(place, f"{what} (its check mark does not fit); write the table again with Table.save or demlaws table")
-            check = zlib.crc32(b" " + mark + b"\n", check)
-            try:
-                line = body.decode()
-                places[line.partition(":")[0]] = place
-                if line.startswith("end: "):
-                    ended = line
-                    count = len(rows) + len(curve_rows)
-                    if line != f"end: {count} rows" or header.get("rows") != str(len(rows)):
-                        refuse(place, f"{len(rows)} rows were read, {header.get('rows')} were promised")
-                    if header.get("unloading_rows", "0") != str(len(curve_rows)):
-                        promised = header.get("unloading_rows", "none")
-                        refuse(place, f"{len(curve_rows)} rows of unloading were read, {promised} were promised")
-                elif line == _UNLOADING_TITLES and reading is rows:
-                    reading = curve_rows
-                elif reading is not None:
-                    reading.append(_row(line, reading))
-                elif line == _TITLES:
-                    reading = rows
-                else:
-                    key, _, value = line.partition(": ")
-                    header[key.rstrip(":")] = value
-            except DemlawsError:
-                raise
-            except ValueError as error:
-                refuse(place, f"not a line of a table: {error}")
-        if ended is None:
-            refuse(len(lines), "the file ends without its 'end:' line: it was cut short")
-        if len(rows) < 2:
-            refuse(places["end"], f"a table needs 2 rows or more, this one has {len(rows)}")
-
-        def read(key, convert, suits=lambda value: True):
-            if key not in header:
-                refuse(places[_TITLES], f"the lines above lack {key!r}")
-            try:
-                value = convert(header[key])
-                if suits(value):
-                    return value
-            except (TypeError, ValueError):
-                pass
-            refuse(places[key], f"{header[key]!r} will not do")
-
-        positive = (float, lambda value: 0.0 <= value < math.inf)
-        lengths = (read("length_over_roughness", *positive), read("length_over_radius", *positive))
-        rtol = read("rtol", *positive)
-
-        def table(rows, prefix, unloading, contact, bulk_yield=(math.inf, 0.0, 0.0), floor=None):
+        def table(prefix, unloading, contact, bulk=NO_YIELD, floor=None):
             """What the rows and the keys with this prefix make."""
-            nodes = Nodes(*np.array(rows).T)
-            options = read(f"{prefix}options", json.loads, lambda value: isinstance(value, dict))
-            definition = read(f"{prefix}law", find)
-            suits = lambda value: 1 <= value <= MOST_BITS and _fits_grid(nodes.u, value)  # noqa: E731
-            shape = shape_from_nodes(nodes, read(f"{prefix}bits", int, suits), *lengths, bulk_yield, floor=floor)
+            rows = file.unloading if prefix else file.loading
+            shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk, rows.straight, floor)
             # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
-            source = Law(definition, contact, unloading, options, shape)
-            certificate = Certificate(read(f"{prefix}force_error", *positive), read(f"{prefix}stiffness_error", *positive))
-            return cls(source, shape, nodes, certificate, rtol)
+            source = Law(_definition(file, prefix), contact, unloading, values[f"{prefix}options"], shape)
+            certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
+            return cls(source, shape, rows.nodes, certificate, values["rtol"])
 
-        contact = read("contact", lambda text: Contact(**json.loads(text)))
-        unloading = read("unloading", str, lambda value: value in RULES)
-        bulk_yield = (math.inf, 0.0, 0.0)
-        if "yield_overlap" in header:
-            bulk_yield = (
-                read("yield_overlap", *positive),
-                read("yield_area", *positive),
-                read("yield_area_slope", *positive) / 0.75,
-            )
-        if unloading != GIVEN:
-            if curve_rows:
-                refuse(places["unloading"], f"unloading {unloading!r} has no rows of its own, this file has {len(curve_rows)}")
-            return table(rows, "", unloading, contact, bulk_yield)
-        if len(curve_rows) < 2:
-            refuse(
-                places["end"], f"unloading {GIVEN!r} needs 2 rows or more below {_UNLOADING_TITLES!r}, got {len(curve_rows)}"
-            )
-        first = table(rows, "", "elastic", contact, bulk_yield)
-        curve = table(curve_rows, "unloading_", "elastic", contact, floor=_floor(first.shape))
-        curve.made_for = read("unloading_contact", lambda text: Contact(**json.loads(text)))
-        return _joined_table(first, curve)
+        bulk = NO_YIELD
+        if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
+            bulk = BulkYield(values["yield_area"], values["yield_area_slope"] / 0.75)
+        if file.unloading is None:
+            result = table("", values["unloading"], values["contact"], bulk)
+        else:
+            first = table("", "elastic", values["contact"], bulk)
+            curve = table(UNLOADING, "elastic", values["contact"], floor=_floor(first.shape))
+            curve.made_for = values["unloading_contact"]
+            result = _joined_table(first, curve)
+        result.said_to_collapse = values["collapses"] == "yes"
+        return result
+
+
+def _definition(file, prefix):
+    """`Definition` of a file's law, or what the file itself says of a law that is not here."""
+    name, header = file.values[f"{prefix}law"], file.header
+    try:
+        return find(name)
+    except DemlawsError:
+        return Definition(
+            name=name,
+            prepare=_not_here,
+            equation="",
+            source=header.get(f"{prefix}source", ""),
+            description=header.get(f"{prefix}description", ""),
+            limits=_no_limits,
+            length="radius" if file.values["length_over_radius"] > 0.0 else "roughness",
+            collapses=file.values["collapses"] == "yes",
+        )
+
+
+def _not_here(contact, **options):
+    raise DemlawsError("this law is known from a table only: it cannot be made for another contact")
+
+
+def _no_limits(contact, **options):
+    return []
 
 
 def _first(contact):
@@ -479,39 +461,3 @@ def _first(contact):
     if contact.size is None:
         return contact
     return contact.with_values(**{n: float(np.ravel(getattr(contact, n))[0]) for n in ("radius", "modulus", "roughness")})
-
-
-def _describe_rows(table):
-    """What the header says of a table's rows."""
-    u, force, _ = table.nodes
-    return {
-        "bits": str(52 - table.loading_shape.shift),
-        "kinks": " ".join(repr(float(k)) for k in table.nodes.kinks),
-        "range_overlap": f"{u[0]!r} {u[-1]!r}",
-        "range_force": f"{float(force[0])!r} {float(force[-1])!r}",
-        "force_error": repr(table.force_error),
-        "stiffness_error": repr(table.stiffness_error),
-        "rows": str(u.size),
-    }
-
-
-def _text_rows(nodes):
-    return [f"{u:.17g} {f:.17g} {k:.17g}" for u, f, k in zip(*nodes, strict=True)]
-
-
-def _row(line, rows):
-    """u, f, k of a line; ValueError where it cannot follow the rows before it."""
-    row = [float(v) for v in line.split()]
-    if len(row) != 3 or not all(0.0 < v < math.inf for v in row):
-        raise ValueError(f"{line!r} is not three positive numbers")
-    if rows and (row[0] < rows[-1][0] or row[1] < rows[-1][1]):
-        raise ValueError(f"{line!r} does not increase")
-    return row
-
-
-def _fits_grid(u, bits_per_octave):
-    """Whether every grid cell between the first and the last node has its node, and at most two kinks stand twice."""
-    first, last = node_number(u[0], bits_per_octave), node_number(u[-1], bits_per_octave)
-    grid_nodes = node(np.arange(first, last + 1), bits_per_octave) if last - first <= u.size else np.empty(0)
-    kinks = u[:-1][np.diff(u) == 0.0]
-    return grid_nodes.size > 1 and kinks.size <= 2 and np.array_equal(np.union1d(grid_nodes, kinks), np.unique(u))

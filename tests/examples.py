@@ -7,6 +7,7 @@ import warnings
 from typing import NamedTuple
 
 import numpy as np
+import pytest
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
@@ -50,6 +51,21 @@ def pairs(with_curves=("pohrt-popov", "yip-venart")):
     """(law, unloading rule) that are accepted; rule "table", which takes long to compile, with these laws."""
     rules = {name: [rule for rule in RULES if rule != GIVEN or name in with_curves] for name in dl.laws()}
     return [(name, unloading) for name in dl.laws() for unloading in rules[name] if accepted(name, unloading)]
+
+
+def telling(pair):
+    """Whether a (law, rule) pair compiles something that no other shows: each law with the last rule that it takes but for
+    "table", which says most, and every rule with pohrt-popov. A product of all laws, rules and loops is for `make test-all`."""
+    name = pair[0]
+    return name == "pohrt-popov" or pair == [p for p in pairs(with_curves=()) if p[0] == name][-1]
+
+
+def shared(values, kept):
+    """Parameters of a test: those that are kept run always, the others where slow tests do."""
+    return [
+        pytest.param(*(value if isinstance(value, tuple) else (value,)), marks=() if kept(value) else pytest.mark.slow)
+        for value in values
+    ]
 
 
 def overlaps(law, points=60):

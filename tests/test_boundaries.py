@@ -108,6 +108,11 @@ def test_public_names_say_their_types():
     assert not missing
 
 
+def test_what_says_the_version_says_the_same():
+    text = (PACKAGE.parent / "CITATION.cff").read_text()
+    assert f"\nversion: {demlaws.__version__}\n" in text
+
+
 def test_import_loads_neither_numba_nor_numpy():
     code = """
         import sys

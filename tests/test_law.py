@@ -10,14 +10,14 @@ import warnings
 
 import numpy as np
 import pytest
-from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, overlaps, pairs, quiet
+from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, overlaps, pairs, quiet, shared, telling
 from hypothesis import given
 from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
 from demlaws.joining import largest_stiffness_ratio
-from demlaws.law import _in_threads
+from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.surface import HeightMap
@@ -31,7 +31,7 @@ EACH = [(name, contact) for name in LAWS for contact in CONTACTS]
 every_rough_law = pytest.mark.parametrize("name", [n for n, d in registry().items() if not d.needs_map])
 every_law = pytest.mark.parametrize("name", LAWS)
 every_contact = pytest.mark.parametrize(("name", "contact"), EACH)
-every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, telling))
 
 BATCH_OF_CONTACTS = dl.Contact(
     radius=np.array([3e-3, 4.35e-3, 5e-3, 6e-3, 4.1e-3]),
@@ -426,7 +426,7 @@ def test_parallel_works_in_a_child_made_by_fork():
 def test_threads_share_the_work():
     """Every contact once, in pieces of which each thread may take several."""
     done = []
-    assert sum(_in_threads(lambda piece: done.append(piece) or piece.stop - piece.start, 1_000_003)) == 1_000_003
+    assert sum(in_threads(lambda piece: done.append(piece) or piece.stop - piece.start, 1_000_003)) == 1_000_003
     ends = sorted((piece.start, piece.stop) for piece in done)
     assert ends[0][0] == 0
     assert ends[-1][1] == 1_000_003

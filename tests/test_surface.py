@@ -45,7 +45,7 @@ def test_blocks_of_rows_give_the_same_fit(monkeypatch):
 
 
 @pytest.mark.parametrize("hurst", [0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95])
-@pytest.mark.parametrize("size", [512, 1024])
+@pytest.mark.parametrize("size", [512, pytest.param(1024, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("periodic", [False, True])
 def test_fractal_dimension_of_self_affine_maps(hurst, size, periodic):
     """Both methods within 0.05 of 3 - H, on three maps each."""

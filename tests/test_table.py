@@ -11,11 +11,12 @@ import pytest
 from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from made_up import made_up_law
 
 import demlaws as dl
+from demlaws import table_file
 from demlaws.core.params import leaves
 from demlaws.laws.registry import registry
-from demlaws.table import FORMAT
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -222,7 +223,7 @@ def test_the_file_can_be_read_by_a_person(tmp_path):
     """And by a program of ten lines: key: value, then u f k, each line ending in its check mark."""
     table = table_of("pohrt-popov", "hertz")
     text = table.save(tmp_path / "a.tbl").read_text()
-    assert text.splitlines()[0] == FORMAT == "# demlaws-table 1"
+    assert text.splitlines()[0] == "# demlaws-table 1"
     header, _, body = text.partition("overlap force stiffness ")
     assert "law: pohrt-popov " in header
     assert "unloading: hertz " in header
@@ -268,13 +269,10 @@ def unsealed(data):
     [
         (lambda lines: [line.replace("unloading: table", "unloading: hertz") for line in lines], "has no rows of its own"),
         (lambda lines: [line for line in lines if not line.startswith("unloading_law")], "lack 'unloading_law'"),
-        (
-            lambda lines: [line.replace("unloading_law: pohrt-popov", "unloading_law: popov") for line in lines],
-            "'popov' will not do",
-        ),
+        (lambda lines: [line.replace("unloading_law: pohrt-popov", "unloading_law:") for line in lines], "a name is missing"),
         (lambda lines: [line for line in lines if line != "unloading overlap force stiffness"], "does not increase"),
         (lambda lines: [line.replace("unloading_rows: ", "unloading_rows: 1") for line in lines], "were promised"),
-        (lambda lines: [line.replace("unloading_bits: 1", "unloading_bits: 2") for line in lines], "'2' will not do"),
+        (lambda lines: [line.replace("unloading_bits: 1", "unloading_bits: 2") for line in lines], "a row is missing before"),
     ],
 )
 def test_a_wrong_unloading_curve_is_refused_with_its_line(change, message, tmp_path):
@@ -314,6 +312,24 @@ def test_a_curve_that_ends_too_early_is_refused():
     with pytest.raises(dl.DemlawsError, match="must reach beyond this table's"):
         dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=50.0)
     assert dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=5.0).unloading == "table"
+
+
+def test_the_reader_needs_every_key_that_it_lists(tmp_path):
+    """Each key left out is missed by name; the keys for people are not; and no other keys are written."""
+    for unloading in ("hertz", "table"):
+        lines = unsealed(small_file(unloading))
+        keys = [line.partition(":")[0] for line in lines[1 : lines.index("overlap force stiffness")]]
+        needed = [key for key in [*table_file.NEEDED, *table_file.WITH_UNLOADING] if not key.endswith(table_file.BELOW)]
+        needed = needed if unloading == "table" else [key for key in needed if not key.startswith("unloading_")]
+        free = [*table_file.NOT_READ, *("unloading_" + key for key in table_file.NOT_READ)]
+        assert set(keys) - set(free) == set(needed)
+        for key in keys:
+            data = sealed([line for line in lines if line.partition(":")[0] != key])
+            if key in needed:
+                assert f"lack {key!r}" in refuse(tmp_path / "a.tbl", data)[1]
+            else:
+                (tmp_path / "a.tbl").write_bytes(data)
+                dl.Table.load(tmp_path / "a.tbl")
 
 
 def refuse(path, data):
@@ -378,7 +394,7 @@ def test_lines_left_out_doubled_or_exchanged(tmp_path_factory, data):
 )
 def test_foreign_files(content, tmp_path):
     number, message = refuse(tmp_path / "foreign.tbl", content)
-    assert number == 1 or content.startswith(FORMAT.encode())
+    assert number == 1 or content.startswith(b"# demlaws-table 1")
     assert "not a demlaws table" in message or "cut short" in message
 
 
@@ -388,15 +404,58 @@ def test_text_after_the_end_is_refused(tmp_path):
     assert "after the last line" in message
 
 
-@pytest.mark.parametrize("line_ends", [b"\r\n", b"\r"])
-def test_converted_line_ends_are_refused(line_ends, tmp_path):
-    refuse(tmp_path / "dos.tbl", small_file().replace(b"\n", line_ends))
+def test_line_ends_of_another_system(tmp_path):
+    """CR LF is read as LF, in every line or in some; a CR alone ends no line."""
+    data = small_file()
+    for ends in (b"\r\n", b"\r"):
+        (tmp_path / "dos.tbl").write_bytes(data.replace(b"\n", ends))
+        if ends == b"\r":
+            refuse(tmp_path / "dos.tbl", data.replace(b"\n", ends))
+            continue
+        loaded = dl.Table.load(tmp_path / "dos.tbl")
+        assert loaded.save(tmp_path / "again.tbl").read_bytes() == data
+    (tmp_path / "mixed.tbl").write_bytes(data.replace(b"\n", b"\r\n", 7))
+    assert dl.Table.load(tmp_path / "mixed.tbl").fingerprint == loaded.fingerprint
 
 
-def test_another_version_of_the_format(tmp_path):
-    number, message = refuse(tmp_path / "new.tbl", small_file().replace(b"demlaws-table 1", b"demlaws-table 2", 1))
+def test_a_newer_version_of_the_format(tmp_path):
+    number, message = refuse(tmp_path / "new.tbl", small_file().replace(b"demlaws-table 1", b"demlaws-table 3", 1))
     assert number == 1
-    assert FORMAT in message
+    assert "format 3" in message and "reads 1 and 2" in message and "install a newer one" in message
+
+
+def test_the_fingerprint_is_the_last_check_mark(tmp_path):
+    table = table_of("pohrt-popov", "hertz")
+    mark = table.save(tmp_path / "a.tbl").read_text().split()[-1]
+    assert f"{table.fingerprint:08x}" == mark == f"{dl.Table.load(tmp_path / 'a.tbl').fingerprint:08x}"
+    assert table.fingerprint != table_of("pohrt-popov", "elastic").fingerprint
+
+
+def test_a_law_that_is_not_here_is_its_table(tmp_path):
+    """A table made with somebody's own law serves where that law is not installed, as it does in C++."""
+    lines = unsealed(small_file())
+    (tmp_path / "own.tbl").write_bytes(sealed([line.replace("law: pohrt-popov", "law: coulombs") for line in lines]))
+    (tmp_path / "known.tbl").write_bytes(small_file())
+    own, known = dl.Table.load(tmp_path / "own.tbl"), dl.Table.load(tmp_path / "known.tbl")
+    assert own.name == "coulombs" and own.collapses and own.limits() == []
+    overlap = own.largest_overlap * np.array([1e-3, 0.2, 0.9])
+    np.testing.assert_array_equal(own.force(overlap), known.force(overlap))
+    assert own.joined("elastic").bound_to(SMOOTHER).force(1e-8) == known.joined("elastic").bound_to(SMOOTHER).force(1e-8)
+
+
+@pytest.mark.parametrize("said", ["yes", "no"])
+def test_collapses_is_what_the_file_says(said, tmp_path):
+    lines = [f"collapses: {said}" if line.startswith("collapses") else line for line in unsealed(small_file())]
+    (tmp_path / "a.tbl").write_bytes(sealed(lines))
+    table = dl.Table.load(tmp_path / "a.tbl")
+    for one in (table, table.joined("elastic")):
+        if said == "yes":
+            one.bound_to(SMOOTHER)
+        else:
+            with pytest.raises(dl.DemlawsError, match="made for only"):
+                one.bound_to(SMOOTHER)
+    without = [line for line in lines if not line.startswith("collapses")]
+    assert "lack 'collapses'" in refuse(tmp_path / "b.tbl", sealed(without))[1]
 
 
 def marked(lines):
@@ -435,7 +494,9 @@ def test_marks_that_fit_do_not_make_a_table(tmp_path):
         "no law": without(b"law:"),
         "no bits": without(b"bits:"),
         "no contact": without(b"contact:"),
-        "a law that does not exist": replaced(next(i for i, v in enumerate(good) if v.startswith(b"law:")), b"law: coulomb"),
+        "a law without a name": replaced(next(i for i, v in enumerate(good) if v.startswith(b"law:")), b"law:"),
+        "a key twice": marked([*good[:3], *good[2:]]),
+        "a line that is no key": replaced(2, b"nothing"),
         "contact that is no json": replaced(next(i for i, v in enumerate(good) if v.startswith(b"contact:")), b"contact: {"),
         "bits of another grid": replaced(next(i for i, v in enumerate(good) if v.startswith(b"bits:")), b"bits: 9"),
         "bytes that are no text": replaced(row, b"\xff\xfe 1 2"),
@@ -545,3 +606,79 @@ def test_a_kink_anywhere_in_the_grid(bits, place):
     away = np.abs(points - place) > 1e-11
     tangent = 1.5 * np.sqrt(exact) * np.where(points < place, 1.0, 0.5)
     assert stiffness[away] == pytest.approx(tangent[away], rel=1e-9)
+
+
+# --- the page of the format
+
+
+def test_every_key_of_the_page_is_a_key_of_the_reader():
+    from pathlib import Path
+
+    page = (Path(__file__).parents[1] / "docs" / "table-format.md").read_text()
+    rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
+    keys = {row[1].split("`")[1]: ("†" in row[1], row[-2].strip()) for row in rows}
+    assert set(keys) == {*table_file.NEEDED, *table_file.WITH_YIELD, *table_file.NOT_READ}
+    assert {key for key, (_, needed) in keys.items() if needed == "yes"} == {*table_file.NEEDED} - {table_file.BELOW}
+    assert {key for key, (_, needed) in keys.items() if needed == "version 2"} == {table_file.BELOW}
+    twice = {key for key, (second, _) in keys.items() if second}
+    assert {"unloading_" + key for key in twice} >= {*table_file.WITH_UNLOADING}
+    assert f"{table_file.MOST_KINKS} kinks" in page and f"1 to {table_file.MOST_BITS}:" in page
+
+
+# --- laws that are not the registry's
+
+
+def test_a_law_with_three_kinks_is_tabulated_to_its_certificate(tmp_path, rng):
+    """Two kinks in one cell among them; as a file, too."""
+    law = made_up_law(GRANITE, kinks=(0.3, 1.7, 1.72))
+    table = law.tabulate(rtol=1e-4, max_force=100.0)
+    np.testing.assert_allclose(table.nodes.kinks, [0.3, 1.7, 1.72], rtol=1e-12)
+    loaded = dl.Table.load(table.save(tmp_path / "a.tbl"))
+    assert (tmp_path / "a.tbl").read_bytes().startswith(b"# demlaws-table 2\n")
+    overlap = between(table, rng, 4000)
+    near = np.outer(table.nodes.kinks * table.length, 1.0 + np.array([-1e-9, -1e-13, 1e-13, 1e-9])).ravel()
+    overlap = np.concatenate([overlap, near])
+    for one in (table, loaded):
+        force = np.max(np.abs(one.force(overlap) / law.force(overlap) - 1))
+        stiffness = np.max(np.abs(one.stiffness(overlap) / law.stiffness(overlap) - 1))
+        assert force <= 1.1 * table.force_error + 1e-13 <= 1.2e-4
+        assert stiffness <= 1.1 * table.stiffness_error + 1e-12 <= 1.2e-4
+    assert stiffness >= 0.3 * table.stiffness_error
+    np.testing.assert_allclose(table.overlap(law.force(overlap)), overlap, rtol=2e-4)
+
+
+def test_more_kinks_than_a_table_holds_are_refused():
+    kinks = tuple(np.geomspace(0.1, 0.97, table_file.MOST_KINKS + 1))
+    with pytest.raises(dl.DemlawsError, match="33 kinks of the stiffness lie in the table's range: a table holds 32 at most"):
+        made_up_law(GRANITE, kinks=kinks).tabulate(max_force=50.0)
+
+
+@pytest.mark.parametrize("exponent", [0.6, 0.75])
+def test_a_flat_power_law_is_no_seating_load(exponent, tmp_path):
+    """P ∝ δ^0.6 has no force at overlap 0 although its exponent is that of a law with a seat: what the law declares counts."""
+    law = made_up_law(GRANITE, exponent)
+    table = law.tabulate(rtol=1e-3, max_force=50.0)
+    loaded = dl.Table.load(table.save(tmp_path / "flat.tbl"))
+    assert b"below_first_row: power " in (tmp_path / "flat.tbl").read_bytes()
+    overlap = table.nodes.u[0] * table.length * 10.0 ** np.linspace(-10, 0, 60)
+    for one in (table, loaded):
+        np.testing.assert_allclose(one.force(overlap), law.force(overlap), rtol=2e-3)
+        np.testing.assert_allclose(one.stiffness(overlap), law.stiffness(overlap), rtol=2e-3)
+    edges = table.nodes.u[0] * table.length * np.array([1e-3, 1.0])
+    work = GRANITE.radius**0.5 * GRANITE.modulus * 4.0 / 3.0 * GRANITE.roughness ** (1.5 - exponent)
+    np.testing.assert_allclose(table.energy(edges), work * edges ** (exponent + 1.0) / (exponent + 1.0), rtol=2e-3)
+
+
+@every_law
+def test_a_seat_is_declared(name):
+    """A law says that it starts from a force exactly where its force at overlap 0+ is not 0."""
+    law = make(name)
+    starts = law.force(1e-30 * GRANITE.roughness) > 1e-6
+    assert registry()[name].seated(**law.options) == starts
+    assert (table_of(name).loading_shape.grid.seat > 0.0) == starts
+
+
+def test_bulk_yield_over_a_law_with_a_seat_is_seated():
+    law = dl.law("rough-plastic", GRANITE, yield_pressure=0.5e9, loading="yip-venart")
+    assert law.definition.seated(**law.options)
+    assert law.force(1e-30) == pytest.approx(0.02, rel=1e-5)

@@ -5,7 +5,7 @@ compressed isotropically in a box; at 20, 50, 100 and 200 kPa a strain of 1e-5 p
 backwards from the same state. Hertz, Pohrt-Popov (elastic, and with Hertz unloading) and
 rough-plastic contacts start from the same packing. Printed: stiffness,
 its exponent against pressure, processor time per step, the share of contacts in each branch of the law.
-Start: demlaws yade run yade_scripts/ballast.py [--quick] [--out FOLDER] [--grains N] [--threads at `yade run`]
+Start: demlaws yade run -x yade_scripts/ballast.py [--quick] [--out FOLDER] [--grains N] [--threads at `yade run`]
 Takes: about 8 min (quick: 20 s, 40 grains, two pressures). Saves ballast.png.
 
 The deposit uses soft grains, so that it takes thousands of steps and not millions; grains are then drawn apart by 1 %, until
@@ -166,7 +166,9 @@ class Box:
         high = np.max([(c + r[:, None]).max(axis=0) for c, r in drawn], axis=0)
         O.bodies.append(utils.aabbWalls([tuple(low - 1e-4), tuple(high + 1e-4)], thickness=0, material="walls"))
         add_grains(drawn, "ballast")
-        self.law = Law2_ScGeom_MindlinPhys_Demlaws(name, unloading, {"ballast": SURFACE, "walls": dl.Surface()}, **options)
+        self.law = Law2_ScGeom_MindlinPhys_Demlaws(
+            name, unloading, {"ballast": SURFACE, "walls": dl.Surface()}, flats="yade", **options
+        )
         self.name, self.unloading, self.contacts_seen = name, unloading, 0
         self.make_servo()
         O.engines = engines(self.law, timestep=0.5, after=[self.servo], newton=yade.NewtonIntegrator(damping=0.6), verlet=0.15)

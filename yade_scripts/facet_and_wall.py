@@ -1,8 +1,8 @@
 """A granite sphere on a facet, a wall and a box of steel: force against the law, two materials.
 
-Shows: flats of another material and surface (granite on steel), the radius that YADE gives a contact with a flat (2r/3 for
-a facet, r/2 for a wall or a box), and that the force applied is the law's at every step, sliding included.
-Start: demlaws yade run yade_scripts/facet_and_wall.py [--quick] [--out FOLDER]
+Shows: flats of another material and surface (granite on steel), that a sphere on a flat has its own radius as R (YADE's law has
+2r/3 at a facet, r/2 at a wall or a box; flats="yade" keeps these), and that the force applied is the law's at every step.
+Start: demlaws yade run -x yade_scripts/facet_and_wall.py [--quick] [--out FOLDER]
 Takes: about 5 s. Saves facet_and_wall.png.
 """
 

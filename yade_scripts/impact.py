@@ -2,7 +2,7 @@
 
 Shows: without any damping, the coefficient of restitution that roughness and yield of the contact give, against speed; the
 energy balance; an elastic law bounces back at the speed it came with.
-Start: demlaws yade run yade_scripts/impact.py [--quick] [--out FOLDER]
+Start: demlaws yade run -x yade_scripts/impact.py [--quick] [--out FOLDER]
 Takes: about 10 s (quick: 3 s). Saves impact.png.
 """
 

@@ -1,7 +1,7 @@
 """Equal granite spheres with a measured surface, compressed in a periodic cell; the same with smooth (Hertz) spheres.
 
 Shows: a height map in a DEM run in three commands; roughness makes the packing softer at low pressure.
-Start: demlaws yade run yade_scripts/measured_surface.py grain.tbl [--quick] [--out FOLDER], with a table from
+Start: demlaws yade run -x yade_scripts/measured_surface.py grain.tbl [--quick] [--out FOLDER], with a table from
        demlaws surface scan.csv --pixel 3um --out grain.asc
        demlaws surface contact grain.asc --radius 8mm --rough-radius 8mm --young 60.6e9 --poisson 0.25 \\
            --hardness 6.266e9 --table grain.tbl

@@ -2,7 +2,7 @@
 
 Shows: O.saveTmp/O.loadTmp, O.save/O.load, O.reload and loading in a new process (which knows nothing of this script)
 continue the same run: positions, stored energy and plastic dissipation agree to rounding.
-Start: demlaws yade run yade_scripts/save_load.py [--quick] [--out FOLDER]
+Start: demlaws yade run -x yade_scripts/save_load.py [--quick] [--out FOLDER]
 Takes: about 15 s (quick: 6 s). Saves save_load.png.
 """
 

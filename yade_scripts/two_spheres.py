@@ -2,7 +2,7 @@
 
 Shows: the force that YADE applies is the law's, along the loading, unloading and reloading paths of the granite contact
 tests (Altuhafi, Baudet & Coop 2023): SS(18-18), SS(12-18), and the cone tip RFC10, which yields.
-Start: demlaws yade run yade_scripts/two_spheres.py [--quick] [--out FOLDER]
+Start: demlaws yade run -x yade_scripts/two_spheres.py [--quick] [--out FOLDER]
 Takes: about 10 s (quick: 3 s). Saves two_spheres.png.
 """
 

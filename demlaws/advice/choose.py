@@ -5,9 +5,11 @@ candidate's error over the scene's contacts and loads, measures what an evaluati
 Errors are those against the reference; how well that describes the grains is `demlaws fit`'s question.
 """
 
+import inspect
 import math
 import os
 import warnings
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import NamedTuple
@@ -195,15 +197,42 @@ def _determined(contact):
     return sorted((d for d in known if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.rank)
 
 
+def _smallest_load(scene):
+    """Smallest force [N] that matters on any contact of the scene."""
+    return min(float(np.min(scene.force_range(c)[0])) for r in scene.effective_radii() for c in scene.contacts(r))
+
+
+def _reaches(definition, scene, options):
+    """Options with which a law holds at the scene's smallest load, or None: one that declares overlap 0 at a seating load
+    is seated below it, where its curve goes so far."""
+    smallest = _smallest_load(scene)
+    if "seating_load" in definition.options and "seating_load" not in options:
+        default = inspect.signature(definition.prepare).parameters["seating_load"].default
+        if smallest < default:
+            options = {**options, "seating_load": float(f"{0.5 * smallest:.1g}")}
+    contacts = [c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)]
+    try:
+        for contact in contacts:
+            bind_law(definition.name, contact, **options)
+    except DemlawsError:
+        return None
+    return options
+
+
 def reference_plan(scene):
-    """The richest law that the scene's quantities determine."""
+    """The richest law that the scene's quantities determine and that holds at its smallest loads."""
     options = dict(scene.reference_options)
     contact = scene.contacts(scene.effective_radii()[0])[0]
     if scene.reference is not None:
         definition = find(scene.reference)
     else:
         rough = contact.with_values(roughness=max(c.roughness for c in scene.contacts(scene.effective_radii()[0])))
-        definition = next(d for d in _determined(rough) if d.rank)
+        ranked = [d for d in _determined(rough) if d.rank]
+        for definition in ranked:
+            reached = _reaches(definition, scene, {})
+            if reached is not None or definition is ranked[-1]:
+                break
+        options = {**(reached or {}), **options}
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
@@ -378,12 +407,15 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene: Scene, tables: bool = True) -> Choices:
+def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choices:
     """Candidates for a `Scene`, ranked: those that meet its tolerance first, the cheapest of them first (`Choices`).
 
     Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what
-    it leaves out at which error, and the law itself. Raises DemlawsError where the scene's quantities do not suffice.
+    it leaves out at which error, and the law itself. progress: wraps the list of candidates, as tqdm does. Raises
+    DemlawsError where the scene's quantities do not suffice.
     """
+    if not isinstance(scene, Scene):
+        raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
     reference = reference_plan(scene)
     judge = _Judge(scene, reference)
     ruled_out, notes, judged = {}, [], {}
@@ -395,7 +427,7 @@ def choose(scene: Scene, tables: bool = True) -> Choices:
                 if judge.largest > limit.maximum_force or judge.smallest < limit.minimum_force:
                     known.add(limit.reason)
                     notes.append(f"the reference itself ({reference.name}) leaves its range: {limit.reason}")
-    for plan in plans(scene, reference):
+    for plan in progress(plans(scene, reference)):
         label = _label(plan)
         try:
             law = judge.laws(plan)[0]

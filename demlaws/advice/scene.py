@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.fit import Fit
-from demlaws.checks import number
+from demlaws.checks import number, real
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError
 from demlaws.materials import DENSITY
@@ -60,9 +60,18 @@ class Scene:
         radii = classes or tuple(number(r, "radii", "m") for r in np.ravel(self.radii))
         if not radii:
             raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
+        if len(radii) > 2 and not classes:
+            given = ", ".join(f"{r:g}" for r in radii)
+            raise DemlawsError(
+                f"radii = {given} m: give the smallest and the largest of a range; "
+                f"grains of these sizes alone are classes=[{given}]"
+            )
+        for label in ("cyclic", "walls"):
+            if not isinstance(getattr(self, label), bool | np.bool_):
+                raise DemlawsError(f"{label} = {getattr(self, label)!r}: give true or false, without quotes")
         object.__setattr__(self, "radii", (min(radii), max(radii)))
-        materials = (self.materials,) if isinstance(self.materials, Material) else tuple(self.materials)
-        surfaces = (self.surfaces,) if isinstance(self.surfaces, Surface) else tuple(self.surfaces)
+        materials = _all_of(self.materials, Material, "materials")
+        surfaces = _all_of(self.surfaces, Surface, "surfaces")
         kinds = max(len(materials), len(surfaces))
         if {len(materials), len(surfaces)} - {1, kinds} or not kinds:
             raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one a kind of grain")
@@ -72,21 +81,21 @@ class Scene:
             if getattr(self, label) is not None:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
         if self.loads is not None:
-            loads = np.asarray(self.loads, float).ravel()
+            loads = np.ravel(real(np.ravel(self.loads), "loads", "N", array=True))
             loads = loads[loads > 0.0]
             if not loads.size or not np.all(np.isfinite(loads)):
                 raise DemlawsError("loads must be finite forces in N, some above 0")
             object.__setattr__(self, "loads", loads)
-        number(self.speed, "speed", "m/s", allow_low=True)
+        object.__setattr__(self, "speed", number(self.speed, "speed", "m/s", allow_low=True))
         if self.force is None and self.pressure is None and self.loads is None and not self.speed:
             raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, loads, or speed in m/s")
         number(self.tolerance, "tolerance", "", 0.0, 1.0)
         number(self.porosity, "porosity", "", 0.0, 0.95)
         number(self.coordination, "coordination", "", 0.0, 20.0)
         if self.yield_pressure is not None:
-            number(self.yield_pressure, "yield_pressure", "Pa")
+            object.__setattr__(self, "yield_pressure", number(self.yield_pressure, "yield_pressure", "Pa"))
         for label, known in (("quantity", QUANTITIES), ("engine", ENGINES)):
-            if getattr(self, label) not in known:
+            if not isinstance(getattr(self, label), str) or getattr(self, label) not in known:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(known)}")
 
     @classmethod
@@ -174,6 +183,15 @@ class Scene:
         return np.min([r[0] for r in ranges], axis=0), np.max([r[1] for r in ranges], axis=0)
 
 
+def _all_of(given, kind, label):
+    """One or several Materials or Surfaces, as a tuple."""
+    several = given if isinstance(given, list | tuple) else (given,)
+    for one in several:
+        if not isinstance(one, kind):
+            raise DemlawsError(f"{label} must be one demlaws.{kind.__name__}, or a list of them, got {one!r:.60}")
+    return tuple(several)
+
+
 def _range(value, label, unit):
     pair = [number(v, label, unit) for v in np.ravel(value)]
     if len(pair) == 1:
@@ -223,12 +241,12 @@ def _fit_measured(scene, measured, path):
     from demlaws.advice.fit import fit
     from demlaws.granite import read_points
 
-    unknown = set(measured) - {"points", "radius", "laws", "free", "unloading"}
+    unknown = set(measured if isinstance(measured, dict) else ["measured"]) - {"points", "radius", "laws", "free", "unloading"}
     if unknown or "points" not in measured or "radius" not in measured:
         raise DemlawsError(
             f"{path}: [measured] needs points (a CSV file) and radius (effective, m); may have laws, free, unloading"
         )
-    points = read_points(path.parent / measured["points"])
+    points = read_points(path.parent / str(measured["points"]))
     contact = scene.contacts(number(measured["radius"], "radius", "m"))[0]
     return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
 

@@ -47,6 +47,8 @@ def register(subparsers):
 
 
 def run(arguments):
+    from tqdm import tqdm
+
     from demlaws import granite, plots
     from demlaws.advice.choose import choose, table_name
     from demlaws.advice.scene import Scene
@@ -54,7 +56,7 @@ def run(arguments):
     from demlaws.plots import choose as plots_choose
 
     scene = Scene.load(arguments.scene)
-    choices = choose(scene)
+    choices = choose(scene, progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None))
     print(f"{scene.name or arguments.scene.stem}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
     low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
     print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")

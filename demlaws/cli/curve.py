@@ -165,7 +165,7 @@ def run_table(arguments):
     table = law.tabulate(arguments.rtol, arguments.max_force)
     table.save(arguments.out)
     print(
-        f"{arguments.out}: {table.nodes.u.size} rows, {2 ** (52 - table.loading_shape.shift)} cells an octave, "
+        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.rows.bits} cells an octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )

@@ -18,6 +18,7 @@ def register(subparsers):
         "stiffness per test and the paper's claims with verdicts; writes CSV files and figures.",
         **example(
             "  demlaws granite --out granite\n"
+            '  demlaws granite --data "SS(18-18)=my_points.csv" --fit-compliance --out mine\n'
             '  demlaws granite --test "SS(18-18)" --law pohrt-popov --data my_points.csv --out mine\n\n'
             "my_points.csv: two columns with units in the header, for instance\n"
             "  displacement (um),force (N)"
@@ -25,7 +26,17 @@ def register(subparsers):
     )
     parser.add_argument("--test", help="one test only, for instance SS(18-18)")
     parser.add_argument("--law", type=law_name, help="one law only")
-    parser.add_argument("--data", type=Path, help="CSV file of measured points to overlay; needs --test")
+    parser.add_argument(
+        "--data",
+        action="append",
+        default=[],
+        metavar="[TEST=]FILE",
+        help="CSV file of measured points: overlaid, and held against the claims that concern the test; may be given again for "
+        "another test; with --test the file alone",
+    )
+    parser.add_argument(
+        "--fit-compliance", action="store_true", help="fit the apparatus's compliance together with each misfit"
+    )
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
     parser.set_defaults(func=run)
 
@@ -33,16 +44,12 @@ def register(subparsers):
 def run(arguments):
     from tqdm import tqdm
 
-    from demlaws import granite
+    from demlaws import claims, granite
     from demlaws.laws.registry import find
 
     tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
-    points = {}
-    if arguments.data is not None:
-        if arguments.test is None:
-            raise DemlawsError(f"--data {arguments.data} needs --test: say which test the points belong to")
-        points[tests[0].name] = granite.read_points(arguments.data)
+    points = _points(arguments, tests)
     jobs = [(test, name) for test in tests for name in names]
     runs, notes = {}, {}
     with tqdm(jobs, desc="granite", unit="run", leave=False, disable=None) as progress:
@@ -51,10 +58,13 @@ def run(arguments):
             result, messages = granite.run_test(name, test)
             runs.setdefault(test.name, []).append(result)
             notes[test.name, name] = messages
-    print_tables(granite, tests, runs, notes, points)
-    found = [] if arguments.test or arguments.law else granite.claims(points)
+    print_tables(granite, tests, runs, notes, points, arguments.fit_compliance)
+    chosen = None if arguments.test is None else [tests[0].name]
+    found = [] if arguments.law else claims.granite_claims(points, chosen, arguments.fit_compliance)
     if found:
         print_claims(found)
+    if any(test.name == "FC5" for test in tests):
+        print_sensitivity(claims.cone_sensitivity())
     with warnings.catch_warnings():  # what was to be said has been printed with the tables
         warnings.simplefilter("ignore", ValidityWarning)
         files = write_csv(granite, arguments.out, tests, runs, notes, found)
@@ -62,7 +72,36 @@ def run(arguments):
     print(f"\n{len(files)} files written to {arguments.out}/")
 
 
-def print_tables(granite, tests, runs, notes, points):
+def _points(arguments, tests):
+    """Measured points by test name."""
+    from demlaws import granite
+    from demlaws.points import read_points
+
+    found = {}
+    for given in arguments.data:
+        name, separator, file = given.rpartition("=")
+        if not separator and arguments.test is None:
+            raise DemlawsError(f"--data {given}: say which test the points belong to: --data 'SS(18-18)={given}', or --test")
+        test = granite.find_test(name) if separator else tests[0]
+        if test.name in found:
+            raise DemlawsError(f"--data {given}: {test.name} has points already ({found[test.name].source})")
+        if test not in tests:
+            raise DemlawsError(f"--data {given}: --test {arguments.test} leaves {test.name} out")
+        found[test.name] = read_points(Path(file))
+    return found
+
+
+def print_sensitivity(rows):
+    print("\nFC5, first loading by Pohrt-Popov: what its uncertain radius and fractal dimension do")
+    print(f"  {'R (mm)':>7} {'Df':>6} {'µm, 0.1 to 7 N':>15} {'K at 7 N (N/mm)':>16} {'threshold F (N)':>16}")
+    for r in rows:
+        print(
+            f"  {r.radius * 1e3:7.2f} {r.fractal_dimension:6.2f} {r.displacement * 1e6:15.2f} {r.stiffness / 1e3:16.0f} "
+            f"{r.threshold:16.1f}"
+        )
+
+
+def print_tables(granite, tests, runs, notes, points, compliance):
     for test in tests:
         low, high, loads = granite.forces_of(test)
         print(
@@ -74,13 +113,18 @@ def print_tables(granite, tests, runs, notes, points):
         print(f"  {'law':16} {f'µm, {low:g} to {high:g} N':>17} " + "".join(f"{f'K {f:g} N':>10}" for f in loads) + "   (N/mm)")
         measured = points.get(test.name)
         for row, result in zip(granite.table_of(test, runs[test.name], notes), runs[test.name], strict=True):
-            misfit = f"   misfit {measured.misfit(result.law) * 1e6:.2f} µm" if measured else ""
+            misfit = _misfit(measured.fit(result.law, compliance), compliance) if measured else ""
             print(f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness) + misfit)
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
                 print_stages(granite, result)
             for message in notes[test.name, result.law.name]:
                 print(f"  warning: {message}")
+
+
+def _misfit(fit, compliance):
+    text = f"   misfit {fit.misfit * 1e6:.2f} ± {fit.uncertainty * 1e6:.2f} µm"
+    return text + (f", compliance {fit.compliance * 1e6:.4f} µm/N" if compliance else "")
 
 
 def print_stages(granite, result):

@@ -1,5 +1,6 @@
 """`demlaws regime` (which part deforms) and `demlaws surface` (height maps, their contact, their law)."""
 
+import dataclasses
 from pathlib import Path
 
 from demlaws.cli import example
@@ -64,8 +65,16 @@ def register(subparsers):
     contact.add_argument("--load", type=force, help="load in N (default 0.2 for the published tests)")
     contact.add_argument("--cycles", type=whole(1, 100_000), default=1, help="number of load cycles (default 1)")
     contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
-    contact.add_argument("--plastic-factor", type=plain, default=0.71, help="c_h: fully plastic pressure over hardness")
-    contact.add_argument("--plastic-ratio", type=plain, default=160.0, help="c_A: 2 ω2/ω1 of a sphere")
+    contact.add_argument(
+        "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (without: aluminium's)"
+    )
+    contact.add_argument(
+        "--memory",
+        choices=("pressure", "blunting", "none"),
+        default="pressure",
+        help="what unloading leaves in a pixel besides its height; an assumption: with none, geometry alone, nothing runs in",
+    )
+    contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (without: aluminium's)")
     contact.add_argument("--csv", type=output, help="write the micro-contacts of the first cycle")
     contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
     contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
@@ -250,7 +259,7 @@ def _contact(arguments, name):
 
     published = name in ("isotropic", "anisotropic") and not Path(name).exists()
     if published:
-        contact = asperity.published_contact(name)
+        contact = asperity.published_contact(name, memory=arguments.memory)
         load, cycles = arguments.load or 0.2, max(arguments.cycles, 20)
     else:
         heights = _levelled(arguments, name)
@@ -258,7 +267,13 @@ def _contact(arguments, name):
             heights = heights.combined(_levelled(arguments, arguments.on))
         pair = _pair(arguments, heights.sq)
         contact = asperity.RoughContact(
-            heights, pair, arguments.poisson, arguments.plastic_factor, arguments.plastic_ratio, flat=arguments.flat
+            heights,
+            pair,
+            arguments.poisson,
+            arguments.plastic_factor,
+            arguments.plastic_ratio,
+            flat=arguments.flat,
+            memory=arguments.memory,
         )
         load, cycles = arguments.load, arguments.cycles
     if load is None and arguments.table is None:
@@ -266,18 +281,35 @@ def _contact(arguments, name):
     if load is not None:
         if contact.pair.hardness is not None and not arguments.flat:
             print(regime.assess(contact.pair, load))
-        history = asperity.repeat(contact, load, cycles, min(arguments.tolerance, 1.0), keep=(1, 2, 3, 10, cycles))
+        tolerance = min(arguments.tolerance, 1.0)
+        history = asperity.repeat(contact, load, cycles, tolerance, keep=(1, 2, 3, 10, cycles))
+        others = {}
+        if cycles > 1 and contact.pair.hardness is not None:
+            few = min(cycles, 5)
+            for memory in asperity.MEMORIES:
+                if memory != contact.memory:
+                    other = dataclasses.replace(contact, memory=memory)
+                    others[memory] = asperity.repeat(other, load, few, tolerance, keep=())
         for cycle in history:
             if cycle.number in (1, 2, 3, 10, cycles):
                 print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
-        print(f"run in after cycle {max(asperity.run_in_cycle(history), 1)} (ε_r = 0.01)")
+        print(
+            f"run in after cycle {max(asperity.run_in_cycle(history), 1)} (ε_r = 0.01), on the assumption that a pixel "
+            f"remembers {asperity.REMEMBERED[contact.memory]} (--memory {contact.memory})"
+        )
+        for memory, few in others.items():
+            print(
+                f"  with --memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change"
+            )
         if arguments.csv is not None:
             _write_micro_contacts(arguments.csv, history[0].step.micro)
         _write(arguments.out, history[-1].contact.heights)
         _draw(
             arguments.figure,
             lambda plots: (
-                plots.repeated_figure(contact, history, name) if cycles > 1 else plots.contact_figure(contact, history[0].step)
+                plots.repeated_figure(contact, history, name, others)
+                if cycles > 1
+                else plots.contact_figure(contact, history[0].step)
             ),
         )
     if arguments.table is not None:

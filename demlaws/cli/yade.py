@@ -32,7 +32,7 @@ def register(subparsers):
     parser = subparsers.add_parser(
         "yade",
         description="The laws inside Debian's YADE.",
-        epilog="example: demlaws yade run yade_scripts/two_spheres.py --quick",
+        epilog="example: demlaws yade run -x yade_scripts/two_spheres.py --quick",
     )
     commands = parser.add_subparsers(dest="yade_command", required=True, metavar="COMMAND", parser_class=_PassesOn)
     check = commands.add_parser(

@@ -10,36 +10,46 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba.extending import overload
 
 from demlaws.core.dispatch import bind, energy, virgin
 from demlaws.core.fastmath import bits, from_bits, kernel, loop, row_of_four, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
-SEATED = 0.5
-"""Exponent of s at the first node below which the law starts from a force, not from 0: K ∝ u^(1.5 p - 1) would explode."""
+
+
+class Grid(NamedTuple):
+    """The cells of one dimensionless curve and where they lie: what a look-up reads, the same for all contacts."""
+
+    cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; first those of `grid._below`
+    starts: np.ndarray  # (cells between nodes, 5): t, s, ∫f du where a cell or its part after a kink begins; grid u, width
+    shift: int  # 52 - bits
+    first: int  # grid number of row 0 of `cells`
+    kinks: tuple  # u of the kinks that split a cell, then infinity; 2 of them or more, a power of two: see `reached`
+    lowest: float  # u of the first node
+    highest: float  # u of the last node
+    floor: float  # u where the cells below the first node begin; linear from there to 0, or to the seat
+    inverse_floor: float
+    exponent: float  # d ln s/d ln u at the first node
+    seat: float  # s at u = 0+: 0, but for curves that start from a force; those are straight below the first node
+    count: int  # rows of `cells` that belong to one curve
+
+
+class BulkYield(NamedTuple):
+    """Contact radius of a law whose bulk yields: a²/(R length) = area + slope (s^1.5 - area^1.5) where s > area, else s."""
+
+    area: float = math.inf
+    slope: float = 0.0
 
 
 class TableShape(NamedTuple):
     """One dimensionless curve."""
 
-    cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; first those of `_below`
-    starts: np.ndarray  # (cells between nodes, 5): t, s, ∫f du where a cell or its part after a kink begins; grid u, width
-    shift: int  # 52 - bits
-    first: int  # grid number of row 0 of `cells`
-    kink1: float  # u of the kinks, infinity where there is none
-    kink2: float
-    lowest: float  # u of the first node
-    highest: float  # u of the last node
-    floor: float  # u where the cells below the first node begin; linear to 0 from there
-    inverse_floor: float
-    exponent: float  # of the power law below the first node
-    yield_overlap: float  # u above which the bulk has yielded (infinity: never): there the contact radius follows
-    yield_area: float  # a²/(R length) = yield_area + yield_area_slope (s^1.5 - yield_area^1.5)
-    yield_area_slope: float
+    grid: Grid
+    bulk: BulkYield
     length_over_roughness: float  # length = this σ + the next R
     length_over_radius: float
-    count: int  # rows of `cells`
 
 
 class TableParams(NamedTuple):
@@ -49,48 +59,15 @@ class TableParams(NamedTuple):
     length: float  # [m]
     inverse_length: float  # [1/m]
     offset: float  # added to u before the curve is read: 0, but for laws with a seating load
-    cells: np.ndarray
-    starts: np.ndarray
-    shift: int
-    first: int
-    kink1: float
-    kink2: float
-    lowest: float
-    highest: float
-    floor: float
-    inverse_floor: float
-    exponent: float
-    yield_overlap: float
-    yield_area: float
-    yield_area_slope: float
-    count: int
+    grid: Grid
+    bulk: BulkYield
 
 
 @kernel
 def scale_table(shape, radius, modulus, roughness, offset):
     """TableParams of one contact, with an offset in u."""
     length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
-    return TableParams(
-        hertz_coefficient(radius, modulus),
-        length,
-        1.0 / length,
-        offset,
-        shape.cells,
-        shape.starts,
-        shape.shift,
-        shape.first,
-        shape.kink1,
-        shape.kink2,
-        shape.lowest,
-        shape.highest,
-        shape.floor,
-        shape.inverse_floor,
-        shape.exponent,
-        shape.yield_overlap,
-        shape.yield_area,
-        shape.yield_area_slope,
-        shape.count,
-    )
+    return TableParams(hertz_coefficient(radius, modulus), length, 1.0 / length, offset, shape.grid, shape.bulk)
 
 
 @kernel
@@ -98,61 +75,71 @@ def _scale(shape, radius, modulus, roughness):
     return scale_table(shape, radius, modulus, roughness, 0.0)
 
 
+def reached(kinks, u):
+    """How many of the kinks lie at or below u: one comparison each, no loop, so that the caller's loop vectorises."""
+
+
+@overload(reached, jit_options={"forceinline": True, "nogil": True})
+def _reached(kinks, u):
+    return eval("lambda kinks, u: " + " + ".join(f"(1 if u >= kinks[{n}] else 0)" for n in range(len(kinks))))
+
+
 @kernel
-def cell_and_place(p, u):
+def cell_and_place(g, u):
     """Row of the cell that holds u, the place t in it, and the reciprocal of the grid cell's width.
 
     Beyond the last node: its own. No branch and no integer that could leave the table: the loop vectorises.
     """
-    inside = u if u <= p.highest else p.highest
-    inside = inside if inside >= p.floor else p.floor
+    inside = u if u <= g.highest else g.highest
+    inside = inside if inside >= g.floor else g.floor
     pattern = bits(inside)
-    cell = (pattern >> p.shift) - p.first
-    cell += (1 if inside >= p.kink1 else 0) + (1 if inside >= p.kink2 else 0)
+    cell = (pattern >> g.shift) - g.first
+    cell += reached(g.kinks, inside)
     # the bits below the cell number, moved up, are t as the mantissa of a number in [1, 2)
-    t = from_bits(((pattern << (52 - p.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
-    inverse_width = from_bits(((2046 + 52 - p.shift) << 52) - (pattern & 0x7FF0000000000000))
-    below = u < p.floor
+    t = from_bits(((pattern << (52 - g.shift)) & 0x000FFFFFFFFFFFFF) | 0x3FF0000000000000) - 1.0
+    inverse_width = from_bits(((2046 + 52 - g.shift) << 52) - (pattern & 0x7FF0000000000000))
+    below = u < g.floor
     cell = 0 if below else cell
-    t = u * p.inverse_floor if below else t
-    inverse_width = p.inverse_floor if below else inverse_width
+    t = u * g.inverse_floor if below else t
+    inverse_width = g.inverse_floor if below else inverse_width
     return cell, t, inverse_width
 
 
 @kernel
-def read_curve(p, u, row):
+def read_curve(g, u, row):
     """s(u) ≥ 0 and ds/du of the curve whose cells begin at `row`; s is NaN above the last node and where u is NaN."""
-    cell, t, inverse_width = cell_and_place(p, u)
-    c0, c1, c2, c3 = row_of_four(p.cells, cell + row)
+    cell, t, inverse_width = cell_and_place(g, u)
+    c0, c1, c2, c3 = row_of_four(g.cells, cell + row)
     s = c0 + t * (c1 + t * (c2 + t * c3))
     slope = (c1 + t * (2.0 * c2 + t * (3.0 * c3))) * inverse_width
-    return s if u <= p.highest else math.nan, slope
+    return s if u <= g.highest else math.nan, slope
 
 
 @kernel
 def _virgin(p, overlap):
     u = overlap * p.inverse_length + p.offset
-    s, slope = read_curve(p, u, 0)
+    s, slope = read_curve(p.grid, u, 0)
     equivalent = s * p.length
     root = p.hertz_coefficient * sqrt(equivalent)
-    more = p.yield_area_slope * (s * sqrt(s) - p.yield_area * sqrt(p.yield_area))
-    area = (p.yield_area + more) * p.length if u > p.yield_overlap else equivalent
+    bulk = p.bulk
+    more = bulk.slope * (s * sqrt(s) - bulk.area * sqrt(bulk.area))
+    area = (bulk.area + more) * p.length if s > bulk.area else equivalent
     return root * equivalent, 1.5 * root * slope, equivalent, area
 
 
 @kernel
-def _rows_below(p):
+def _rows_below(g):
     """Rows of `cells` before the first node's."""
-    return p.count - p.starts.shape[0] - 1
+    return g.count - g.starts.shape[0] - 1
 
 
 @kernel
-def invert_curve(p, s):
+def invert_curve(g, s):
     """u at which the curve reaches s: bisection over cells, then Newton inside the cell; NaN above the last node."""
-    starts = p.starts
-    if not (s <= p.cells[p.count - 1, 0] * (1.0 + 1e-12)):
+    starts = g.starts
+    if not (s <= g.cells[g.count - 1, 0] * (1.0 + 1e-12)):
         return math.nan
-    below = _rows_below(p)
+    below = _rows_below(g)
     t_low = 0.0
     if s >= starts[0, 1]:
         low = 0
@@ -172,13 +159,13 @@ def invert_curve(p, s):
         high = below
         while high - low > 1:
             middle = (low + high) // 2
-            if p.cells[middle, 0] <= s:
+            if g.cells[middle, 0] <= s:
                 low = middle
             else:
                 high = middle
-        base = from_bits((p.first + low) << p.shift) if low > 0 else 0.0
-        width = from_bits((p.first + low + 1) << p.shift) - base if low > 0 else p.floor
-    c0, c1, c2, c3 = row_of_four(p.cells, low)
+        base = from_bits((g.first + low) << g.shift) if low > 0 else 0.0
+        width = from_bits((g.first + low + 1) << g.shift) - base if low > 0 else g.floor
+    c0, c1, c2, c3 = row_of_four(g.cells, low)
     t_high = 1.0
     t = 0.5 * (t_low + t_high)
     for _ in range(80):
@@ -195,46 +182,45 @@ def invert_curve(p, s):
             t = new
             break
         t = new
-    return min(base + width * t, p.highest)
+    return min(base + width * t, g.highest)
 
 
 @kernel
 def _inverse(p, force):
-    u = invert_curve(p, hertz_overlap(p, force) * p.inverse_length)
+    u = invert_curve(p.grid, hertz_overlap(p, force) * p.inverse_length)
     return max((u - p.offset) * p.length, 0.0) if u == u else u
 
 
 @kernel
-def integrate_curve(p, u):
+def integrate_curve(g, u):
     """∫f du from 0 to u."""
     if u <= 0.0:
         return 0.0
-    s, _ = read_curve(p, u, 0)
-    if u < p.lowest and p.exponent < SEATED:
-        seat = p.starts[0, 1] * (1.0 - p.exponent)
+    s, _ = read_curve(g, u, 0)
+    if u < g.lowest and g.seat > 0.0:
         total = 0.0
         for k in range(_NODES.size):
-            y = seat + 0.5 * (1.0 + _NODES[k]) * (s - seat)
+            y = g.seat + 0.5 * (1.0 + _NODES[k]) * (s - g.seat)
             total += _WEIGHTS[k] * y * sqrt(y)
         return 2.0 / 3.0 * u * total
-    if u < p.lowest:
-        return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * p.exponent + 1.0)
-    cell, t, inverse_width = cell_and_place(p, u)
-    c0, c1, c2, c3 = row_of_four(p.cells, cell)
-    begin = cell - _rows_below(p)
-    if begin >= p.starts.shape[0]:  # the last node is the end of the last cell
-        begin = p.starts.shape[0] - 1
-        c0, c1, c2, c3 = row_of_four(p.cells, cell - 1)
+    if u < g.lowest:
+        return 4.0 / 3.0 * s * sqrt(s) * u / (1.5 * g.exponent + 1.0)
+    cell, t, inverse_width = cell_and_place(g, u)
+    c0, c1, c2, c3 = row_of_four(g.cells, cell)
+    begin = cell - _rows_below(g)
+    if begin >= g.starts.shape[0]:  # the last node is the end of the last cell
+        begin = g.starts.shape[0] - 1
+        c0, c1, c2, c3 = row_of_four(g.cells, cell - 1)
         t = 1.0
-        inverse_width = 1.0 / p.starts[begin, 4]
-    start = p.starts[begin, 0]
+        inverse_width = 1.0 / g.starts[begin, 4]
+    start = g.starts[begin, 0]
     half = 0.5 * (t - start)
     total = 0.0
     for k in range(_NODES.size):
         x = start + half * (1.0 + _NODES[k])
         y = c0 + x * (c1 + x * (c2 + x * c3))
         total += _WEIGHTS[k] * y * sqrt(y)
-    return p.starts[begin, 2] + 4.0 / 3.0 * total * half / inverse_width
+    return g.starts[begin, 2] + 4.0 / 3.0 * total * half / inverse_width
 
 
 @kernel
@@ -244,10 +230,10 @@ def _energy(p, overlap):
         half = 0.5 * more
         scaled = 0.0
         for k in range(_NODES.size):
-            s, _ = read_curve(p, p.offset + half * (1.0 + _NODES[k]), 0)
+            s, _ = read_curve(p.grid, p.offset + half * (1.0 + _NODES[k]), 0)
             scaled += half * _WEIGHTS[k] * 4.0 / 3.0 * s * sqrt(s)
     else:
-        scaled = integrate_curve(p, more + p.offset) - integrate_curve(p, p.offset)
+        scaled = integrate_curve(p.grid, more + p.offset) - integrate_curve(p.grid, p.offset)
     return 0.75 * p.hertz_coefficient * p.length * p.length * sqrt(p.length) * scaled
 
 
@@ -260,7 +246,6 @@ class CurveShape(NamedTuple):
 
     curve: TableShape
     reverse: TableShape
-    seat: float  # s at u = 0+: 0, but for curves that begin with a seating load
 
 
 class CurveParams(NamedTuple):
@@ -269,14 +254,13 @@ class CurveParams(NamedTuple):
     hertz_coefficient: float
     curve: TableParams
     reverse: TableParams
-    seat: float
 
 
 @kernel
 def _curve_scale(shape, radius, modulus, roughness):
     curve = scale_table(shape.curve, radius, modulus, roughness, 0.0)
     reverse = scale_table(shape.reverse, radius, modulus, roughness, 0.0)
-    return CurveParams(curve.hertz_coefficient, curve, reverse, shape.seat)
+    return CurveParams(curve.hertz_coefficient, curve, reverse)
 
 
 @kernel
@@ -297,9 +281,9 @@ def _curve_energy(p, overlap):
 @kernel
 def _curve_recover(p, force, equivalent):
     """One look-up where `inverse` searches; NaN above the last node of the reverse."""
-    above = equivalent * p.curve.inverse_length - p.seat
-    u, _ = read_curve(p.reverse, 0.0 if above <= 0.0 else above, 0)
-    return (p.curve.highest if u > p.curve.highest else u) * p.curve.length
+    above = equivalent * p.curve.inverse_length - p.curve.grid.seat
+    u, _ = read_curve(p.reverse.grid, 0.0 if above <= 0.0 else above, 0)
+    return (p.curve.grid.highest if u > p.curve.grid.highest else u) * p.curve.length
 
 
 bind(CurveShape, scale=_curve_scale)
@@ -307,19 +291,19 @@ bind(CurveParams, virgin=_curve_virgin, inverse=_curve_inverse, recover=_curve_r
 
 
 @loop
-def invert_loop(p, s, u):
+def invert_loop(g, s, u):
     for i in range(s.size):
-        u[i] = invert_curve(p, s[i])
+        u[i] = invert_curve(g, s[i])
 
 
 @loop
-def _read_loop(p, u, s, slope):
+def _read_loop(g, u, s, slope):
     for i in range(u.size):
-        s[i], slope[i] = read_curve(p, u[i], 0)
+        s[i], slope[i] = read_curve(g, u[i], 0)
 
 
-def read(p, u):
+def read(g, u):
     """s and ds/du at an array of u."""
     s, slope = np.empty(u.size), np.empty(u.size)
-    _read_loop(p, u, s, slope)
+    _read_loop(g, u, s, slope)
     return s, slope

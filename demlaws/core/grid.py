@@ -5,13 +5,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import SEATED, CurveShape, TableShape, invert_loop, read
-from demlaws.core.loops import scale_one
+from demlaws.core.curve import BulkYield, CurveShape, Grid, TableShape, invert_loop, read
+from demlaws.errors import DemlawsError
 
 MOST_BITS = 12
+MOST_KINKS = 32
+"""Kinks of one curve: each costs a look-up one comparison more, but the first two, which every look-up makes."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
-_OCTAVES_BELOW = 40
-"""Octaves of cells that continue the power law below the first node, so that reading it takes no power."""
+_OCTAVES_BELOW, _MOST_OCTAVES_BELOW = 40, 200
+"""Octaves of cells that continue the power law below the first node, so that reading it takes no power; the second for
+an unloading curve, which goes as far down in force as its law's."""
+NO_YIELD = BulkYield()
 
 
 def node_number(u, bits_per_octave):
@@ -51,7 +55,9 @@ def grid(lowest, highest, kinks, bits_per_octave):
     """Node positions from the grid cell that holds `lowest` to the end of the one that holds `highest`; kinks twice."""
     first, last = node_number(lowest, bits_per_octave), node_number(highest, bits_per_octave) + 1
     u = node(np.arange(first, last + 1), bits_per_octave)
-    inside = [k for k in kinks if u[0] < k < u[-1]]
+    inside = sorted({float(k) for k in kinks if u[0] < k < u[-1]})
+    if len(inside) > MOST_KINKS:
+        raise DemlawsError(f"{len(inside)} kinks of the stiffness lie in the table's range: a table holds {MOST_KINKS} at most")
     extra = [k for k in inside if k not in u]
     u = np.sort(np.concatenate([u, inside, extra]))
     return u, inside
@@ -69,15 +75,17 @@ def _hermite(t0, t1, width, s0, s1, slope0, slope1):
     return np.column_stack([s0 - b * t0 + c * t0**2 - d * t0**3, b - 2.0 * c * t0 + 3.0 * d * t0**2, c - 3.0 * d * t0, d])
 
 
-def _below(u0, s0, exponent, first, bits_per_octave, seated, floor):
+def _below(u0, s0, exponent, first, bits_per_octave, straight, floor):
     """Rows of cells below the first node and the u where they begin: one linear from 0, then the power law s0 (u/u0)^p.
 
-    floor: s about where the power law ends, or None: 40 octaves of u down. A curve that starts from a seating load (p near
-    0) goes on straight, with the slope of the first node.
+    floor: s about where the power law ends, or None: 40 octaves of u down. straight: a curve that starts from a force
+    (p < 1) goes on straight, with the slope of the first node; a power law would have a stiffness without bound.
     """
-    octaves = _OCTAVES_BELOW if floor is None or seated else max(1.0, math.log2(s0 / floor) / exponent)
+    octaves = float(_OCTAVES_BELOW)
+    if floor is not None and not straight:
+        octaves = min(max(1.0, math.log2(s0 / floor) / exponent), _MOST_OCTAVES_BELOW)
     u = node(np.arange(first - round(octaves * 2**bits_per_octave), first + 1), bits_per_octave)
-    if seated:
+    if straight:
         seat, slope = s0 * (1.0 - exponent), exponent * s0 / u0
         width = np.append(u[0], np.diff(u))  # the slope as it is: differences of s would be nothing but rounding here
         none = np.zeros(u.size)
@@ -88,13 +96,16 @@ def _below(u0, s0, exponent, first, bits_per_octave, seated, floor):
     return np.concatenate([[[0.0, s[0], 0.0, 0.0]], cells]), float(u[0])
 
 
-def shape_from_nodes(
-    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk_yield=(math.inf, 0.0, 0.0), seated=None, floor=None
-):
-    """Cubic Hermite cells through the rows of a table; bulk_yield: see TableShape.yield_overlap and what follows it.
+def _padded(kinks):
+    """Kinks and infinities, 2, 4, 8, ... in all: each number is a type of its own, for which look-ups are compiled."""
+    size = max(2, 2 ** math.ceil(math.log2(max(len(kinks), 1))))
+    return (*kinks, *([math.inf] * (size - len(kinks))))
 
-    seated: whether the curve starts from a seating load, None to decide by the exponent of the first node; floor: see `_below`.
-    """
+
+def shape_from_nodes(
+    nodes, bits_per_octave, length_over_roughness, length_over_radius, bulk=NO_YIELD, straight=False, floor=None
+):
+    """Cubic Hermite cells through the rows of a table; straight, floor: see `_below`."""
     u, s, slope = nodes.curve()
     shift = 52 - bits_per_octave
     kinks = u[:-1][np.diff(u) == 0.0]
@@ -105,67 +116,63 @@ def shape_from_nodes(
     width = ((numbers + 1) << shift).view(np.float64) - base
     t0, t1 = (u[left] - base) / width, (u[right] - base) / width
     exponent = float(u[0] * slope[0] / s[0])
+    straight = straight and exponent < 1.0 - 1e-9  # the reverse of a straight curve, and Hertz, are straight from 0
+    seat = s[0] * (1.0 - exponent) if straight else 0.0
     cells = _hermite(t0, t1, width, s[left], s[right], slope[left], slope[right])
     x = 0.5 * (t0 + t1)[:, None] + 0.5 * (t1 - t0)[:, None] * _NODES
     y = cells[:, :1] + x * (cells[:, 1:2] + x * (cells[:, 2:3] + x * cells[:, 3:4]))
     pieces = 4.0 / 3.0 * (np.maximum(y, 0.0) ** 1.5 @ _WEIGHTS) * 0.5 * (t1 - t0) * width
     below = 4.0 / 3.0 * s[0] ** 1.5 * u[0] / (1.5 * exponent + 1.0)
-    if exponent < SEATED:
-        line = s[0] * (1.0 + exponent * (0.5 * (1.0 + _NODES) - 1.0))
+    if seat > 0.0:
+        line = seat + (s[0] - seat) * 0.5 * (1.0 + _NODES)
         below = 2.0 / 3.0 * float(line**1.5 @ _WEIGHTS) * u[0]
     energy = below + np.concatenate([[0.0], np.cumsum(pieces)[:-1]])
     # a kink that lies on the grid splits no cell: the cells on either side have their own slopes there
-    pair = [*(float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)), math.inf, math.inf]
-    seated = exponent < SEATED if seated is None else seated
-    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, seated, floor)
+    splits = [float(k) for k in kinks if k.view(np.int64) & ((1 << shift) - 1)]
+    below, floor = _below(u[0], s[0], exponent, int(numbers[0]), bits_per_octave, straight, floor)
     end = slope[-1] * float(node(numbers[-1] + 2, bits_per_octave) - u[-1])
     cells = np.concatenate([below, cells, [[s[-1], end, 0.0, 0.0]]])  # the last row is read at the last node only
-    return TableShape(
-        cells,
-        np.ascontiguousarray(np.column_stack([t0, s[left], energy, base, width])),
-        shift,
-        int(numbers[0]) - below.shape[0],
-        pair[0],
-        pair[1],
-        float(u[0]),
-        float(u[-1]),
-        floor,
-        1.0 / floor,
-        exponent,
-        *map(float, bulk_yield),
-        float(length_over_roughness),
-        float(length_over_radius),
-        cells.shape[0],
+    grid = Grid(
+        cells=cells,
+        starts=np.ascontiguousarray(np.column_stack([t0, s[left], energy, base, width])),
+        shift=shift,
+        first=int(numbers[0]) - below.shape[0],
+        kinks=_padded(splits),
+        lowest=float(u[0]),
+        highest=float(u[-1]),
+        floor=floor,
+        inverse_floor=1.0 / floor,
+        exponent=exponent,
+        seat=float(seat),
+        count=cells.shape[0],
     )
+    return TableShape(grid, bulk, float(length_over_roughness), float(length_over_radius))
 
 
 def quick_to_invert(shape, kinks=()):
     """A table's shape with its reverse; any other shape, whose `inverse` is a formula, as it is. kinks: u of the table's."""
     if not isinstance(shape, TableShape):
         return shape
-    bits_per_octave = 53 - shape.shift  # finer by a bit, so that one step of Newton's method is exact to rounding
-    # the curve in its own units: length 1
-    p = scale_one(shape._replace(length_over_roughness=0.0, length_over_radius=1.0), 1.0, 1.0, 0.0)
-    highest, seat = float(shape.cells[-1, 0]), 0.0
-    lowest = float(shape.cells[0, 1])  # where the curve begins to be straight: the reverse of a straight line is one
-    if shape.exponent < SEATED:
-        lowest = float(shape.starts[0, 1])
-        seat = lowest * (1.0 - shape.exponent)
-    corners = np.array([k for k in kinks if shape.lowest < k < shape.highest])
+    curve = shape.grid
+    bits_per_octave = 53 - curve.shift  # finer by a bit, so that one step of Newton's method is exact to rounding
+    highest, seat = float(curve.cells[-1, 0]), curve.seat
+    # where the curve begins to be straight: the reverse of a straight line is one
+    lowest = float(curve.starts[0, 1] - seat if seat > 0.0 else curve.cells[0, 1])
+    corners = np.array([k for k in kinks if curve.lowest < k < curve.highest])
     last = node_number(highest - seat, bits_per_octave)  # this node and those before it lie on the curve
     end = float(node(last - 1, bits_per_octave))
-    y, corners = grid(lowest - seat, end, list(read(p, corners)[0] - seat), bits_per_octave)
+    y, corners = grid(lowest, end, list(read(curve, corners)[0] - seat), bits_per_octave)
     place = y.copy()
     for corner in corners:
         first, second = np.flatnonzero(y == corner)
         place[first], place[second] = corner * (1.0 - 1e-14), corner * (1.0 + 1e-14)
     u = np.empty(y.size)
-    invert_loop(p, place + seat, u)
-    slope = 1.0 / read(p, u)[1]
+    invert_loop(curve, place + seat, u)
+    slope = 1.0 / read(curve, u)[1]
     for corner in corners:
         first, second = np.flatnonzero(y == corner)
         u[second] = u[first]
     nodes = Nodes.from_curve(y, u, slope)
-    reverse = shape_from_nodes(nodes, bits_per_octave, 0.0, 0.0, seated=seat > 0.0, floor=float(u[0]))
-    lengths = {"length_over_roughness": shape.length_over_roughness, "length_over_radius": shape.length_over_radius}
-    return CurveShape(shape, reverse._replace(**lengths), seat)
+    lengths = shape.length_over_roughness, shape.length_over_radius
+    reverse = shape_from_nodes(nodes, bits_per_octave, *lengths, straight=seat > 0.0, floor=float(u[0]))
+    return CurveShape(shape, reverse)

@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <clocale>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -33,20 +34,26 @@ namespace demlaws {
 
 enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3 };
 
-inline const char *unloading_name(Unloading rule) {
-  return rule == ELASTIC ? "elastic" : rule == HERTZ ? "hertz" : rule == THORNTON ? "thornton" : "table";
+inline const char *unloading_name(int rule) {
+  static const char *const names[] = {"elastic", "hertz", "thornton", "table"};
+  return names[rule];
 }
 
-// Number of doubles a contact must keep: elastic 0, hertz 2, thornton 3, table (a given curve) 2.
-inline int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == THORNTON ? 3 : 2; }
+// Number of doubles a contact must keep: the first so many of state_name().
+constexpr int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == THORNTON ? 3 : 2; }
+
+inline const char *state_name(int i) {
+  static const char *const names[] = {"maximum_overlap", "plastic_overlap", "radius_ratio"};
+  return names[i];
+}
 
 inline bool unloading_from_name(const std::string &name, Unloading &rule) {
-  if (name == "elastic") rule = ELASTIC;
-  else if (name == "hertz") rule = HERTZ;
-  else if (name == "thornton") rule = THORNTON;
-  else if (name == "table") rule = GIVEN;
-  else return false;
-  return true;
+  for (int i = ELASTIC; i <= GIVEN; i++)
+    if (name == unloading_name(i)) {
+      rule = (Unloading)i;
+      return true;
+    }
+  return false;
 }
 
 // CRC-32 of zlib (polynomial 0xEDB88320), continued from an earlier value.
@@ -72,29 +79,24 @@ struct Cell {
   double c[4];
 };
 
-// A row of a curve: u, s(u), ds/du, and the line of the file where it stands.
+// A row of a curve: u, s(u), ds/du.
 struct Row {
   double u, s, slope;
-  int line;
-};
-
-// What is wrong with a row.
-struct BadRow {
-  int line;
-  std::string what;
 };
 
 // A curve s(u): cells on a grid of 2^bits linear parts in each octave, whose number stands in the bits of the double u.
 class Curve {
 public:
+  static const int MOST_BITS = 12, MOST_KINKS = 32;
   Curve() : bits_(0), first_(0), count_(0) {}
 
-  // s(u) and its slope for first <= u < last; returns false outside (then use outside()).
+  // s(u) and its slope from floor() to before last(); returns false outside (then use outside()).
   inline bool look_up(double u, double &s, double &slope) const {
     uint64_t b;
     memcpy(&b, &u, 8);
     int64_t k = (int64_t)(b >> shift_) - first_;
     k += (int64_t)(u >= kink_[0]) + (int64_t)(u >= kink_[1]);
+    if (u >= kink_[2]) k += later_kinks(u);
     if ((uint64_t)k >= (uint64_t)count_) return false;
     const double *const c = cells_[k].c;
     // the mantissa bits below the cell number are t; the exponent alone gives 1 / width
@@ -109,16 +111,16 @@ public:
     return true;
   }
 
-  // Below the first row: power law; a law that starts from a seating force (exponent below 0.5: its stiffness would grow
-  // without bound) goes on straight. At the last row: its values. Beyond it: not certified, returns false with the
-  // power law of the last row. NaN gives NaN and true.
+  // Below floor(): straight to 0, or to the seat. At the last row: its values. Beyond it: not certified, returns false
+  // with the power law of the last row. NaN gives NaN and true.
   bool outside(double u, double &s, double &slope) const {
     if (u != u) {
       s = slope = u;
       return true;
     }
-    if (u < u_first_) {
-      below(u, s, slope);
+    if (u < floor_) {
+      slope = slope_floor_;
+      s = seat_ + slope * u;
       return true;
     }
     s = s_last_ * pow(u / u_last_, slope_last_ * u_last_ / s_last_);
@@ -144,52 +146,61 @@ public:
     return work_[low] + gauss(nodes_[low], u);
   }
 
-  // u at which the curve reaches s > 0, by bisection and secant; between the first and the last row, and below.
-  double invert(double s) const;
-
   double first() const { return u_first_; }
   double last() const { return u_last_; }
   double first_s() const { return s_first_; }
   double last_s() const { return s_last_; }
-  // s at u = 0+: 0, but for a law that starts from a seating force.
-  double seat() const { return straight_ ? s_first_ * (1. - power_first_) : 0.; }
+  // Where the cells below the first row begin, and s there.
+  double floor() const { return floor_; }
+  double floor_s() const { return seat_ + slope_floor_ * floor_; }
+  // s at u = 0+: 0, but for a law that starts from a force.
+  double seat() const { return seat_; }
+  // d ln s / d ln u of a row: the exponent of the power law below it.
+  static double exponent(const Row &row) { return row.u * row.slope / row.s; }
   const std::vector<double> &kinks() const { return kinks_; }
   int bits() const { return bits_; }
 
-  // From its rows; throws BadRow. straight: whether it goes on straight below the first row, -1: if it must (seat()).
-  void build(const std::vector<Row> &rows, int bits, double rtol, int straight = -1);
+  // Number of the first row that the grid does not allow, with what is wrong; -1: they are a curve.
+  static int off_grid(const std::vector<Row> &rows, int bits, std::string &what);
+  // From rows on the grid. straight: below the first row; else a power law, for 40 octaves or about down to s =
+  // `until`.
+  void build(const std::vector<Row> &rows, int bits, bool straight, double until = 0.);
   // The reverse of a curve: u over s - seat, on a grid of its own that ends within the last cell of the curve.
-  void build_reverse(const Curve &curve, double rtol);
+  void build_reverse(const Curve &curve);
 
 private:
   int bits_, shift_;
   int64_t first_, count_;
   uint64_t inverse_width_;
-  double kink_[2]; // those that split a cell
-  bool straight_;
-  double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_;
+  double kink_[3]; // the first three that split a cell, or infinity
+  double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, floor_, slope_floor_, seat_;
   std::vector<Cell> storage_; // kept so that cells_ can be aligned
   const Cell *cells_;
-  std::vector<double> nodes_, work_, kinks_;
+  std::vector<double> nodes_, work_, kinks_, splits_;
 
   Curve(const Curve &); // cells_ points into storage_: not copied
   Curve &operator=(const Curve &);
 
-  static void bad(int line, const std::string &what) {
-    BadRow row = {line, what};
-    throw row;
+  int64_t later_kinks(double u) const {
+    int64_t count = 1;
+    for (size_t i = 3; i < splits_.size() && u >= splits_[i]; i++) count++;
+    return count;
   }
-  int64_t index(double u) const {
+  static int64_t number(double u, int bits) {
     uint64_t b;
     memcpy(&b, &u, 8);
-    return (int64_t)(b >> shift_);
+    return (int64_t)(b >> (52 - bits));
   }
-  double start(int64_t grid) const {
-    const uint64_t b = (uint64_t)grid << shift_;
+  static double node(int64_t number, int bits) {
+    const uint64_t b = (uint64_t)number << (52 - bits);
     double u;
     memcpy(&u, &b, 8);
     return u;
   }
+  static Cell hermite(double t0, double t1, double width, const Row &left, const Row &right);
+  void below(std::vector<Cell> &cells, bool straight, double until);
+  double invert(double s) const;
+  Row reversed(double y, double beside) const;
   double gauss(double a, double b) const {
     const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double sum = 0., s, slope;
@@ -199,29 +210,11 @@ private:
     }
     return half * sum;
   }
-  void extend_below(std::vector<Cell> &cells, double rtol);
-  static Row reversed(const Curve &curve, double y, double seat, double beside);
-  bool seated() const { return straight_; }
-  void below(double u, double &s, double &slope) const {
-    if (seated()) {
-      slope = power_first_ * s_first_ / u_first_;
-      s = s_first_ + slope * (u - u_first_);
-      return;
-    }
-    s = u > 0. ? s_first_ * pow(u / u_first_, power_first_) : 0.;
-    slope = u > 0. ? power_first_ * s / u : 0.;
-  }
   double energy_below(double u) const {
     double s, slope;
-    below(u, s, slope);
-    if (!seated()) return (4. / 3.) * s * sqrt(s) * u / (1.5 * power_first_ + 1.);
-    double sum = 0.; // f = (4/3) s^1.5 with s straight in u
-    for (int i = 0; i < 8; i++) {
-      double value;
-      below(0.5 * u * (1. + gauss_place(i)), value, slope);
-      sum += gauss_weight(i) * (4. / 3.) * value * sqrt(value);
-    }
-    return 0.5 * u * sum;
+    evaluate(u, s, slope);
+    if (!(seat_ > 0.)) return (4. / 3.) * s * sqrt(s) * u / (1.5 * power_first_ + 1.);
+    return gauss(0., u); // f = (4/3) s^1.5 with s straight in u
   }
   static double gauss_place(int i) {
     static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
@@ -233,10 +226,130 @@ private:
   }
 };
 
+// The text of JSON, as far as headers have it: says whether it is one object, and keeps the numbers of its first level.
+class Json {
+public:
+  explicit Json(const std::string &text) : text_(text), at_(0) {
+    blank();
+    object_ = peek() == '{' && value(0) && (blank(), at_ == text_.size());
+  }
+  bool is_object() const { return object_; }
+  // Keys of the first level: their values' text.
+  const std::map<std::string, std::string> &fields() const { return fields_; }
+
+private:
+  const std::string &text_;
+  size_t at_;
+  bool object_;
+  std::map<std::string, std::string> fields_;
+
+  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
+  void blank() {
+    while (peek() == ' ' || peek() == '\t') at_++;
+  }
+  bool take(char c) {
+    if (peek() != c) return false;
+    at_++;
+    return true;
+  }
+  bool word(const char *w) {
+    const size_t size = strlen(w);
+    if (text_.compare(at_, size, w) != 0) return false;
+    at_ += size;
+    return true;
+  }
+  bool digits() {
+    const size_t begin = at_;
+    while (peek() >= '0' && peek() <= '9') at_++;
+    return at_ > begin;
+  }
+  bool number() {
+    take('-');
+    if (!take('0') && !digits()) return false;
+    if (take('.') && !digits()) return false;
+    if (!take('e') && !take('E')) return true;
+    if (!take('+')) take('-');
+    return digits();
+  }
+  bool string() {
+    if (!take('"')) return false;
+    while (at_ < text_.size()) {
+      const unsigned char c = (unsigned char)text_[at_++];
+      if (c == '"') return true;
+      if (c < 0x20) return false;
+      if (c != '\\') continue;
+      const char escaped = peek();
+      at_++;
+      if (escaped == 'u') {
+        for (int i = 0; i < 4; i++)
+          if (!strchr("0123456789abcdefABCDEF", peek()) || !peek()) return false;
+          else at_++;
+      } else if (!escaped || !strchr("\"\\/bfnrt", escaped)) return false;
+    }
+    return false;
+  }
+  bool value(int depth) {
+    if (depth > 64) return false;
+    const char c = peek();
+    if (c == '"') return string();
+    if (c == 't') return word("true");
+    if (c == 'f') return word("false");
+    if (c == 'n') return word("null");
+    if (c != '{' && c != '[') return number();
+    if (depth == 64) return false;
+    const char end = c == '{' ? '}' : ']';
+    at_++;
+    blank();
+    if (take(end)) return true;
+    do {
+      blank();
+      const size_t name = at_;
+      if (c == '{') {
+        if (!string()) return false;
+        blank();
+        if (!take(':')) return false;
+        blank();
+      }
+      const size_t begin = at_;
+      if (!value(depth + 1)) return false;
+      if (depth == 0)
+        fields_[text_.substr(name + 1, text_.find('"', name + 1) - name - 1)] = text_.substr(begin, at_ - begin);
+      blank();
+    } while (take(','));
+    return take(end);
+  }
+};
+
+// A finite number in decimal digits, whatever the locale's decimal point: [+-] digits [. [digits]] [e|E [+-] digits].
+inline bool plain_number(const std::string &text, double &x) {
+  size_t i = 0;
+  const size_t n = text.size();
+  if (i < n && (text[i] == '+' || text[i] == '-')) i++;
+  const size_t whole = i;
+  while (i < n && text[i] >= '0' && text[i] <= '9') i++;
+  if (i == whole) return false;
+  const size_t point = i;
+  if (i < n && text[i] == '.')
+    for (i++; i < n && text[i] >= '0' && text[i] <= '9';) i++;
+  if (i < n && (text[i] == 'e' || text[i] == 'E')) {
+    i++;
+    if (i < n && (text[i] == '+' || text[i] == '-')) i++;
+    const size_t power = i;
+    while (i < n && text[i] >= '0' && text[i] <= '9') i++;
+    if (i == power) return false;
+  }
+  if (i != n) return false;
+  const char *const local = localeconv()->decimal_point;
+  if (point < n && text[point] == '.' && strcmp(local, ".") != 0)
+    x = strtod((text.substr(0, point) + local + text.substr(point + 1)).c_str(), NULL);
+  else x = strtod(text.c_str(), NULL);
+  return x - x == 0.;
+}
+
 class Table {
 public:
-  Table() : fingerprint_(0), rule_(ELASTIC), seat_(0.) {}
-  explicit Table(const std::string &path) : fingerprint_(0), rule_(ELASTIC), seat_(0.) { read(path); }
+  Table() : version_(0), fingerprint_(0), rule_(ELASTIC) {}
+  explicit Table(const std::string &path) : version_(0), fingerprint_(0), rule_(ELASTIC) { read(path); }
 
   // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
   void read(const std::string &path) { parse(contents(path), path); }
@@ -257,29 +370,23 @@ public:
   }
   // A header value as a number; `otherwise` when the key is absent or not one number.
   double number(const std::string &key, double otherwise) const {
-    const std::string value = text(key);
-    char *end = NULL;
-    const double x = strtod(value.c_str(), &end);
-    return value.empty() || end == value.c_str() || *end ? otherwise : x;
+    double x;
+    return plain_number(text(key), x) ? x : otherwise;
   }
   // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
   double of_contact(const std::string &name, double otherwise) const {
-    const std::string json = text("contact"), key = "\"" + name + "\":";
-    const size_t at = json.find(key);
-    if (at == std::string::npos) return otherwise;
-    const char *const begin = json.c_str() + at + key.size();
-    char *end = NULL;
-    const double x = strtod(begin, &end);
-    return end == begin ? otherwise : x;
+    const std::map<std::string, double>::const_iterator it = contact_.find(name);
+    return it == contact_.end() ? otherwise : it->second;
   }
   // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
-  bool collapses() const { return text("collapses") != "no"; }
+  bool collapses() const { return text("collapses") == "yes"; }
   double rtol() const { return number("rtol", 0.); }
+  int version() const { return version_; }
   Unloading unloading() const { return rule_; }
   double first_overlap() const { return loading_.first(); }
   double last_overlap() const { return loading_.last(); }
   double last_force() const { return f_last_; }
-  bool yields() const { return yield_force_ < HUGE_VAL; }
+  bool yields() const { return yield_s_ < HUGE_VAL; }
 
   // s(u) and its slope; false beyond the table. See Curve.
   inline bool look_up(double u, double &s, double &slope) const { return loading_.look_up(u, s, slope); }
@@ -290,7 +397,7 @@ public:
   const Curve &unloading_curve() const { return unloading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
   inline double recover(double s) const {
-    const double above = s - seat_;
+    const double above = s - unloading_.seat();
     if (above <= 0.) return 0.;
     double u, slope, here;
     reverse_.evaluate(above, u, slope);
@@ -303,7 +410,7 @@ public:
   // (a^2 = a_y^2 + (P - P_y)/(pi p_y)).
   inline double area(double s) const {
     if (s <= yield_s_) return s;
-    return yield_s_ + ((4. / 3.) * s * sqrt(s) - yield_force_) * yield_area_slope_;
+    return yield_s_ + (s * sqrt(s) - yield_s_ * sqrt(yield_s_)) * yield_area_slope_;
   }
 
   // Dimensionless work of virgin loading from 0 to u.
@@ -311,32 +418,34 @@ public:
 
 private:
   std::string path_;
+  int version_;
   uint32_t fingerprint_;
   std::map<std::string, std::string> header_;
+  std::map<std::string, int> lines_; // where a key stands
+  std::map<std::string, double> contact_;
   Unloading rule_;
   Curve loading_, unloading_, reverse_;
-  double seat_; // s of the unloading curve at u = 0+
-  double f_last_, yield_force_, yield_s_, yield_area_slope_;
+  double f_last_, yield_s_, yield_area_slope_;
 
   Table(const Table &); // a curve is not copied
   Table &operator=(const Table &);
 
   void fail(int line, const std::string &what) const {
     std::ostringstream out;
-    out << path_;
-    if (line > 0) out << ", line " << line;
-    out << ": " << what;
+    out << path_ << ", line " << line << ": " << what;
     throw std::runtime_error(out.str());
   }
-  double to_number(const std::string &token, int line, const char *what) const {
-    char *end = NULL;
-    errno = 0;
-    const double x = strtod(token.c_str(), &end);
-    if (token.empty() || *end || !(x - x == 0.))
-      fail(line, std::string(what) + " is '" + token + "', not a finite number");
-    return x;
-  }
-  void build(Curve &curve, const std::vector<Row> &rows, int bits) const;
+  enum Kind { NAME, OBJECT, CONTACT, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO };
+  struct Key {
+    const char *name;
+    Kind kind;
+    int version; // of the format: the first that has this key
+  };
+  void check(const std::string &name, Kind kind, int titles);
+  void check_contact(const std::string &name, int line);
+  int whole(const std::string &name, int low, int high) const;
+  static Row row(const std::string &body, double &force, std::string &what);
+  void build(Curve &curve, const std::vector<Row> &rows, const std::string &prefix, int first_line, double until);
 };
 
 inline std::string Table::contents(const std::string &path) {
@@ -353,199 +462,306 @@ inline std::string Table::contents(const std::string &path) {
   return data;
 }
 
-inline void Table::parse(const std::string &data, const std::string &path) {
+// Three numbers with a blank between, within what a table may hold; else `what` says what is wrong.
+inline Row Table::row(const std::string &body, double &force, std::string &what) {
+  Row row = {0., 0., 0.};
+  double value[3];
+  size_t p = 0;
+  for (int i = 0; i < 3; i++) {
+    const size_t q = i < 2 ? body.find(' ', p) : body.size();
+    if (q == std::string::npos || !plain_number(body.substr(p, q - p), value[i])) {
+      what = "'" + body + "' is not three numbers with a blank between: overlap, force, stiffness";
+      return row;
+    }
+    const double low = i ? 1e-200 : 1e-60, high = i ? 1e200 : 1e60;
+    if (!(value[i] >= low && value[i] <= high)) {
+      std::ostringstream out;
+      out << "a value in '" << body << "' is not between " << low << " and " << high;
+      what = out.str();
+      return row;
+    }
+    p = q + 1;
+  }
+  force = value[1];
+  const double root = cbrt(0.75 * force); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
+  row.u = value[0];
+  row.s = root * root;
+  row.slope = value[2] / (2. * sqrt(row.s));
+  return row;
+}
+
+inline int Table::whole(const std::string &name, int low, int high) const {
+  const std::string value = text(name);
+  const bool digits = !value.empty() && value.size() <= 9 && value.find_first_not_of("0123456789") == std::string::npos;
+  const long number = digits && value[0] != '0' ? strtol(value.c_str(), NULL, 10) : -1;
+  if (number < low || number > high) {
+    std::ostringstream out;
+    out << name << ": '" << value << "' is not a whole number from " << low << " to " << high;
+    fail(lines_.find(name)->second, out.str());
+  }
+  return (int)number;
+}
+
+inline void Table::check_contact(const std::string &name, int line) {
+  const std::string value = text(name);
+  const Json json(value);
+  if (!json.is_object()) fail(line, name + ": this is not a JSON object");
+  const bool own = name == "contact";
+  std::map<std::string, double> numbers;
+  for (std::map<std::string, std::string>::const_iterator it = json.fields().begin(); it != json.fields().end(); ++it) {
+    const std::string &key = it->first;
+    const bool needed = key == "radius" || key == "modulus", optional = key == "fractal_dimension" || key == "hardness";
+    if (!needed && !optional && key != "roughness") fail(line, name + ": '" + key + "' is no quantity of a contact");
+    if (optional && it->second == "null") continue;
+    double x;
+    const bool good = plain_number(it->second, x) && (key == "roughness"           ? x >= 0.
+                                                      : key == "fractal_dimension" ? x >= 2. && x <= 3.
+                                                                                   : x > 0.);
+    if (!good) fail(line, name + ": " + key + " = " + it->second + " will not do");
+    numbers[key] = x;
+  }
+  if (!numbers.count("radius") || !numbers.count("modulus")) fail(line, name + ": radius and modulus are needed");
+  if (numbers.count("roughness") && numbers["roughness"] > numbers["radius"])
+    fail(line, name + ": the roughness exceeds the radius");
+  if (own) contact_ = numbers;
+}
+
+inline void Table::check(const std::string &name, Kind kind, int titles) {
+  if (!has(name)) fail(titles, "the lines above lack '" + name + "'");
+  const int line = lines_[name];
+  const std::string value = text(name);
+  if (kind == BITS) whole(name, 1, Curve::MOST_BITS);
+  else if (kind == ROWS) whole(name, 2, 2000000);
+  else if (kind == CONTACT) check_contact(name, line);
+  else if (kind == POSITIVE || kind == NOT_NEGATIVE) {
+    double x;
+    if (!plain_number(value, x) || !(x > 0. || (kind == NOT_NEGATIVE && x >= 0.)))
+      fail(line, name + ": '" + value + "' is not a " + (kind == POSITIVE ? "positive number" : "number from 0"));
+  } else {
+    const bool good = kind == NAME     ? !value.empty()
+                      : kind == OBJECT ? Json(value).is_object()
+                      : kind == BELOW  ? value == "power" || value == "straight"
+                      : kind == RULE   ? unloading_from_name(value, rule_)
+                                       : value == "yes" || value == "no";
+    if (!good) fail(line, name + ": '" + value + "' will not do");
+  }
+}
+
+inline void Table::parse(const std::string &bytes, const std::string &path) {
   path_ = path;
   header_.clear();
-  const std::string magic = "# demlaws-table 1\n";
-  if (data.compare(0, magic.size(), magic) != 0)
-    fail(1, "the first line must be exactly '# demlaws-table 1'; this is no table of demlaws, or of another version");
-  size_t at = magic.size();
-  uint32_t crc = crc32(0, data.data(), at);
-  size_t summed = at;
-  int line = 1, expected_rows = -1, rows_line = 0;
-  enum { HEADER, ROWS, ENDED } part = HEADER;
-  std::vector<Row> rows, more;
-  std::vector<Row> *into = &rows;
-  int bits = -1, more_bits = -1, expected_more = 0;
-  while (at < data.size()) {
+  lines_.clear();
+  contact_.clear();
+  std::string data; // a line may end in CR LF: the CR is no part of the text
+  data.reserve(bytes.size());
+  for (size_t i = 0; i < bytes.size(); i++)
+    if (bytes[i] != '\r' || i + 1 == bytes.size() || bytes[i + 1] != '\n') data += bytes[i];
+  const std::string magic = "# demlaws-table ", first = data.substr(0, data.find('\n')),
+                    version = first.substr(std::min(magic.size(), first.size()));
+  const bool digits =
+      !version.empty() && version.size() <= 9 && version.find_first_not_of("0123456789") == std::string::npos;
+  if (first.compare(0, magic.size(), magic) != 0 || !digits || version[0] == '0')
+    fail(1, "not a table of demlaws: the first line must be '# demlaws-table 1' or '# demlaws-table 2'");
+  if (version != "1" && version != "2")
+    fail(1, "a table of format " + version +
+                ", this reader knows 1 and 2: take a newer demlaws, or write the table again");
+  version_ = version == "1" ? 1 : 2;
+  const std::string head = first + "\n";
+  uint32_t crc = crc32(0, head.data(), head.size());
+  int line = 1, titles = 0, ended = 0, first_line[2] = {0, 0};
+  std::vector<Row> rows[2];
+  double last_force = 0.;
+  int into = -1;
+  for (size_t at = std::min(head.size(), data.size()), next; at < data.size(); at = next) {
     line++;
-    if (part == ENDED) fail(line, "something follows the 'end:' line");
-    const size_t newline = data.find('\n', at);
-    if (newline == std::string::npos) fail(line, "the file stops in the middle of a line");
-    const size_t length = newline - at;
-    if (length < 10 || data[newline - 9] != ' ') fail(line, "no checksum (a space and 8 hex digits) ends the line");
-    const std::string digits = data.substr(newline - 8, 8);
-    uint32_t given = 0;
-    for (int i = 0; i < 8; i++) {
-      const char c = digits[i];
-      if (c >= '0' && c <= '9') given = given * 16 + (c - '0');
-      else if (c >= 'a' && c <= 'f') given = given * 16 + (c - 'a' + 10);
-      else fail(line, "checksum '" + digits + "' is not 8 hex digits");
-    }
-    crc = crc32(crc, data.data() + summed, newline - 9 - summed);
-    summed = newline - 9;
-    if (crc != given) fail(line, "checksum does not match: this line was changed after the table was written; write it anew");
-    const std::string body = data.substr(at, length - 9);
-    at = newline + 1;
-    if (part == HEADER) {
-      if (body == "overlap force stiffness") {
-        part = ROWS;
-        continue;
-      }
-      const size_t colon = body.find(": ");
-      const bool empty_value = body.size() > 1 && body[body.size() - 1] == ':';
-      if (colon == std::string::npos && !empty_value) fail(line, "'" + body + "' is not 'key: value'");
-      const std::string key = body.substr(0, empty_value && colon == std::string::npos ? body.size() - 1 : colon);
-      if (header_.count(key)) fail(line, "key '" + key + "' appears twice");
-      const std::string value = colon == std::string::npos ? "" : body.substr(colon + 2);
-      header_[key] = value;
-      if (key == "rows" || key == "unloading_rows") {
-        const double n = to_number(value, line, "rows");
-        if (!(n >= 2 && n < 1e8 && n == floor(n))) fail(line, "rows: " + value + " is not a whole number of at least 2");
-        (key == "rows" ? expected_rows : expected_more) = (int)n;
-        if (key == "rows") rows_line = line;
-      } else if (key == "bits" || key == "unloading_bits") {
-        const double n = to_number(value, line, "bits");
-        if (!(n >= 0 && n <= 20 && n == floor(n))) fail(line, "bits: " + value + " is not a whole number from 0 to 20");
-        (key == "bits" ? bits : more_bits) = (int)n;
-      } else if (key == "unloading" && !unloading_from_name(value, rule_))
-        fail(line, "unloading: " + value + " is none of elastic, hertz, thornton, table");
-      continue;
-    }
+    const size_t newline = std::min(data.find('\n', at), data.size());
+    next = newline + 1;
+    if (ended) fail(line, "text follows the 'end:' line");
+    const size_t blank = newline - at < 9 ? newline : newline - 9; // before the mark
+    if (blank == newline || data[blank] != ' ') fail(line, "no checksum (a blank and 8 hex digits) ends this line");
+    crc = crc32(crc, data.data() + at, blank - at);
+    char mark[16];
+    snprintf(mark, sizeof mark, " %08x", (unsigned)crc);
+    if (data.compare(blank, 9, mark) != 0)
+      fail(line, "checksum does not match: this line was changed after the table was written; write it anew");
+    fingerprint_ = crc;
+    crc = crc32(crc, mark, 9);
+    crc = crc32(crc, "\n", 1);
+    const std::string body = data.substr(at, blank - at);
     if (body.compare(0, 5, "end: ") == 0) {
       std::ostringstream wanted;
-      wanted << "end: " << rows.size() + more.size() << " rows";
+      wanted << "end: " << rows[0].size() + rows[1].size() << " rows";
       if (body != wanted.str()) fail(line, "'" + body + "', but " + wanted.str().substr(5) + " were read");
-      part = ENDED;
-      fingerprint_ = crc;
-      continue;
+      ended = line;
+    } else if (into < 0 && body == "overlap force stiffness") {
+      titles = line;
+      into = 0;
+      first_line[0] = line + 1;
+    } else if (into == 0 && body == "unloading overlap force stiffness") {
+      into = 1;
+      first_line[1] = line + 1;
+    } else if (into >= 0) {
+      std::string what;
+      double force = 0.;
+      const Row row = Table::row(body, force, what);
+      if (!what.empty()) fail(line, what);
+      if (!rows[into].empty()) {
+        const double before = rows[into].back().u;
+        if (!(row.u > before && force > last_force) && !(row.u == before && force >= last_force))
+          fail(line, "overlap and force must increase from row to row");
+      }
+      rows[into].push_back(row);
+      last_force = force;
+      if (into == 0) f_last_ = force;
+    } else {
+      size_t colon = body.find(": ");
+      const bool empty = colon == std::string::npos && body.size() > 1 && body[body.size() - 1] == ':';
+      if (empty) colon = body.size() - 1;
+      if (colon == std::string::npos || colon == 0) fail(line, "'" + body + "' is not 'key: value'");
+      const std::string key = body.substr(0, colon);
+      if (has(key)) fail(line, "key '" + key + "' stands twice");
+      header_[key] = empty ? "" : body.substr(colon + 2);
+      lines_[key] = line;
     }
-    if (body == "unloading overlap force stiffness" && into == &rows) {
-      into = &more;
-      continue;
-    }
-    Row row;
-    row.line = line;
-    std::string token[3];
-    size_t p = 0;
-    for (int i = 0; i < 3; i++) {
-      const size_t q = i < 2 ? body.find(' ', p) : body.size();
-      if (q == std::string::npos) fail(line, "a row needs overlap, force and stiffness");
-      token[i] = body.substr(p, q - p);
-      p = q + 1;
-    }
-    row.u = to_number(token[0], line, "overlap");
-    const double f = to_number(token[1], line, "force"), k = to_number(token[2], line, "stiffness");
-    if (!(row.u > 0.) || !(f > 0.) || !(k > 0.)) fail(line, "overlap, force and stiffness must be positive");
-    const double root = cbrt(0.75 * f); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
-    row.s = root * root;
-    row.slope = k / (2. * root);
-    if (!into->empty() && (row.u < into->back().u || (row.u > into->back().u && !(row.s > into->back().s))))
-      fail(line, "overlap and force must increase from row to row");
-    if (into == &rows) f_last_ = f;
-    into->push_back(row);
   }
-  if (part != ENDED) fail(line + 1, "the file stops before its 'end:' line");
-  static const char *const needed[] = {"law", "unloading", "bits", "rows"};
-  for (int i = 0; i < 4; i++)
-    if (!has(needed[i])) fail(0, std::string("the header has no '") + needed[i] + ":'");
-  if (number("offset", 0.) != 0.) fail(0, "the table has an offset, which this reader does not know");
-  if (expected_rows != (int)rows.size()) {
-    std::ostringstream what;
-    what << "rows: " << expected_rows << ", but the table has " << rows.size();
-    fail(rows_line, what.str());
-  }
-  if (expected_more != (int)more.size()) {
-    std::ostringstream what;
-    what << "unloading_rows: " << expected_more << ", but the table has " << more.size();
-    fail(0, what.str());
-  }
-  if ((rule_ == GIVEN) != !more.empty()) fail(0, "rows of an unloading curve belong to 'unloading: table', and only to it");
-  build(loading_, rows, bits);
-  if (rule_ == GIVEN) {
-    if (more_bits < 0) fail(0, "the header has no 'unloading_bits:'");
-    build(unloading_, more, more_bits);
-    reverse_.build_reverse(unloading_, rtol());
-    seat_ = unloading_.seat();
-  }
-  yield_force_ = yield_s_ = HUGE_VAL;
+  if (!ended) fail(line + (data[data.size() - 1] == '\n'), "the file stops before its 'end:' line");
+
+  static const Key of_curve[] = {{"law", NAME, 1},
+                                 {"options", OBJECT, 1},
+                                 {"contact", CONTACT, 1},
+                                 {"bits", BITS, 1},
+                                 {"rows", ROWS, 1},
+                                 {"force_error", NOT_NEGATIVE, 1},
+                                 {"stiffness_error", NOT_NEGATIVE, 1},
+                                 {"below_first_row", BELOW, 2}};
+  static const Key shared[] = {{"unloading", RULE, 1},
+                               {"collapses", YES_OR_NO, 1},
+                               {"length", POSITIVE, 1},
+                               {"length_over_roughness", NOT_NEGATIVE, 1},
+                               {"length_over_radius", NOT_NEGATIVE, 1},
+                               {"rtol", NOT_NEGATIVE, 1}};
+  static const char *const of_yield[] = {"yield_overlap", "yield_force", "yield_area", "yield_area_slope"};
+  const int lacking = titles ? titles : ended;
+  for (size_t i = 0; i < sizeof of_curve / sizeof *of_curve; i++)
+    if (of_curve[i].version <= version_) check(of_curve[i].name, of_curve[i].kind, lacking);
+  for (size_t i = 0; i < sizeof shared / sizeof *shared; i++) check(shared[i].name, shared[i].kind, lacking);
+  bool yields = false;
+  for (int i = 0; i < 4; i++) yields = yields || has(of_yield[i]);
+  for (int i = 0; yields && i < 4; i++) check(of_yield[i], POSITIVE, lacking);
+  for (size_t i = 0; rule_ == GIVEN && i < sizeof of_curve / sizeof *of_curve; i++)
+    if (of_curve[i].version <= version_) check(std::string("unloading_") + of_curve[i].name, of_curve[i].kind, lacking);
+  if ((number("length_over_roughness", 0.) > 0.) == (number("length_over_radius", 0.) > 0.))
+    fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
+  yield_s_ = HUGE_VAL;
   yield_area_slope_ = 0.;
-  if (has("yield_force") && text("yield_force") != "none") {
-    const double f = number("yield_force", -1.), slope = number("yield_area_slope", -1.);
-    if (!(f > 0.) || !(slope > 0.)) fail(0, "'yield_force' and 'yield_area_slope' must both be positive numbers");
-    yield_force_ = f;
-    const double root = cbrt(0.75 * f);
-    yield_s_ = root * root;
-    yield_area_slope_ = slope;
+  if (yields) {
+    const double area = number("yield_area", 0.), expected = pow(0.75 * number("yield_force", 0.), 2. / 3.);
+    if (!(fabs(area - expected) <= 1e-9 * expected))
+      fail(lines_["yield_area"], "yield_area does not go with yield_force");
+    yield_s_ = area;
+    yield_area_slope_ = number("yield_area_slope", 0.) / 0.75; // by s^1.5, not by f
   }
+  if ((rule_ == GIVEN) != (into == 1))
+    fail(lines_["unloading"], "rows of an unloading curve belong to 'unloading: table', and only to it");
+  build(loading_, rows[0], "", first_line[0], 0.);
+  if (yield_s_ >= loading_.last_s()) yield_s_ = HUGE_VAL;
+  if (rule_ != GIVEN) return;
+  // its power law goes as far down in force as the other's, so that it stays the stiffer one
+  build(unloading_, rows[1], "unloading_", first_line[1], loading_.seat() > 0. ? 0. : loading_.floor_s());
+  reverse_.build_reverse(unloading_);
 }
 
-inline void Table::build(Curve &curve, const std::vector<Row> &rows, int bits) const {
-  try {
-    curve.build(rows, bits, rtol());
-  } catch (const BadRow &bad) {
-    fail(bad.line, bad.what);
+inline void Table::build(Curve &curve, const std::vector<Row> &rows, const std::string &prefix, int first_line,
+                         double until) {
+  if (whole(prefix + "rows", 2, 2000000) != (int)rows.size()) {
+    std::ostringstream what;
+    what << prefix << "rows: " << text(prefix + "rows") << ", but the table has " << rows.size();
+    fail(lines_[prefix + "rows"], what.str());
   }
+  const int bits = whole(prefix + "bits", 1, Curve::MOST_BITS);
+  std::string what;
+  const int wrong = Curve::off_grid(rows, bits, what);
+  if (wrong >= 0) fail(first_line + wrong, what);
+  const double exponent = Curve::exponent(rows[0]);
+  // version 1 does not say: there a curve that would have a stiffness without bound starts from a force
+  const bool straight = version_ == 1 ? exponent < 0.5 : text(prefix + "below_first_row") == "straight";
+  if (straight && exponent > 1. + 1e-9)
+    fail(lines_[prefix + "below_first_row"],
+         "straight below the first row, this curve would have a force below 0 at overlap 0");
+  curve.build(rows, bits, straight, until);
 }
 
-inline void Curve::build(const std::vector<Row> &rows, int bits, double rtol, int straight) {
+inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &what) {
+  const int n = (int)rows.size();
+  int64_t next = number(rows[0].u, bits) + 1;
+  int kinks = 0;
+  what = "the overlap is not on the grid of the header's bits";
+  if (node(next - 1, bits) != rows[0].u) return 0;
+  for (int i = 1; i < n; i++) {
+    const double u = rows[i].u, coming = node(next, bits);
+    if (u == rows[i - 1].u) {
+      if (i == 1 || i == n - 1 || u == rows[i - 2].u) {
+        what = "a kink, an overlap that stands twice, lies between other rows";
+        return i;
+      }
+      if (++kinks > MOST_KINKS) {
+        std::ostringstream out;
+        out << "more than " << MOST_KINKS << " kinks";
+        what = out.str();
+        return i;
+      }
+    } else if (u == coming) next++;
+    else if (u > coming) {
+      what = "a row is missing before this one";
+      return i;
+    } else if (i == n - 1 || rows[i + 1].u != u) return i;
+  }
+  return node(next - 1, bits) == rows[n - 1].u ? -1 : n - 1;
+}
+
+// The cubic in t that has the rows' values and slopes at t0 and t1 of a cell of this width in u.
+inline Cell Curve::hermite(double t0, double t1, double width, const Row &left, const Row &right) {
+  const double h = t1 - t0, end = right.slope * width * h, rise = right.s - left.s;
+  double b = left.slope * width * h;
+  const bool sliver = h < 1e-3; // a part beside a kink so narrow that a cubic through it would be rounding noise
+  const double c = (sliver ? 0.5 * (end - b) : 3. * rise - 2. * b - end) / (h * h);
+  const double d = (sliver ? 0. : b + end - 2. * rise) / (h * h * h);
+  b /= h;
+  const Cell cell = {
+      {left.s - b * t0 + c * t0 * t0 - d * t0 * t0 * t0, b - 2. * c * t0 + 3. * d * t0 * t0, c - 3. * d * t0, d}};
+  return cell;
+}
+
+inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, double until) {
   bits_ = bits;
   shift_ = 52 - bits_;
   inverse_width_ = (uint64_t)(2046 + bits_) << 52;
-  int split = 0;
   kinks_.clear();
-  kink_[0] = kink_[1] = HUGE_VAL;
+  splits_.clear();
+  nodes_.clear();
   const size_t n = rows.size();
   u_first_ = rows[0].u;
   s_first_ = rows[0].s;
-  power_first_ = rows[0].slope * rows[0].u / s_first_;
-  straight_ = straight < 0 ? power_first_ < 0.5 : straight != 0;
+  power_first_ = exponent(rows[0]);
   u_last_ = rows[n - 1].u;
   s_last_ = rows[n - 1].s;
   slope_last_ = rows[n - 1].slope;
-  first_ = index(u_first_);
-  if (start(first_) != u_first_) bad(rows[0].line, "the first overlap is not on the grid of the header's 'bits'");
   std::vector<Cell> cells;
-  nodes_.clear();
-  int64_t grid = first_;
+  below(cells, straight && power_first_ < 1. - 1e-9, until); // Hertz is straight from 0
   for (size_t i = 0; i + 1 < n; i++) {
-    const double a = start(grid), b = start(grid + 1), width = b - a;
     const double u0 = rows[i].u, u1 = rows[i + 1].u;
-    if (u1 == u0) { // a kink: the same overlap twice
-      if (kinks_.size() == 2) bad(rows[i + 1].line, "more than two kinks");
-      if (i == 0 || i + 2 == n || rows[i - 1].u == u0) bad(rows[i + 1].line, "a kink at the end of the table");
+    const int64_t cell = number(u0, bits_);
+    const double a = node(cell, bits_), width = node(cell + 1, bits_) - a;
+    if (u1 == u0) { // a kink
       kinks_.push_back(u0);
-      if (u0 != a) kink_[split++] = u0; // one on a grid point splits no cell
+      if (u0 != a) splits_.push_back(u0); // one on a grid point splits no cell
       continue;
     }
-    const bool after_kink = i > 0 && rows[i - 1].u == u0;
-    const bool before_kink = i + 2 < n && rows[i + 2].u == u1;
-    if (u0 != a && !after_kink) bad(rows[i].line, "overlap is not on the grid of the header's 'bits'");
-    if (u1 != b && !before_kink) bad(rows[i + 1].line, "overlap is not on the grid of the header's 'bits'");
-    if (u1 > b) bad(rows[i + 1].line, "a row is missing before this one");
-    // Hermite in x = (u - u0)/h, then in t = (u - a)/width = t0 + x d
-    const double h = u1 - u0, d = h / width, t0 = (u0 - a) / width;
-    const double m0 = rows[i].slope * h, m1 = rows[i + 1].slope * h, rise = rows[i + 1].s - rows[i].s;
-    double p0 = rows[i].s, p1 = m0 / d, p2, p3;
-    if (d > 1e-3) {
-      p2 = (3. * rise - 2. * m0 - m1) / (d * d);
-      p3 = (m0 + m1 - 2. * rise) / (d * d * d);
-    } else { // a sliver beside a kink: a cubic there would be rounding noise
-      p2 = 0.5 * (m1 - m0) / (d * d);
-      p3 = 0.;
-    }
-    Cell cell;
-    cell.c[0] = p0 - t0 * (p1 - t0 * (p2 - t0 * p3));
-    cell.c[1] = p1 - t0 * (2. * p2 - 3. * t0 * p3);
-    cell.c[2] = p2 - 3. * t0 * p3;
-    cell.c[3] = p3;
-    cells.push_back(cell);
+    cells.push_back(hermite((u0 - a) / width, (u1 - a) / width, width, rows[i], rows[i + 1]));
     nodes_.push_back(u0);
-    if (u1 == b) grid++;
   }
   nodes_.push_back(u_last_);
-  if (start(grid) != u_last_) bad(rows[n - 1].line, "the last overlap is not on the grid of the header's 'bits'");
-  extend_below(cells, rtol);
+  for (size_t i = 0; i < 3; i++) kink_[i] = i < splits_.size() ? splits_[i] : HUGE_VAL;
   storage_.resize(cells.size() + 1);
   const uintptr_t raw = (uintptr_t)&storage_[0];
   Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
@@ -557,6 +773,34 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, double rtol, in
   for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
 }
 
+// Cells below the first row, so that reading there takes no pow(): a power law, or straight to a force at overlap 0.
+inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) {
+  double octaves = 40.;
+  if (until > 0. && !straight) octaves = std::min(std::max(1., log2(s_first_ / until) / power_first_), 200.);
+  const int64_t last = number(u_first_, bits_);
+  first_ = last - (int64_t)nearbyint(octaves * (double)(1 << bits_));
+  floor_ = node(first_, bits_);
+  seat_ = straight ? s_first_ * (1. - power_first_) : 0.;
+  Row left = {0., 0., 0.};
+  for (int64_t cell = first_; cell <= last; cell++) {
+    const double u = node(cell, bits_);
+    Row right = {u, s_first_ * pow(u / u_first_, power_first_), 0.};
+    right.slope = power_first_ * right.s / u;
+    if (straight) {
+      right.slope = power_first_ * s_first_ / u_first_;
+      right.s = seat_ + right.slope * u;
+    }
+    if (cell == first_) slope_floor_ = straight ? right.slope : right.s / u;
+    else {
+      const double width = u - left.u;
+      const Cell line = {{left.s, right.slope * width, 0., 0.}};
+      cells.push_back(straight ? line : hermite(0., 1., width, left, right));
+    }
+    left = right;
+  }
+}
+
+// u at which the curve reaches s, up to its last row: Newton's method between bounds.
 inline double Curve::invert(double s) const {
   double low = 0., high = u_last_, value, slope;
   if (s < s_first_) high = u_first_;
@@ -573,68 +817,38 @@ inline double Curve::invert(double s) const {
   return u;
 }
 
-inline void Curve::build_reverse(const Curve &curve, double rtol) {
-  bits_ = curve.bits_ + 1; // so that one step of Newton's method is exact to rounding
-  shift_ = 52 - bits_;
-  const double seat = curve.seat();
-  const int64_t begin = index(curve.s_first_ - seat), end = index(curve.s_last_ - seat);
-  std::vector<double> corners;
-  for (size_t i = 0; i < curve.kinks_.size(); i++) {
-    double s, slope;
-    curve.evaluate(curve.kinks_[i], s, slope);
-    corners.push_back(s - seat);
-  }
+inline void Curve::build_reverse(const Curve &curve) {
+  const int bits = curve.bits_ + 1; // so that one step of Newton's method is exact to rounding
+  // from where the curve begins to be straight: the reverse of a straight line is one
+  const double seat = curve.seat_, lowest = seat > 0. ? curve.s_first_ - seat : curve.floor_s();
+  const int64_t begin = number(lowest, bits), end = number(curve.s_last_ - seat, bits);
   std::vector<Row> rows;
-  size_t corner = 0;
-  for (int64_t grid = begin; grid <= end; grid++) {
-    const double y = start(grid);
-    // a corner stands twice, with the slopes on its either side
-    for (; corner < corners.size() && corners[corner] <= y; corner++) {
-      if (!(corners[corner] > start(begin)) || rows.empty()) continue;
-      for (int side = -1; side <= 1; side += 2) rows.push_back(reversed(curve, corners[corner], seat, 1. + side * 1e-14));
-      rows[rows.size() - 1].s = rows[rows.size() - 2].s;
+  size_t next = 0;
+  for (int64_t cell = begin; cell <= end; cell++) {
+    const double y = node(cell, bits);
+    bool corner_here = false;
+    for (; next < curve.kinks_.size(); next++) { // a corner stands twice, with the slopes on its either side
+      double s, slope;
+      curve.evaluate(curve.kinks_[next], s, slope);
+      const double corner = s - seat;
+      if (corner > y || (corner == y && cell == end)) break;
+      if (rows.empty()) continue;
+      rows.push_back(curve.reversed(corner, 1. - 1e-14));
+      rows.push_back(curve.reversed(corner, 1. + 1e-14));
+      rows.back().s = rows[rows.size() - 2].s;
+      corner_here = corner == y;
     }
-    if (rows.empty() || rows.back().u != y) rows.push_back(reversed(curve, y, seat, 1.));
+    if (!corner_here) rows.push_back(curve.reversed(y, 1.));
   }
-  build(rows, bits_, rtol, seat > 0.);
+  build(rows, bits, seat > 0., rows[0].s);
 }
 
-inline Row Curve::reversed(const Curve &curve, double y, double seat, double beside) {
-  Row row = {y, curve.invert(y * beside + seat), 0., 0};
+inline Row Curve::reversed(double y, double beside) const {
+  Row row = {y, invert(y * beside + seat_), 0.};
   double s, slope;
-  curve.evaluate(row.s, s, slope);
+  evaluate(row.s, s, slope);
   row.slope = 1. / slope;
   return row;
-}
-
-// Cells for the power law below the first row: pow() costs as much as all the rest of a contact. Only where cells of this
-// width hold it within the table's own tolerance.
-inline void Curve::extend_below(std::vector<Cell> &cells, double rtol) {
-  const int octaves = std::min(40, std::max(4, 16384 >> bits_));
-  const int64_t start_at = first_ - ((int64_t)octaves << bits_);
-  std::vector<Cell> under;
-  double worst = 0.;
-  for (int64_t grid = start_at; grid < first_; grid++) {
-    const double a = start(grid), b = start(grid + 1);
-    double s0, m0, s1, m1, exact, slope;
-    below(a, s0, m0);
-    below(b, s1, m1);
-    m0 *= b - a;
-    m1 *= b - a;
-    const double rise = s1 - s0;
-    Cell cell = {{s0, m0, 3. * rise - 2. * m0 - m1, m0 + m1 - 2. * rise}};
-    under.push_back(cell);
-    for (int i = 1; i < 4; i++) {
-      const double t = 0.25 * i;
-      below(a + t * (b - a), exact, slope);
-      const double s = s0 + t * (m0 + t * (cell.c[2] + t * cell.c[3]));
-      const double ds = (m0 + t * (2. * cell.c[2] + 3. * t * cell.c[3])) / (b - a);
-      worst = std::max(worst, std::max(1.5 * fabs(s / exact - 1.), fabs(ds / slope - 1.)));
-    }
-  }
-  if (!(worst <= std::max(rtol, 1e-12))) return;
-  cells.insert(cells.begin(), under.begin(), under.end());
-  first_ = start_at;
 }
 
 // What the contacts between two materials share.
@@ -645,12 +859,15 @@ struct Pair {
   double length;         // [m]; 0: length_per_radius * R
   double inverse_length; // [1/m]
   double length_per_radius;
+  double only_radius; // > 0: the only R the table holds for, as far as `of_one_contact` knows
 
-  Pair() : table(NULL), rule(ELASTIC), modulus(0.), length(0.), inverse_length(0.), length_per_radius(0.) {}
+  Pair()
+      : table(NULL), rule(ELASTIC), modulus(0.), length(0.), inverse_length(0.), length_per_radius(0.),
+        only_radius(0.) {}
 
   // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
   Pair(const Table &t, double effective_modulus, double roughness = 0.)
-      : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.) {
+      : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.), only_radius(0.) {
     const double over_roughness = t.number("length_over_roughness", 0.);
     if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
     else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
@@ -661,6 +878,29 @@ struct Pair {
     inverse_length = length > 0. ? 1. / length : 0.;
   }
   inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
+
+  // As the constructor, but of a law that does not collapse only for the modulus and roughness of its table; sets
+  // only_radius.
+  static Pair checked(const Table &t, double effective_modulus, double roughness = 0.) {
+    Pair pair(t, effective_modulus, t.collapses() ? roughness : 0.);
+    if (t.collapses()) return pair;
+    const double made_for = t.of_contact("modulus", 0.);
+    std::ostringstream what;
+    what << t.path() << " holds for one contact, since its law " << t.text("law") << " does not collapse: ";
+    if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for)) {
+      what << "effective modulus " << made_for << " Pa, not " << effective_modulus << " Pa; make a table of this pair";
+      throw std::runtime_error(what.str());
+    }
+    if (roughness > 0.) {
+      what << "give no roughness with it";
+      throw std::runtime_error(what.str());
+    }
+    pair.only_radius = t.of_contact("radius", 0.);
+    return pair;
+  }
+  inline bool serves(double radius, double tolerance) const {
+    return !(only_radius > 0.) || fabs(radius - only_radius) <= tolerance * only_radius;
+  }
 };
 
 struct State {
@@ -680,7 +920,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   Force now = {0., 0., false};
   if (overlap <= 0.) {
     if (update)
-      for (int i = 0; i < (RULE == ELASTIC ? 0 : RULE == THORNTON ? 3 : 2); i++) state[i] = 0.;
+      for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
     return now;
   }
   double hertz_overlap, slope = 1., effective_radius = radius;
@@ -751,7 +991,8 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
     const Curve &curve = pair.table->unloading_curve();
     const double below = state[1] < 0. ? curve.energy(-state[1] / length) : 0.;
     const double held = curve.energy(std::max(0., state[0] - state[1]) / length);
-    if (overlap > 0. && overlap > state[1]) stored = std::max(0., scale * (curve.energy((overlap - state[1]) / length) - below));
+    if (overlap > 0. && overlap > state[1])
+      stored = std::max(0., scale * (curve.energy((overlap - state[1]) / length) - below));
     dissipated = scale * (pair.table->energy(state[0] / length) - (held - below));
     return;
   }

@@ -1,6 +1,7 @@
 // A DEM code's contact in 30 lines: reads overlaps [m] of one contact, one a line, prints force [N], tangent stiffness
 // [N/m], maximum and plastic overlap [m], stored and dissipated energy [J]. No other file of demlaws is needed.
-//     g++ -std=c++11 -O2 -I "$(python -c 'import demlaws.liggghts as lg; print(lg.header_folder())')" example.cpp -o example
+//     g++ -std=c++11 -O2 -I "$(python -c 'import demlaws.liggghts as lg; print(lg.header_folder())')" example.cpp -o
+//     example
 //     ./example granite.tbl 32.32e9 4.35e-3 2.4e-6 < overlaps.txt
 #include "demlaws_table.h"
 

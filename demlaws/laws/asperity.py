@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.checks import number
-from demlaws.core.curve import TableShape
+from demlaws.core.curve import Grid
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
@@ -19,7 +19,7 @@ from demlaws.core.hertz import hertz_coefficient
 from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Limit, Option, bulk_yield, plastic_asperities
-from demlaws.laws.family import CurveNumber, FamilyShape, family_params
+from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
 
@@ -34,8 +34,7 @@ _MOST_CURVES = 64
 class RowsShape(NamedTuple):
     """One curve for each of a few contacts that differ in more than radius."""
 
-    table: TableShape  # the first curve; all have its grid
-    cells: np.ndarray  # (curves × cells + cells, 4)
+    grid: Grid  # of every curve; its cells are those of all curves, one after the other, and the last once more
     contacts: np.ndarray  # (curves, 3): R, E*, σ
 
 
@@ -50,8 +49,8 @@ def _rows_scale(shape, radius, modulus, roughness):
         ):
             row = float(i)
     offset = 0.0 if row >= 0.0 else math.nan  # a contact that is none of them has no curve: not a number
-    coefficient, start = hertz_coefficient(radius, modulus), max(row, 0.0) * shape.table.count
-    return family_params(shape.table, shape.cells, coefficient, roughness, offset, start, 0.0)
+    coefficient, start = hertz_coefficient(radius, modulus), max(row, 0.0) * shape.grid.count
+    return family_params(shape.grid, coefficient, roughness, offset, start, 0.0)
 
 
 bind(RowsShape, scale=_rows_scale)
@@ -192,8 +191,8 @@ def _prepare(
     load=None,
     max_force=None,
     poisson=0.3,
-    plastic_factor=0.71,
-    plastic_ratio=160.0,
+    plastic_factor=None,
+    plastic_ratio=None,
 ):
     """Shape of the law.
 
@@ -201,7 +200,8 @@ def _prepare(
     pair: of two rough bodies, `HeightMap.combined`. curve: "loading" or "reloading" (elastic, after a first loading to
     `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
     the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
-    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities. A map without any
+    stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities
+    (without: aluminium's, with a warning). A map without any
     roughness gives Hertz's law.
     """
     if curve not in ("loading", "reloading"):
@@ -229,11 +229,11 @@ def _prepare(
     if len(pairs) == 1:
         return shapes[0]
     # one more copy at the end: a curve is read with its neighbour, also where that has no weight
-    cells = np.ascontiguousarray(np.concatenate([shape.cells for shape in [*shapes, shapes[-1]]]))
+    shared = shared_grid([*shapes, shapes[-1]])
     if alike:
         ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
-        return FamilyShape(shapes[0], cells, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
-    return RowsShape(shapes[0], cells, np.array([[p.radius, p.modulus, p.roughness] for p in pairs]))
+        return FamilyShape(shared, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
+    return RowsShape(shared, np.array([[p.radius, p.modulus, p.roughness] for p in pairs]))
 
 
 def _pairs(contact):
@@ -276,7 +276,11 @@ LAW = Definition(
     collapses=False,
     implicit=True,
     solved=True,
-    example={"surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6)},
+    example={
+        "surface": self_affine(128, 2e-6, 0.8, 2e-6, seed=1, shortest=8e-6, longest=80e-6),
+        "plastic_factor": 0.71,
+        "plastic_ratio": 160.0,
+    },
     example_curve={"curve": "reloading", "load": 100.0},
     advise=plastic_asperities,
     label="asperities",
@@ -287,7 +291,7 @@ LAW = Definition(
         "load": Option("N", "above 0", "first loading before the reloading curve; needed by it"),
         "max_force": Option("N", "above 0", "end of the computed curve; without: the map's edge or bulk yield"),
         "poisson": Option("", "-1 to 0.5", "Poisson's ratio of the rough body"),
-        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness"),
-        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere"),
+        "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness; without: aluminium's 0.71"),
+        "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere; without: aluminium's 160"),
     },
 )

@@ -32,6 +32,14 @@ def no_kinks(params: Any, **options: Any) -> list[float]:
     return []
 
 
+def never(**options: Any) -> bool:
+    return False
+
+
+def always(**options: Any) -> bool:
+    return True
+
+
 # --- advice
 
 
@@ -107,6 +115,8 @@ class Definition(NamedTuple):
     description: str
     limits: Callable = bulk_yield  # contact, **options → [Limit]
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
+    seated: Callable = never  # **options → whether the force at overlap 0+ is a seating load, not 0
+    bulk: Callable | None = None  # of a law whose bulk yields: params → δ_y [m], a²/R there [m], d(a²/R)/dP after it [m/N]
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form

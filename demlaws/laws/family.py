@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.checks import number
-from demlaws.core.curve import TableShape, invert_curve, read_curve, scale_table
+from demlaws.core.curve import Grid, TableShape, invert_curve, read_curve, scale_table
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
@@ -52,8 +52,7 @@ class ImplicitShape(NamedTuple):
 class FamilyShape(NamedTuple):
     """Master curves at a geometric sequence of A, for contacts that differ."""
 
-    table: TableShape  # the first curve; all have its grid
-    cells: np.ndarray  # (curves × cells, 4)
+    grid: Grid  # of every curve; its cells are those of all curves, one after the other
     seating_load: float
     number: CurveNumber
     lowest_value: float  # A of the first curve
@@ -70,17 +69,13 @@ class FamilyParams(NamedTuple):
     offset: float
     row: float  # where the cells of the curve below begin (a whole number)
     weight: float  # w
-    cells: np.ndarray
-    shift: int
-    first: int
-    kink1: float
-    kink2: float
-    lowest: float
-    highest: float
-    floor: float
-    inverse_floor: float
-    exponent: float
-    count: int
+    grid: Grid
+
+
+def shared_grid(shapes):
+    """Grid of the curves of these TableShapes, which have one grid: its cells are theirs, one after the other."""
+    cells = np.ascontiguousarray(np.concatenate([shape.grid.cells for shape in shapes]))
+    return shapes[0].grid._replace(cells=cells)
 
 
 @kernel
@@ -93,34 +88,16 @@ def curve_number(law, radius, modulus, roughness):
 def _scale(shape, radius, modulus, roughness):
     value = curve_number(shape.number, radius, modulus, roughness)
     p = scale_table(shape.table, radius, modulus, roughness, 0.0)
-    offset = invert_curve(p, hertz_overlap(p, shape.seating_load) / p.length)
+    offset = invert_curve(p.grid, hertz_overlap(p, shape.seating_load) / p.length)
     # A contact with another number has another curve: not a number rather than a wrong one.
     same = abs(value - shape.value) <= 1e-6 * shape.value
     return scale_table(shape.table, radius, modulus, roughness, offset if same else math.nan)
 
 
 @kernel
-def family_params(table, cells, coefficient, length, offset, row, weight):
-    """FamilyParams of a contact on the grid of `table`: what a family's or a set of rows' `scale` returns."""
-    return FamilyParams(
-        coefficient,
-        length,
-        1.0 / length,
-        offset,
-        row,
-        weight,
-        cells,
-        table.shift,
-        table.first,
-        table.kink1,
-        table.kink2,
-        table.lowest,
-        table.highest,
-        table.floor,
-        table.inverse_floor,
-        table.exponent,
-        table.count,
-    )
+def family_params(grid, coefficient, length, offset, row, weight):
+    """FamilyParams of a contact: what a family's or a set of rows' `scale` returns."""
+    return FamilyParams(coefficient, length, 1.0 / length, offset, row, weight, grid)
 
 
 @kernel
@@ -128,17 +105,17 @@ def _family_scale(shape, radius, modulus, roughness):
     place = math.log(curve_number(shape.number, radius, modulus, roughness) / shape.lowest_value) / shape.log_ratio
     inside = -1e-9 <= place <= shape.curves - 1 + 1e-9
     row = min(max(math.floor(place), 0.0), shape.curves - 2.0)
-    coefficient, start = hertz_coefficient(radius, modulus), row * shape.table.count
-    p = family_params(shape.table, shape.cells, coefficient, roughness, 0.0, start, place - row)
+    coefficient, start = hertz_coefficient(radius, modulus), row * shape.grid.count
+    p = family_params(shape.grid, coefficient, roughness, 0.0, start, place - row)
     offset = _family_invert(p, hertz_overlap(p, shape.seating_load) / roughness)
-    return family_params(shape.table, shape.cells, coefficient, roughness, offset if inside else math.nan, start, place - row)
+    return family_params(shape.grid, coefficient, roughness, offset if inside else math.nan, start, place - row)
 
 
 @kernel
 def _family_read(p, u):
     row = int(p.row)
-    s0, slope0 = read_curve(p, u, row)
-    s1, slope1 = read_curve(p, u, row + p.count)
+    s0, slope0 = read_curve(p.grid, u, row)
+    s1, slope1 = read_curve(p.grid, u, row + p.grid.count)
     return s0 + p.weight * (s1 - s0), slope0 + p.weight * (slope1 - slope0)
 
 
@@ -154,7 +131,7 @@ def _family_virgin(p, overlap):
 def _family_invert(p, s):
     """u at which the blended curve reaches s: bisection, then Newton; NaN above the table."""
     low = 0.0
-    high = p.highest
+    high = p.grid.highest
     if not (s <= _family_read(p, high)[0]):
         return math.nan
     u = 0.5 * high
@@ -187,7 +164,7 @@ def _family_energy(p, overlap):
     u = p.offset
     total = 0.0
     while u < top:
-        end = min(u + max(u, p.lowest) / 64.0, top)
+        end = min(u + max(u, p.grid.lowest) / 64.0, top)
         half = 0.5 * (end - u)
         for k in range(_NODES.size):
             s, _ = _family_read(p, u + half * (1.0 + _NODES[k]))
@@ -220,7 +197,7 @@ def _curve_shape(solved, start, lowest, highest):
     """The curve as a table in u = U - start."""
     u, _ = grid(lowest, highest, [], _BITS)
     s, slope = solved.hertz_overlap(u + start)
-    return shape_from_nodes(Nodes.from_curve(u, s, slope), _BITS, 1.0, 0.0)
+    return shape_from_nodes(Nodes.from_curve(u, s, slope), _BITS, 1.0, 0.0, straight=True)
 
 
 def prepare(model, law, contact, seating_load, rtol):
@@ -260,6 +237,5 @@ def prepare(model, law, contact, seating_load, rtol):
     shapes = [_curve_shape(c, start, lowest, highest) for c, start in zip(curves, starts, strict=True)]
     if len(shapes) == 1:
         return ImplicitShape(shapes[0], load, law, low)
-    cells = np.ascontiguousarray(np.concatenate([shape.cells for shape in shapes]))
     ratio = math.log(values[-1] / values[0]) / (len(values) - 1)
-    return FamilyShape(shapes[0], cells, load, law, values[0], ratio, len(values))
+    return FamilyShape(shared_grid(shapes), load, law, values[0], ratio, len(values))

@@ -4,7 +4,7 @@ import math
 
 from demlaws.checks import number
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter
+from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter, always
 from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
 
 _MODEL = "greenwood-tripp"
@@ -39,6 +39,7 @@ LAW = Definition(
     source="Greenwood & Tripp 1967; Greenwood, Johnson & Matsubara 1984",
     description="elastic Gaussian asperities, solved",
     limits=_limits,
+    seated=always,
     collapses=False,
     implicit=True,
     solved=True,

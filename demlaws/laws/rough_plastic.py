@@ -115,6 +115,14 @@ def _kinks(p, yield_pressure=None, loading="pohrt-popov", **loading_options):
     return [*(k for k in kinks if k < p.yield_overlap), p.yield_overlap]
 
 
+def _seated(yield_pressure=None, loading="pohrt-popov", **loading_options):
+    return _loading_definition(loading).seated(**loading_options)
+
+
+def _bulk(p):
+    return p.yield_overlap, p.yield_area, p.area_slope
+
+
 def _limits(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
     # The upper limits of the rough law say that the bulk yields; here it does.
     limits = _loading_definition(loading).limits(contact, **loading_options)
@@ -150,6 +158,8 @@ LAW = Definition(
     description="any rough law, then bulk yield",
     limits=_limits,
     kinks=_kinks,
+    seated=_seated,
+    bulk=_bulk,
     collapses=False,
     before_yield=_before_yield,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from demlaws.laws.definition import HARDNESS, ROUGHNESS, SEATING, SOLUTION, Definition, Limit, plastic_asperities
+from demlaws.laws.definition import HARDNESS, ROUGHNESS, SEATING, SOLUTION, Definition, Limit, always, plastic_asperities
 from demlaws.laws.family import SEATING_LOAD, SMOOTH, CurveNumber, prepare
 
 _MODEL = "yip-venart"
@@ -43,6 +43,7 @@ LAW = Definition(
     source="Yip & Venart 1971; Altuhafi, Baudet & Coop 2023, Eqs. 10–11",
     description="plastic crust of Gaussian asperities, solved",
     limits=_limits,
+    seated=always,
     collapses=False,
     implicit=True,
     solved=True,

@@ -231,7 +231,7 @@ def export(
         "poisson": " ".join(f"{v:g}" for v in poisson),
         "restitution": f"{types} {_matrix(restitution, types)}",
         "friction": f"{types} {_matrix(friction, types)}",
-        "more": _more_properties(roughness, grains, fit, types),
+        "more": more_properties(roughness, grains, fit, types),
         "model": model,
         "words": f" {words}" if words else "",
         "walls": f" {walls[0]}" if walls[0] else "",
@@ -271,7 +271,7 @@ def export(
 _SEEDS = [15485863, 15485867, 32452843, 32452867, 49979687, 49979693, 67867967, 67867979]
 
 
-def _more_properties(roughness, grains, fit, types):
+def more_properties(roughness, grains, fit, types):
     lines = []
     if roughness is not None:
         values = " ".join(f"{v:.10g}" for v in [*roughness, roughness[0]])

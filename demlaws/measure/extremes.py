@@ -63,7 +63,7 @@ class Group(NamedTuple):
     @property
     def floor(self):
         """Overlap [m] below which a Python table goes on straight, where the engines' reader keeps to its power law."""
-        return self.law.params.floor * self.law.params.length if self.case.evaluation == "table" else 0.0
+        return self.law.params.grid.floor * self.law.params.length if self.case.evaluation == "table" else 0.0
 
     @property
     def size(self):

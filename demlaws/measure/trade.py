@@ -158,7 +158,7 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
                     table = law.tabulate(rtol, 2.0 * LOADS[1])
                 except DemlawsError:
                     continue
-                bits = 52 - table.loading_shape.shift
+                bits = table.rows.bits
                 if bits not in seen:
                     seen.add(bits)
                     made[name, rule, "table", f"{bits} bits"] = table, np.float64

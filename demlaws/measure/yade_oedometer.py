@@ -51,8 +51,8 @@ class Box:
         else:
             surface = dl.Surface(**given["surface"])
             law = Law2_ScGeom_MindlinPhys_Demlaws(
-                way["given"], way["unloading"], {"grains": surface, "walls": surface}, **way["options"]
-            )
+                way["given"], way["unloading"], {"grains": surface, "walls": surface}, flats="yade", **way["options"]
+            )  # YADE's radius at the walls: its own laws stand beside
         newton = yade.NewtonIntegrator(damping=damping, gravity=(0, 0, -gravity))
         self.rows, self.reached = [], None
         looking = yade.PyRunner(command="__import__('__main__').box.look()", iterPeriod=EVERY, dead=True, label="looking")

@@ -217,8 +217,11 @@ def _circle(ax, centre, radius, style, label):
     ax.legend(fontsize=8, loc="upper right")
 
 
-def repeated_figure(contact, history, name=""):
-    """Repeated contact: map before and after the first cycle, contact area, profiles and change over cycles."""
+def repeated_figure(contact, history, name="", others=None):
+    """Repeated contact: map before and after the first cycle, contact area, profiles and change over cycles.
+
+    others: memory → history of the same contact with another assumption of what a pixel remembers.
+    """
     fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
     heights, first = contact.heights, history[0]
     after = first.contact.heights.heights
@@ -266,7 +269,14 @@ def repeated_figure(contact, history, name=""):
     ax.legend(fontsize=7, ncol=2)
     ax = axes[1, 2]
     number = [c.number for c in history]
-    ax.semilogy(number, [max(c.relative_change, 1e-6) for c in history], "o-", label="change of the map / first")
+    ax.semilogy(
+        number,
+        [max(c.relative_change, 1e-6) for c in history],
+        "o-",
+        label=f"change of the map / first, memory: {contact.memory}",
+    )
+    for memory, few in (others or {}).items():
+        ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")
     ax.axhline(0.01, color="black", lw=0.8, ls="--", label="run-in, ε$_r$ = 0.01")
     ax.semilogy(
         number, [c.step.contact_area / first.step.contact_area for c in history], "s-", ms=4, label="contact area / first"

@@ -212,7 +212,20 @@ def yield_factor(poisson):
     return 0.4645 + 0.3141 * poisson + 0.1943 * poisson**2
 
 
-def plasticity(modulus, hardness, poisson, plastic_factor=0.71, plastic_ratio=160.0):
+ALUMINIUM_FACTOR, ALUMINIUM_RATIO = 0.71, 160.0
+"""c_h and c_A of the aluminium of Jamari & Schipper 2008: inputs of a material, which no paper gives for rock."""
+
+MEMORIES = ("pressure", "blunting", "none")
+"""What a pixel remembers of a contact that has yielded (`RoughContact.memory`)."""
+
+REMEMBERED = {
+    "pressure": "how blunt its patch has become and the pressure it has carried",
+    "blunting": "how blunt its patch has become",
+    "none": "nothing: geometry alone",
+}
+
+
+def plasticity(modulus, hardness, poisson, plastic_factor=ALUMINIUM_FACTOR, plastic_ratio=ALUMINIUM_RATIO):
     """The material of asperities: E* [Pa], H_m [Pa], ν; c_h and c_A are known for the aluminium of the papers only.
 
     hardness=inf: elastic asperities.
@@ -654,6 +667,11 @@ class LoadStep:
         return (
             f"load {self.load:.6g} N at separation {self.separation * 1e6:.4g} µm (overlap {self.overlap * 1e6:.4g} µm)\n"
             f"contact area {self.contact_area * 1e12:.5g} µm² in {len(self.micro)} micro-contacts: {states}"
+            + (
+                "; all are fully plastic, so the area is the load over c_h H_m, whatever the map"
+                if self.counts[2] == len(self.micro) > 0
+                else ""
+            )
         )
 
 
@@ -663,17 +681,22 @@ class RoughContact:
 
     heights: `demlaws.surface.HeightMap`, form removed; pair: `demlaws.Contact` (its radius, modulus and hardness are used);
     poisson: ν of the rough body; flat=True: the counter-body is a flat; centre: (x, y) [m] of the ball's axis from the first
-    pixel (default the middle). Missing pixels never touch; fill them first if they should. hardness=None keeps the pair's;
-    without any hardness the asperities are elastic.
+    pixel (default the middle). Missing pixels never touch; fill them first if they should. Without a hardness the asperities
+    are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; where they are not given aluminium's are taken,
+    with a ValidityWarning. memory: what unloading leaves in a pixel besides its height, an assumption that the papers do
+    not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
+    which it stays elastic: work hardening, residual stress), "blunting" (the first alone), "none" (geometry alone). Only with
+    "pressure" does the same load change nothing the second time [our derivation].
     """
 
     heights: object
     pair: object
     poisson: float = 0.3
-    plastic_factor: float = 0.71
-    plastic_ratio: float = 160.0
+    plastic_factor: float | None = None
+    plastic_ratio: float | None = None
     flat: bool = False
     centre: tuple | None = None
+    memory: str = "pressure"
     spread: np.ndarray | None = field(default=None, repr=False)
     limit: np.ndarray | None = field(default=None, repr=False)
     origin: float | None = None
@@ -681,7 +704,18 @@ class RoughContact:
     def __post_init__(self):
         if self.pair.size is not None:
             raise DemlawsError("a height map belongs to one contact; this pair is an array of contacts")
+        if self.memory not in MEMORIES:
+            raise DemlawsError(f"memory = {self.memory!r}: a pixel remembers {', '.join(map(repr, MEMORIES))}")
         hardness = math.inf if self.pair.hardness is None else self.pair.hardness
+        if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
+            warnings.warn(
+                f"c_h = {ALUMINIUM_FACTOR} and c_A = {ALUMINIUM_RATIO:g} are aluminium's: give plastic_factor and "
+                "plastic_ratio of this material",
+                ValidityWarning,
+                stacklevel=3,
+            )
+        self.plastic_factor = ALUMINIUM_FACTOR if self.plastic_factor is None else self.plastic_factor
+        self.plastic_ratio = ALUMINIUM_RATIO if self.plastic_ratio is None else self.plastic_ratio
         self.material = plasticity(self.pair.modulus, hardness, self.poisson, self.plastic_factor, self.plastic_ratio)
         rows, columns = self.heights.shape
         px, py = self.heights.pixel_x, self.heights.pixel_y
@@ -841,12 +875,10 @@ class RoughContact:
             )
 
     def unload(self, step):
-        """The `RoughContact` that `step` leaves behind: plastic patches lowered, with the memory that their load left.
+        """The `RoughContact` that `step` leaves behind: plastic patches lowered, with what `memory` says that pixels keep.
 
         A plastic patch of indentation ω keeps ω' = 3P γ̄^1.5/(4√2 E* √g), g = A γ̄/(2π ᾱβ̄): the height of the ellipsoid that
-        carries the same force elastically over the same area A [our derivation]. Every pixel of it remembers how
-        much blunter it is than its outline tells, and the pressure that it has carried, up to which it now stays elastic
-        (residual stress and conformity, as the paper argues).
+        carries the same force elastically over the same area A [our derivation].
         """
         labels = np.zeros(self.gap.shape, np.int32)
         _, table = self.at(step.overlap, labels=labels)
@@ -855,6 +887,10 @@ class RoughContact:
         limit = np.full(self.gap.shape, self.material.yield_factor) if self.limit is None else self.limit.copy()
         _deform(self.gap, step.cut, labels, self._parent, table, heights, spread, limit)
         del labels
+        if self.memory == "none":
+            spread = limit = None
+        elif self.memory == "blunting":
+            limit[:] = self.material.yield_factor
         return RoughContact(
             self.heights.with_heights(heights),
             self.pair,
@@ -863,6 +899,7 @@ class RoughContact:
             self.plastic_ratio,
             self.flat,
             self.centre,
+            self.memory,
             spread,
             limit,
             self.origin,
@@ -928,7 +965,7 @@ def nine_point_summits(heights, cut=-math.inf):
     return j * heights.pixel_x, i * heights.pixel_y, z[i, j], 2.0 / curvature
 
 
-def published_contact(kind, seed=2):
+def published_contact(kind, seed=2, memory="pressure"):
     """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
 
     SiC ball, R = 3.175 mm, on aluminium; the measured maps are not public, so a self-affine map of the paper's roughness and
@@ -951,4 +988,4 @@ def published_contact(kind, seed=2):
         longest=40e-6,
         anisotropy=8.0 if kind == "anisotropic" else 1.0,
     )
-    return RoughContact(heights, test.contact, poisson=0.34)
+    return RoughContact(heights, test.contact, 0.34, ALUMINIUM_FACTOR, ALUMINIUM_RATIO, memory=memory)

@@ -309,8 +309,12 @@ def boundary_elements():
         yield between(f"{what}: stiffness over boundary elements, least", PYTHON, low, high, ratio.min(), "bem", note=note)
         yield between(f"{what}: stiffness over boundary elements, largest", PYTHON, low, high, ratio.max(), "bem", note=note)
         exponent = np.polyfit(np.log(ELEMENT_LOADS), mean, 1)[0]
-        wanted = 0.2567 * 2.2
-        yield near(f"{what}: exponent of stiffness over force, theirs", PYTHON, wanted, exponent, 0.12, "bem", note=note)
+        what = f"{what}: exponent of stiffness over force, theirs (Pohrt & Popov: {0.2567 * 2.2:.3f})"
+        if longest < 2e-4:
+            yield near(what, PYTHON, 0.2567 * 2.2, exponent, 0.1, "bem", note=note)
+        else:
+            note += "; waves longer than the contact: a limit of the law"
+            yield between(what, PYTHON, 0.45, 0.60, exponent, "bem", note=note)
 
 
 def asperities():

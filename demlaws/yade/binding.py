@@ -305,7 +305,7 @@ class Binding:
     # --- the time step
 
     def bound_steppers(self, engines):
-        """Keep the steppers of `demlaws.yade.engines` below the P-wave step of the bodies; warn of others without a bound."""
+        """Keep the steppers of `demlaws.yade.engines` below what stiff contacts stand; warn of others without a bound."""
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
         if not steppers:
             return None
@@ -314,13 +314,13 @@ class Binding:
             return None
         if self.share is not None:
             for stepper in steppers:
-                stepper.maxDt = min(stepper.maxDt, self.share * wave)
+                stepper.maxDt = min(stepper.maxDt, self.share * REACH * wave)
             return None
         if not self.warned and any(stepper.maxDt > REACH * wave for stepper in steppers):
             self.warned = True
             return (
                 f"GlobalStiffnessTimeStepper has no bound that holds for the law {self.label!r}: it goes by the contacts "
                 "as they are, and a young rough contact is soft until the step in which it is not. Set its maxDt to at most "
-                f"{wave:.3g} s (PWaveTimeStep() of these bodies), or use demlaws.yade.engines(law, timestep=…)"
+                f"{REACH * wave:.3g} s ({REACH:g} PWaveTimeStep() of the bodies), or use demlaws.yade.engines(law, timestep=…)"
             )
         return None

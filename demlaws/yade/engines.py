@@ -11,9 +11,9 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
     geometries, bounds: functors in place of the usual ones; physics: an Ip2_FrictMat_FrictMat_MindlinPhys, for damping;
     before, after: engines before and behind the contacts (forces, boundaries); newton: a NewtonIntegrator (no damping);
     verlet: `InsertionSortCollider.verletDist` in units of the smallest radius; timestep: a share, up to 1, of the critical step
-    for GlobalStiffnessTimeStepper, None to leave `O.dt` to you. The stepper's step stays below this share of PWaveTimeStep() of
-    the bodies, also of those that come later: the contacts' stiffness now says nothing of what it is in the next step, and
-    r √(ρ/E) is less than a sphere stands whose contacts have grown to 0.3 R, four a side, whatever the law.
+    for GlobalStiffnessTimeStepper, None to leave `O.dt` to you. The stepper's step stays below this share of 4 PWaveTimeStep()
+    of the bodies, also of those that come later: the contacts' stiffness now says nothing of what it is in the next step, and
+    4 r √(ρ/E) is less than a sphere stands whose contacts have grown to 0.3 R, four a side, whatever the law.
     """
     bounds = bounds or [yade.Bo1_Sphere_Aabb(), yade.Bo1_Facet_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Box_Aabb()]
     geometries = geometries or [

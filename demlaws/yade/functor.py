@@ -112,6 +112,19 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         """Stored normal energy [J]; replaces Mindlin's formula, which holds for Hertz only."""
         return self.totals().stored
 
+    def restitution(self, first, second, speed, en=None):
+        """Rebound over impact speed of two bodies (`O.bodies[n]`) that meet head-on at `speed` [m/s], under this law and the
+        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`: a law that dissipates rebounds with less than `en`."""
+        from demlaws.yade.restitution import restitution
+
+        return restitution(self.binding.pairs, self.binding.ratio, first, second, speed, en)
+
+    def en_for(self, restitution, first, second, speed):
+        """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys with which these bodies rebound with this restitution at this speed."""
+        from demlaws.yade.restitution import en_for
+
+        return en_for(self.binding.pairs, self.binding.ratio, first, second, speed, restitution)
+
     def export_vtk(self, path):
         """Write the contacts as lines between their bodies, with force, overlaps, branch and energies, to a .vtk file."""
         from demlaws.yade.export import write_contacts

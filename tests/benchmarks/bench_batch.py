@@ -27,7 +27,7 @@ import demlaws as dl
 from demlaws.core.loops import evaluate_loop
 from demlaws.core.params import leaves, map_leaves
 from demlaws.core.unloading import RULES
-from demlaws.law import _threads
+from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 
@@ -173,9 +173,7 @@ def copy(arrays, parameters, states, parallel):
     if not parallel:
         kernel(*arrays)
         return
-    workers, pool = _threads()
-    edges = np.linspace(0, arrays[0].size, workers + 1).astype(int)
-    list(pool.map(lambda piece: kernel(*(a[piece] for a in arrays)), map(slice, edges[:-1], edges[1:])))
+    in_threads(lambda piece: kernel(*(a[piece] for a in arrays)), arrays[0].size)
 
 
 def times(law, case, extreme, n, rounds):

@@ -119,12 +119,11 @@ def test_refused_files_name_the_line(example, tmp_path):
     assert edited != lines[first_row + 3]
     refused("".join([*lines[: first_row + 3], edited, *lines[first_row + 4 :]]), f"line {first_row + 4}:", "checksum")
     refused("".join(lines[:-1]), f"line {len(lines)}:", "end:")
-    refused("".join(lines)[:-40], "line", "middle")
+    refused("".join(lines)[:-40], "line", "checksum")
     refused("".join(lines[: first_row + 5] + lines[first_row + 6 :]), f"line {first_row + 6}:", "checksum")
     refused("".join(lines) + "more 00000000\n", f"line {len(lines) + 1}:", "follows")
     refused("not a table\n", "line 1:", "# demlaws-table 1")
-    refused("# demlaws-table 2\n" + "".join(lines[1:]), "line 1:")
-    refused("".join(lines).replace("\n", "\r\n"), "line 1:")
+    refused("# demlaws-table 3\n" + "".join(lines[1:]), "line 1:", "format 3", "knows 1 and 2")
     refused("", "line 1:")
     result = example(tmp_path / "none.tbl", GRANITE, [1e-6])
     assert result.returncode == 1 and "none.tbl" in result.stderr and "No such file" in result.stderr

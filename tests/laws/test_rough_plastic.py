@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from accuracy import check, contacts, measure, overlaps
-from examples import GRANITE, quiet
+from examples import GRANITE, quiet, shared
 
 import demlaws as dl
 
@@ -27,7 +27,13 @@ def test_yield_of_the_cones():
     assert 1.66e9 == pytest.approx(0.265 * CONE.hardness, rel=1e-3)
 
 
-@pytest.mark.parametrize("loading", ["hertz", "rms", "pohrt-popov", "goddard", "bahrami", "yip-venart", "greenwood-tripp"])
+@pytest.mark.parametrize(
+    "loading",
+    shared(
+        ["hertz", "rms", "pohrt-popov", "goddard", "bahrami", "yip-venart", "greenwood-tripp"],
+        ("hertz", "pohrt-popov", "yip-venart").__contains__,
+    ),
+)
 def test_stiffness_is_the_smaller_of_the_two(loading):
     options = {"slope": 0.05} if loading == "goddard" else {}
     law = dl.law("rough-plastic", CONE, loading=loading, yield_pressure=1.66e9, **options)
@@ -70,7 +76,10 @@ def test_plastic_overlap_is_nearly_linear_in_the_largest_load():
 
 @pytest.mark.parametrize(
     ("options", "dimension"),
-    [({}, 2.0), ({}, 2.3), ({}, 3.0), ({"loading": "hertz"}, None), ({"loading": "goddard", "slope": 0.05}, None)],
+    shared(
+        [({}, 2.0), ({}, 2.3), ({}, 3.0), ({"loading": "hertz"}, None), ({"loading": "goddard", "slope": 0.05}, None)],
+        lambda case: case[1] == 2.3 or "slope" in case[0],
+    ),
 )
 def test_errors_against_fifty_digits(options, dimension, rng):
     pressure = 1e7

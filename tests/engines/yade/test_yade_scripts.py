@@ -15,6 +15,7 @@ SAID = {
     "ballast": "exponent n of bulk stiffness",
     "cost": "ratio to native Hertz-Mindlin",
     "measured_surface": "law of mean",
+    "examples": "runs by both laws, 0 failed",
 }
 
 
@@ -32,7 +33,7 @@ def test_script(name, tmp_path):
     assert SAID[name] in done.stdout
     assert (tmp_path / f"{name}.png").stat().st_size > 5000
     text = script.read_text()
-    assert "Shows:" in text and "Start: demlaws yade run" in text and "Takes:" in text
+    assert "Shows:" in text and "Start: demlaws yade run -x" in text and "Takes:" in text
 
 
 def test_a_failing_script_fails(tmp_path):

@@ -1,0 +1,48 @@
+// Reads tables and steps contacts as its input says, one answer a line; what tests compare with Python.
+//     rules                              names and state of the unloading rules
+//     table FILE MODULUS RADIUS ROUGHNESS -> "good VERSION FINGERPRINT ROWS" or "refused MESSAGE"; a virgin contact
+//     virgin                             another virgin contact, no answer
+//     overlap X                       -> force, stiffness, three values of state, stored, dissipated, outside (0 or 1)
+#include "demlaws_table.h"
+#include <iostream>
+#include <memory>
+
+int main() {
+  std::unique_ptr<demlaws::Table> table;
+  demlaws::Pair pair;
+  double radius = 0.;
+  demlaws::State state;
+  std::string word;
+  while (std::cin >> word) {
+    if (word == "rules") {
+      for (int i = demlaws::ELASTIC; i <= demlaws::GIVEN; i++) {
+        printf("%s", demlaws::unloading_name(i));
+        for (int k = 0; k < demlaws::state_size((demlaws::Unloading)i); k++) printf(" %s", demlaws::state_name(k));
+        printf("\n");
+      }
+    } else if (word == "table") {
+      std::string file;
+      double modulus, roughness;
+      std::cin >> file >> modulus >> radius >> roughness;
+      state = demlaws::State();
+      try {
+        const std::string bytes = demlaws::Table::contents(file);
+        table.reset(new demlaws::Table);
+        table->parse(bytes, file);
+        pair = demlaws::Pair(*table, modulus, roughness);
+        printf("good %d %u %s\n", table->version(), (unsigned)table->fingerprint(), table->text("rows").c_str());
+      } catch (const std::exception &problem) {
+        printf("refused %s\n", problem.what());
+      }
+    } else if (word == "virgin") state = demlaws::State();
+    else if (word == "overlap") {
+      double overlap, stored, dissipated;
+      std::cin >> overlap;
+      const demlaws::Force now = demlaws::step(pair, radius, overlap, state);
+      demlaws::stored_and_dissipated(pair, radius, overlap, &state.maximum_overlap, stored, dissipated);
+      printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %d\n", now.force, now.stiffness, state.maximum_overlap,
+             state.plastic_overlap, state.radius_ratio, stored, dissipated, (int)now.outside);
+    } else return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,160 @@
+"""Table files of tests/data/tables, read by Python and by the C++ header: one verdict, one line, one force.
+
+Good files without "kink", "flat" or "others" in their name were written by the version before tests/data/tables was: they
+must always load. Bad ones differ from a good one in one thing each, with check marks that fit; bad.csv has the line.
+"""
+
+import csv
+import re
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.core.grid import MOST_KINKS
+from demlaws.core.unloading import RULES
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+HERE = Path(__file__).parent
+TABLES = HERE.parent / "data" / "tables"
+GOOD = sorted(path.stem for path in (TABLES / "good").glob("*.tbl"))
+with open(TABLES / "bad.csv", newline="") as file:
+    BAD = {row["name"]: int(row["line"]) for row in csv.DictReader(file)}
+STEPS = (1.0, 0.98, 0.6)  # of the largest overlap: first loading, then two points of unloading
+
+
+@pytest.fixture(scope="module")
+def reader(tmp_path_factory):
+    """What the C++ program answers to lines of input."""
+    program = tmp_path_factory.mktemp("reader") / "reader"
+    headers = Path(dl.__file__).parent / "cpp"
+    command = ["g++", "-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", "-I", str(headers), str(HERE / "reader.cpp")]
+    subprocess.run([*command, "-o", str(program)], check=True)
+
+    def ask(*lines):
+        done = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
+        return done.stdout.splitlines()
+
+    return ask
+
+
+def overlaps_of(table):
+    """Dimensionless overlaps inside the table: deep below the first row, below it, at rows, between them, around kinks."""
+    u = table.nodes.u
+    below = u[0] * 0.5 ** np.array([70.0, 41.0, 40.0, 39.9, 30.0, 7.0, 1.3, 0.5])
+    kinks = [table.nodes.kinks * (1.0 + shift) for shift in (-1e-3, -1e-9, -1e-13, 1e-13, 1e-9)]
+    inside = np.concatenate([below, u, 0.5 * (u[1:] + u[:-1]), 0.1 * u[1:] + 0.9 * u[:-1], *kinks])
+    return np.unique(inside[inside <= u[-1] * (1.0 - 1e-14)])
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_good_tables_are_read_alike(name, reader):
+    path = TABLES / "good" / f"{name}.tbl"
+    table = dl.Table.load(path)
+    contact, length = table.contact, float(np.ravel(table.length)[0])
+    overlap = overlaps_of(table) * length
+    opening = f"table {path} {contact.modulus!r} {contact.radius!r} {contact.roughness!r}"
+    asked = [f"overlap {float(x * step)!r}" for x in overlap for step in STEPS]
+    asked = [line for n in range(overlap.size) for line in ("virgin", *asked[3 * n : 3 * n + 3])]
+    first, *answers = reader(opening, *asked)
+    version = int(path.read_bytes().split(b"\n")[0].split()[-1])
+    assert first == f"good {version} {table_fingerprint(path)} {table.nodes.u.size}"
+    rows = np.array([answer.split() for answer in answers], float).reshape(-1, 3, 8)
+    assert not rows[:, :, 7].any()
+    state = table.new_state(overlap.size) if table.state_size else None
+    for n, step in enumerate(STEPS):
+        force, stiffness = table.evaluate(overlap * step, state)
+        np.testing.assert_allclose(rows[:, n, 0], force, rtol=3e-12, atol=0.0)
+        np.testing.assert_allclose(rows[:, n, 1], stiffness, rtol=2e-11, atol=0.0)
+        for k in range(table.state_size):
+            scale = overlap if k < 2 else 1.0
+            assert np.max(np.abs(rows[:, n, 2 + k] - state.arrays[k]) / scale) <= 1e-10
+
+
+def table_fingerprint(path):
+    """The last check mark of the file."""
+    return int(path.read_text().split()[-1], 16)
+
+
+@pytest.mark.parametrize("name", GOOD)
+def test_beyond_the_last_row_there_is_no_value(name, reader):
+    path = TABLES / "good" / f"{name}.tbl"
+    table = dl.Table.load(path)
+    contact = table.contact
+    beyond = float(table.largest_overlap) * (1.0 + 1e-9)
+    answer = reader(f"table {path} {contact.modulus!r} {contact.radius!r} {contact.roughness!r}", f"overlap {beyond!r}")[1]
+    assert answer.split()[-1] == "1"
+    with pytest.raises(dl.DemlawsError, match="beyond the table"):
+        table.force(beyond)
+
+
+def test_bad_tables_are_refused_alike(reader):
+    """The same line is named by both."""
+    names = list(BAD)
+    assert sorted(names) == sorted(path.stem for path in (TABLES / "bad").glob("*.tbl"))
+    paths = [TABLES / "bad" / f"{name}.tbl" for name in names]
+    answers = reader(*(f"table {path} 1e9 1e-3 1e-6" for path in paths))
+    wrong = {}
+    for name, path, answer in zip(names, paths, answers, strict=True):
+        try:
+            dl.Table.load(path)
+            told = "good"
+        except dl.DemlawsError as error:
+            told = str(error)
+        for which, message in (("Python", told), ("C++", answer.removeprefix("refused "))):
+            found = re.match(re.escape(str(path)) + r", line (\d+): \S", message)
+            if found is None or int(found[1]) != BAD[name]:
+                wrong[f"{name}, {which}: line {BAD[name]}"] = message
+    assert wrong == {}
+
+
+def test_any_changed_byte_gives_one_verdict(reader, tmp_path, rng):
+    """Bytes replaced without a new check mark, in a small table with an unloading curve: both readers name one line."""
+    data = (TABLES / "good" / "pohrt-popov-table.tbl").read_bytes()
+    verdicts, lines = [], []
+    for n in range(200):
+        place, byte = int(rng.integers(len(data))), bytes([int(rng.integers(256))])
+        path = tmp_path / f"{n}.tbl"
+        path.write_bytes(data[:place] + byte + data[place + 1 :])
+        lines.append(f"table {path} 1e9 1e-3 1e-6")
+        try:
+            dl.Table.load(path)
+            verdicts.append("good")
+        except dl.DemlawsError as error:
+            verdicts.append(re.search(r"line \d+:", str(error))[0])
+    told = [re.search(r"line \d+:|^good", answer)[0] for answer in reader(*lines)]
+    assert told == verdicts
+    assert verdicts.count("good") < 10
+
+
+def test_old_tables_keep_their_text(tmp_path):
+    """What version 1 wrote is written again byte for byte."""
+    for name in ("hertz-elastic", "pohrt-popov-hertz", "rough-plastic-thornton", "greenwood-tripp-elastic", "yip-venart-table"):
+        path = TABLES / "good" / f"{name}.tbl"
+        again = dl.Table.load(path).save(tmp_path / "again.tbl").read_bytes()
+        without = [line for line in again.splitlines() if not line.startswith(b"demlaws:")]
+        old = [line for line in path.read_bytes().splitlines() if not line.startswith(b"demlaws:")]
+        assert [line.rpartition(b" ")[0] for line in without] == [line.rpartition(b" ")[0] for line in old]
+
+
+def test_the_golden_files_have_what_they_are_for():
+    """Three kinks and more, the most kinks, a flat power law, both versions, a yield point, a seat, CR LF."""
+    tables = {name: dl.Table.load(TABLES / "good" / f"{name}.tbl") for name in GOOD}
+    assert tables["three-kinks"].nodes.kinks.size == 3
+    assert tables["most-kinks"].nodes.kinks.size == MOST_KINKS
+    grid = tables["kinks-in-one-cell"].loading_shape.grid
+    cells = [np.float64(k).view(np.int64) >> grid.shift for k in tables["kinks-in-one-cell"].nodes.kinks]
+    assert len(set(cells)) < len(cells)
+    flat = tables["flat-power-law"].loading_shape.grid
+    assert flat.exponent < 0.5 and flat.seat == 0.0
+    assert tables["greenwood-tripp-elastic"].loading_shape.grid.seat > 0.0
+    assert tables["rough-plastic-thornton"].loading_shape.bulk.area < np.inf
+    assert b"\r\n" in (TABLES / "good" / "line-ends-crlf.tbl").read_bytes()
+
+
+def test_the_rules_of_the_header_are_those_of_python(reader):
+    in_cpp = sorted((rule for rule in RULES.values() if rule.number is not None), key=lambda rule: rule.number)
+    assert [line.split() for line in reader("rules")] == [[rule.name, *rule.state] for rule in in_cpp]

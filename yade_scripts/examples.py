@@ -1,0 +1,358 @@
+"""YADE's own examples with its Hertz-Mindlin law and with a rough one: what had to be changed, and what came out.
+
+Shows: examples that come with YADE (triaxial tests, periodic cells, clumps, a drum from STL, a hopper, an oedometer, buoyancy,
+factories, the Conical Damage Model beside ours, yade-batch) run as they are, except that their contact law is first YADE's
+Law2_ScGeom_MindlinPhys_Mindlin, then ours in its place, and that runs are shortened; energy, stress or height of both. No
+script is kept here: they are read from the folder in which YADE's package has them, or from the one that is given.
+Start: demlaws yade run -x yade_scripts/examples.py [--quick] [--examples FOLDER] [--only NAME ...] [--out FOLDER]
+Takes: about 4 min (quick: 2 min, a quarter of the steps). Saves examples.png.
+"""
+
+import argparse
+import gzip
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import types
+from pathlib import Path
+
+FOLDER = "/usr/share/doc/yade/examples"
+MINDLIN = "law, Ip2"
+VISCOUS = "law, Ip2, material"
+
+
+class Example:
+    """One of YADE's examples.
+
+    path: in the folder of examples; changed: what a run by Mindlin needs beside the example's text (nothing where it has
+    Mindlin already); steps: of the shortened run; share: of the steps that the script itself asks for; roughness: Sq [m];
+    after: commented-out or interactive parts of the example, run behind it; swaps: parts of the text in place of others.
+    """
+
+    def __init__(self, name, path, changed, steps, roughness, share=1.0, after="", swaps=(), batch=None):
+        self.name, self.path, self.changed, self.steps, self.roughness = name, path, changed, steps, roughness
+        self.share, self.after, self.swaps, self.batch = share, after, swaps, batch
+
+
+TRIAX = """
+O.run(2000, True)
+O.engines = O.engines[0:5] + [PyRunner(iterPeriod=20, command='history()', label='recorder')] + O.engines[5:7]
+rows = []
+def history():
+    rows.append((triax.meanStress, triax.porosity))
+O.run(1000, True)
+assert len(rows) > 10 and isinstance(O.engines[-1], NewtonIntegrator), O.engines
+"""
+
+EXAMPLES = (
+    Example("triax tutorial", "triax-tutorial/script-session1.py", MINDLIN, 3000, 1e-5, after=TRIAX),
+    Example("FEMxDEM RVE", "FEMxDEM/prepareRVE.py", MINDLIN, 20000, 1e-7),
+    Example("periodic shear", "PeriodicBoundaries/periodic-simple-shear.py", MINDLIN, 6000, 1e-7),
+    Example("periodic triax", "PeriodicBoundaries/periodic-triax.py", MINDLIN, 6000, 1e-7),
+    Example("settings of hSize", "PeriodicBoundaries/periodic-triax-settingHsize.py", MINDLIN, 4000, 1e-7),
+    Example("triax of clumps", "clumps/triax-basic-with-clumps.py", MINDLIN, 600, 1e-4),
+    Example("STL drum", "baraban/rotating-cylinder.py", VISCOUS, 4000, 1e-5),
+    Example("hopper", "funnel.py", MINDLIN, 3000, 1e-5),
+    Example("hopper of clumps", "clumps/clump-hopper-test.py", VISCOUS, 3000, 1e-6),
+    Example("oedometer", "DeformEngine/OedometricDeform.py", VISCOUS, 4000, 1e-6),
+    Example("sand pile", "PeriodicBoundaries/periodicSandPile.py", MINDLIN, 3000, 1e-6),
+    Example("buoyancy, clumps", "clumps/apply-buoyancy-clumps.py", "nothing", 5000, 1e-5, share=0.02),
+    Example("factory", "spheresFactory.py", "nothing", 3000, 1e-7),
+    Example(
+        "Mindlin, beside CDM", "test/HertzMindlinExtended/HertzMindlinExtended_periodicSimpleShear.py", "nothing", 1500, 1e-5
+    ),
+    Example(
+        "the same without CDM",
+        "test/HertzMindlinExtended/HertzMindlinExtended_periodicSimpleShear.py",
+        "makeCDM = 0",
+        1500,
+        1e-5,
+        swaps=[("makeCDM = 1", "makeCDM = 0")],
+    ),
+    Example("damping", "test/Damping_HM.py", "nothing", 2000, 1e-6),
+    Example("two Mindlin spheres", "test/mindlin.py", "nothing", 100, 1e-5),
+    Example("yade-batch", "triax-tutorial/script-session1.py", MINDLIN, 1000, 1e-5, batch="triax-tutorial/triax-table"),
+)
+WAYS = ("Mindlin", "ours")
+
+
+def text_of(folder, path):
+    """An example's text: Debian compresses long ones."""
+    for file in (Path(folder) / path, Path(folder) / f"{path}.gz"):
+        if file.exists():
+            return gzip.decompress(file.read_bytes()).decode() if file.suffix == ".gz" else file.read_text()
+    raise FileNotFoundError(f"no {path} in {folder}")
+
+
+# --- one example, in a YADE of its own
+
+
+def one(given):
+    """Run an example in this YADE and write what came out."""
+    import yade
+
+    import __main__
+    import demlaws as dl
+    from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
+
+    omega, main = yade.O, vars(__main__)
+    example = Example(**given["example"])
+    laws = []
+
+    def law(*functors, **keywords):
+        keep = {name: value for name, value in keywords.items() if name in ("label", "neverErase", "calcEnergy")}
+        if given["way"] == "Mindlin":
+            laws.append(yade.Law2_ScGeom_MindlinPhys_Mindlin(**keep))
+        else:
+            surface = dl.Surface(roughness=example.roughness, fractal_dimension=2.2)
+            laws.append(Law2_ScGeom_MindlinPhys_Demlaws("pohrt-popov", "hertz", surface, **keep))
+        return laws[-1]
+
+    def viscous(**values):
+        return yade.FrictMat(
+            young=1e7, poisson=0.3, frictionAngle=values.get("frictionAngle", 0.5), density=values.get("density", 1000)
+        )
+
+    main["Law2_ScGeom_MindlinPhys_Mindlin"] = law
+    if example.changed in (MINDLIN, VISCOUS):
+        main["Law2_ScGeom_FrictPhys_CundallStrack"] = main["Law2_ScGeom_ViscElPhys_Basic"] = law
+        main["Ip2_FrictMat_FrictMat_FrictPhys"] = yade.Ip2_FrictMat_FrictMat_MindlinPhys
+    if example.changed == VISCOUS:
+        main["Ip2_ViscElMat_ViscElMat_ViscElPhys"] = lambda: yade.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)
+        main["ViscElMat"] = viscous
+        yade.utils.defaultMaterial = lambda: viscous(density=1000)
+    nothing_to_see(yade)
+    shorten(omega, example)
+    random_numbers(main)
+    os.chdir(given["scratch"])
+    text = text_of(given["folder"], example.path)
+    for old, new in example.swaps:
+        assert old in text, f"{example.path} no longer holds {old!r}"
+        text = text.replace(old, new)
+    exec(compile(text, example.path, "exec"), main)
+    exec(compile(example.after, "after", "exec"), main)
+    while omega.iter < example.steps and not omega.demlaws_paused:
+        before = omega.iter
+        omega.run(min(500, example.steps - omega.iter), True)
+        if omega.iter == before:
+            break
+    rest(omega, given, laws)
+
+
+def nothing_to_see(yade):
+    """No windows, no plots."""
+
+    class Nothing:
+        def __init__(self, *arguments, **keywords):
+            pass
+
+        def __getattr__(self, name):
+            return Nothing()
+
+        def __call__(self, *arguments, **keywords):
+            return Nothing()
+
+    qt = types.ModuleType("yade.qt")
+    qt.__getattr__ = lambda name: Nothing()
+    yade.qt = sys.modules["yade.qt"] = qt
+    import matplotlib
+
+    matplotlib.use = lambda *arguments, **keywords: None
+    import yade.plot
+
+    yade.plot.plot = lambda *arguments, **keywords: None
+
+
+def shorten(omega, example):
+    """O.run waits, and takes a share of the steps that it is asked for, up to the example's number."""
+    cls = type(omega)
+    run, pause = cls.run, cls.pause
+    cls.demlaws_paused = False
+
+    def shorter(self, nSteps=-1, wait=False):
+        left = max(example.steps - self.iter, 0)
+        steps = left if nSteps <= 0 else min(max(int(nSteps * example.share), 1), left)
+        if steps and not cls.demlaws_paused:
+            run(self, steps, True)
+
+    def paused(self):
+        cls.demlaws_paused = True
+        pause(self)
+
+    cls.run, cls.pause = shorter, paused
+
+
+def random_numbers(main):
+    """The same ones for both laws."""
+    import random
+
+    import numpy
+    from yade import pack
+
+    random.seed(1)
+    numpy.random.seed(1)  # noqa: NPY002  what the examples draw from
+    for name in ("makeCloud", "makeClumpCloud"):
+        native = getattr(pack.SpherePack, name)
+
+        def seeded(self, *arguments, native=native, **keywords):
+            if len(arguments) < 8:
+                keywords.setdefault("seed", 1)
+            return native(self, *arguments, **keywords)
+
+        setattr(pack.SpherePack, name, seeded)
+
+
+def rest(omega, given, laws):
+    """Write what the scene has come to, and end YADE."""
+    import yade
+    from yade import utils
+
+    if omega.running:
+        omega.pause()
+        omega.wait()
+    spheres = [body for body in omega.bodies if body is not None and isinstance(body.shape, yade.Sphere)]
+    heights = [tuple(body.state.pos) for body in spheres]
+    up = given["up"]
+    found = {
+        "steps": omega.iter,
+        "spheres": len(spheres),
+        "contacts": omega.interactions.countReal(),
+        "energy": utils.kineticEnergy(),
+        "height": sum(place[up] for place in heights) / max(len(heights), 1),
+        "stress": sum(utils.getStress()[n, n] for n in range(3)) / 3 if omega.periodic else None,
+        "seen": None,
+    }
+    if given["way"] == "ours":
+        law = laws[-1]
+        law.binding.verify()
+        found["seen"] = law.binding.contact_count()
+        found["repr"] = repr(law)
+    # a batch runs the script once for each line of its table
+    number = len(list(Path(given["result"]).parent.glob(Path(given["result"]).name + "*")))
+    Path(f"{given['result']}{number}").write_text(json.dumps(found))
+    sys.stdout.flush()
+    os._exit(0)
+
+
+# --- all of them
+
+
+def run_example(example, way, arguments, scratch):
+    """What an example came to by one of the two laws: a list with one dict a run."""
+    from demlaws.yade.run import command, environment
+
+    folder = Path(scratch) / f"{example.name} {way}".replace(" ", "-").replace(",", "")
+    source = Path(arguments.examples) / example.path
+    shutil.copytree(source.parent, folder)
+    for file in folder.rglob("*.gz"):
+        file.with_suffix("").write_bytes(gzip.decompress(file.read_bytes()))
+    result = str(folder / "result-")
+    given = {
+        "example": vars(example),
+        "way": way,
+        "folder": arguments.examples,
+        "scratch": str(folder),
+        "result": result,
+        "up": 1 if "SandPile" in example.path or "baraban" in example.path else 2,
+    }
+    if arguments.quick:
+        given["example"] = {**vars(example), "steps": max(example.steps // 4, 100), "share": 0.25 * example.share}
+    surroundings = {**environment(), "DEMLAWS_EXAMPLE": json.dumps(given)}
+    batch = None
+    if example.batch:
+        batch = str(folder / "table")
+        # the table's first column asks for a number of threads, which is what yade-batch is told here
+        rows = [line.split()[1:] for line in text_of(arguments.examples, example.batch).splitlines()]
+        Path(batch).write_text("\n".join(" ".join(row) for row in rows[:3]) + "\n")
+    line = command(Path(sys.argv[0]).resolve(), [] if batch else ["--one"], batch=batch)
+    done = subprocess.run(
+        line,
+        env=surroundings,
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    found = [json.loads(file.read_text()) for file in sorted(folder.glob("result-*"))]
+    if not found:
+        logs = "".join(file.read_text()[-800:] for file in folder.glob("*.log"))
+        errors = [line for line in (logs + done.stdout).splitlines() if "Error" in line or "ERROR" in line]
+        return [], "; ".join(errors) or (logs + done.stdout)[-800:]
+    return found, ""
+
+
+def row(example, mindlin, ours):
+    """A line of the table, and (name, value by Mindlin, by ours) for the picture."""
+    quantity, unit = ("stress", "Pa") if mindlin["stress"] is not None else ("height", "m")
+    a, b = mindlin[quantity], ours[quantity]
+    seen = f"{ours['seen']}/{ours['contacts']}"
+    line = (
+        f"{example.name:21}{example.changed:20}{'nothing':9}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
+        f"{mindlin['energy']:12.3e}{ours['energy']:12.3e}  {quantity:7}{a:12.4g}{b:12.4g} {unit}"
+    )
+    return line, (example.name, a, b)
+
+
+def picture(rows, folder):
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    figure, axis = plt.subplots(figsize=(8, 5), constrained_layout=True)
+    places = range(len(rows))
+    axis.barh(places, [b / a if a else 1.0 for _, a, b in rows])
+    axis.set_yticks(list(places), [name for name, _, _ in rows])
+    axis.axvline(1.0, color="0.4", lw=1)
+    axis.invert_yaxis()
+    axis.set(xlabel="mean stress (periodic cells) or mean height: Pohrt-Popov over Hertz-Mindlin")
+    path = Path(folder) / "examples.png"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=120)
+    return path
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--quick", action="store_true", help="a quarter of the steps")
+    parser.add_argument("--examples", default=FOLDER, help="folder of YADE's examples (default: that of the package yade)")
+    parser.add_argument("--only", nargs="+", metavar="NAME", help="examples whose name holds one of these")
+    parser.add_argument("--out", default=".", help="folder of the picture")
+    arguments = parser.parse_args()
+    chosen = [e for e in EXAMPLES if not arguments.only or any(word in e.name for word in arguments.only)]
+    print("YADE's examples, shortened, by YADE's Hertz-Mindlin and by ours (pohrt-popov, Hertz unloading) in its place.")
+    print(
+        "To Mindlin: what differs from the example; to ours: what had to be changed beside the law; seen: contacts by our law."
+    )
+    print(
+        f"{'example':21}{'to Mindlin':20}{'to ours':9}{'steps':>7}{'':>7}{'contacts seen':>12}"
+        f"{'E_kin [J]':>11}{'ours':>12}  {'':7}{'Mindlin':>12}{'ours':>12}"
+    )
+    rows, failed = [], 0
+    with tempfile.TemporaryDirectory() as scratch:
+        for example in chosen:
+            found = {}
+            for way in WAYS:
+                found[way], why = run_example(example, way, arguments, scratch)
+                if not found[way]:
+                    failed += 1
+                    print(f"{example.name:21}FAILED by {way}: {why}", flush=True)
+            for mindlin, ours in zip(*(found[way] for way in WAYS), strict=False):
+                line, values = row(example, mindlin, ours)
+                print(line, flush=True)
+                rows.append(values)
+    print(f"{len(rows)} runs by both laws, {failed} failed")
+    if rows:
+        print(f"picture: {picture(rows, arguments.out)}")
+    if failed:
+        raise SystemExit(1)
+
+
+if "DEMLAWS_EXAMPLE" in os.environ:
+    one(json.loads(os.environ["DEMLAWS_EXAMPLE"]))
+else:
+    main()
