@@ -54,7 +54,7 @@ class Binding:
         if self.attachment is not None:
             self.attachment.unlisted_served = pairs.needs_no_judgement
         self.unlisted_served = pairs.needs_no_judgement
-        self.scene, self.guards, self.runner = None, 0, None
+        self.scene, self.left, self.guards, self.runner = None, None, 0, None
         self.share, self.warned = None, False
         self._requests = deque()
 
@@ -74,12 +74,19 @@ class Binding:
             self.attachment.banked = value
 
     def enter(self, scene, banked=0.0):
-        """Begin to act in a scene, with what was dissipated in it before."""
-        self.scene, self.guards, self.banked, self.warned = scene, 0, banked, False
+        """Begin to act in a scene, with what was dissipated in it before; a scene that was left is gone on with."""
+        if scene != self.left:
+            self.banked = banked
+        self.scene, self.left, self.guards, self.warned = scene, None, 0, False
         self.held = Held()
         if self.attachment is not None:
             self.attachment.take_fault()
             self.attachment.take_unlisted()
+
+    def leave(self):
+        """The law is no longer in its scene's engine list."""
+        self.scene, self.left = None, self.scene
+        self.watched_by(None)
 
     def watched_by(self, runner):
         """The guard's PyRunner before this law's contacts, or None."""
@@ -179,8 +186,9 @@ class Binding:
             f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
             for label, s in self.pairs.all_surfaces().items()
         )
-        seen = self.contact_count()
-        where = f"{seen} contacts of {O.interactions.countReal()}" if self.scene is not None else "in no scene"
+        there = O.interactions.countReal()
+        where = f"{self.contact_count()} contacts of {there}" if not O.running else f"{there} contacts of all kinds, running"
+        where = "in no scene" if self.scene is None else where
         reason = f" ({self.reason})" if self.reason else ""
         return (
             f"{self.pairs.name}; surfaces: {surfaces or 'none' + (', meant smooth' if self.pairs.smooth else '')}; "
@@ -189,7 +197,7 @@ class Binding:
 
     def contact_count(self):
         """Number of the current scene's contacts that bear this law's mark."""
-        return sum(contact.phys.momentBend[0] > 0 for contact in real_contacts()) if not O.running else 0
+        return sum(contact.phys.momentBend[0] > 0 for contact in real_contacts())
 
     # --- watch
 
@@ -305,22 +313,28 @@ class Binding:
     # --- the time step
 
     def bound_steppers(self, engines):
-        """Keep the steppers of `demlaws.yade.engines` below what stiff contacts stand; warn of others without a bound."""
+        """Keep GlobalStiffnessTimeSteppers below what stiff contacts stand; what is to be said of a user's that had no bound.
+
+        They go by the contacts as they are, and a young rough contact is soft until the step in which it is not.
+        """
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
         if not steppers:
             return None
         wave = yade.utils.PWaveTimeStep()
         if not (0.0 < wave < np.inf):
             return None
-        if self.share is not None:
-            for stepper in steppers:
-                stepper.maxDt = min(stepper.maxDt, self.share * REACH * wave)
-            return None
-        if not self.warned and any(stepper.maxDt > REACH * wave for stepper in steppers):
-            self.warned = True
-            return (
-                f"GlobalStiffnessTimeStepper has no bound that holds for the law {self.label!r}: it goes by the contacts "
-                "as they are, and a young rough contact is soft until the step in which it is not. Set its maxDt to at most "
-                f"{REACH * wave:.3g} s ({REACH:g} PWaveTimeStep() of the bodies), or use demlaws.yade.engines(law, timestep=…)"
-            )
-        return None
+        said = None
+        for stepper in steppers:
+            bound = REACH * wave * min(stepper.timestepSafetyCoefficient, 1.0)
+            if stepper.maxDt > bound * (1 + 1e-9):
+                if self.share is None and stepper.maxDt > REACH * wave and not self.warned:
+                    self.warned = True
+                    said = (
+                        f"GlobalStiffnessTimeStepper had no bound that holds for law {self.label!r}: it goes by the contacts "
+                        "as they are, and a young rough contact is soft until the step in which it is not. Its maxDt was "
+                        f"{stepper.maxDt:.3g} s and is now {bound:.3g} s ({REACH:g} PWaveTimeStep() of the bodies times its "
+                        "safety coefficient); give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
+                    )
+                if self.share is not None or stepper.maxDt > REACH * wave:
+                    stepper.maxDt = bound
+        return said

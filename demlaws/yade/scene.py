@@ -106,8 +106,7 @@ def set_visible(engines):
     set_engines(_completed(engines, laws, before))
     for label, functor in old.items():
         if label not in laws:
-            functor.binding.scene = None
-            functor.binding.watched_by(None)
+            functor.binding.leave()
             O.tags[LAW.format(label=label)] = ""
     for functor in laws.values():
         binding = functor.binding

@@ -105,15 +105,8 @@ public:
   void post_run() {
     double *const number = kept_for_particles(modify, numbers());
     for (int i = 0; number && i < atom->nlocal; i++) number[i] = atom->tag[i];
-    double counts[2] = {instance_->beyond.count, 0.}, furthest = 0.;
-    MPI_Reduce(&counts[0], &counts[1], 1, MPI_DOUBLE, MPI_SUM, 0, world);
-    MPI_Reduce(&instance_->beyond.furthest, &furthest, 1, MPI_DOUBLE, MPI_MAX, 0, world);
-    instance_->beyond = Beyond();
-    if (comm->me != 0 || counts[1] == 0.) return;
-    for (FILE *file : {screen, logfile})
-      if (file)
-        fprintf(file, "demlaws/table: in this run %.0f contact steps lay beyond the last row of their table, by up to %.3g "
-                      "times its overlap: extrapolated, not certified\n", counts[1], furthest);
+    tell(instance_->beyond, "beyond the last row of their table", "its overlap: extrapolated, not certified");
+    tell(instance_->deep, "deeper than a tenth of R", "that: the laws hold for small overlaps");
   }
   void write_restart(FILE *file) {
     double sum = 0.;
@@ -132,6 +125,19 @@ public:
 
 private:
   const std::shared_ptr<Instance> instance_;
+
+  // Adds up the ranks' counts of the run that ends, and starts anew.
+  void tell(Excess &excess, const char *where, const char *meaning) {
+    double count = 0., furthest = 0.;
+    MPI_Reduce(&excess.count, &count, 1, MPI_DOUBLE, MPI_SUM, 0, world);
+    MPI_Reduce(&excess.furthest, &furthest, 1, MPI_DOUBLE, MPI_MAX, 0, world);
+    excess.count = excess.furthest = 0.;
+    if (comm->me != 0 || count == 0.) return;
+    for (FILE *file : {screen, logfile})
+      if (file)
+        fprintf(file, "demlaws/table: in this run %.0f contact steps were %s, by up to %.3g times %s\n", count, where, furthest,
+                meaning);
+  }
 
   // LIGGGHTS finds a contact's history by the numbers of its particles, and `delete_atoms ... compress yes` deals new ones
   // without a word to it. The number that each particle had at the end of the last run tells which is which.

@@ -3,7 +3,7 @@
 // second instance that is made at the same address.
 #ifndef DEMLAWS_INSTANCE_H
 #define DEMLAWS_INSTANCE_H
-#include <cerrno>
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -69,10 +69,15 @@ struct Ledger {
   }
 };
 
-// Contacts whose overlap lay beyond the last row of their table, in one run on this rank.
-struct Beyond {
-  double count, furthest; // contact steps; largest overlap over that of the last row
-  Beyond() : count(0.), furthest(0.) {}
+// Contact steps of one run on this rank with an overlap above a limit: the last row of the table, or a tenth of R.
+struct Excess {
+  double count, furthest; // contact steps; largest overlap over the limit
+  bool told;              // in this instance
+  Excess() : count(0.), furthest(0.), told(false) {}
+  void add(double overlap, double limit) {
+    count++;
+    furthest = std::max(furthest, overlap / limit);
+  }
 };
 
 struct EnergySource {
@@ -86,8 +91,7 @@ struct Instance {
   std::string owner;                      // whose properties are being connected: "pair" or "wall ID"
   PairSettings pair;
   Ledger ledger;
-  Beyond beyond;
-  bool warned_beyond;
+  Excess beyond, deep;
   EnergySource *source;
   std::map<std::string, Fingerprints> used, stored; // by owner: of this run, of the restart file
 
@@ -107,7 +111,7 @@ struct Instance {
 
 private:
   LAMMPS *const key_;
-  explicit Instance(LAMMPS *lmp) : warned_beyond(false), source(NULL), key_(lmp) {}
+  explicit Instance(LAMMPS *lmp) : source(NULL), key_(lmp) {}
   static std::map<LAMMPS *, std::weak_ptr<Instance> > &all() {
     static std::map<LAMMPS *, std::weak_ptr<Instance> > instances;
     return instances;

@@ -199,7 +199,7 @@ public:
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
-    if (__builtin_expect(now.outside, 0)) beyond(data, radius, type, update);
+    if (__builtin_expect(now.outside || data.deltan > 0.1 * radius, 0)) beyond(data, radius, type, update, now.outside);
 
     const double damping = type.damping * sqrt(now.stiffness * data.meff);
     double normal = now.force - damping * data.vn;
@@ -341,35 +341,44 @@ private:
     else what << "particles " << atom->tag[data.i] << " and " << atom->tag[data.j];
     what << " (types " << data.itype << " and " << data.jtype << "): ";
   }
-  // An overlap beyond the last row: counted and warned of with `extrapolation on`, refused without.
+  // An overlap that is large for any law of small strains is warned of and counted; beyond R, or the last row of the
+  // table, it is refused, or counted with `extrapolation on`.
   __attribute__((noinline, cold)) void beyond(const SurfacesIntersectData &data, double radius, const demlaws::TypePair &type,
-                                              bool update) {
-    const double last = type.pair.table->last_overlap() * type.pair.length_of(radius);
-    if (now_.extrapolate && instance_->warned_beyond) {
-      if (update) {
-        instance_->beyond.count++;
-        instance_->beyond.furthest = std::max(instance_->beyond.furthest, data.deltan / last);
-      }
-      return;
-    }
+                                              bool update, bool outside) {
+    const double overlap = data.deltan, last = type.pair.table->last_overlap() * type.pair.length_of(radius);
     std::ostringstream what;
     place(what, data);
-    const double newtons = units_.length * units_.length * units_.pressure, u = data.deltan / type.pair.length_of(radius);
-    double s, slope;
-    type.pair.table->evaluate(u, s, slope);
-    const double hertz_overlap = s * type.pair.length_of(radius);
-    const double load = 4. / 3. * type.pair.modulus * sqrt(radius * hertz_overlap) * hertz_overlap;
-    what << "overlap " << data.deltan / units_.length << " m is beyond the last row of " << type.pair.table->path() << ", "
-         << last / units_.length << " m";
+    what << "overlap " << overlap / units_.length << " m is ";
+    const std::string which = what.str();
+    if (overlap > 0.1 * radius) {
+      what << "more than " << (overlap > radius ? "" : "a tenth of ") << "the contact's R = " << radius / units_.length
+           << " m, where no law of small overlaps holds";
+      if (overlap > radius && !now_.extrapolate) refuse(what, "");
+      report(instance_->deep, overlap, 0.1 * radius, update, what);
+    }
+    if (!outside) return;
+    what.str("");
+    what << which << "beyond the last row of " << type.pair.table->path() << ", " << last / units_.length << " m";
     if (now_.extrapolate) {
-      what << ": its last power law goes on, uncertified (extrapolation on; told once, counted at the end of the run)";
-      instance_->warned_beyond = true;
-      error->warning(FLERR, what.str().c_str());
-      beyond(data, radius, type, update);
+      what << ": its last power law goes on, uncertified";
+      report(instance_->beyond, overlap, last, update, what);
       return;
     }
-    what << " (there some " << load / newtons << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
-         << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
+    double s, slope;
+    type.pair.table->evaluate(overlap / type.pair.length_of(radius), s, slope);
+    const double hertz_overlap = s * type.pair.length_of(radius), newton = units_.length * units_.length * units_.pressure;
+    what << " (some " << 4. / 3. * type.pair.modulus * sqrt(radius * hertz_overlap) * hertz_overlap / newton << " N)";
+    refuse(what, "make the table with a larger --max-force (`demlaws table --max-force N`), ");
+  }
+  void report(demlaws::Excess &excess, double overlap, double limit, bool update, std::ostringstream &what) {
+    if (update) excess.add(overlap, limit);
+    if (excess.told) return;
+    excess.told = true;
+    what << " (told once, counted at the end of the run)";
+    error->warning(FLERR, what.str().c_str());
+  }
+  void refuse(std::ostringstream &what, const char *remedy) const {
+    what << ": " << remedy << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
     error->one(FLERR, what.str().c_str());
   }
   __attribute__((noinline, cold)) void refuse_radius(const SurfacesIntersectData &data, double radius,

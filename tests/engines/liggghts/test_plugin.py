@@ -149,6 +149,32 @@ def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
     assert error_of(log, law) <= 3e-8
 
 
+@pytest.mark.parametrize(
+    "tangential, rolling, first", [("off", "off", 1), ("history", "off", 4), ("history", "epsd2", 7), ("no_history", "epsd", 4)]
+)
+@pytest.mark.parametrize("unloading", ["hertz", "thornton"])
+def test_columns_of_the_history(tmp_path, granite_pair, tangential, rolling, first, unloading):
+    """compute pair/gran/local history: the tangential model's values, the rolling model's, then ours; see docs/liggghts.md."""
+    law = example("rough-plastic", granite_pair.with_values(modulus=modulus()), unloading)
+    table = save(law, tmp_path / "law.tbl")
+    style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table {table}"
+    text = two_spheres(style, LOAD_UNLOAD[:2], every=1000)
+    count = first + law.state_size  # the overlap stands behind the history
+    columns = " ".join(f"c_contacts[{n}]" for n in range(first, count + 1))
+    text = text.replace("thermo_style ", "compute contacts all pair/gran/local history delta\nthermo_style ", 1)
+    text += f"dump d all local 1 contacts.txt {columns}\nrun 0\n"
+    log = simulate(tmp_path, text)
+    row = np.loadtxt(tmp_path / "contacts.txt", skiprows=9, max_rows=1)
+    state = law.new_state(1)
+    law.follow(log["overlap"], state)
+    kept = [state.maximum_overlap[0], state.plastic_overlap[0]]
+    if unloading == "thornton":
+        kept.append(row[2])
+        assert row[2] >= 1.0
+    assert row[:-1] == pytest.approx(kept, rel=1e-4)
+    assert row[-1] == pytest.approx(log["overlap"][-1], rel=1e-4)
+
+
 def test_energies_across_ranks(tmp_path, granite_pair):
     """compute demlaws/energy of a pair that lies on the border of two ranks."""
     law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")

@@ -1,0 +1,317 @@
+"""Every function that draws, once, on small data: the picture holds what it should. Nothing is compared pixel by pixel."""
+
+import functools
+import inspect
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from examples import make
+
+import demlaws as dl
+from demlaws import granite, plots
+from demlaws.advice.choose import Choices, Plan
+from demlaws.laws.registry import registry
+from demlaws.measure import candidates, extremes, packings, stability, trade
+from demlaws.measure.costs import StepCost
+from demlaws.plots import choose as advice
+from demlaws.plots import surface, validation
+from demlaws.solvers import patches
+from demlaws.surface import self_affine
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
+
+
+@pytest.fixture(autouse=True)
+def closed_afterwards():
+    import matplotlib
+
+    matplotlib.use("Agg")
+    yield
+    from matplotlib import pyplot
+
+    pyplot.close("all")
+
+
+def labels(ax):
+    """Texts of the legends of an axes."""
+    legends = [child for child in ax.get_children() if type(child).__name__ == "Legend"]
+    return [text.get_text() for legend in legends for text in legend.get_texts()]
+
+
+def lines(ax):
+    """(x, y) of every line with points in it."""
+    return [line.get_xydata() for line in ax.get_lines() if len(line.get_xydata())]
+
+
+@functools.cache
+def run_of(name, test):
+    return granite.run_test(name, granite.find_test(test))[0]
+
+
+# --- single contacts
+
+
+def path_figure():
+    path = dl.driver.displacement_controlled(dl.law("hertz", PAIR), [1e-5, 5e-6], 20)
+    left, right = plots.path_figure(path, "a title").axes
+    np.testing.assert_array_equal(lines(left)[0], np.column_stack([path.overlap * 1e6, path.force]))
+    assert left.get_title() == "a title" and right.get_xscale() == "log"
+
+
+def table_figure():
+    law = dl.law("pohrt-popov", PAIR, "hertz")
+    _, right = plots.table_figure(law.tabulate(1e-3), law).axes
+    assert {"force", "stiffness", "asked for"} == set(labels(right))
+    drawn = dict(zip(labels(right), lines(right), strict=True))
+    # the picture shows what the certificate says: no error above what was asked for, some near it
+    assert 1e-5 < max(drawn["force"][:, 1].max(), drawn["stiffness"][:, 1].max()) <= 1e-3
+
+
+# --- the granite tests
+
+
+def granite_force():
+    runs = [run_of("hertz", "SS(18-18)"), run_of("pohrt-popov", "SS(18-18)")]
+    (ax,) = plots.granite_force(runs[0].test, runs).axes
+    assert labels(ax) == ["hertz", "pohrt-popov"] and ax.get_title() == "SS(18-18)"
+    assert ax.get_lines()[0].get_color() == plots.colour("hertz")
+
+
+def granite_stiffness():
+    runs = [run_of("hertz", "SS(18-18)"), run_of("pohrt-popov", "SS(18-18)")]
+    fig = plots.granite_stiffness([(runs[0].test, runs)])
+    assert fig.axes[0].get_title() == "SS(18-18)"
+    assert len(lines(fig.axes[0])) == 2 and labels(fig.axes[0]) == ["hertz", "pohrt-popov"]
+
+
+def granite_crossover():
+    test = granite.find_test("SS(18-18)")
+    laws = [granite.bind(name, test, "elastic") for name in ("hertz", "pohrt-popov")]
+    (ax,) = plots.granite_crossover(test, laws, 57.5).axes
+    assert "57.5 N" in ax.texts[0].get_text()
+    hertz, rough = lines(ax)[:2]
+    crossed = rough[:, 1] >= hertz[:, 1] * (1 - 1e-9)
+    assert 50.0 < rough[np.argmax(crossed), 0] < 65.0
+
+
+def granite_roughness():
+    tests = [granite.find_test(name) for name in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
+    left, _ = plots.granite_roughness(tests, lambda name, test: granite.bind(name, test, "elastic")).axes
+    assert len(lines(left)) == 4 and labels(left)[-1].startswith("Hertz")
+
+
+def granite_unloading():
+    run = run_of("pohrt-popov", "SS(18-18)")
+    (ax,) = plots.granite_unloading(run.test, [granite.bind("hertz", run.test, "elastic")], run.paths[0]).axes
+    assert labels(ax) == ["hertz, elastic", "Hertz unloading rule, any law"]
+    assert all(np.max(xy[:, 0]) < 1e-6 for xy in lines(ax))  # displacements from the maximum
+
+
+def granite_cycles():
+    run = run_of("rough-plastic", "RFC10")
+    left, right = plots.granite_cycles(run, granite.stages_of(run)).axes
+    assert len(lines(left)) == len(run.paths) and "Hertz" in labels(right)
+
+
+def granite_plastic():
+    stages = granite.stages_of(run_of("rough-plastic", "RFC10"))
+    (ax,) = plots.granite_plastic([("RFC10", stages)]).axes
+    np.testing.assert_allclose(lines(ax)[0][:, 1], [s.plastic_overlap * 1e6 for s in stages])
+
+
+def granite_radius():
+    alpha = np.geomspace(0.03, 30.0, 9)
+    curves = granite.effective_radius(alpha)
+    (ax,) = plots.granite_radius(alpha, curves).axes
+    assert labels(ax) == list(curves) and len(lines(ax)) == 3
+
+
+# --- advice and measurements
+
+
+def fit_figure():
+    force = np.linspace(1.0, 50.0, 20)
+    displacement = dl.law("rms", PAIR).overlap(force) + 1e-8 * np.random.default_rng(0).standard_normal(20)
+    ranking = dl.fit(np.column_stack([displacement, force]), PAIR, laws=["hertz", "rms"], unloading="elastic")
+    left, right = advice.fit_figure(ranking, "of a test").axes
+    assert labels(left)[0] == "measured of a test" and sorted(labels(right)) == ["hertz", "rms"]
+    np.testing.assert_allclose(lines(left)[0], np.column_stack([displacement * 1e6, force]))
+
+
+def choices_figure():
+    def choice(name, evaluation, cost, error):
+        plan = Plan(name, (), "hertz", evaluation)
+        return SimpleNamespace(
+            plan=plan, name=name, unloading="hertz", evaluation=evaluation, branch="", cost=cost, error=error, meets=True
+        )
+
+    made = [choice("hertz", "closed form", 1.0, 1e-2), choice("rms", "table", 3.0, 1e-4)]
+    scene = SimpleNamespace(tolerance=0.05, quantity="force", name="mine")
+    (ax,) = advice.choices_figure(Choices(made, scene, made[0].plan, {}, [], 0.5, "the law alone")).axes
+    assert {"closed form", "table", "tolerance"} <= set(labels(ax)) and ax.get_title() == "mine"
+    assert "rms, hertz, table" in labels(ax) and "the law alone" in ax.get_xlabel()
+
+
+def stability_figure():
+    zero = dict.fromkeys(stability.Figures._fields, 0)
+    row = stability.Figures(
+        **{**zero, "law": "hertz", "unloading": "elastic", "evaluation": "closed form", "contacts": "extreme"}
+        | {"rounding": {-3: 1.0, 0: 2.0}, "gains": {10: 1e-2, 100: 1e-6}, "step_ratio": (0.6, 0.9)}
+    )
+    compared = extremes.Compared(0, 1e-15, {-3: 2.0, -1: 0.0}, 2.0, 5, 0.0, 0.0, 0)
+    impacts = extremes.Impacts(1e-9, 1e-6, {20: 1e-3, 50: 1e-5})
+    inside = extremes.Figures("YADE", "hertz", "elastic", "closed form", "extreme", 10, 100, compared, 0.0, 100, impacts, {})
+    assert len(advice.stability_figure([], [inside]).axes) == 2
+    gains, rounding, steps, engine = advice.stability_figure([row], [inside]).axes
+    np.testing.assert_allclose(lines(gains)[0], [[10, 1e-2], [100, 1e-6]])
+    np.testing.assert_allclose(lines(rounding)[0], [[-3, 1.0], [0, 2.0]])
+    assert lines(steps)[0][:, 0].tolist() == [0.6, 0.9] and "YADE" in labels(engine)
+
+
+def entry(law, evaluation, ns, error, front=False):
+    return trade.Entry(law, "hertz", evaluation, "", ns, 2.0, 16, 0, 1.0, {"force": error}, {"force": error}, front)
+
+
+def trade_figure():
+    entries = [entry("hertz", "closed form", 1.0, 0.5, True), entry("rough-plastic", "table", 3.0, 1e-5, True)]
+    steps = [trade.StepEntry(10, 1e-2, 1e-2, 9.0), trade.StepEntry(100, 1e-9, 1e-7, 90.0)]
+    stock = candidates.Way("YADE's Hertz-Mindlin", model="hertz")
+    engine = [trade.EngineEntry(StepCost(stock, 300.0, 1.0, 0.0, 0.5), 1.2, True)]
+    fig = advice.trade_figure(entries, 0.5, steps, {"yade": engine})
+    against, own, step, yade = fig.axes[:4]
+    assert "hertz, hertz, closed form " in labels(against) and "copy kernel" in labels(own)
+    assert labels(step) == ["energy drift of an impact", "error of restitution"]
+    assert "YADE's Hertz-Mindlin" in labels(yade)
+    assert len(advice.trade_figure(entries, 0.5).axes) == 2
+
+
+def scene_figure():
+    forces = np.random.default_rng(1).exponential(5.0, 100)
+    one = packings.Outcome(candidates.RICHEST, 1e-2, 1e8, 2e8, 3e8, 5e5, forces, 100, 1.0)
+    other = one._replace(way=candidates.Way("hertz", "hertz"), low=1.5e8)
+    left, right = advice.scene_figure({"yade": [one, other]}, packings.QUICK).axes
+    widths = [bar.get_width() for bar in left.patches]
+    assert len(widths) == 6 and max(widths) == pytest.approx(50.0)
+    assert labels(right) == ["rough-plastic, thornton", "hertz"]
+
+
+def deviations():
+    row = SimpleNamespace(verdict="pass", found=1.05, low=0.9, high=1.1)
+    worse = SimpleNamespace(verdict="FAIL", found=1.2, low=0.9, high=1.1)
+    (ax,) = validation.deviations({"one": [row], "two": [row, worse]}).axes
+    assert [t.get_text() for t in ax.get_yticklabels()] == ["one", "two"]
+    found = np.concatenate(lines(ax))
+    assert np.isclose(found[:, 0], 2.0).sum() == 1 and np.isclose(found[:, 0], 0.5).sum() == 2
+
+
+# --- surfaces
+
+
+@functools.cache
+def rough():
+    """A small map under load, and three cycles of it."""
+    pair = dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9)
+    contact = patches.RoughContact(self_affine(64, 1e-6, 0.8, 0.5e-6, 1), pair, flat=True)
+    return contact, patches.repeat(contact, 0.02, 3, keep=(1, 2, 3))
+
+
+def regime_figure():
+    assert len(surface.regime_figure().axes) > 2  # the published tests, by material, and the key of the map
+    fig = surface.regime_figure(PAIR, 10.0, "mine")
+    star = [line for line in fig.axes[0].get_lines() if line.get_marker() == "*"]
+    assert star[0].get_xydata().ravel().tolist() == pytest.approx([10.0, 2.4])
+
+
+def published_figure():
+    (ax,) = surface.published_figure().axes
+    assert {"aluminium, 4 N", "brass, 12 N", "seen: asperities", "seen: bulk"} <= set(labels(ax))
+
+
+def surface_figure():
+    heights = self_affine(128, 1e-6, 0.8, 0.5e-6, 1)
+    fig = surface.surface_figure(heights)
+    assert f"Sq = {heights.sq * 1e6:.3g} µm" in fig.axes[0].get_title()
+    np.testing.assert_array_equal(fig.axes[0].images[0].get_array(), heights.heights * 1e6)
+    assert any("Df = " in ax.get_title() for ax in fig.axes)
+
+
+def contact_figure():
+    contact, history = rough()
+    left, right, *_ = surface.contact_figure(contact, history[0].step).axes
+    assert len(left.collections[0].get_offsets()) == len(history[0].step.micro)
+    assert sum(len(xy) for xy in lines(right)) == len(history[0].step.micro)
+
+
+def repeated_figure():
+    contact, history = rough()
+    fig = surface.repeated_figure(contact, history, "mine")
+    assert fig.axes[0].get_title().startswith("mine before")
+    before, after, change = (ax.images[0].get_array() for ax in fig.axes[:3])
+    np.testing.assert_allclose(after - before, change, atol=1e-12)
+    assert np.min(change) < 0.0  # it wears
+
+
+def summit_figure():
+    fig = surface.summit_figure()
+    titles = [ax.get_title() for ax in fig.axes]
+    assert sum(t.startswith("volume") for t in titles) == sum(t.startswith("nine-point") for t in titles) == 3
+
+
+def law_figure():
+    law = make("asperity")
+    contact = patches.RoughContact(registry()["asperity"].example["surface"], law.contact)
+    left, right = surface.law_figure(contact, {"loading": law}).axes
+    assert labels(left) == ["Hertz", "loading", "model, one cut each"] and labels(right) == ["Hertz", "loading"]
+
+
+def boundary_element_figure():
+    values = {"overlap": "1e-6", "bem_force": "2.0", "model_force": "1.0", "bem_area": "1e-9", "model_area": "9e-10"}
+    rows = [{"case": "a", **values}, {"case": "b", **values}, {"case": "a", **values, "overlap": "2e-6"}]
+    left, right = surface.boundary_element_figure(rows).axes
+    np.testing.assert_allclose(lines(left)[0], [[1.0, 0.5], [2.0, 0.5]])
+    np.testing.assert_allclose(lines(right)[1], [[1.0, 0.9]])
+    assert labels(left) == ["a", "b"]
+
+
+DRAWN = {
+    function.__name__: function
+    for function in (
+        *(path_figure, table_figure, granite_force, granite_stiffness, granite_crossover, granite_roughness),
+        *(granite_unloading, granite_cycles, granite_plastic, granite_radius, fit_figure, choices_figure),
+        *(stability_figure, trade_figure, scene_figure, deviations, regime_figure, published_figure, surface_figure),
+        *(contact_figure, repeated_figure, summit_figure, law_figure, boundary_element_figure),
+    )
+}
+
+
+@pytest.mark.parametrize("name", DRAWN)
+def test_draws(name):
+    DRAWN[name]()
+
+
+def test_every_function_that_draws_is_tested():
+    helpers = {"colour", "line", "figure", "available", "save"}
+    found = {
+        name
+        for module in (plots, advice, surface, validation)
+        for name, value in vars(module).items()
+        if inspect.isfunction(value) and value.__module__ == module.__name__ and not name.startswith("_")
+    }
+    assert found - helpers == set(DRAWN)
+
+
+def test_every_law_has_a_line_of_its_own():
+    looks = {(plots.colour(name), plots.line(name)) for name in registry()}
+    assert len(looks) == len(registry())
+
+
+def test_saved_in_the_format_of_its_name(tmp_path):
+    fig, _ = plots.figure()
+    assert plots.save(fig, tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
+    assert plots.save(fig, tmp_path / "a.pdf").read_bytes().startswith(b"%PDF")
+    assert plots.save(fig, tmp_path / "bare").name == "bare.png"
+    with pytest.raises(dl.DemlawsError, match=r"cannot draw .*a\.nonsense"):
+        plots.save(fig, tmp_path / "a.nonsense")
+    assert len(list(tmp_path.iterdir())) == 3
