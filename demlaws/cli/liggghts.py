@@ -2,9 +2,7 @@
 
 import argparse
 
-from demlaws.cli import option
-from demlaws.cli.refused import Refused
-from demlaws.errors import DemlawsError
+from demlaws.cli.grains import grain_arguments, grains_of
 
 EXPORT_EXAMPLE = """example:
   demlaws liggghts export case --law pohrt-popov --radius 0.004 0.005 --sq 1.7e-6 --fractal-dimension 2.22
@@ -39,31 +37,7 @@ def register(subparsers):
     check.set_defaults(func=_check)
 
     export = parts.add_parser("export", help="write a ready case: tables, input, runscript", epilog=EXPORT_EXAMPLE, **raw)
-    export.add_argument("folder", help="folder to write")
-    export.add_argument("--law", default="pohrt-popov", help="name of the law (default %(default)s)")
-    export.add_argument(
-        "--unloading",
-        default="hertz",
-        help="elastic, hertz, thornton, or a table file whose curve all contacts unload along (default %(default)s)",
-    )
-    export.add_argument("--unloading-law", help="name of a law whose curve each contact unloads along, in place of --unloading")
-    options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}
-    export.add_argument("--unloading-option", **options, help="an option of that law")
-    export.add_argument("--option", **options, help="an option of the law")
-    export.add_argument("--radius", type=float, nargs="+", required=True, help="grain radius [m], one a particle type")
-    for name, default, text in (
-        ("sq", [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
-        ("fractal-dimension", [None], "fractal dimension of the surface, 2 to 3"),
-        ("young", [60.6e9], "Young's modulus [Pa]"),
-        ("poisson", [0.25], "Poisson's ratio"),
-        ("hardness", [None], "indentation hardness [Pa]"),
-        ("density", [2650.0], "density [kg/m³]"),
-    ):
-        shown = "" if default == [None] else f" (default {default[0]:g})"
-        export.add_argument(f"--{name}", type=float, nargs="+", default=default, help=f"{text}: one, or one a type{shown}")
-    export.add_argument("--roughness", action=Refused, remedy="give --sq, the rms roughness of each grain's own surface")
-    export.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance of the tables (default %(default)g)")
-    export.add_argument("--count", type=int, default=1000, help="number of grains (default %(default)s)")
+    grain_arguments(export)
     export.add_argument("--stock", choices=("hertz", "edinburgh"), help="fit this stock model instead; needs no compiler")
     export.add_argument("--load", type=float, help="contact force [N] of the fit, and the largest expected (default 10)")
     export.set_defaults(func=_export)
@@ -93,28 +67,10 @@ def _check(arguments):
     check()
 
 
-def _each(arguments, name, count):
-    values = getattr(arguments, name)
-    if len(values) not in (1, count):
-        raise DemlawsError(f"--{name.replace('_', '-')} has {len(values)} values for {count} radii: give one, or one a radius")
-    return values if len(values) == count else values * count
-
-
 def _export(arguments):
-    from demlaws.contact import Material, Surface
-    from demlaws.liggghts.export import Grain, export
-    from demlaws.make import law
+    from demlaws.liggghts.export import export
 
-    count = len(arguments.radius)
-    columns = [_each(arguments, name, count) for name in ("sq", "fractal_dimension", "young", "poisson", "hardness", "density")]
-    grains = [
-        Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
-        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
-    ]
-    options, unloading = dict(arguments.option), arguments.unloading
-    if arguments.unloading_law is not None:
-        contact = grains[0].contact(grains[0])
-        unloading = law(arguments.unloading_law, contact, **dict(arguments.unloading_option))
+    grains, unloading, options = grains_of(arguments)
     path = export(
         arguments.folder,
         arguments.law,

@@ -99,7 +99,7 @@ def versions():
     return _version_of(executable())
 
 
-def command(script, ranks=1, variables=None, log="log.lammps", plugin=True, portable=False):
+def command(script, ranks=1, variables=None, log="log.lammps", plugin=True, portable=False, arguments=()):
     """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` gives.
 
     Where the binary has no package PLUGIN, the plugin is preloaded. Root needs --allow-run-as-root and --oversubscribe of
@@ -120,6 +120,7 @@ def command(script, ranks=1, variables=None, log="log.lammps", plugin=True, port
     line = [str(binary.path), "-in", str(script), "-log", str(log)]
     for name, value in (variables or {}).items():
         line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
+    line += [str(word) for word in arguments]
     if ranks > 1 and binary.mpiexec:  # MPICH hands the environment on
         line = [str(binary.mpiexec), "-n", str(ranks), *line]
     elif ranks > 1:
@@ -138,11 +139,22 @@ def command(script, ranks=1, variables=None, log="log.lammps", plugin=True, port
     return line, environment
 
 
-def run(script, ranks=1, variables=None, folder=None, log="log.lammps", plugin=True, echo=False, timeout=None, portable=False):
+def run(
+    script,
+    ranks=1,
+    variables=None,
+    folder=None,
+    log="log.lammps",
+    plugin=True,
+    echo=False,
+    timeout=None,
+    portable=False,
+    arguments=(),
+):
     """Run `script` in `folder` (default: the script's own) and return what its log's thermo tables hold.
 
     variables: {name: value} for the script's ${name}; echo: show LAMMPS's output as it comes; portable: the plugin without
-    -march=native, for a cluster of unlike nodes.
+    -march=native, for a cluster of unlike nodes; arguments: further words of LAMMPS's own command line.
     Returns a dict column → array over all rows (see `read_log`). Raises DemlawsError with LAMMPS's own error.
     """
     script = Path(script)
@@ -150,7 +162,7 @@ def run(script, ranks=1, variables=None, folder=None, log="log.lammps", plugin=T
         folder, script = script.resolve().parent, Path(script.name)
     if not (Path(folder) / script).is_file():
         raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws lammps export` writes one")
-    line, environment = command(script, ranks, variables, log, plugin, portable)
+    line, environment = command(script, ranks, variables, log, plugin, portable, arguments)
     lines = []
     with subprocess.Popen(
         line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
@@ -166,11 +178,21 @@ def run(script, ranks=1, variables=None, folder=None, log="log.lammps", plugin=T
         except BaseException:
             process.kill()
             raise
-    errors = [text.strip() for text in lines if text.startswith("ERROR")]
+    errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
     if process.returncode or errors:
-        reason = errors[0] if errors else "".join(lines[-8:]).strip()
+        reason = _message(lines[errors[0] :]) if errors else "".join(lines[-8:]).strip()
         raise DemlawsError(f"LAMMPS stopped (exit {process.returncode}): {reason}")
     return read_log(Path(folder) / log)
+
+
+def _message(lines):
+    """LAMMPS's error, which may go on over several lines, without the input line that it shows after it."""
+    text = ""
+    for line in lines[:8]:
+        if line.startswith(("Last ", "For more", "Abort", "application called", "---")) or not line.strip():
+            break
+        text += line.strip() + " "
+    return text.strip()
 
 
 _NUMBER = re.compile(r"[-+0-9.]")

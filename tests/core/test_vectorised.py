@@ -19,14 +19,14 @@ LAST = {name: unloading for name, unloading in PAIRS}
 
 
 OVERLAP = np.linspace(1e-7, 1e-5, 64)
-OPTIONS = {name: value for name, value in loops.evaluate_loop.targetoptions.items() if name != "nopython"}
+OPTIONS = {name: value for name, value in loops.batch_loop.targetoptions.items() if name != "nopython"}
 
 
 def vector_operations(law):
     """Operations on several doubles at once in the loop over a batch; numba keeps no such text in its cache."""
-    compiled = numba.njit(**OPTIONS)(loops.evaluate_loop.py_func)
+    compiled = numba.njit(**OPTIONS)(loops.batch_loop.py_func)
     state = law.new_state(OVERLAP.size)
-    compiled(law.rule, law.params, OVERLAP, state.arrays, np.zeros(OVERLAP.size), np.zeros(OVERLAP.size))
+    compiled(law.rule, law.params, OVERLAP, state.arrays, loops.UNBOUNDED, 1.0, np.zeros(OVERLAP.size), np.zeros(OVERLAP.size))
     (text,) = compiled.inspect_llvm().values()
     return len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text))
 

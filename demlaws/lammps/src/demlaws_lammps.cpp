@@ -74,6 +74,18 @@ void pair_forces_here(void *pair, int eflag, int vflag);
 void wall_forces_here(void *wall, int vflag);
 void region_forces_here(void *wall, int vflag);
 
+// LAMMPS's Force, which holds the constants of the units; NULL where it is not where it should be.
+void *force_of(void *lmp) {
+  std::vector<double> buffer(2048);
+  const Stock &stock = Stock::get();
+  early::Model *const m = (early::Model *)&buffer[0]; // what both begin with
+  stock.make(m, lmp);
+  char *const force = m->of.lmp == lmp && m->of.force ? *(char **)m->of.force : NULL;
+  stock.unmake(m);
+  const char *const constant = (const char *)stock.global(lmp, "nktv2p");
+  return force && constant > force && constant < force + 1024 ? force : NULL;
+}
+
 enum Layout { UNKNOWN, EARLY, LATE, NONE };
 Layout layout = UNKNOWN;
 
@@ -84,6 +96,7 @@ std::string prove(void *lmp) {
   std::string why;
   if (!stock.add) why = "it has no GranularModel (package GRANULAR of 2023 or later)";
   else if (!stock.missing.empty()) why = "it has no function " + stock.missing;
+  else if (!force_of(lmp)) why = "the first members of its classes are other ones";
   else if (early::abi_fits(lmp, stock)) layout = EARLY;
   else if (late::abi_fits(lmp, stock)) layout = LATE;
   else why = "its granular models are laid out in another way than those of 4 Feb 2025 to 4 Jul 2026";
@@ -144,11 +157,22 @@ void need_metres(void *model) {
   if (!units || strcmp(units, "si")) raise(*m->of.error, true, "demlaws: a table's length is in metres; use 'units si'");
 }
 
+// PairHybrid keeps room for the outputs that its styles had when they were made: more would be written beyond its end.
+bool under_hybrid(void *model) {
+  early::Model *const m = (early::Model *)model;
+  try {
+    return Stock::get().pair_match(*(void **)m->of.force, "^hybrid", 0, 0) != NULL;
+  } catch (...) { // no pair style at all: a wall
+    return false;
+  }
+}
+
 int add_here(void *model, char **arg, int at, int count, int type) {
   if (at >= count || !ours(arg[at], type)) return Stock::get().add(model, arg, at, count, type);
   const bool is = is_late(model);
   need_metres(model);
-  return is ? late::add((late::Model *)model, arg, at, count, type) : early::add((early::Model *)model, arg, at, count, type);
+  const bool outputs = !under_hybrid(model);
+  return is ? late::add((late::Model *)model, arg, at, count, type, outputs) : early::add((early::Model *)model, arg, at, count, type, outputs);
 }
 
 // What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
@@ -168,13 +192,16 @@ void construct_here(void *model, const std::string &name, int type) {
   if (!ours(name.c_str(), type)) return Stock::get().construct(model, name, type);
   const bool is = is_late(model);
   need_metres(model);
-  if (is) late::construct((late::Model *)model, name, type);
-  else early::construct((early::Model *)model, name, type);
+  if (is) late::construct((late::Model *)model, name, type, !under_hybrid(model));
+  else early::construct((early::Model *)model, name, type, !under_hybrid(model));
 }
 
 void init_here(void *model) {
   Stock::get().init(model);
-  if ((layout != EARLY && layout != LATE) || !pair_now) return;
+  if (layout != EARLY && layout != LATE) return;
+  if (layout == LATE) late::keep_signs((late::Model *)model);
+  else early::keep_signs((early::Model *)model);
+  if (!pair_now) return;
   Histories &kept = Histories::all()[pair_now];
   kept.sizes.push_back(layout == LATE ? late::sizes_of((late::Model *)model) : early::sizes_of((early::Model *)model));
   if (layout == LATE ? late::has_table((late::Model *)model) : early::has_table((early::Model *)model)) kept.ours = true;
@@ -279,5 +306,5 @@ void lammpsplugin_init(void *lmp, void *, void *) {
   const Stock &stock = Stock::get();
   if (stock.setting && stock.setting(lmp, "world_rank") != 0) return;
   if (why.empty()) printf("Loading plugin: granular demlaws/table\n");
-  else fprintf(stderr, "ERROR: %s\n", why.c_str());
+  else fprintf(stderr, "WARNING: %s\n", why.c_str());
 }

@@ -95,7 +95,7 @@ protected:
     Model *const m = gm;
     double stored = 0., dissipated = 0.;
     if (ledger_.collecting || m->calculate_svector) demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
-    if (m->calculate_svector) {
+    if (m->calculate_svector && nsvector) {
       double *const out = m->svector + index_svector;
       const bool kept = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
       out[MAXIMUM] = kept ? state[0] : m->delta;
@@ -213,12 +213,13 @@ inline Table *make_table(Model *m, const std::string &named, const demlaws::Tabl
 }
 
 // GranularModel::construct_sub_model for the names above.
-inline void construct(Model *m, const std::string &name, int type) {
+inline void construct(Model *m, const std::string &name, int type, bool outputs) {
   SubMod *made;
   if (type == NORMAL) {
     const size_t space = name.find(' ');
     if (space == std::string::npos) raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
     Table *const table = make_table(m, name, tables().get(name.substr(space + 1), *m->of.error));
+    if (!outputs) table->nsvector = 0;
     m->normal_model = table;
     made = table;
   } else {
@@ -231,11 +232,11 @@ inline void construct(Model *m, const std::string &name, int type) {
 }
 
 // GranularModel::add_sub_model for the names above.
-inline int add(Model *m, char **arg, int at, int count, int type) {
+inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) {
   std::string name = arg[at++];
   void *const error = *m->of.error;
   if (type != NORMAL) {
-    construct(m, name, type);
+    construct(m, name, type, outputs);
     return at;
   }
   if (at + 4 > count) raise(error, true, "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X]");
@@ -243,7 +244,7 @@ inline int add(Model *m, char **arg, int at, int count, int type) {
   static const char *const names[3] = {"E", "eta", "nu"};
   double c[3];
   for (int k = 0; k < 3; k++) c[k] = number(error, names[k], arg[at++]);
-  construct(m, name, type);
+  construct(m, name, type, outputs);
   double *const into = m->sub_models[type]->coeffs;
   std::copy(c, c + 3, into);
   while (at < count) {
@@ -268,6 +269,17 @@ inline int add(Model *m, char **arg, int at, int count, int type) {
 }
 
 inline bool has_table(Model *m) { return dynamic_cast<Table *>(m->normal_model) != NULL; }
+// A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the normal
+// both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says otherwise.
+inline void keep_signs(Model *m) {
+  if (!has_table(m) || !m->transfer_history_factor) return;
+  int at = 0;
+  for (int k = 0; k < 6; k++) {
+    const SubMod *const sub = m->sub_models[k];
+    for (int n = 0; n < sub->size_history; n++, at++)
+      if ((k == ROLLING || k == TWISTING) && !sub->nondefault_history_transfer) m->transfer_history_factor[at] = 1.;
+  }
+}
 inline std::vector<int> sizes_of(Model *m) {
   std::vector<int> sizes;
   for (int k = 0; k < 6; k++) sizes.push_back(m->sub_models[k]->size_history);

