@@ -23,7 +23,7 @@ from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
 from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
-from demlaws.files import write_atomically
+from demlaws.files import as_path, write_atomically
 from demlaws.joining import joined_law
 from demlaws.law import Law
 from demlaws.laws.definition import Definition
@@ -95,6 +95,9 @@ class Certificate(NamedTuple):
     stiffness_error: float
 
 
+RADII_SERVED = 10.0  # a table that collapses reaches to a tenth of so many times its contact's radius
+
+
 def _length(definition, contact):
     """Dimensionless length of a law's table: multiples of σ and of R."""
     smooth = np.all(np.asarray(contact.roughness) <= SMOOTHEST * np.asarray(contact.radius))
@@ -105,7 +108,8 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
     """The smallest `Table` of `law` whose force and stiffness lie within `rtol`, measured between the nodes.
 
     The range ends at the overlap of `max_force` [N] or at a tenth of the radius, and goes down to where the law is a
-    power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness.
+    power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness; without
+    `max_force` it ends at a tenth of a radius ten times as large.
     """
     try:
         rtol = float(rtol)
@@ -124,6 +128,8 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
+    if law.collapses:
+        largest *= RADII_SERVED
     roughness = clamped_roughness(one.roughness, one.radius)
     length = over_roughness * roughness + over_radius * one.radius
     if max_force is not None:
@@ -311,7 +317,7 @@ class Table(Law):
         return loading_part(self.params).length
 
     @property
-    def largest_overlap(self) -> float:
+    def largest_overlap(self) -> float:  # type: ignore[override]
         """End of the table [m]."""
         return self.loading_shape.grid.highest * np.min(self.length)
 
@@ -398,7 +404,7 @@ class Table(Law):
 
         A law that this version of demlaws does not have is no error: its table is its curve.
         """
-        path = Path(path)
+        path = as_path(path)
         try:
             data = path.read_bytes()
         except OSError as error:

@@ -30,8 +30,8 @@ def contacts(rng, n, **shared):
 
 
 def overlaps(rng, contact):
-    """δ/σ from 1e-9 to 1e6."""
-    return contact.roughness * 10.0 ** rng.uniform(-9, 6, contact.size)
+    """δ/σ from 1e-9 to 1e6, and up to R, beyond which there is no answer."""
+    return np.minimum(contact.roughness * 10.0 ** rng.uniform(-9, 6, contact.size), 0.999 * contact.radius)
 
 
 def measure(name, contact, overlap, energy=True, **options):

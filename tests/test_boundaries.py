@@ -50,7 +50,7 @@ def test_only_the_shell_knows_plots_and_engines():
     heavy = {"scipy", "matplotlib", "tqdm", "pandas", "yade", "liggghts", "SurfaceTopography", "mpmath", "pytest"}
     for path in PACKAGE.rglob("*.py"):
         where = path.relative_to(PACKAGE).as_posix()
-        if where.startswith(("plots/", "yade/", "liggghts/", "measure/")):
+        if where.startswith(("plots/", "yade/", "liggghts/", "measure/", "validation/in_")):
             continue
         at_import = {module.partition(".")[0] for module, top in imports_anywhere(path) if top}
         assert not at_import & heavy, f"{where} imports {at_import & heavy} when it is imported"

@@ -9,7 +9,7 @@ log = lg.run("case/in.case", ranks=2)               # the stock binary with the 
 
 from demlaws.liggghts.build import build, header_folder
 from demlaws.liggghts.check import check
-from demlaws.liggghts.export import Grain, export, stock_fit
+from demlaws.liggghts.export import Case, Grain, export, stock_fit
 from demlaws.liggghts.run import read_log, run
 
-__all__ = ["Grain", "build", "check", "export", "header_folder", "read_log", "run", "stock_fit"]
+__all__ = ["Case", "Grain", "build", "check", "export", "header_folder", "read_log", "run", "stock_fit"]

@@ -20,6 +20,7 @@ from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve
+from demlaws.materials import DENSITY
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Grain:
 
     @property
     def mass(self):
-        density = 2650.0 if self.material.density is None else self.material.density
+        density = DENSITY if self.material.density is None else self.material.density
         return density * 4.0 / 3.0 * math.pi * self.radius**3
 
 
@@ -111,192 +112,245 @@ def stock_fit(law, load, model="hertz", loads=None):
     return StockFit(model, load, parameters, loads, forces / loads - 1.0, plastic_error)
 
 
-def _pairs(grains):
-    return [(i, j) for i in range(len(grains)) for j in range(i, len(grains))]
+@dataclass(frozen=True)
+class Case:
+    """Grains of all types that settle in a box under gravity, as in.case, tables, run.sh and case.json have them.
+
+    law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one a
+    particle type; load: largest force [N] expected in a contact, and that of the fit; stock: "hertz" or "edinburgh", a case
+    for the stock binary alone, fitted on the first grain's contact with itself. The walls are of the first grain's stuff and
+    have the last type.
+    """
+
+    law: str = "pohrt-popov"
+    grains: tuple = ()
+    unloading: object = "hertz"
+    options: dict = field(default_factory=dict)
+    rtol: float = 1e-5
+    stock: str | None = None
+    load: float = 10.0
+    restitution: float = 0.5
+    friction: float = 0.5
+    count: int = 1000
+
+    def __post_init__(self):
+        if not self.grains:
+            raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
+        number(self.load, "load", "N")
+
+    def bound(self, contact):
+        """The law of one contact."""
+        return make_law(self.law, contact, unloading=rebound(self.unloading, contact), **self.options)
+
+    @property
+    def rule(self):
+        return rule_and_curve(self.unloading)[0]
+
+    @property
+    def curve(self):
+        return rule_and_curve(self.unloading)[1]
+
+    @property
+    def fit(self):
+        """The stock model's fit; None for a case with the plugin."""
+        return (
+            None if self.stock is None else stock_fit(self.bound(self.grains[0].contact(self.grains[0])), self.load, self.stock)
+        )
+
+    @property
+    def wall_type(self):
+        return len(self.grains) + 1
+
+    def write(self, folder):
+        """Write the case into `folder`; returns its in.case."""
+        folder = Path(folder)
+        try:
+            (folder / "post").mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise DemlawsError(f"cannot make folder {folder / 'post'}: {error.strerror}") from error
+        fit = self.fit
+        if fit is None:
+            model = _Model("demlaws/table", *write_tables(self, folder), [g.material.young for g in self.grains])
+        else:
+            model = _stock_model(self, fit)
+            write_atomically(folder / "fit.txt", "\n".join(model.notes) + "\n")
+        write_atomically(folder / "in.case", _render(self, model))
+        run = _RUN if fit is None else _RUN_STOCK
+        write_atomically(folder / "run.sh", run.replace("@PYTHON@", shlex.quote(sys.executable)))
+        os.chmod(folder / "run.sh", 0o755)
+        record = {"law": self.law, "unloading": self.rule, "options": self.options}
+        if self.curve is not None:
+            record |= {"unloading_law": self.curve.name, "unloading_options": self.curve.options}
+        record["stock"] = fit.model if fit else None
+        text = json.dumps(record, indent=1, default=lambda value: value.record())
+        write_atomically(folder / "case.json", text + "\n")
+        return folder / "in.case"
 
 
-def _tables(folder, name, grains, unloading, options, rtol):
-    """Write the tables; return the words of the pair_style line and of the wall lines, and per-type roughness or None."""
+def export(folder, law="pohrt-popov", grains=(), unloading="hertz", options=None, **more):
+    """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    def bound(contact):
-        return make_law(name, contact, unloading=rebound(unloading, contact), **options)
+    more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written are the tables (one for all pairs
+    where the law collapses, else one a pair of types and a wall), in.case with its property block, run.sh and post/. With
+    `stock`, in.case and fit.txt state the error of the fit at other loads.
+    """
+    if more.get("load", ...) is None:
+        del more["load"]
+    return Case(law, tuple(grains), unloading, dict(options or {}), **more).write(folder)
 
-    first = bound(grains[0].contact(grains[0]))
-    alike = all(
-        (g.surface.fractal_dimension, g.surface.hardness, g.material.hardness)
-        == (grains[0].surface.fractal_dimension, grains[0].surface.hardness, grains[0].material.hardness)
-        for g in grains
-    )
-    if first.collapses and alike:
+
+class _Model(NamedTuple):
+    """What a case says of its contact model."""
+
+    name: str
+    words: str  # behind `tangential history`, for pairs and walls
+    roughness: list | None  # Sq of each type [m], where the table is for all of them
+    young: list  # [Pa] of each type
+    fit: StockFit | None = None
+    notes: tuple = ()
+    damped: bool = True
+
+
+def _stock_model(case, fit):
+    notes = fit.table()
+    if fit.model == "hertz":
+        young = []
+        for grain in case.grains:
+            own = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load, "hertz")
+            young.append(2.0 * own.parameters["effective modulus [Pa]"] * (1.0 - grain.material.poisson**2))
+        return _Model("hertz", "", None, young, fit, tuple(notes))
+    notes.append("one rank only, no damping: stock edinburgh loses its history across ranks and blows up with damping")
+    return _Model(fit.model, "", None, [g.material.young for g in case.grains], fit, tuple(notes), damped=False)
+
+
+def write_tables(case, folder):
+    """Write the tables of a case; return the words of the pair_style and wall lines, and each type's roughness or None."""
+    grains, name = case.grains, case.law
+    pairs = [(i, j) for i in range(len(grains)) for j in range(i, len(grains))]
+    alike = len({(g.surface.fractal_dimension, g.surface.hardness, g.material.hardness) for g in grains}) == 1
+    if case.bound(grains[0].contact(grains[0])).collapses and alike:
         # the table ends at a tenth of the radius over the length: take the pair for which that is most
-        pairs = [grains[i].contact(grains[j]) for i, j in _pairs(grains)] + [g.contact(g, wall=True) for g in grains]
-        widest = max(pairs, key=lambda c: c.radius / (c.roughness or c.radius))
-        bound(widest).tabulate(rtol=rtol).save(folder / f"{name}.tbl")
-        same = len({g.surface.roughness for g in grains}) == 1
-        words = f"table {name}.tbl" + ("" if same else " surfaceRoughness on")
-        return words, [words] * len(grains), None if same else [g.surface.roughness for g in grains]
-    words, walls = [], []
-    for i, j in _pairs(grains):
-        file = f"{name}.{i + 1}-{j + 1}.tbl"
-        bound(grains[i].contact(grains[j])).tabulate(rtol=rtol).save(folder / file)
-        words.append(f"pairtable {i + 1} {j + 1} {file}")
-    wall_type = len(grains) + 1
+        contacts = [grains[i].contact(grains[j]) for i, j in pairs] + [g.contact(g, wall=True) for g in grains]
+        widest = max(contacts, key=lambda c: c.radius / (c.roughness or c.radius))
+        case.bound(widest).tabulate(rtol=case.rtol).save(folder / f"{name}.tbl")
+        roughness = [g.surface.roughness for g in grains]
+        if len(set(roughness)) == 1:
+            return f"table {name}.tbl", None
+        return f"table {name}.tbl surfaceRoughness on", roughness
+    words = []
+    for i, j in pairs:
+        words.append(f"pairtable {i + 1} {j + 1} {name}.{i + 1}-{j + 1}.tbl")
+        case.bound(grains[i].contact(grains[j])).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
     for i, grain in enumerate(grains):
-        file = f"{name}.{i + 1}-wall.tbl"
-        bound(grain.contact(grain, wall=True)).tabulate(rtol=rtol).save(folder / file)
-        walls.append(f"pairtable {i + 1} {wall_type} {file}")
+        words.append(f"pairtable {i + 1} {case.wall_type} {name}.{i + 1}-wall.tbl")
+        case.bound(grain.contact(grain, wall=True)).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
     # every pair that the box has needs a table, also those that never meet
-    walls.append(f"pairtable {wall_type} {wall_type} {name}.1-wall.tbl")
-    return " ".join(words + walls), [" ".join(words + walls)] * len(grains), None
+    words.append(f"pairtable {case.wall_type} {case.wall_type} {name}.1-wall.tbl")
+    return " ".join(words), None
+
+
+_LOOSE = 0.2  # volume fraction at which grains are let go
+_GRAVITY = 9.81  # [m/s²]
+
+
+def _render(case, model):
+    """in.case."""
+    grains, n, types = case.grains, len(case.grains), case.wall_type
+    # a grain has several contacts in one direction: a tenth of the single-contact limit
+    step = 0.1 * min(timestep(case.bound(g.contact(g)), 0.5 * g.mass, case.load) for g in grains)
+    step = float(f"{step:.1e}")
+    largest = max(g.radius for g in grains)
+    volume = case.count / n * sum(4.0 / 3.0 * math.pi * g.radius**3 for g in grains)
+    # a column twice as high as wide: grains fall half of it, and are at rest after some three times that
+    side = max((volume / (2.0 * _LOOSE)) ** (1.0 / 3.0), 12.0 * largest)
+    height = max(volume / (_LOOSE * side**2), 6.0 * largest)
+    roll = math.sqrt(largest / _GRAVITY)  # time in which a grain rolls off another
+    steps = math.ceil((4.0 * math.sqrt(2.0 * height / _GRAVITY) + 100.0 * roll) / step / 20000) * 20000
+    mean_mass = sum(g.mass for g in grains) / n
+    unloads = f"{case.rule} unloading" if case.curve is None else f"unloading along {case.curve.name}"
+    title = f"{case.count} grains settle in a box: law {case.law}, {unloads}"
+
+    def of_types(name):
+        values = [getattr(g.material, name) for g in grains]
+        return [*values, values[0]]
+
+    values = {
+        "title": title + (f", as a fit of stock {model.name}" if model.fit else ""),
+        "version": demlaws.__version__,
+        "notes": "".join(f"# {line}\n" for line in model.notes),
+        "side": side,
+        "height": height,
+        "types": types,
+        "young": " ".join(f"{v:.10g}" for v in [*model.young, model.young[0]]),
+        "poisson": " ".join(f"{v:g}" for v in of_types("poisson")),
+        "restitution": f"{types} {_matrix(case.restitution if model.damped else 1.0, types)}",
+        "friction": f"{types} {_matrix(case.friction, types)}",
+        "more": _more_properties(model, types),
+        "model": model.name,
+        "words": f" {model.words}" if model.words else "",
+        "step": f"{step:g}",
+        "steps": steps,
+        "longest": steps * step,
+        "rest": case.count * _REST * mean_mass * _GRAVITY * largest,
+        "gravity": _GRAVITY,
+        "drag": f"{grains[0].mass / (4.0 * roll):.4g}"
+        + "".join(f" scale {i + 1} {g.mass / grains[0].mass:.6g}" for i, g in enumerate(grains) if i),
+        "skin": 0.2 * min(g.radius for g in grains),
+        "templates": "".join(
+            f"fix             t{i + 1} all particletemplate/sphere {seed} atom_type {i + 1} density constant "
+            f"{DENSITY if g.material.density is None else g.material.density:g} radius constant {g.radius:.10g}\n"
+            for i, (g, seed) in enumerate(zip(grains, _SEEDS * (n // len(_SEEDS) + 1), strict=False))
+        ),
+        "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
+        "count": case.count,
+        "load": case.load,
+        "columns": " ".join(f"c_contacts[{i}]" for i in range(1, 13)),
+    }
+    return _CASE.format(**values)
+
+
+_REST = 1e-5  # kinetic energy of a grain at rest, over its weight times its radius
+_SEEDS = [15485863, 15485867, 32452843, 32452867, 49979687, 49979693, 67867967, 67867979]
 
 
 def _matrix(value, n):
     return " ".join([f"{value:.12g}"] * (n * n))
 
 
-def export(
-    folder,
-    law="pohrt-popov",
-    grains=(),
-    unloading="hertz",
-    options=None,
-    *,
-    rtol=1e-5,
-    stock=None,
-    load=None,
-    restitution=0.5,
-    friction=0.5,
-    count=1000,
-):
-    """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
-
-    law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one a
-    particle type. Written are the tables (one for all pairs where the law collapses, else one a pair of types and a wall),
-    in.case with its property block, run.sh and post/. stock: "hertz" or "edinburgh" writes a case for the stock binary
-    alone, fitted at `load` [N] on the first grain's contact with itself; in.case and fit.txt state the error at other loads.
-    """
-    grains = list(grains)
-    if not grains:
-        raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
-    folder = Path(folder)
-    options = dict(options or {})
-    load = number(10.0 if load is None else load, "load", "N")
-    try:
-        (folder / "post").mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise DemlawsError(f"cannot make folder {folder / 'post'}: {error.strerror}") from error
-    n, roughness, fit, notes = len(grains), None, None, []
-    rule, curve = rule_and_curve(unloading)
-    unloading = rule if curve is None else curve
-    young = [g.material.young for g in grains]
-    if stock is None:
-        words, walls, roughness = _tables(folder, law, grains, unloading, options, rtol)
-        model = "demlaws/table"
-    else:
-        first = grains[0].contact(grains[0])
-        one = make_law(law, first, unloading=rebound(unloading, first), **options)
-        fit = stock_fit(one, load, stock)
-        words, model = "", fit.model
-        walls = [words] * n
-        notes = fit.table()
-        if model == "hertz":
-            young = []
-            for grain in grains:
-                own = stock_fit(make_law(law, grain.contact(grain), **options), load, "hertz")
-                young.append(2.0 * own.parameters["effective modulus [Pa]"] * (1.0 - grain.material.poisson**2))
-        else:
-            notes.append("one rank only, no damping: stock edinburgh loses its history across ranks and blows up with damping")
-            restitution = 1.0
-        write_atomically(folder / "fit.txt", "\n".join(notes) + "\n")
-    types = n + 1  # the walls have a type of their own, made of the first grain's stuff
-    young, poisson = [*young, young[0]], [g.material.poisson for g in [*grains, grains[0]]]
-    contacts = [g.contact(g) for g in grains]
-    bound = [make_law(law, c, unloading=rebound(unloading, c), **options) for c in contacts]
-    # a grain has several contacts in one direction: a tenth of the single-contact limit
-    step = 0.1 * min(timestep(one, 0.5 * g.mass, load) for one, g in zip(bound, grains, strict=True))
-    step = float(f"{step:.1e}")
-    largest = max(g.radius for g in grains)
-    side = 12.0 * largest
-    volume = count / n * sum(4.0 / 3.0 * math.pi * g.radius**3 for g in grains)
-    height = max(volume / (0.28 * side**2), 6.0 * largest)
-    unloads = f"{rule} unloading" if curve is None else f"unloading along {curve.name}"
-    values = {
-        "title": f"{count} grains settle in a box: law {law}, {unloads}" + (f", as a fit of stock {fit.model}" if fit else ""),
-        "version": demlaws.__version__,
-        "notes": "".join(f"# {line}\n" for line in notes),
-        "side": side,
-        "height": height,
-        "types": types,
-        "young": " ".join(f"{v:.10g}" for v in young),
-        "poisson": " ".join(f"{v:g}" for v in poisson),
-        "restitution": f"{types} {_matrix(restitution, types)}",
-        "friction": f"{types} {_matrix(friction, types)}",
-        "more": more_properties(roughness, grains, fit, types),
-        "model": model,
-        "words": f" {words}" if words else "",
-        "walls": f" {walls[0]}" if walls[0] else "",
-        "step": f"{step:g}",
-        "skin": 0.2 * min(g.radius for g in grains),
-        "templates": "".join(
-            f"fix             t{i + 1} all particletemplate/sphere {seed} atom_type {i + 1} density constant "
-            f"{2650.0 if g.material.density is None else g.material.density:g} radius constant {g.radius:.10g}\n"
-            for i, (g, seed) in enumerate(zip(grains, _SEEDS * (n // len(_SEEDS) + 1), strict=False))
-        ),
-        "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
-        "count": count,
-        "load": load,
-        "columns": " ".join(f"c_contacts[{i}]" for i in range(1, 13)),
-    }
-    write_atomically(folder / "in.case", _CASE.format(**values))
-    write_atomically(folder / "run.sh", (_RUN_STOCK if fit else _RUN).replace("@PYTHON@", shlex.quote(sys.executable)))
-    os.chmod(folder / "run.sh", 0o755)
-    write_atomically(
-        folder / "case.json",
-        json.dumps(
-            {
-                "law": law,
-                "unloading": rule,
-                "options": options,
-                **({"unloading_law": curve.name, "unloading_options": curve.options} if curve else {}),
-                "stock": fit.model if fit else None,
-            },
-            indent=1,
-            default=lambda value: value.record(),
-        )
-        + "\n",
-    )
-    return folder / "in.case"
-
-
-_SEEDS = [15485863, 15485867, 32452843, 32452867, 49979687, 49979693, 67867967, 67867979]
-
-
-def more_properties(roughness, grains, fit, types):
+def _more_properties(model, types):
     lines = []
-    if roughness is not None:
-        values = " ".join(f"{v:.10g}" for v in [*roughness, roughness[0]])
+    if model.roughness is not None:
+        values = " ".join(f"{v:.10g}" for v in [*model.roughness, model.roughness[0]])
         lines.append(f"fix             p5 all property/global surfaceRoughness peratomtype {values}")
-    if fit is not None and fit.model != "hertz":
-        values = {
-            "LoadingStiffness": fit.parameters["LoadingStiffness"],
-            "UnloadingStiffness": fit.parameters["UnloadingStiffness"],
-            "pullOffForce": 0.0,
-            "surfaceEnergy": 0.0,
-            "coefficientAdhesionStiffness": 0.0,
-        }
-        lines += [
-            f"fix             p6_{name} all property/global {name} peratomtypepair {types} {_matrix(value, types)}"
-            for name, value in values.items()
-        ]
-        for name, value in (("overlapExponent", fit.parameters["overlapExponent"]), ("adhesionExponent", 1.0)):
-            lines.append(f"fix             p7_{name} all property/global {name} scalar {value:.12g}")
+    return "".join(line + "\n" for line in lines) + (stock_properties(model.fit, types) if model.fit else "")
+
+
+def stock_properties(fit, types):
+    """The property lines that a stock model's fit needs; none for hertz."""
+    if fit.model == "hertz":
+        return ""
+    parameters = fit.parameters
+    values = {
+        "LoadingStiffness": parameters["LoadingStiffness"],
+        "UnloadingStiffness": parameters["UnloadingStiffness"],
+        "pullOffForce": 0.0,
+        "surfaceEnergy": 0.0,
+        "coefficientAdhesionStiffness": 0.0,
+    }
+    lines = [
+        f"fix             p6_{name} all property/global {name} peratomtypepair {types} {_matrix(value, types)}"
+        for name, value in values.items()
+    ]
+    for name, value in (("overlapExponent", parameters["overlapExponent"]), ("adhesionExponent", 1.0)):
+        lines.append(f"fix             p7_{name} all property/global {name} scalar {value:.12g}")
     return "".join(line + "\n" for line in lines)
 
 
 _CASE = """\
 # {title}
 # written by demlaws {version}; start: ./run.sh [ranks]
-# The time step holds for forces up to {load:g} N in a contact. Variable steps: length of the run.
+# The time step holds for forces up to {load:g} N in a contact. The run ends when the grains rest, or after the variable
+# steps ({longest:.2g} s; less: -var steps 5000).
 {notes}atom_style      granular
 atom_modify     map array
 boundary        m m m
@@ -305,7 +359,7 @@ communicate     single vel yes
 units           si
 # without this LIGGGHTS refuses a Young's modulus above 1 GPa
 hard_particles  yes
-variable        steps index 20000
+variable        steps index {steps}
 region          box block 0 {side:g} 0 {side:g} 0 {height:g} units box
 create_box      {types} box
 neighbor        {skin:g} bin
@@ -322,12 +376,14 @@ timestep        {step}
 
 # pos 6, id 3, normal force 3, history, overlap; to be defined before the first run
 compute         contacts all pair/gran/local pos id force_normal delta history
-fix             gravity all gravity 9.81 vector 0 0 -1
-fix             floor all wall/gran model {model} tangential history primitive type {types} zplane 0.0{walls}
-fix             left all wall/gran model {model} tangential history primitive type {types} xplane 0.0{walls}
-fix             right all wall/gran model {model} tangential history primitive type {types} xplane {side:g}{walls}
-fix             front all wall/gran model {model} tangential history primitive type {types} yplane 0.0{walls}
-fix             rear all wall/gran model {model} tangential history primitive type {types} yplane {side:g}{walls}
+fix             gravity all gravity {gravity:g} vector 0 0 -1
+# a drag that brings single grains, which roll without resistance, to rest; without it for anything that moves
+fix             drag all viscous {drag}
+fix             floor all wall/gran model {model} tangential history primitive type {types} zplane 0.0{words}
+fix             left all wall/gran model {model} tangential history primitive type {types} xplane 0.0{words}
+fix             right all wall/gran model {model} tangential history primitive type {types} xplane {side:g}{words}
+fix             front all wall/gran model {model} tangential history primitive type {types} yplane 0.0{words}
+fix             rear all wall/gran model {model} tangential history primitive type {types} yplane {side:g}{words}
 
 {templates}fix             sizes all particledistribution/discrete/numberbased 86028121 {mixture}
 fix             insert all insert/pack seed 86028157 distributiontemplate sizes vel constant 0 0 -0.2 &
@@ -336,11 +392,20 @@ fix             move all nve/sphere
 run             1
 unfix           insert
 
-dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz
-dump            contacts all local 5000 post/contacts.*.txt {columns}
+variable        piece equal "ceil(v_steps/20)"
+dump            grains all custom ${{piece}} post/grains.*.txt id type x y z radius vx vy vz fx fy fz
+dump            contacts all local ${{piece}} post/contacts.*.txt {columns}
 thermo_style    custom step atoms ke cpu
-thermo          1000
-run             ${{steps}}
+thermo          ${{piece}}
+variable        moving equal ke
+variable        turn loop 20
+label           settle
+run             ${{piece}}
+if "${{moving}} < {rest:.3g}" then "jump in.case rest"
+next            turn
+jump            in.case settle
+label           rest
+print           "kinetic energy ${{moving}} J; grains at rest have less than {rest:.3g} J"
 """
 
 _RUN = """\

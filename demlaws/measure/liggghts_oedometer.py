@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from demlaws.liggghts.export import Grain, _tables, stock_fit
+from demlaws.liggghts.export import Case, Grain, stock_fit, write_tables
 from demlaws.liggghts.run import HEAD, run
 
 DRAG = 3e3  # of the smaller grain's speed [1/s]: the same for every law; damping in contacts differs, and edinburgh bears none
@@ -155,7 +155,8 @@ def model_lines(folder, given, way):
             return candidates.RICHEST.bind(contact)
 
         return "edinburgh/stiffness", "", edinburgh(richest, contacts, given["mean_force"])
-    words, _, _ = _tables(folder, way["law"], two, way["unloading"], way["options"], way["rtol"])
+    case = Case(way["law"], tuple(two), way["unloading"], dict(way["options"]), way["rtol"])
+    words, _ = write_tables(case, folder)
     return "demlaws/table", words, ""
 
 

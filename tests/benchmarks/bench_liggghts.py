@@ -26,7 +26,7 @@ import numpy as np
 import demlaws as dl
 from demlaws.liggghts import build, run
 from demlaws.liggghts.build import cache_folder
-from demlaws.liggghts.export import more_properties, stock_fit
+from demlaws.liggghts.export import stock_fit, stock_properties
 from demlaws.liggghts.run import timings
 
 warnings.simplefilter("ignore", dl.ValidityWarning)
@@ -142,7 +142,7 @@ def main():
         (folder / "in.time").write_text(HEAD + "read_restart ${file}\n" + CASE + "run 50\nrun ${steps}\n")
         packed = contact.with_values(modulus=contact.modulus / 100)  # the modulus of the case
         fit = stock_fit(dl.law("pohrt-popov", packed, unloading="hertz"), 3e-3, "edinburgh")
-        (folder / "edinburgh.inc").write_text(more_properties(None, None, fit, 1))
+        (folder / "edinburgh.inc").write_text(stock_properties(fit, 1))
         (folder / "none.inc").write_text("# nothing\n")
 
         def simulate(name, number, script, ranks, steps):

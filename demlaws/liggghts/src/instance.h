@@ -1,9 +1,12 @@
-// What the parts of the plugin share within one instance of LIGGGHTS: the line being read, the tables of the pair style,
-// fingerprints, energies, counts. It lives as long as one of those parts: nothing stays behind after `clear`, or for a
-// second instance that is made at the same address.
+// What the parts of the plugin share within one instance of LIGGGHTS: the line being read, the tables of the pair
+// style, fingerprints, energies, counts. It lives as long as one of those parts: nothing stays behind after `clear`, or
+// for a second instance that is made at the same address.
 #ifndef DEMLAWS_INSTANCE_H
 #define DEMLAWS_INSTANCE_H
-#include <cerrno>
+#include "stock.h"
+
+#include "demlaws_table.h"
+#include <algorithm>
 #include <cstring>
 #include <map>
 #include <memory>
@@ -12,13 +15,11 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include "stock.h"
-#include "demlaws_table.h"
 
 namespace demlaws {
 using namespace LAMMPS_NS;
 
-typedef std::pair<int, int> Types;         // i <= j; (0, 0) stands for all pairs without a table of their own
+typedef std::pair<int, int> Types; // i <= j; (0, 0) stands for all pairs without a table of their own
 typedef std::map<Types, std::string> Files;
 typedef std::map<Types, uint32_t> Fingerprints;
 
@@ -48,9 +49,9 @@ public:
   virtual void forget() = 0; // before forces are computed anew
 };
 
-// Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended and
-// in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the model; so
-// the dissipation of walls is added up while it happens, not when a contact ends.
+// Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended
+// and in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the
+// model; so the dissipation of walls is added up while it happens, not when a contact ends.
 struct Ledger {
   double taken;
   double *taken_of; // the same, shared out to the particles of this rank; NULL unless a compute asks for a group
@@ -69,10 +70,15 @@ struct Ledger {
   }
 };
 
-// Contacts whose overlap lay beyond the last row of their table, in one run on this rank.
-struct Beyond {
-  double count, furthest; // contact steps; largest overlap over that of the last row
-  Beyond() : count(0.), furthest(0.) {}
+// Contact steps of one run on this rank with an overlap above a limit: the last row of the table, or a tenth of R.
+struct Excess {
+  double count, furthest; // contact steps; largest overlap over the limit
+  bool told;              // in this instance
+  Excess() : count(0.), furthest(0.), told(false) {}
+  void add(double overlap, double limit) {
+    count++;
+    furthest = std::max(furthest, overlap / limit);
+  }
 };
 
 struct EnergySource {
@@ -82,12 +88,11 @@ struct EnergySource {
 };
 
 struct Instance {
-  Line line;                              // of the line being read
-  std::string owner;                      // whose properties are being connected: "pair" or "wall ID"
+  Line line;         // of the line being read
+  std::string owner; // whose properties are being connected: "pair" or "wall ID"
   PairSettings pair;
   Ledger ledger;
-  Beyond beyond;
-  bool warned_beyond;
+  Excess beyond, deep;
   EnergySource *source;
   std::map<std::string, Fingerprints> used, stored; // by owner: of this run, of the restart file
 
@@ -101,15 +106,15 @@ struct Instance {
     return found;
   }
   ~Instance() {
-    std::map<LAMMPS *, std::weak_ptr<Instance> >::iterator it = all().find(key_);
+    std::map<LAMMPS *, std::weak_ptr<Instance>>::iterator it = all().find(key_);
     if (it != all().end() && it->second.expired()) all().erase(it);
   }
 
 private:
   LAMMPS *const key_;
-  explicit Instance(LAMMPS *lmp) : warned_beyond(false), source(NULL), key_(lmp) {}
-  static std::map<LAMMPS *, std::weak_ptr<Instance> > &all() {
-    static std::map<LAMMPS *, std::weak_ptr<Instance> > instances;
+  explicit Instance(LAMMPS *lmp) : source(NULL), key_(lmp) {}
+  static std::map<LAMMPS *, std::weak_ptr<Instance>> &all() {
+    static std::map<LAMMPS *, std::weak_ptr<Instance>> instances;
     return instances;
   }
 };

@@ -1,6 +1,7 @@
 """The plugin inside LIGGGHTS: every law, sub-models, damping, energies, several tables, and everything it must refuse."""
 
 import math
+import re
 import subprocess
 from pathlib import Path
 
@@ -9,8 +10,10 @@ import pytest
 from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
+from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
+from demlaws.liggghts.build import SOURCES
 from demlaws.liggghts.check import two_particles
 from demlaws.make import example
 
@@ -33,6 +36,18 @@ def simulate(folder, text, ranks=1):
 def error_of(log, law):
     expected = law.follow(log["overlap"]).force
     return np.abs(log["force"] - expected).max() / expected.max()
+
+
+def test_the_history_has_the_names_of_the_rules_states():
+    """What the plugin calls a contact's values, in their order, against the record of each rule that C++ has."""
+    source = (SOURCES / "normal_model_demlaws.h").read_text()
+    names = re.findall(r'"demlaws_(\w+)"', source.split("STATE_NAMES[MOST_STATE]")[1].split(";")[0])
+    most = int(re.search(r"MOST_STATE = (\d+)", source)[1])
+    rules = [rule for rule in RULES.values() if rule.number is not None]
+    for rule in rules:
+        camel = [re.sub(r"_(\w)", lambda found: found[1].upper(), name) for name in rule.state]
+        assert camel == names[: len(camel)], rule.name
+    assert most == len(names) == max(len(rule.state) for rule in rules)
 
 
 @pytest.mark.parametrize(
@@ -147,6 +162,32 @@ def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
     log = simulate(tmp_path, text)
     assert log["overlap"].max() > 9e-6
     assert error_of(log, law) <= 3e-8
+
+
+@pytest.mark.parametrize(
+    "tangential, rolling, first", [("off", "off", 1), ("history", "off", 4), ("history", "epsd2", 7), ("no_history", "epsd", 4)]
+)
+@pytest.mark.parametrize("unloading", ["hertz", "thornton"])
+def test_columns_of_the_history(tmp_path, granite_pair, tangential, rolling, first, unloading):
+    """compute pair/gran/local history: the tangential model's values, the rolling model's, then ours; see docs/liggghts.md."""
+    law = example("rough-plastic", granite_pair.with_values(modulus=modulus()), unloading)
+    table = save(law, tmp_path / "law.tbl")
+    style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table {table}"
+    text = two_spheres(style, LOAD_UNLOAD[:2], every=1000)
+    count = first + law.state_size  # the overlap stands behind the history
+    columns = " ".join(f"c_contacts[{n}]" for n in range(first, count + 1))
+    text = text.replace("thermo_style ", "compute contacts all pair/gran/local history delta\nthermo_style ", 1)
+    text += f"dump d all local 1 contacts.txt {columns}\nrun 0\n"
+    log = simulate(tmp_path, text)
+    row = np.loadtxt(tmp_path / "contacts.txt", skiprows=9, max_rows=1)
+    state = law.new_state(1)
+    law.follow(log["overlap"], state)
+    kept = [state.maximum_overlap[0], state.plastic_overlap[0]]
+    if unloading == "thornton":
+        kept.append(row[2])
+        assert row[2] >= 1.0
+    assert row[:-1] == pytest.approx(kept, rel=1e-4)
+    assert row[-1] == pytest.approx(log["overlap"][-1], rel=1e-4)
 
 
 def test_energies_across_ranks(tmp_path, granite_pair):

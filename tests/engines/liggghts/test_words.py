@@ -1,6 +1,7 @@
 """Words and settings of demlaws/table: units, what walls take over, what contradicts itself, instances, ranks, restarts."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -203,9 +204,26 @@ def test_extrapolation_is_the_last_power_law_warned_once_and_counted(granite):
     expected = table.largest_force * (log["overlap"][beyond] / last) ** exponent
     assert np.abs(log["force"][beyond] / expected - 1).max() < 1e-6
     said = (granite / "log.liggghts").read_text()
-    assert said.count("WARNING: model demlaws/table") == 1
-    counts = [int(line.split("run ")[1].split()[0]) for line in said.splitlines() if "lay beyond the last row" in line]
+    assert said.count("WARNING: model demlaws/table") == said.count("its last power law goes on") == 1
+    counts = [
+        int(line.split("run ")[1].split()[0])
+        for line in said.splitlines()
+        if "beyond the last row" in line and "in this run" in line
+    ]
     assert len(counts) == 2 and counts[0] + counts[1] == pytest.approx(100 * beyond.sum(), rel=0.02)
+
+
+def test_overlaps_that_no_law_holds_for_are_told(granite):
+    """Beyond a tenth of R: a warning and a count. Beyond R: a stop, as with stiff grains and a step far too large."""
+    text = two_spheres(GRAN + "table hertz.tbl", [(-20, 0, 100000)], 16e-3, 16e-3, every=1000).replace("60.6e9", "60.6e5")
+    log = simulate(granite, text)
+    deep = log["overlap"] > 0.1 * 4e-3
+    said = (granite / "log.liggghts").read_text()
+    assert said.count("WARNING: model demlaws/table") == said.count("a tenth of the contact's R = 0.004 m") == 1
+    counted = int(re.search(r"in this run (\d+) contact steps were deeper than a tenth of R", said)[1])
+    assert counted == pytest.approx(1000 * deep.sum(), rel=0.02) and deep.sum() > 50
+    message = refused(granite, text.replace("run 100000", "run 250000"))
+    assert "more than the contact's R = 0.004 m" in message and "time step" in message
 
 
 # --- instances

@@ -1,0 +1,120 @@
+"""Cost of a step in LAMMPS: demlaws/table against stock hertz/material, in a block of touching spheres.
+
+    python tests/benchmarks/bench_lammps.py [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
+
+The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so no
+packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
+every law. Every law is timed in turn, round after round, with Mindlin's tangential model and a damping. Printed are medians
+of the ratio to the stock hertz/material of the same round, the ratio of the fastest rounds (what is left where other
+programs share the machine), and the parallel efficiency T1/(n Tn) of the fastest rounds.
+"""
+
+import argparse
+import statistics
+import tempfile
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.lammps import run, versions
+from demlaws.lammps.run import HEAD, timings
+
+warnings.simplefilter("ignore", dl.ValidityWarning)
+
+CASE = (
+    HEAD
+    + """\
+boundary        p p p
+newton          on
+read_data       block.data
+neighbor        4e-4 bin
+neigh_modify    every 1 delay 0 check yes
+pair_style      granular
+pair_coeff      * * ${normal} 6.06e8 ${eta} 0.25 tangential mindlin NULL 1.0 0.5 damping ${damping}
+timestep        2e-6
+fix             move all nve/noforce
+compute         touching all contact/atom
+compute         ends all reduce sum c_touching
+variable        contacts equal 0.5*c_ends
+thermo_style    custom step ke v_contacts
+thermo          ${steps}
+run             100
+run             ${steps}
+"""
+)
+STOCK = "hertz/material, stock"
+OURS = {
+    "hertz, table": "hertz.tbl",
+    "pohrt-popov, elastic": "elastic.tbl",
+    "pohrt-popov, hertz unloading": "hysteretic.tbl",
+    "pohrt-popov, thornton unloading": "thornton.tbl",
+}
+
+
+def write_block(path, side, radius=2e-3, seed=1):
+    random = np.random.default_rng(seed)
+    pitch, count = 2.0 * radius, side**3
+    place = (np.indices((side, side, side)).reshape(3, -1).T + 0.5) * pitch + random.uniform(-2e-5, 2e-5, (count, 3))
+    diameter = 2.0 * radius * random.choice([0.99, 1.0, 1.01], count)
+    speed = random.normal(0.0, 0.05, (count, 3))
+    lines = ["block", "", f"{count} atoms", "1 atom types", ""]
+    lines += [f"0 {side * pitch:.17g} {axis}lo {axis}hi" for axis in "xyz"] + ["", "Atoms", ""]
+    rows = enumerate(zip(diameter, place, strict=True), start=1)
+    lines += [f"{n} 1 {d:.17g} 2650 {x:.17g} {y:.17g} {z:.17g}" for n, (d, (x, y, z)) in rows]
+    lines += ["", "Velocities", ""]
+    lines += [f"{n} {u:.9g} {v:.9g} {w:.9g} 0 0 0" for n, (u, v, w) in enumerate(speed, start=1)]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--rounds", type=int, default=9)
+    parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--sides", type=int, nargs="+", default=[22, 46], help="spheres along an edge (22: 10,648; 46: 97,336)")
+    parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
+    options = parser.parse_args()
+    print(f"LAMMPS {versions().date}{', portable plugin' if options.portable else ''}")
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        (folder / "in.cost").write_text(CASE)
+        contact = dl.Contact(radius=1e-3, modulus=32.3e9, roughness=2.4e-6, fractal_dimension=2.22)
+        dl.law("hertz", contact).tabulate().save(folder / "hertz.tbl")
+        for name, unloading in (("elastic", "elastic"), ("hysteretic", "hertz"), ("thornton", "thornton")):
+            dl.law("pohrt-popov", contact, unloading=unloading).tabulate().save(folder / f"{name}.tbl")
+
+        def simulate(name, ranks):
+            ours = name in OURS
+            normal = f"demlaws/table {OURS[name]}" if ours else "hertz/material"
+            own = {"normal": normal, "eta": 0.5 if ours else 100.0, "damping": "demlaws/tangent" if ours else "viscoelastic"}
+            log = run(folder / "in.cost", ranks, {**own, "steps": options.steps}, plugin=ours, portable=options.portable)
+            return log["contacts"][-1], timings(folder / "log.lammps")
+
+        for side in options.sides:
+            write_block(folder / "block.data", side)
+            one = {}
+            for ranks in options.ranks:
+                times, contacts = {name: [] for name in (STOCK, *OURS)}, {}
+                for _ in range(options.rounds):
+                    for name, values in times.items():
+                        contacts[name], seconds = simulate(name, ranks)
+                        values.append(seconds)
+                print(f"\n{side**3} spheres, ranks: {ranks}, median of {options.rounds} rounds of {options.steps} steps")
+                titles = ("step ratio", "fastest", "pair ratio", "efficiency")
+                print(f"{'law':32s} {'contacts':>9s} {'µs/step':>8s}" + "".join(f"{title:>12s}" for title in titles))
+                stock = times[STOCK]
+                for name, values in times.items():
+                    step = min(v[0] for v in values)
+                    ratio = statistics.median(v[0] / s[0] for v, s in zip(values, stock, strict=True))
+                    pair = statistics.median(v[1] / s[1] for v, s in zip(values, stock, strict=True))
+                    fastest = step / min(s[0] for s in stock)
+                    one.setdefault(name, step * ranks)
+                    efficiency, micro = one[name] / (step * ranks), step / options.steps * 1e6
+                    cells = f"{contacts[name]:9.0f} {micro:8.0f}{ratio:12.3f}{fastest:12.3f}{pair:12.3f}{efficiency:12.2f}"
+                    print(f"{name:32s} {cells}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
