@@ -7,8 +7,8 @@ in.pour.flatwall, in.triaxial.compaction.12 with spheres12.data; from unittest/g
 dem03-hertzmaterial-*.yaml. What is there is run twice: with its normal models as hertz/material, and as a table of Hertz's
 law; kinetic energies must agree as long as rounding has not grown. Units `lj` become `si` and cohesion is left out, for
 tables are in metres and have none; every pair_coeff line gets the rolling and twisting model that one of them has, and the
-drum's grains are a hundred times as stiff, at a fifth of the step (they fall so far that they would overlap by their radius). A unit
-test's positions and velocities are compared with those that its file gives.
+drum's grains are a hundred times as stiff, at a fifth of the step (they fall so far that they would overlap by their
+radius). A unit test's positions and velocities are compared with those that its file gives.
 """
 
 import argparse
