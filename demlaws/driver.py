@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike
 
 from demlaws.checks import number
 from demlaws.core import dispatch
-from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
+from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop
-from demlaws.core.loops import evaluate_loop
+from demlaws.core.loops import energy_loop, evaluate_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Path
@@ -66,30 +66,34 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
 
 
 @loop
-def _impact_loop(rule, p, mass, speed, dt, limit, state, record):
-    """Velocity Verlet from first touch to separation. Columns of record: overlap, speed, force. Returns the steps taken."""
-    overlap = 0.0
+def impact_loop(rule, p, state, mass, speed, dt, phase, limit, record):
+    """Velocity Verlet from a fraction `phase` of a step before touch to separation. Columns of record: overlap, speed, force.
+
+    Returns the steps taken, the last overlap and velocity, what the contact has dissipated, and the peak overlap.
+    """
+    overlap = -phase * dt * speed
     velocity = speed
     force = 0.0
     taken = 0
     dissipated = 0.0
+    peak = 0.0
+    s = gather(state, 0)
     for i in range(limit):
         velocity -= 0.5 * dt * force / mass
         overlap += dt * velocity
-        old = gather(state, 0)
         if overlap <= 0.0:
-            dissipated = stored_and_dissipated(rule, p, overlap, old)[1]
-        force, _, new = dispatch.step(rule, p, overlap, old)
-        scatter(state, 0, new)
+            dissipated = stored_and_dissipated(rule, p, overlap, s)[1]
+        force, _, s = dispatch.step(rule, p, overlap, s)
         velocity -= 0.5 * dt * force / mass
+        peak = max(peak, overlap)
         if i < record.shape[0]:
             record[i, 0] = overlap
             record[i, 1] = velocity
             record[i, 2] = force
         taken = i + 1
-        if overlap <= 0.0:
+        if overlap <= 0.0 and velocity <= 0.0:
             break
-    return taken, overlap, velocity, dissipated
+    return taken, overlap, velocity, dissipated, peak
 
 
 class Impact(NamedTuple):
@@ -119,13 +123,13 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
     p, kinetic = law._single(), 0.5 * mass * speed**2
-    peak, duration = _elastic_contact(law, mass, speed)
+    peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
-    state = law.new_state(1)
+    state = law.new_state(1).arrays
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
     record = np.empty((min(limit, int(4 * count) + 16), 3))
-    taken, overlap, velocity, dissipated = _impact_loop(law.rule, p, mass, speed, dt, limit, state.arrays, record)
+    taken, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, record)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:
@@ -153,22 +157,28 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     )
 
 
-def _elastic_contact(law, mass, speed):
+def elastic_contact(law, mass, speed):
     """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
     from scipy.optimize import brentq
 
     kinetic = 0.5 * mass * speed**2
+
+    def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
+        values = np.atleast_1d(np.asarray(overlaps, float))
+        result = np.empty(values.size)
+        energy_loop(law.params, values, result)
+        return result
+
     high = float(law.contact.radius)
-    if not float(law.energy(high)) > kinetic:  # also where a table ends before: its energy is not a number there
+    if not work(high)[0] > kinetic:  # also where a table ends before: its energy is not a number there
         high = min(high, float(law.largest_overlap)) * (1.0 - 1e-12)
-        if not float(law.energy(high)) > kinetic:
+        if not work(high)[0] > kinetic:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
-    peak = brentq(lambda overlap: float(law.energy(overlap)) - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
+    peak = brentq(lambda overlap: work(overlap)[0] - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
     x, weights = np.polynomial.legendre.leggauss(64)
     x = 0.5 * (x + 1.0)
-    overlap = peak * (1.0 - x**2)
-    v2 = speed**2 - 2.0 / mass * np.asarray(law.energy(overlap))
+    v2 = speed**2 - 2.0 / mass * work(peak * (1.0 - x**2))
     times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
     return peak, 2.0 * float(np.sum(times))
 

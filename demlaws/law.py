@@ -143,7 +143,7 @@ class Law:
             return self.definition.collapses
         curve = self.unloading_law
         # Hertz's curve has no length of its own
-        return curve.collapses and (curve.name == "hertz" or curve.definition.length == self.definition.length)
+        return curve.collapses and (curve.definition.hertzian or curve.definition.length == self.definition.length)
 
     def kinks(self) -> list[float]:
         """Overlaps [m] at which the stiffness of first loading (of one contact) jumps or has a kink."""

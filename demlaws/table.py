@@ -317,7 +317,7 @@ class Table(Law):
         return loading_part(self.params).length
 
     @property
-    def largest_overlap(self) -> float:
+    def largest_overlap(self) -> float:  # type: ignore[override]
         """End of the table [m]."""
         return self.loading_shape.grid.highest * np.min(self.length)
 

@@ -7,6 +7,7 @@ import json
 import math
 import re
 import zlib
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -120,7 +121,7 @@ class Key(NamedTuple):
     """A key that readers need: what its text means, and the first version of the format that has it."""
 
     name: str
-    read: callable
+    read: Callable
     version: int = 1
 
 

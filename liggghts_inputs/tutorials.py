@@ -1,10 +1,10 @@
 """LIGGGHTS's own tutorials with stock hertz and with demlaws/table, side by side.
 
-python tutorials.py [FOLDER] [--quick] [--only chute_wear packing] [--out out]
+python tutorials.py [FOLDER] [--steps 2000] [--only chute_wear packing] [--out out]
 
 FOLDER: the tutorials (default: those of Debian's package liggghts-doc, or of one unpacked with `dpkg -x liggghts-doc*.deb F`:
 F). Inputs are copied and changed in these places only: the model, hooke or hertz, of pair_style and walls; no dumps, whose
-thousands of files nobody looks at here; with --quick no run is longer than 2,000 steps.
+thousands of files nobody looks at here; with --steps N no run is longer than N steps.
 Three ways: LIGGGHTS's hertz; Hertz as a table, which must be the same; and a rough law with a history (Pohrt-Popov, Hertz
 unloading, σ = 10 µm).
 """
@@ -34,7 +34,6 @@ TUTORIALS = (
     "multisphere_stone_restitution",
 )
 WAYS = ("stock hertz", "hertz table", "rough table")
-QUICK = 2000  # longest run of a quick round [steps]
 INSTALL = "sudo apt install liggghts-doc (or unpack it: apt-get download liggghts-doc; dpkg -x liggghts-doc*.deb FOLDER)"
 
 
@@ -144,7 +143,7 @@ def table(rows):
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", nargs="?", help="the tutorials, or a folder above them")
-    parser.add_argument("--quick", action="store_true", help=f"no run longer than {QUICK} steps")
+    parser.add_argument("--steps", type=int, metavar="N", help="no run longer than N steps (default: as the tutorials have it)")
     parser.add_argument("--only", nargs="+", choices=TUTORIALS, default=TUTORIALS, help="these only")
     parser.add_argument("--out", help="folder for inputs and logs (default: a temporary one)")
     options = parser.parse_args(arguments)
@@ -153,7 +152,7 @@ def main(arguments=None):
             folder = find(options.folder)
             rows = []
             for name in options.only:
-                rows += compare(folder / name, options.out or scratch, QUICK if options.quick else None)
+                rows += compare(folder / name, options.out or scratch, options.steps)
                 lines = table(rows)
                 print("\n".join(lines[:-2] if len(rows) == len(WAYS) else lines[-2 - len(WAYS) : -2]), flush=True)
         except DemlawsError as error:

@@ -3,9 +3,11 @@
 import contextlib
 import functools
 import os
+import re
 import stat
 import zlib
 
+import numba
 import numpy as np
 import pytest
 from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs
@@ -15,6 +17,7 @@ from made_up import made_up_law
 
 import demlaws as dl
 from demlaws import table_file
+from demlaws.core import loops
 from demlaws.core.params import leaves
 from demlaws.laws.registry import registry
 
@@ -645,6 +648,17 @@ def test_a_law_with_three_kinks_is_tabulated_to_its_certificate(tmp_path, rng):
         assert stiffness <= 1.1 * table.stiffness_error + 1e-12 <= 1.2e-4
     assert stiffness >= 0.3 * table.stiffness_error
     np.testing.assert_allclose(table.overlap(law.force(overlap)), overlap, rtol=2e-4)
+
+
+def test_a_table_with_many_kinks_is_vectorised():
+    """A kink more is a comparison more for all contacts at once, no loop and no branch."""
+    table = made_up_law(GRANITE, kinks=(0.3, 1.7, 3.0)).tabulate(rtol=1e-2, max_force=100.0)
+    compiled = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True)(loops.batch_loop.py_func)
+    overlap, force, stiffness = np.linspace(0.0, table.largest_overlap, 64), np.empty(64), np.empty(64)
+    compiled(table.rule, table.params, overlap, (), loops.UNBOUNDED, 1.0, force, stiffness)
+    np.testing.assert_array_equal(force, table.force(overlap))
+    (text,) = compiled.inspect_llvm().values()
+    assert len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text)) > 10
 
 
 def test_more_kinks_than_a_table_holds_are_refused():

@@ -55,15 +55,15 @@ EXAMPLES = (
     Example("settings of hSize", "PeriodicBoundaries/periodic-triax-settingHsize.py", MINDLIN, 4000, 1e-7),
     Example(
         "triax of clumps",
-        "clumps/triax-basic-with-clumps.py",
-        f"{MINDLIN}; 27 clumps",
-        2000,
-        1e-4,
-        swaps=[("Vector3(10, 10, 10)", "Vector3(3.75, 3.75, 3.75)"), ("d = 8", "d = 3")],
+        "triax-tutorial/script-session1.py",
+        f"{MINDLIN}; clumps = True",
+        3000,
+        1e-5,
+        swaps=[("clumps = False", "clumps = True")],
     ),
     Example(
         "STL drum",
-        "baraban/rotating-cylinder.py",
+        "baraban/baraban.py",
         f"{VISCOUS}; 216 grains",
         1500,
         1e-5,
@@ -148,6 +148,7 @@ def one(given):
         text = text.replace(old, new)
     exec(compile(text, example.path, "exec"), main)
     exec(compile(example.after, "after", "exec"), main)
+    example.share = 1.0  # of the steps that are left
     while omega.iter < example.steps and not omega.demlaws_paused:
         before = omega.iter
         omega.run(min(500, example.steps - omega.iter), True)
@@ -181,7 +182,8 @@ def nothing_to_see(yade):
 
 
 def shorten(omega, example):
-    """O.run waits, and takes a share of the steps that it is asked for, up to the example's number."""
+    """O.run takes a share of the steps that it is asked for, up to the example's number; one without end waits for O.wait or
+    the end of the script, which may define what the engines call only then."""
     cls = type(omega)
     run, pause = cls.run, cls.pause
     cls.demlaws_paused = False
@@ -189,14 +191,17 @@ def shorten(omega, example):
     def shorter(self, nSteps=-1, wait=False):
         left = max(example.steps - self.iter, 0)
         steps = left if nSteps <= 0 else min(max(int(nSteps * example.share), 1), left)
-        if steps and not cls.demlaws_paused:
+        if steps and not cls.demlaws_paused and (nSteps > 0 or wait):
             run(self, steps, True)
+
+    def waited(self):
+        shorter(self, wait=True)
 
     def paused(self):
         cls.demlaws_paused = True
         pause(self)
 
-    cls.run, cls.pause = shorter, paused
+    cls.run, cls.pause, cls.wait = shorter, paused, waited
 
 
 def random_numbers(main):
@@ -305,7 +310,7 @@ def row(example, mindlin, ours):
     a, b = mindlin[quantity], ours[quantity]
     seen = f"{ours['seen']}/{ours['contacts']}"
     line = (
-        f"{example.name:21}{example.changed:33}{'nothing':9}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
+        f"{example.name:21}{example.changed:33}{'nothing':9}{mindlin['steps']:7d}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
         f"{mindlin['energy']:12.3e}{ours['energy']:12.3e}  {quantity:7}{a:12.4g}{b:12.4g} {unit}"
     )
     return line, (example.name, a, b)
@@ -343,7 +348,7 @@ def main():
         "To Mindlin: what differs from the example; to ours: what had to be changed beside the law; seen: contacts by our law."
     )
     print(
-        f"{'example':21}{'to Mindlin':33}{'to ours':9}{'steps':>7}{'':>7}{'contacts seen':>12}"
+        f"{'example':21}{'to Mindlin':33}{'to ours':9}{'steps':>7}{'ours':>7}{'':>7}{'contacts seen':>12}"
         f"{'E_kin [J]':>11}{'ours':>12}  {'':7}{'Mindlin':>12}{'ours':>12}"
     )
     rows, failed = [], 0

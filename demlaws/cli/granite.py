@@ -116,7 +116,7 @@ def print_tables(granite, tests, runs, notes, points, compliance):
             misfit = _misfit(measured.fit(result.law, compliance), compliance) if measured else ""
             print(f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness) + misfit)
         for result in runs[test.name]:
-            if test.cyclic and result.law.name == "rough-plastic":
+            if test.cyclic and result.law.definition.before_yield is not None:
                 print_stages(granite, result)
             for message in notes[test.name, result.law.name]:
                 print(f"  warning: {message}")
@@ -202,7 +202,7 @@ def draw(granite, out, tests, runs, points, whole):
             hertz = granite.run_test("pohrt-popov", test)[0].paths[0]
             keep(f"unloading-{test.key}", plots.granite_unloading(test, elastic, hertz, points.get(test.name)))
         for result in runs[test.name]:
-            if test.cyclic and result.law.name == "rough-plastic":
+            if test.cyclic and result.law.definition.before_yield is not None:
                 keep(f"cycles-{test.key}", plots.granite_cycles(result, granite.stages_of(result)))
     if not whole:
         return files
@@ -214,7 +214,7 @@ def draw(granite, out, tests, runs, points, whole):
     keep("roughness", plots.granite_roughness(trio, lambda name, test: granite.bind(name, test, "elastic")))
     series = []
     for name in ("RFC10", "FC5"):
-        result = next(r for r in runs[name] if r.law.name == "rough-plastic")
+        result = next(r for r in runs[name] if r.law.definition.before_yield is not None)
         stages = granite.stages_of(result)
         series.append((name, [s for s in stages if s.stage == (4 if name == "FC5" else 1)]))
     keep("plastic-overlap", plots.granite_plastic(series))

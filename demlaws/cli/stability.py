@@ -88,12 +88,13 @@ def _engines(arguments, laws, problems):
     from tqdm import tqdm
 
     from demlaws.measure import extremes
+    from demlaws.measure.costs import available
 
     wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts}
     rows = []
     for engine in extremes.ENGINES:
         if not wanted[engine]:
-            reason = extremes.missing(engine) if arguments.engines else ""
+            reason = available(engine.lower()) if arguments.engines else ""
             if reason:
                 print(f"{engine}: not measured: {reason}")
             if reason is not None:

@@ -5,12 +5,16 @@
 //     force P = (4/3) E* sqrt(R) S^1.5 with S = s length,   tangent stiffness K = 2 E* sqrt(R S) ds/du.
 // With `unloading: table` the file holds a second curve of the same kind, which a contact unloads along.
 // One table serves every pair of radii and moduli of a law that collapses; length comes from the roughness.
+// docs/table-format.md has the grammar of the file, and what holds below its first row and beyond its last.
 //
 //     demlaws::Table table("granite.tbl");                        // throws std::runtime_error that names file and line
 //     demlaws::Pair pair(table, modulus, roughness);              // E* in Pa, combined rms roughness in m
 //     demlaws::State state;                                       // zeros: a virgin contact; keep one for each contact
 //     demlaws::Force now = demlaws::step(pair, radius, overlap, state);
 //     if (now.outside) ...                                        // overlap beyond the last row: no certified value
+//
+// Where many processes need a table one reads the bytes, `Table::contents(path)`, and sends them; each then calls
+// `table.parse(bytes, path)`. `table.fingerprint()` tells whether two tables, or a restarted run's, are the same.
 //
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_TABLE_H
@@ -245,7 +249,7 @@ private:
 
   char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   void blank() {
-    while (peek() == ' ' || peek() == '\t') at_++;
+    while (peek() == ' ' || peek() == '\t' || peek() == '\r') at_++;
   }
   bool take(char c) {
     if (peek() != c) return false;
@@ -432,7 +436,8 @@ private:
 
   void fail(int line, const std::string &what) const {
     std::ostringstream out;
-    out << path_ << ", line " << line << ": " << what;
+    out << path_ << ", line " << line << ": ";
+    for (size_t i = 0; i < what.size(); i++) out << ((unsigned char)what[i] < 0x20 ? '?' : what[i]); // one line
     throw std::runtime_error(out.str());
   }
   enum Kind { NAME, OBJECT, CONTACT, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO };

@@ -136,6 +136,7 @@ class Definition(NamedTuple):
     family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
     rank: int = 0  # `choose` takes the law of highest rank that a scene's quantities determine as its reference; 0: never
     smooth: bool = False  # of a smooth contact: it leaves roughness out
+    hertzian: bool = False  # the curve is Hertz's: a power law without a length of its own
     candidate: bool = False  # `choose` tries it in place of its reference
     branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
     closed_form_is_cheapest: bool = False  # no table costs less

@@ -71,6 +71,7 @@ LAW = Definition(
     free=("modulus",),
     rank=1,
     smooth=True,
+    hertzian=True,
     candidate=True,
     closed_form_is_cheapest=True,
     native={"yade": "hertz", "liggghts": "hertz"},

@@ -17,12 +17,12 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
-from demlaws.driver import _elastic_contact, timestep
+from demlaws.driver import elastic_contact, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
-from demlaws.measure.stability import DIMENSIONS, EPS, GRANITE, TABLE, Case, impact_loop, safe_steps
+from demlaws.measure.stability import DIMENSIONS, EPS, GRANITE, TABLE, Case, impact, safe_steps
 
 POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
 MODULI = (1e3, 1e6, 32.32e9, 1e13)  # [Pa]
@@ -93,7 +93,9 @@ def make_group(case, contact, radius1, radius2, roughness):
     """A `Group` of these contacts; in a table's case the table reaches nearly to R."""
     law, closed_form = _granite_laws(case) if contact is GRANITE else _laws(case, contact)
     solved, table = registry()[case.law].solved, case.evaluation == "table"
-    largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * (0.098 if solved else 0.85 if table else 1.0)
+    # beyond R there is no answer, and positions round
+    share = 0.098 if solved else 0.85 if table else 1.0 - 1e-6
+    largest = np.broadcast_to(np.asarray(contact.radius, float), radius1.shape) * share
     modulus = np.broadcast_to(np.asarray(contact.modulus, float), radius1.shape).copy()
     return Group(case, law, closed_form, radius1, radius2, modulus, roughness, largest)
 
@@ -144,17 +146,17 @@ def _kinks(group, pair):
 
 
 def path(kind, top, quantum, far, steps, random, kink=0.0):
-    """Wanted overlaps [m]: below 0 apart. `far` is a distance at which engines forget the pair."""
+    """Prescribed overlaps [m]: below 0 apart. `far` is a distance at which engines forget the pair."""
     if kind == "ladder":  # up and down a ladder of all decades, with rungs close to the top, back to nothing at the end
         rungs = np.append(np.geomspace(4.0 * quantum, top, 24), top * (1.0 - 10.0 ** -np.arange(1.0, 15.0)))
         rungs = np.concatenate([[-0.3 * top], np.unique(rungs[rungs > 0.0])])
-        walk, here, way = [rungs[0]], 0, 1
+        walk, rung, turn = [rungs[0]], 0, 1
         for left in range(steps - 1, 0, -1):
-            way = -1 if left <= here + 1 else way if random.random() > 0.15 else -way
-            if here + way not in range(rungs.size):
-                way = -way if left > here + 1 or here == 0 else way
-            here = 0 if left == 1 else int(np.clip(here + way, 0, rungs.size - 1))
-            walk.append(rungs[here])
+            turn = -1 if left <= rung + 1 else turn if random.random() > 0.15 else -turn
+            if rung + turn not in range(rungs.size):
+                turn = -turn if left > rung + 1 or rung == 0 else turn
+            rung = 0 if left == 1 else int(np.clip(rung + turn, 0, rungs.size - 1))
+            walk.append(rungs[rung])
         return np.array(walk)
     if kind == "kink":
         return kink + quantum * random.integers(-3, 4, steps)
@@ -167,7 +169,7 @@ def path(kind, top, quantum, far, steps, random, kink=0.0):
 
 
 def paths(group, steps, random):
-    """Wanted overlaps [steps, pairs] and the kind of each pair's path."""
+    """Prescribed overlaps [steps, pairs] and the kind of each pair's path."""
     columns, kinds = [], []
     for pair in range(group.size):
         kind = KINDS[pair % len(KINDS)]
@@ -198,7 +200,7 @@ class Compared(NamedTuple):
     broken: int  # contacts made anew whose force is not the virgin one
 
 
-def compare(group, wanted, kinds, overlap, force):
+def compare(group, prescribed, kinds, overlap, force):
     """`Compared` of what an engine did. Forces below 1e-290 N count as equal: an engine's coefficients underflow there."""
     steps, pairs = overlap.shape
     state, closed_form = group.law.new_state(pairs), group.closed_form
@@ -252,8 +254,8 @@ def ratcheting(engine, case, cycles):
     group = granite_group(case, 6)
     top = group.largest * np.resize([1e-6, 1e-3, 0.5], 6)
     size = np.maximum(np.resize([1e-12, 1e-12, 1e-12, 1e-6, 1e-3, 1e-2], 6), 4.0 * group.quantum / top)
-    wanted = np.where(np.arange(2 * cycles)[:, None] % 2 == 0, top, top * (1.0 - size))
-    _, force = engine.two_spheres(group, wanted)
+    prescribed = np.where(np.arange(2 * cycles)[:, None] % 2 == 0, top, top * (1.0 - size))
+    _, force = engine.two_spheres(group, prescribed)
     ends = np.stack([force[0::2] - force[0], force[1::2] - force[1]])
     return float(np.max(np.abs(ends) / force[0]))
 
@@ -280,7 +282,7 @@ def impacts(engine, case, quick=False):
         found = engine.impacts(granite_group(case, speeds.size), mass, phase * dt * speeds, speeds, dt, 3 * count + 20)
         worst = 0.0
         for m, v, part, after in zip(mass, speeds, phase, found, strict=True):
-            gain, _, expected = impact_loop(law.rule, law.params, law.new_state(1).arrays, m, v, dt, part, 50 * count + 100)
+            gain, _, expected = impact(law, m, v, dt, part, 50 * count + 100)
             difference = abs(after + expected) / v  # the engine's velocity is that away from the fixed sphere
             if v < SLOW:
                 slow = max(slow, difference)
@@ -298,7 +300,7 @@ def _mass_for(law, speed, duration):
 
     def longer(logarithm):
         try:
-            return math.log(_elastic_contact(law, math.exp(logarithm), speed)[1] / duration)
+            return math.log(elastic_contact(law, math.exp(logarithm), speed)[1] / duration)
         except DemlawsError:  # it would crush the contact
             return 1.0
 
@@ -329,8 +331,8 @@ class Packing(NamedTuple):
 
     def velocities(self, random):
         """Random velocities [m/s]: of equal energy, so that small spheres count in the balance."""
-        way = random.normal(size=(self.radius.size, 3))
-        return way * (self.speed * random.random(self.radius.size) / np.linalg.norm(way, axis=1))[:, None]
+        direction = random.normal(size=(self.radius.size, 3))
+        return direction * (self.speed * random.random(self.radius.size) / np.linalg.norm(direction, axis=1))[:, None]
 
 
 def packing(case, name, count=1000, speed=100.0, share=30.0, seed=7):
@@ -382,13 +384,13 @@ def _cluster(radius, random, deepest=0.05):
         allowed = deepest * smallest * (smallest / effective) ** 0.2
         while True:
             partner = random.integers(n)
-            way = random.normal(size=3)
+            direction = random.normal(size=3)
             gap = radius[n] + radius[partner] - random.random() * allowed[partner]
-            place = position[partner] + gap * way / np.linalg.norm(way)
-            overlap = radius[:n] + radius[n] - np.linalg.norm(position[:n] - place, axis=1)
+            centre = position[partner] + gap * direction / np.linalg.norm(direction)
+            overlap = radius[:n] + radius[n] - np.linalg.norm(position[:n] - centre, axis=1)
             if np.all(overlap <= allowed):
                 break
-        position[n] = place
+        position[n] = centre
     return position
 
 
@@ -475,9 +477,9 @@ def measure(engine, case, quick=False, seed=5):
         parts, pairs, label = [], 0, "extreme"
         for group in groups(case, random, quick):
             label = "granite pair" if group.contact.size is None else label
-            wanted, kinds = paths(group, steps, random)
-            overlap, force = engine.two_spheres(group, wanted)
-            parts.append(compare(group, wanted, kinds, overlap, force))
+            prescribed, kinds = paths(group, steps, random)
+            overlap, force = engine.two_spheres(group, prescribed)
+            parts.append(compare(group, prescribed, kinds, overlap, force))
             pairs += group.size
         decades = {}
         for part in parts:
@@ -539,21 +541,6 @@ def _figures(content):
 
 
 ENGINES = ("YADE", "LIGGGHTS")
-
-
-def missing(engine):
-    """Why the engine cannot be measured on this machine, or None."""
-    from demlaws.liggghts.build import library_path
-    from demlaws.liggghts.run import versions
-    from demlaws.yade.run import environment, executable
-
-    needed = {"YADE": (executable, environment), "LIGGGHTS": (versions, library_path)}
-    try:
-        for one in needed[engine]:
-            one()
-    except DemlawsError as error:
-        return str(error)
-    return None
 
 
 def run(engine, laws=None, unloadings=None, quick=False, stops=True):

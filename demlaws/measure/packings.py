@@ -54,8 +54,8 @@ class Setup:
         random = np.random.default_rng(self.seed)
         radii = np.where(random.random(self.count) < 0.5, *RADII)
         pitch = 2.0 * max(RADII)
-        place = np.arange(self.count)
-        centres = np.stack([place % self.across, place // self.across % self.across, place // self.across**2], 1) + 0.5
+        number = np.arange(self.count)
+        centres = np.stack([number % self.across, number // self.across % self.across, number // self.across**2], 1) + 0.5
         free = (pitch - 2.0 * radii)[:, None] + 0.02 * max(RADII)
         step = np.array([self.width / self.across, self.width / self.across, pitch + 0.02 * max(RADII)])
         return centres * step + 0.49 * free * random.uniform(-1.0, 1.0, centres.shape), radii

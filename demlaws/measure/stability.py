@@ -14,10 +14,10 @@ from numba.extending import overload
 
 from demlaws.contact import Contact
 from demlaws.core import dispatch
-from demlaws.core.dispatch import energy, gather, parts, scatter, stored_and_dissipated, virgin
+from demlaws.core.dispatch import energy, gather, parts, scatter, virgin
 from demlaws.core.fastmath import loop
 from demlaws.core.unloading import RULES, Given
-from demlaws.driver import timestep
+from demlaws.driver import elastic_contact, impact_loop, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test
 from demlaws.laws.registry import registry
@@ -41,15 +41,25 @@ class Case(NamedTuple):
     evaluation: str  # "closed form" or "table"
 
     def bind(self, contact, table_end=None):
-        """The law on a contact or an array of contacts."""
+        """The law on a contact or an array of contacts; as a table one that reaches `table_end` times each of their radii."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            law = example(self.law, contact, self.unloading)
             if self.evaluation == "closed form":
-                return law
-            place = 0.099 if registry()[self.law].solved else table_end  # solved curves end at a tenth of the radius
-            end = None if table_end is None else float(np.max(law.force(place * np.asarray(contact.radius))))
-            return law.tabulate(TABLE, end)
+                return example(self.law, contact, self.unloading)
+            law = example(self.law, _longest(contact), self.unloading)
+            share = 0.099 if registry()[self.law].solved else table_end  # solved curves end at a tenth of the radius
+            end = None if table_end is None else float(np.max(law.force(share * np.asarray(law.contact.radius))))
+            table = law.tabulate(TABLE, end)
+            return table if contact.size is None else table.bound_to(contact)
+
+
+def _longest(contact):
+    """Of an array of contacts the one whose radius is the most multiples of its roughness."""
+    if contact.size is None:
+        return contact
+    columns = {name: np.broadcast_to(getattr(contact, name), contact.size) for name in ("radius", "modulus", "roughness")}
+    index = int(np.argmax(columns["radius"] / np.maximum(columns["roughness"], 1e-300)))
+    return contact.with_values(**{name: float(column[index]) for name, column in columns.items()})
 
 
 def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
@@ -107,15 +117,15 @@ def _plastic_of(state):
     return (lambda state: state[1]) if len(state) else (lambda state: 0.0)
 
 
-def _held(rule, p, force, place):
-    """Energy of the unloading curve at `place` past its foot, where it carries `force`."""
+def _held(rule, p, force, elastic):
+    """Energy of the unloading curve at the overlap `elastic` past its foot, where it carries `force`."""
 
 
 @overload(_held)
-def _held_by(rule, p, force, place):
+def _held_by(rule, p, force, elastic):
     if rule.instance_class is Given:
-        return lambda rule, p, force, place: energy(parts(p)[1], place) if place > 0.0 else 0.0
-    return lambda rule, p, force, place: 0.4 * force * place
+        return lambda rule, p, force, elastic: energy(parts(p)[1], elastic) if elastic > 0.0 else 0.0
+    return lambda rule, p, force, elastic: 0.4 * force * elastic
 
 
 @loop
@@ -155,8 +165,8 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
         low = math.log(smallest[i])
         high = math.log(largest[i])
         s = gather(state, 0)
-        here = 0.0
-        force_here = 0.0
+        before = 0.0
+        force_before = 0.0
         maximum = 0.0
         peak_force = 0.0
         held = 0.0  # energy of first loading to the maximum
@@ -167,39 +177,39 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
         low_work = 0.0
         for k in range(turns + 1):
             if k == turns:
-                there = 0.0
+                overlap = 0.0
             elif mark >= 0.0:
-                there = mark  # back from the excursion
+                overlap = mark  # back from the excursion
             elif random.random() < 0.5 or maximum == 0.0:
-                there = math.exp(low + (high - low) * random.random())
+                overlap = math.exp(low + (high - low) * random.random())
             else:
                 # a reversal at any scale about the maximum
-                there = maximum * (1.0 + (2.0 * random.random() - 1.0) * 10.0 ** (-15.0 * random.random()))
-                there = min(there, largest[i])
-            force, stiffness, new = dispatch.step(rule, p, there, s)
+                overlap = maximum * (1.0 + (2.0 * random.random() - 1.0) * 10.0 ** (-15.0 * random.random()))
+                overlap = min(overlap, largest[i])
+            force, stiffness, new = dispatch.step(rule, p, overlap, s)
             if not (force - force == 0.0 and stiffness - stiffness == 0.0) or force < 0.0 or stiffness < 0.0:
                 bad += 1
             gained = 0.0
             if len(s) == 0:
-                now = energy(p, there) if there > 0.0 else 0.0
-                gained = now - (energy(p, here) if here > 0.0 else 0.0)
+                now = energy(p, overlap) if overlap > 0.0 else 0.0
+                gained = now - (energy(p, before) if before > 0.0 else 0.0)
                 held = max(held, now)
             else:
-                plastic = _plastic(s) if here > 0.0 else 0.0
-                x_here = max(here - plastic, 0.0)
-                if there >= maximum:
+                plastic = _plastic(s) if before > 0.0 else 0.0
+                rest = max(before - plastic, 0.0)
+                if overlap >= maximum:
                     if maximum > 0.0:
-                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0)) - _held(rule, p, force_here, x_here)
-                    now = energy(p, there) if there > 0.0 else 0.0
+                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0)) - _held(rule, p, force_before, rest)
+                    now = energy(p, overlap) if overlap > 0.0 else 0.0
                     gained += now - held
                     held = now
-                    maximum = there
+                    maximum = overlap
                     peak_force = force
                 else:
-                    closing = max(there, 1e-300)  # with a seating load force ends in a step at zero overlap
-                    last = force if there > 0.0 else dispatch.step(rule, p, closing, s)[0]
-                    x_there = max(closing - plastic, 0.0)
-                    gained = _held(rule, p, last, x_there) - _held(rule, p, force_here, x_here)
+                    closing = max(overlap, 1e-300)  # with a seating load force ends in a step at zero overlap
+                    last = force if overlap > 0.0 else dispatch.step(rule, p, closing, s)[0]
+                    elastic = max(closing - plastic, 0.0)
+                    gained = _held(rule, p, last, elastic) - _held(rule, p, force_before, rest)
             work += gained
             # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
             scale = max(held, 0.4 * peak_force * (maximum - _plastic(new)) if maximum > 0.0 else 0.0)
@@ -212,10 +222,10 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
             if mark >= 0.0:
                 mark = -1.0
             elif k < turns - 1 and random.random() < 0.4:
-                mark = there
+                mark = overlap
                 work_at_mark = work
-            here = there
-            force_here = force
+            before = overlap
+            force_before = force
             s = new
         worst = min(worst, low_work)
         if low_work < -1e-11:
@@ -251,32 +261,6 @@ def broken_loop(rule, p, state, overlap, count):
         force, stiffness, s = dispatch.step(rule, p, -overlap, s)
         differ += force != 0.0 or stiffness != 0.0
     return differ
-
-
-@loop
-def impact_loop(rule, p, state, mass, speed, dt, phase, limit):
-    """Impact that begins a fraction `phase` of a step before touch.
-
-    Returns (KE after + dissipated)/KE before - 1, the peak overlap and the velocity after it.
-    """
-    overlap = -phase * dt * speed
-    velocity = speed
-    force = 0.0
-    dissipated = 0.0
-    peak = 0.0
-    s = gather(state, 0)
-    for step in range(limit):
-        velocity -= 0.5 * dt * force / mass
-        overlap += dt * velocity
-        if overlap <= 0.0 and step > 0:
-            dissipated = stored_and_dissipated(rule, p, overlap, s)[1]
-        force, _, s = dispatch.step(rule, p, overlap, s)
-        velocity -= 0.5 * dt * force / mass
-        peak = max(peak, overlap)
-        if overlap <= 0.0 and velocity <= 0.0:
-            break
-    kinetic = 0.5 * mass * speed * speed
-    return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak, velocity
 
 
 @loop
@@ -375,9 +359,9 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
         kink = max(_kink(law) for law in singles)
         again = max(_reload(law) for law in singles)
         broken = sum(
-            broken_loop(law.rule, law.params, law.new_state(1).arrays, float(place * law.contact.radius), 1000)
+            broken_loop(law.rule, law.params, law.new_state(1).arrays, float(share * law.contact.radius), 1000)
             for law in singles
-            for place in (1e-12, 1e-7, 1e-3)
+            for share in (1e-12, 1e-7, 1e-3)
         )
         gains = impact_gains(singles[0], SPEEDS[::4], (20, 50, 1000), 3) if quick else impact_gains(singles[0])
         ratios = [r for law in singles for r in step_ratios(law)]
@@ -424,10 +408,10 @@ def _ratcheting(law, cycles):
 def _kink(law):
     """Jump of force between the two doubles that enclose each kink, in ε of the force, less what the slope explains."""
     worst = 0.0
-    for place in law.kinks():
-        if not 0.0 < place < 0.4 * law.contact.radius:
+    for kink in law.kinks():
+        if not 0.0 < kink < 0.4 * law.contact.radius:
             continue
-        low, high = np.nextafter(place, 0.0), np.nextafter(place, 1e9)
+        low, high = np.nextafter(kink, 0.0), np.nextafter(kink, 1e9)
         below, above = law.force(low), law.force(high)
         slope = max(law.stiffness(low), law.stiffness(high)) * (high - low)
         worst = max(worst, (abs(above - below) - slope) / above / EPS)
@@ -436,8 +420,8 @@ def _kink(law):
 
 def _reload(law):
     worst = 0.0
-    for place in (1e-9, 1e-5, 1e-3, 1e-2):
-        top = place * float(law.contact.radius)
+    for share in (1e-9, 1e-5, 1e-3, 1e-2):
+        top = share * float(law.contact.radius)
         below = float(np.nextafter(top, 0.0))
         path = law.follow(np.array([top, 0.7 * top, top, below, top]))
         if path.force[0] <= 0.0:
@@ -451,23 +435,29 @@ def _reload(law):
     return float(worst / EPS)
 
 
+_UNRECORDED = np.empty((0, 3))
+
+
+def impact(law, mass, speed, dt, phase, limit):
+    """Impact that begins a fraction `phase` of a step before touch: relative energy gained, peak overlap, velocity after it."""
+    state = law.new_state(1).arrays
+    _, _, velocity, dissipated, peak = impact_loop(law.rule, law.params, state, mass, speed, dt, phase, limit, _UNRECORDED)
+    kinetic = 0.5 * mass * speed * speed
+    return (0.5 * mass * velocity * velocity + dissipated - kinetic) / kinetic, peak, velocity
+
+
 def impact_gains(law, speeds=SPEEDS, steps=STEPS, phases=8, mass=_MASS):
     """Largest energy gain per impact over speeds and phases of the first step: {steps per contact: gain}."""
-    from demlaws.driver import _elastic_contact
-
     gains = {}
     for count in steps:
         worst = 0.0
         for speed in speeds:
             try:
-                _, duration = _elastic_contact(law, mass, speed)
+                _, duration = elastic_contact(law, mass, speed)
             except DemlawsError:  # the impact would crush the contact, or leave the table
                 continue
             for phase in range(phases if count < 5000 else 1):
-                state = law.new_state(1).arrays
-                gain, _, _ = impact_loop(
-                    law.rule, law.params, state, mass, speed, duration / count, (phase + 0.5) / phases, 50 * count + 100
-                )
+                gain, _, _ = impact(law, mass, speed, duration / count, (phase + 0.5) / phases, 50 * count + 100)
                 worst = max(worst, gain) if gain == gain else math.inf
         gains[count] = float(worst)
     return gains
@@ -486,11 +476,11 @@ def safe_steps(gains, allowed=ALLOWED_GAIN):
 def step_ratios(law, mass=_MASS):
     """dl.timestep over the measured stable step, at two largest forces."""
     ratios = []
-    for place in (1e-4, 1e-2):
-        largest = float(law.force(place * law.contact.radius))
+    for share in (1e-4, 1e-2):
+        largest = float(law.force(share * law.contact.radius))
         if largest > 0.0:
             promised = timestep(law, mass, largest)
-            ratios.append(promised / min(_stable_step(law, mass, largest, share, promised) for share in (0.999, 0.9, 0.5, 0.1)))
+            ratios.append(promised / min(_stable_step(law, mass, largest, load, promised) for load in (0.999, 0.9, 0.5, 0.1)))
     return ratios
 
 

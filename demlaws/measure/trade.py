@@ -15,7 +15,7 @@ import numpy as np
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
 from demlaws.core.fastmath import loop
-from demlaws.driver import _elastic_contact
+from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import registry
 from demlaws.liggghts.export import Grain
@@ -23,7 +23,7 @@ from demlaws.make import law as bind_law
 from demlaws.measure import candidates, peers
 from demlaws.measure.costs import StepCost, available, liggghts_costs, yade_costs
 from demlaws.measure.errors import Sample, error_of
-from demlaws.measure.stability import GRANITE, STEPS, impact_loop
+from demlaws.measure.stability import GRANITE, STEPS, impact
 from demlaws.measure.timing import Batch, nanoseconds
 
 LOADS = (0.1, 2000.0)
@@ -83,8 +83,8 @@ def lazy_loop(rule, params, overlap, state, seen, tolerance, force, stiffness):
 
 
 def _sample(count, random=None):
-    place = np.linspace(0.0, 1.0, count) if random is None else random.random(count)
-    peak = LOADS[0] * (LOADS[1] / LOADS[0]) ** place
+    share = np.linspace(0.0, 1.0, count) if random is None else random.random(count)
+    peak = LOADS[0] * (LOADS[1] / LOADS[0]) ** share
     return Sample(GRANITE, peak, np.full(count, 1.0 / count))
 
 
@@ -212,10 +212,10 @@ GAIN = 0.99
 def pareto(points):
     """Places of the (cost, error) pairs that no cheaper one matches within `GAIN`."""
     front, best = set(), math.inf
-    for place in sorted(range(len(points)), key=lambda n: points[n]):
-        if points[place][1] < GAIN * best:
-            best = points[place][1]
-            front.add(place)
+    for n in sorted(range(len(points)), key=points.__getitem__):
+        if points[n][1] < GAIN * best:
+            best = points[n][1]
+            front.add(n)
     return front
 
 
@@ -233,23 +233,14 @@ def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name="pohrt
         for steps in STEPS:
             gain = rebound = 0.0
             for speed in speeds:
-                overlap, duration = _elastic_contact(law, mass, speed)
+                overlap, duration = elastic_contact(law, mass, speed)
                 state = law.new_state(1)
                 law.follow(np.array([overlap]), state)
                 work = float(law.energy(overlap))
                 stored = float(law.follow(np.array([overlap * (1.0 - 1e-12)]), state).stored[0])
                 exact = math.sqrt(stored / work)
                 for phase in range(phases):
-                    drift, peak, _ = impact_loop(
-                        law.rule,
-                        law.params,
-                        law.new_state(1).arrays,
-                        mass,
-                        speed,
-                        duration / steps,
-                        (phase + 0.5) / phases,
-                        50 * steps + 100,
-                    )
+                    drift, peak, _ = impact(law, mass, speed, duration / steps, (phase + 0.5) / phases, 50 * steps + 100)
                     gain = max(gain, abs(drift))
                     state = law.new_state(1)
                     law.follow(np.array([peak]), state)
@@ -302,10 +293,10 @@ def engine_trade(engine, quick=False, progress=lambda things: things, chosen=Non
 def installed(names):
     """The engines of these names; with none given, those that are here. Raises where one that was asked for is missing."""
     missing = {name: available(name) for name in names or candidates.ENGINES}
-    here = [name for name, problem in missing.items() if problem is None]
-    if (names and len(here) < len(missing)) or not here:
+    found = [name for name, problem in missing.items() if problem is None]
+    if (names and len(found) < len(missing)) or not found:
         raise DemlawsError("; ".join(problem for problem in missing.values() if problem))
-    return here
+    return found
 
 
 # --- output

@@ -313,22 +313,28 @@ class Binding:
     # --- the time step
 
     def bound_steppers(self, engines):
-        """Keep the steppers of `demlaws.yade.engines` below what stiff contacts stand; warn of others without a bound."""
+        """Keep GlobalStiffnessTimeSteppers below what stiff contacts stand; what is to be said of a user's that had no bound.
+
+        They go by the contacts as they are, and a young rough contact is soft until the step in which it is not.
+        """
         steppers = [e for e in engines if isinstance(e, yade.GlobalStiffnessTimeStepper) and not e.dead and e.active]
         if not steppers:
             return None
         wave = yade.utils.PWaveTimeStep()
         if not (0.0 < wave < np.inf):
             return None
-        if self.share is not None:
-            for stepper in steppers:
-                stepper.maxDt = min(stepper.maxDt, self.share * REACH * wave)
-            return None
-        if not self.warned and any(stepper.maxDt > REACH * wave for stepper in steppers):
-            self.warned = True
-            return (
-                f"GlobalStiffnessTimeStepper has no bound that holds for the law {self.label!r}: it goes by the contacts "
-                "as they are, and a young rough contact is soft until the step in which it is not. Set its maxDt to at most "
-                f"{REACH * wave:.3g} s ({REACH:g} PWaveTimeStep() of the bodies), or use demlaws.yade.engines(law, timestep=…)"
-            )
-        return None
+        said = None
+        for stepper in steppers:
+            bound = REACH * wave * min(stepper.timestepSafetyCoefficient, 1.0)
+            if stepper.maxDt > bound * (1 + 1e-9):
+                if self.share is None and stepper.maxDt > REACH * wave and not self.warned:
+                    self.warned = True
+                    said = (
+                        f"GlobalStiffnessTimeStepper had no bound that holds for law {self.label!r}: it goes by the contacts "
+                        "as they are, and a young rough contact is soft until the step in which it is not. Its maxDt was "
+                        f"{stepper.maxDt:.3g} s and is now {bound:.3g} s ({REACH:g} PWaveTimeStep() of the bodies times its "
+                        "safety coefficient); give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
+                    )
+                if self.share is not None or stepper.maxDt > REACH * wave:
+                    stepper.maxDt = bound
+        return said

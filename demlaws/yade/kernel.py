@@ -367,17 +367,6 @@ def coefficients(force, stiffness, overlap, ratio):
 
 
 @kernel
-def for_time_steppers(stiffness, radius, modulus, overlap):
-    """The stiffness [N/m] that YADE's time steppers are shown: the tangent, or smooth Hertz's 2 E* √(R δ) if that is larger.
-
-    A young rough contact is soft, but before the next look it may be as stiff as a smooth one, and it unloads as stiffly:
-    no law here carries more than Hertz's force at an overlap, nor unloads along a curve stiffer than Hertz's there, except
-    where yield has flattened it, and then its own tangent is the larger. [our derivation]
-    """
-    return max(stiffness, 2.0 * modulus * math.sqrt(radius * overlap))
-
-
-@kernel
 def effective_radius(radius1, radius2):
     """R as Ip2_FrictMat_FrictMat_MindlinPhys has it from ScGeom's two radii."""
     first = radius1 if radius1 > 0.0 else radius2
@@ -598,9 +587,8 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
     keep = call_go(word(context, GO), this, geom_pointer, phys_pointer, interaction)
     if overlap > 0.0:
         store_double(phys + word(context, SPARE) + 16, overlap)
-        # Mindlin left 1.5 P/δ here
-        seen = for_time_steppers(stiffness, load_double(history + RADIUS), load_double(history + MODULUS), overlap)
-        store_double(phys + word(context, KN), seen)
+        # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
+        store_double(phys + word(context, KN), stiffness)
     return keep
 
 

@@ -125,8 +125,7 @@ def step(binding):
         if overlap > 0.0:
             phys.kno = kno
             phys.kso = kso
-    smooth = 2.0 * rows["modulus"] * np.sqrt(rows["radius"] * np.maximum(overlaps, 0.0))
-    held.tangents = np.maximum(answer["tangent"], smooth).tolist()  # what `kernel.for_time_steppers` says
+    held.tangents = answer["tangent"].tolist()
 
 
 def first_sight(binding, contact, row):

@@ -10,6 +10,7 @@ from examples import shared
 import demlaws as dl
 from demlaws.advice.choose import Plan, reference_plan
 from demlaws.advice.scene import samples
+from demlaws.errors import NotPassive
 from demlaws.materials import GRANITE
 from demlaws.measure.errors import error_of
 
@@ -227,6 +228,36 @@ def test_two_kinds_have_three_tables(monkeypatch, tmp_path, capsys):
 
 def test_plan_labels():
     assert Plan("rms", (), "hertz", "closed form, float32").storage is np.float32
+
+
+def test_a_rule_is_left_by_the_type_of_its_refusal(monkeypatch):
+    """NotPassive, whatever it says, means the next plainer rule; any other error is the user's to see."""
+    assert reference_plan(scene(reference="bahrami", cyclic=True)).unloading == "elastic"
+
+    def refuse(kind):
+        def bind(name, contact, rule="elastic", **options):
+            if rule != "elastic":
+                raise kind("words of no meaning")
+            return dl.law(name, contact, **options)
+
+        monkeypatch.setattr("demlaws.advice.choose.bind_law", bind)
+
+    refuse(NotPassive)
+    assert reference_plan(scene(cyclic=True)).unloading == "elastic"
+    refuse(dl.DemlawsError)
+    with pytest.raises(dl.DemlawsError, match="words of no meaning"):
+        reference_plan(scene(cyclic=True))
+
+
+def test_refusals_have_types():
+    with pytest.raises(NotPassive):
+        dl.law("bahrami", dl.Contact(4e-3, 32e9, 2e-6, hardness=6e9), "hertz")
+    choices = dl.choose(scene(force=(0.01, 300.0)), tables=False)
+    branches = [c for c in choices if dict(c.plan.options).get("branch")]
+    assert {c.branch for c in branches} == {" (power)", " (hertz)"}  # not ruled out: their error is computed
+    limits = [limit for c in branches for limit in c.law(c.scene.contacts(4e-3)[0]).limits()]
+    assert any(limit.branch for limit in limits)
+    assert all(limit.branch == ("branch" in limit.reason) for limit in limits)
 
 
 GLASS = dl.Material(60e9, 0.25, hardness=6e9, density=2500.0)

@@ -1,6 +1,7 @@
 // Reads tables and steps contacts as its input says, one answer a line; what tests compare with Python.
 //     rules                              names and state of the unloading rules
 //     table FILE MODULUS RADIUS ROUGHNESS -> "good VERSION FINGERPRINT ROWS" or "refused MESSAGE"; a virgin contact
+//     contact MODULUS RADIUS ROUGHNESS   -> "served 0" or "served 1" by the table, or "refused MESSAGE"
 //     virgin                             another virgin contact, no answer
 //     overlap X                       -> force, stiffness, three values of state, stored, dissipated, outside (0 or 1)
 #include "demlaws_table.h"
@@ -31,6 +32,14 @@ int main() {
         table->parse(bytes, file);
         pair = demlaws::Pair(*table, modulus, roughness);
         printf("good %d %u %s\n", table->version(), (unsigned)table->fingerprint(), table->text("rows").c_str());
+      } catch (const std::exception &problem) {
+        printf("refused %s\n", problem.what());
+      }
+    } else if (word == "contact") {
+      double modulus, other, roughness;
+      std::cin >> modulus >> other >> roughness;
+      try {
+        printf("served %d\n", (int)demlaws::Pair::checked(*table, modulus, roughness).serves(other, 0.01));
       } catch (const std::exception &problem) {
         printf("refused %s\n", problem.what());
       }

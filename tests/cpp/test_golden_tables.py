@@ -7,6 +7,7 @@ must always load. Bad ones differ from a good one in one thing each, with check 
 import csv
 import re
 import subprocess
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ TABLES = HERE.parent / "data" / "tables"
 GOOD = sorted(path.stem for path in (TABLES / "good").glob("*.tbl"))
 with open(TABLES / "bad.csv", newline="") as file:
     BAD = {row["name"]: int(row["line"]) for row in csv.DictReader(file)}
+CHANGES = 300
 STEPS = (1.0, 0.98, 0.6)  # of the largest overlap: first loading, then two points of unloading
 
 
@@ -35,7 +37,9 @@ def reader(tmp_path_factory):
     subprocess.run([*command, "-o", str(program)], check=True)
 
     def ask(*lines):
-        done = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
+        done = subprocess.run(
+            [str(program)], input="\n".join(lines), capture_output=True, text=True, errors="replace", check=True
+        )
         return done.stdout.splitlines()
 
     return ask
@@ -130,6 +134,84 @@ def test_any_changed_byte_gives_one_verdict(reader, tmp_path, rng):
     assert verdicts.count("good") < 10
 
 
+def sealed(lines):
+    """The file of these lines, with check marks that fit."""
+    data = lines[0] + b"\n"
+    for line in lines[1:]:
+        data += line
+        data += b" %08x\n" % zlib.crc32(data)
+    return data
+
+
+WORDS = (
+    b"0",
+    b"-1",
+    b"1e400",
+    b"1e-400",
+    b"nan",
+    b"+3",
+    b"2.",
+    b".5",
+    b"0x1",
+    b"1_0",
+    b"007",
+    b"none",
+    b"",
+    b"{}",
+    b"yes",
+    b"table",
+)
+
+
+def changed(lines, rng):
+    """One change of a file's text: a line left out, doubled or exchanged, a word or a byte replaced."""
+    lines, place = list(lines), int(rng.integers(0, len(lines)))
+    kind = int(rng.integers(0, 6))
+    if kind == 0:
+        del lines[place]
+    elif kind == 1:
+        lines.insert(place, lines[place])
+    elif kind == 2:
+        other = int(rng.integers(0, len(lines)))
+        lines[place], lines[other] = lines[other], lines[place]
+    elif kind == 3:
+        words = lines[place].split(b" ")
+        words[int(rng.integers(0, len(words)))] = WORDS[int(rng.integers(0, len(WORDS)))]
+        lines[place] = b" ".join(words)
+    elif kind == 4 and lines[place]:
+        at = int(rng.integers(0, len(lines[place])))
+        lines[place] = lines[place][:at] + bytes([int(rng.choice(PRINTABLE))]) + lines[place][at + 1 :]
+    else:
+        at = int(rng.integers(0, len(lines[place]) + 1))
+        lines[place] = lines[place][:at] + bytes([int(rng.choice(PRINTABLE))]) + lines[place][at:]
+    return lines or [b""]
+
+
+PRINTABLE = np.frombuffer(b' 0123456789.-+eE:,{}[]"abcxyz_\t\r\xc3\xff', np.uint8)
+
+
+def test_any_change_with_marks_that_fit_gives_one_verdict(reader, tmp_path, rng):
+    """What a program that writes tables wrongly would write: both readers take it, or name the same line."""
+    sources = [path for path in sorted((TABLES / "good").glob("*.tbl")) if path.stat().st_size < 6000]
+    verdicts, questions, contents = [], [], []
+    for n in range(CHANGES):
+        first, *rest = sources[n % len(sources)].read_bytes().replace(b"\r\n", b"\n").splitlines()
+        lines = changed([first, *(line.rpartition(b" ")[0] for line in rest)], rng)
+        path = tmp_path / f"{n}.tbl"
+        path.write_bytes(sealed(lines))
+        contents.append(path.read_bytes())
+        questions.append(f"table {path} 1e9 1e-3 1e-6")
+        try:
+            dl.Table.load(path)
+            verdicts.append("good")
+        except dl.DemlawsError as error:
+            verdicts.append(re.search(r"line \d+:", str(error))[0])
+    told = [re.search(r"line \d+:|^good", answer)[0] for answer in reader(*questions)]
+    wrong = [(a, b, c) for a, b, c in zip(told, verdicts, contents, strict=True) if a != b]
+    assert wrong == []
+    assert verdicts.count("good") >= CHANGES // 20
+
+
 def test_old_tables_keep_their_text(tmp_path):
     """What version 1 wrote is written again byte for byte."""
     for name in ("hertz-elastic", "pohrt-popov-hertz", "rough-plastic-thornton", "greenwood-tripp-elastic", "yip-venart-table"):
@@ -138,6 +220,20 @@ def test_old_tables_keep_their_text(tmp_path):
         without = [line for line in again.splitlines() if not line.startswith(b"demlaws:")]
         old = [line for line in path.read_bytes().splitlines() if not line.startswith(b"demlaws:")]
         assert [line.rpartition(b" ")[0] for line in without] == [line.rpartition(b" ")[0] for line in old]
+
+
+def test_a_curve_of_one_contact_is_not_lent(reader):
+    """`Pair::checked` and `serves`: what a table that does not collapse holds for, and what one that does."""
+    one = dl.Table.load(TABLES / "good" / "greenwood-tripp-elastic.tbl").contact
+    modulus, radius = one.modulus, one.radius
+    contacts = ((modulus, radius, 0.0), (modulus, 1.02 * radius, 0.0), (1.01 * modulus, radius, 0.0), (modulus, radius, 1e-6))
+    asked = [f"contact {' '.join(map(repr, contact))}" for contact in contacts]
+    opening = f"{modulus!r} {radius!r} {one.roughness!r}"
+    told = reader(f"table {TABLES / 'good' / 'greenwood-tripp-elastic.tbl'} {opening}", *asked)[1:]
+    assert told[:2] == ["served 1", "served 0"]
+    assert "does not collapse" in told[2] and "effective modulus" in told[2] and "make a table of this pair" in told[2]
+    assert "does not collapse" in told[3] and "no roughness" in told[3]
+    assert reader(f"table {TABLES / 'good' / 'three-kinks.tbl'} {opening}", *asked)[1:] == ["served 1"] * 4
 
 
 def test_the_golden_files_have_what_they_are_for():

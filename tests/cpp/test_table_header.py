@@ -30,6 +30,15 @@ def example(tmp_path_factory):
     return run
 
 
+@pytest.mark.parametrize("standard", ["c++11", "c++20"])
+def test_no_compiler_warns(standard):
+    sources = sorted([*HEADER.glob("*.cpp"), *Path(__file__).parent.glob("*.cpp")])
+    assert len(sources) == 3
+    warnings = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wno-sign-conversion", "-Werror"]
+    for source in sources:
+        subprocess.run(["g++", f"-std={standard}", "-fsyntax-only", *warnings, "-I", str(HEADER), str(source)], check=True)
+
+
 def path_of(law, force):
     """Load, unload, reload beyond, separate, load: overlaps [m]."""
     top = float(law.overlap(force))

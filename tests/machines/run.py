@@ -163,6 +163,7 @@ class Root:
         self.suite = RELEASES[release]
         self.path = folder / release
         self.mark = folder / f"{release}.json"  # a root without it is not ours to remove
+        self.scratch = folder / f"{release}.tmp"  # what mmdebstrap would leave in /tmp when it is interrupted
         self.ends = ends  # time.monotonic() at which everything must be done
 
     def run(self, *command, folder="/"):
@@ -219,8 +220,11 @@ class Root:
         for attempt in range(1, TRIES + 1):
             say(f"{self.suite}: mmdebstrap, try {attempt} of {TRIES}")
             self.mark.write_text("{}")  # ours, not yet whole
+            self.scratch.mkdir()
+            own = {**os.environ, "TMPDIR": str(self.scratch)}
+            command = [*NAMESPACE, *line]
             try:
-                status = subprocess.run([*NAMESPACE, *line], stdin=subprocess.DEVNULL, timeout=self.left()).returncode
+                status = subprocess.run(command, env=own, stdin=subprocess.DEVNULL, timeout=self.left()).returncode
             except subprocess.TimeoutExpired:
                 status = 124
             if status == 0:
@@ -234,6 +238,7 @@ class Root:
             raise NoRoot(f"mmdebstrap failed {TRIES} times (exit {status}); its last lines are above")
         self.fetch("apt-get", "update", "-qq")
         self.fetch("apt-get", "install", "-y", "-qq", "git", "make")
+        shutil.rmtree(self.scratch)
         self.mark.write_text(json.dumps({"suite": self.suite, "made": time.time()}))
 
     def fetch(self, *command):
@@ -272,6 +277,7 @@ class Root:
                 if any(line.split()[4].startswith(f"{self.path}/") for line in mounts):
                     raise NoRoot(f"something is mounted below {self.path}: unmount it first")
         shutil.rmtree(self.path, ignore_errors=True)
+        shutil.rmtree(self.scratch, ignore_errors=True)
         self.mark.unlink(missing_ok=True)
 
 

@@ -1,8 +1,10 @@
 // The words of a pair_style or wall/gran line that the stock Settings do not know.
 #ifndef DEMLAWS_ARGUMENTS_H
 #define DEMLAWS_ARGUMENTS_H
-#include <cstdlib>
+#include "stock.h"
+
 #include "instance.h"
+#include <cstdlib>
 
 namespace demlaws {
 
@@ -22,10 +24,12 @@ public:
         add(types_of(type(arguments[i + 1]), type(arguments[i + 2])), arguments[i + 3]);
         i += 3;
       } else {
-        static const char *const early[] = {"primitive", "mesh", "tangential", "rolling_friction", "cohesion", "surface"};
+        static const char *const early[] = {"primitive",        "mesh",     "tangential",
+                                            "rolling_friction", "cohesion", "surface"};
         for (const char *other : early)
           if (word == other)
-            refuse("'" + word + "' stands too late: the words of demlaws/table (table, pairtable, settings) come last, behind " +
+            refuse("'" + word +
+                   "' stands too late: the words of demlaws/table (table, pairtable, settings) come last, behind " +
                    "'tangential ...', 'rolling_friction ...' and, at a wall, 'primitive ...' or 'mesh ...'");
         line.given.insert(word);
         kept_.push_back(arguments[i]);
@@ -45,7 +49,8 @@ private:
     std::ostringstream what;
     if (types.first) what << "'pairtable' gives types " << types.first << " and " << types.second;
     else what << "'table' gives all other pairs";
-    what << " two tables, " << put.first->second << " and " << file << ": leave one (a pair has one law, seen from either side)";
+    what << " two tables, " << put.first->second << " and " << file
+         << ": leave one (a pair has one law, seen from either side)";
     refuse(what.str());
   }
   int type(const char *text) const {

@@ -1,9 +1,12 @@
-// compute demlaws/energy, and the fixes that the plugin adds by itself: sums, tables and particle numbers that outlive a run.
+// compute demlaws/energy, and the fixes that the plugin adds by itself: sums, tables and particle numbers that outlive
+// a run.
 #ifndef DEMLAWS_ENERGY_H
 #define DEMLAWS_ENERGY_H
+#include "stock.h"
+
+#include "instance.h"
 #include <algorithm>
 #include <cstdio>
-#include "instance.h"
 
 namespace demlaws {
 
@@ -36,13 +39,14 @@ inline double *kept_for_particles(Modify *modify, const char *name) {
 }
 inline void keep_for_particles(Modify *modify, const char *name, bool in_restart_files) {
   if (modify->find_fix_id(name)) return;
-  const char *words[] = {name, "all", "property/atom", name, "scalar", in_restart_files ? "yes" : "no", "no", "no", "0."};
+  const char *words[] = {name, "all", "property/atom", name, "scalar", in_restart_files ? "yes" : "no", "no",
+                         "no", "0."};
   modify->add_fix(9, const_cast<char **>(words));
   static_cast<FixPropertyAtom *>(modify->find_fix_id(name))->set_internal();
 }
 
-// compute ID GROUP demlaws/energy: what the contacts of the group's particles hold and what their plastic flow took, [1]
-// and [2], pairs and walls. Each particle of a pair has half.
+// compute ID GROUP demlaws/energy: what the contacts of the group's particles hold and what their plastic flow took,
+// [1] and [2], pairs and walls. Each particle of a pair has half.
 class ComputeEnergy : public Compute {
 public:
   ComputeEnergy(LAMMPS *lmp, int &iarg, int narg, char **arg)
@@ -75,7 +79,9 @@ public:
     }
     MPI_Allreduce(mine, vector, 2, MPI_DOUBLE, MPI_SUM, world);
   }
-  static Compute *create(LAMMPS *lmp, int iarg, int narg, char **arg) { return new ComputeEnergy(lmp, iarg, narg, arg); }
+  static Compute *create(LAMMPS *lmp, int iarg, int narg, char **arg) {
+    return new ComputeEnergy(lmp, iarg, narg, arg);
+  }
   static const char *taken() { return "demlaws_taken"; }
 
 private:
@@ -135,12 +141,12 @@ private:
     if (comm->me != 0 || count == 0.) return;
     for (FILE *file : {screen, logfile})
       if (file)
-        fprintf(file, "demlaws/table: in this run %.0f contact steps were %s, by up to %.3g times %s\n", count, where, furthest,
-                meaning);
+        fprintf(file, "demlaws/table: in this run %.0f contact steps were %s, by up to %.3g times %s\n", count, where,
+                furthest, meaning);
   }
 
-  // LIGGGHTS finds a contact's history by the numbers of its particles, and `delete_atoms ... compress yes` deals new ones
-  // without a word to it. The number that each particle had at the end of the last run tells which is which.
+  // LIGGGHTS finds a contact's history by the numbers of its particles, and `delete_atoms ... compress yes` deals new
+  // ones without a word to it. The number that each particle had at the end of the last run tells which is which.
   void follow_new_numbers() {
     double *const number = kept_for_particles(modify, numbers());
     std::vector<int> mine, all; // old and new number of each particle
@@ -162,26 +168,31 @@ private:
     MPI_Allgatherv(&mine[0], size, MPI_INT, &all[0], &sizes[0], &starts[0], MPI_INT, world);
     std::map<int, int> renamed;
     for (int k = 0; k < starts.back(); k += 2) renamed[all[k]] = all[k + 1];
-    FixContactHistory *const history = static_cast<FixContactHistory *>(modify->find_fix_style_strict("contacthistory", 0));
+    FixContactHistory *const history =
+        static_cast<FixContactHistory *>(modify->find_fix_style_strict("contacthistory", 0));
     if (history) {
       int **const partner = history->*get(Partners());
       for (int i = 0; i < atom->nlocal; i++)
         for (int n = 0; n < history->n_partner(i); n++) {
           std::map<int, int>::const_iterator it = renamed.find(partner[i][n]);
-          partner[i][n] = it == renamed.end() ? -1 : it->second; // -1: a deleted particle, whose number may be dealt anew
+          partner[i][n] =
+              it == renamed.end() ? -1 : it->second; // -1: a deleted particle, whose number may be dealt anew
         }
     }
     for (int i = 0; i < atom->nlocal; i++) number[i] = atom->tag[i];
     if (comm->me == 0)
-      error->warning(FLERR, "model demlaws/table: particles were given new numbers (delete_atoms compress yes): the contacts' "
-                            "histories follow them");
+      error->warning(FLERR,
+                     "model demlaws/table: particles were given new numbers (delete_atoms compress yes): the contacts' "
+                     "histories follow them");
   }
 };
 
 // Takes the fingerprints of the tables through restart files, of the pair style and of each wall.
 class FixTables : public Fix {
 public:
-  FixTables(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) { restart_global = 1; }
+  FixTables(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
+    restart_global = 1;
+  }
   int setmask() { return 0; }
   void write_restart(FILE *file) {
     if (comm->me != 0) return;

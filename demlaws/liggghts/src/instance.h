@@ -1,8 +1,11 @@
-// What the parts of the plugin share within one instance of LIGGGHTS: the line being read, the tables of the pair style,
-// fingerprints, energies, counts. It lives as long as one of those parts: nothing stays behind after `clear`, or for a
-// second instance that is made at the same address.
+// What the parts of the plugin share within one instance of LIGGGHTS: the line being read, the tables of the pair
+// style, fingerprints, energies, counts. It lives as long as one of those parts: nothing stays behind after `clear`, or
+// for a second instance that is made at the same address.
 #ifndef DEMLAWS_INSTANCE_H
 #define DEMLAWS_INSTANCE_H
+#include "stock.h"
+
+#include "demlaws_table.h"
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -12,13 +15,11 @@
 #include <string>
 #include <utility>
 #include <vector>
-#include "stock.h"
-#include "demlaws_table.h"
 
 namespace demlaws {
 using namespace LAMMPS_NS;
 
-typedef std::pair<int, int> Types;         // i <= j; (0, 0) stands for all pairs without a table of their own
+typedef std::pair<int, int> Types; // i <= j; (0, 0) stands for all pairs without a table of their own
 typedef std::map<Types, std::string> Files;
 typedef std::map<Types, uint32_t> Fingerprints;
 
@@ -48,9 +49,9 @@ public:
   virtual void forget() = 0; // before forces are computed anew
 };
 
-// Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended and
-// in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the model; so
-// the dissipation of walls is added up while it happens, not when a contact ends.
+// Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended
+// and in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the
+// model; so the dissipation of walls is added up while it happens, not when a contact ends.
 struct Ledger {
   double taken;
   double *taken_of; // the same, shared out to the particles of this rank; NULL unless a compute asks for a group
@@ -87,8 +88,8 @@ struct EnergySource {
 };
 
 struct Instance {
-  Line line;                              // of the line being read
-  std::string owner;                      // whose properties are being connected: "pair" or "wall ID"
+  Line line;         // of the line being read
+  std::string owner; // whose properties are being connected: "pair" or "wall ID"
   PairSettings pair;
   Ledger ledger;
   Excess beyond, deep;
@@ -105,15 +106,15 @@ struct Instance {
     return found;
   }
   ~Instance() {
-    std::map<LAMMPS *, std::weak_ptr<Instance> >::iterator it = all().find(key_);
+    std::map<LAMMPS *, std::weak_ptr<Instance>>::iterator it = all().find(key_);
     if (it != all().end() && it->second.expired()) all().erase(it);
   }
 
 private:
   LAMMPS *const key_;
   explicit Instance(LAMMPS *lmp) : source(NULL), key_(lmp) {}
-  static std::map<LAMMPS *, std::weak_ptr<Instance> > &all() {
-    static std::map<LAMMPS *, std::weak_ptr<Instance> > instances;
+  static std::map<LAMMPS *, std::weak_ptr<Instance>> &all() {
+    static std::map<LAMMPS *, std::weak_ptr<Instance>> instances;
     return instances;
   }
 };

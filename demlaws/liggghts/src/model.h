@@ -2,6 +2,7 @@
 #ifndef DEMLAWS_MODEL_H
 #define DEMLAWS_MODEL_H
 #include "stock.h"
+
 #include "contact_models.h"
 #include "normal_model_demlaws.h"
 
@@ -22,7 +23,9 @@ public:
   Model(LAMMPS *lmp, IContactHistorySetup *setup, bool wall, const int64_t)
       : ContactModelBase(lmp, wall), surface(lmp, setup, this), normal(lmp, setup, this), tangential(lmp, setup, this),
         rolling(lmp, setup, this) {}
-  int64_t hashcode() { return Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, COHESION_OFF, ROLLING, SURFACE_DEFAULT); }
+  int64_t hashcode() {
+    return Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, COHESION_OFF, ROLLING, SURFACE_DEFAULT);
+  }
   void registerSettings(Settings &s) {
     surface.registerSettings(s);
     normal.registerSettings(s);

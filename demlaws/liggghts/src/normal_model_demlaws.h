@@ -2,18 +2,19 @@
 // Its words and settings: docs/liggghts.md.
 #ifndef DEMLAWS_NORMAL_MODEL_H
 #define DEMLAWS_NORMAL_MODEL_H
-#include <memory>
 #include "contact_models.h"
-#include "normal_model_base.h"
-#include "global_properties.h"
 #include "demlaws_table.h"
+#include "global_properties.h"
 #include "instance.h"
+#include "normal_model_base.h"
+#include <memory>
 
 namespace demlaws {
 
 // Most values that a contact keeps, and what they are called in LIGGGHTS.
 static const int MOST_STATE = 3;
-static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap", "demlaws_radiusRatio"};
+static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap",
+                                                    "demlaws_radiusRatio"};
 
 struct TypePair {
   Pair pair;
@@ -130,12 +131,14 @@ public:
     const char *const me = "model demlaws/table";
     settle();
     if (now_.files.empty())
-      error->all(FLERR, wall_ ? "model demlaws/table: fix wall/gran has no table, nor has the pair style: add 'table FILE' "
-                                "behind 'primitive ...' or 'mesh ...'"
-                              : "model demlaws/table: repeat the pair_style line after read_restart");
+      error->all(FLERR,
+                 wall_ ? "model demlaws/table: fix wall/gran has no table, nor has the pair style: add 'table FILE' "
+                         "behind 'primitive ...' or 'mesh ...'"
+                       : "model demlaws/table: repeat the pair_style line after read_restart");
     if (state_size_ > reserved_)
-      error->all(FLERR, "model demlaws/table: the pair style's tables were changed, and this wall keeps too little history "
-                        "for them: define the wall anew (unfix, fix) below the pair_style line");
+      error->all(FLERR,
+                 "model demlaws/table: the pair style's tables were changed, and this wall keeps too little history "
+                 "for them: define the wall anew (unfix, fix) below the pair_style line");
     registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff, me);
     registry.registerProperty("Geff", &MODEL_PARAMS::createGeff, me);
     registry.registerProperty("betaeff", &MODEL_PARAMS::createBetaEff, me);
@@ -151,7 +154,8 @@ public:
       error->all(FLERR, "model demlaws/table: only spheres; superquadric and convex particles are not supported");
     if (!demlaws::Units::of(update->unit_style, units_))
       error->all(FLERR, (std::string("model demlaws/table: units ") + update->unit_style +
-                         ": a table is in metres and pascals; use units si, cgs, micro or nano").c_str());
+                         ": a table is in metres and pascals; use units si, cgs, micro or nano")
+                            .c_str());
     // walls have no contact flags: without this factor surfacesClose() is never called for them
     if (state_size_ > 0 && wall_) neighbor->register_contact_dist_factor(1.01);
     types_ = registry.max_type() + 1;
@@ -192,7 +196,8 @@ public:
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    if (type.radius > 0. && !(fabs(radius - type.radius) <= now_.radius_tolerance * type.radius)) refuse_radius(data, radius, type);
+    if (type.radius > 0. && !(fabs(radius - type.radius) <= now_.radius_tolerance * type.radius))
+      refuse_radius(data, radius, type);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
@@ -240,8 +245,8 @@ public:
   void energies(const SurfacesCloseData &data, double overlap, double &stored, double &dissipated) const {
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    demlaws::energies_at(type.pair, radius, overlap, state_size_ ? &data.contact_history[offset_] : NULL, state_size_, stored,
-                         dissipated);
+    demlaws::energies_at(type.pair, radius, overlap, state_size_ ? &data.contact_history[offset_] : NULL, state_size_,
+                         stored, dissipated);
   }
   demlaws::Instance &instance() const { return *instance_; }
 
@@ -262,8 +267,8 @@ private:
     instance_->ledger.take_at_wall(now - earlier, particle);
   }
 
-  // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether it
-  // stands above or below that.
+  // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether
+  // it stands above or below that.
   void settle() {
     const demlaws::PairSettings &from = instance_->pair;
     now_ = own_;
@@ -343,8 +348,8 @@ private:
   }
   // An overlap that is large for any law of small strains is warned of and counted; beyond R, or the last row of the
   // table, it is refused, or counted with `extrapolation on`.
-  __attribute__((noinline, cold)) void beyond(const SurfacesIntersectData &data, double radius, const demlaws::TypePair &type,
-                                              bool update, bool outside) {
+  __attribute__((noinline, cold)) void beyond(const SurfacesIntersectData &data, double radius,
+                                              const demlaws::TypePair &type, bool update, bool outside) {
     const double overlap = data.deltan, last = type.pair.table->last_overlap() * type.pair.length_of(radius);
     std::ostringstream what;
     place(what, data);
@@ -366,7 +371,8 @@ private:
     }
     double s, slope;
     type.pair.table->evaluate(overlap / type.pair.length_of(radius), s, slope);
-    const double hertz_overlap = s * type.pair.length_of(radius), newton = units_.length * units_.length * units_.pressure;
+    const double hertz_overlap = s * type.pair.length_of(radius),
+                 newton = units_.length * units_.length * units_.pressure;
     what << " (some " << 4. / 3. * type.pair.modulus * sqrt(radius * hertz_overlap) * hertz_overlap / newton << " N)";
     refuse(what, "make the table with a larger --max-force (`demlaws table --max-force N`), ");
   }
@@ -402,7 +408,7 @@ private:
   int offset_, state_size_, reserved_, types_;
   demlaws::WallContacts contacts_;
   std::vector<demlaws::TypePair> pairs_;
-  std::map<std::string, std::shared_ptr<demlaws::Table> > tables_;
+  std::map<std::string, std::shared_ptr<demlaws::Table>> tables_;
 };
 
 } // namespace ContactModels

@@ -2,11 +2,12 @@
 #ifndef DEMLAWS_PAIR_STYLE_H
 #define DEMLAWS_PAIR_STYLE_H
 #include "stock.h"
+
+#include "arguments.h"
+#include "contact_models.h"
+#include "energy.h"
 #include <cfloat>
 #include <cmath>
-#include "contact_models.h"
-#include "arguments.h"
-#include "energy.h"
 
 namespace demlaws {
 using namespace LIGGGHTS;
@@ -201,8 +202,8 @@ private:
     model_.surfacesClose(data, on_i, on_j);
   }
 
-  __attribute__((flatten)) void contacts(PairGran *parent, size_t count, bool slow, int addflag, int *const *all_flags, double *const *all_history,
-                int size) {
+  __attribute__((flatten)) void contacts(PairGran *parent, size_t count, bool slow, int addflag, int *const *all_flags,
+                                         double *const *all_history, int size) {
     double *const *const v = atom->v, *const *const omega = atom->omega;
     double *const *const f = atom->f, *const *const torque = atom->torque;
     const double *const radius = atom->radius, *const rmass = atom->rmass, *const mass = atom->mass;
@@ -266,7 +267,8 @@ private:
     }
   }
 
-  // What other parts of LIGGGHTS want to know about a contact. The stored energy is tallied as the pair energy (compute pe).
+  // What other parts of LIGGGHTS want to know about a contact. The stored energy is tallied as the pair energy (compute
+  // pe).
   __attribute__((noinline)) void record(PairGran *parent, SurfacesIntersectData data, ForceData on_i, ForceData on_j,
                                         int addflag) {
     const int i = data.i, j = data.j, *const tag = atom->tag;

@@ -1,6 +1,7 @@
 // The headers of LIGGGHTS that the plugin needs, in an order in which they compile.
 #ifndef DEMLAWS_STOCK_H
 #define DEMLAWS_STOCK_H
+// clang-format off
 #include <mpi.h>
 #include "lammps.h"
 #include "pointers.h"
@@ -24,4 +25,5 @@
 #include "fix_insert_stream_predefined.h"
 #include "granular_pair_style.h"
 #include "granular_wall.h"
+// clang-format on
 #endif

@@ -1,9 +1,11 @@
 // Walls: what the stock wall does, but where two triangles claim one and the same contact only one of them pushes.
 #ifndef DEMLAWS_WALL_STYLE_H
 #define DEMLAWS_WALL_STYLE_H
-#include "fix_wall_gran_base.h"
+#include "stock.h"
+
 #include "arguments.h"
 #include "energy.h"
+#include "fix_wall_gran_base.h"
 
 namespace demlaws {
 using namespace LIGGGHTS;
@@ -25,9 +27,9 @@ public:
     instance_->owner = owner();
     Walls::Granular<MODEL>::init_granular();
   }
-  // While the foot of a sphere lies within the mesh's precision (1e-8) of an edge, both coplanar triangles claim it if it
-  // comes from the one with the higher number, and the stock wall lets both push. Here the second only takes over the
-  // history, in case the sphere turns back. Contacts at different points, as with two edges of a hole, all push.
+  // While the foot of a sphere lies within the mesh's precision (1e-8) of an edge, both coplanar triangles claim it if
+  // it comes from the one with the higher number, and the stock wall lets both push. Here the second only takes over
+  // the history, in case the sphere turns back. Contacts at different points, as with two edges of a hole, all push.
   void compute_force(FixWallGran *wall, SurfacesIntersectData &data, bool intersects, double *velocity,
                      FixMeshSurface *fix_mesh, int number, TriMesh *mesh, int triangle) {
     if (mesh && intersects) {
@@ -43,11 +45,15 @@ public:
           break;
         }
         if (!same(mesh, contacts_[n], triangle, data.delta)) continue;
-        if (wall->dnum() > 0) std::copy(contacts_[n].history, contacts_[n].history + wall->dnum(), data.contact_history);
+        if (wall->dnum() > 0)
+          std::copy(contacts_[n].history, contacts_[n].history + wall->dnum(), data.contact_history);
         return;
       }
       const bool first = newest_[i] >= contacts_.size() || contacts_[newest_[i]].particle != i;
-      const Contact contact = {i, first ? none() : newest_[i], triangle, data.contact_history,
+      const Contact contact = {i,
+                               first ? none() : newest_[i],
+                               triangle,
+                               data.contact_history,
                                {data.delta[0], data.delta[1], data.delta[2]}};
       newest_[i] = contacts_.size();
       contacts_.push_back(contact);

@@ -40,7 +40,7 @@ def test_the_conical_damage_model_is_hertz_until_it_yields():
     assert peers.cdm_error(hertz, peaks, 5e9)[0] < 1e-6
     overlaps, forces = peers.reference_paths(hertz, peaks)
     given = {"young": 60.6e9, "poisson": 0.25, "density": 2650.0, "radius": 8.7e-3, "paths": overlaps.tolist()}
-    weak = np.array(under_yade("cost.py", {**given, "ways": [{"model": "cdm", "cdm": (0.5e9, 0.5)}]}))[0]
+    weak = np.array(under_yade("yade_cost.py", {**given, "ways": [{"model": "cdm", "cdm": (0.5e9, 0.5)}]}))[0]
     assert weak[1, 0] < 0.5 * forces[1, 0]
     assert np.all(np.diff(weak[1]) <= 0.0)
 

@@ -67,10 +67,8 @@ class Recorder:
                 if contact.isReal:
                     phys, geom = contact.phys, contact.geom
                     force = phys.normalForce.dot(geom.normal)
-                    # the tangent that the law gave: kn may be larger, so that time steppers are safe
-                    tangent = phys.kso * max(geom.penetrationDepth, 0.0) ** 0.5 / phys.prevU[0]
                     flat = not isinstance(omega.bodies[contact.id1].shape, yade.Sphere)
-                    row = (geom.penetrationDepth, force, tangent, np.inf if flat else geom.refR1, geom.refR2)
+                    row = (geom.penetrationDepth, force, phys.kn, np.inf if flat else geom.refR1, geom.refR2)
                     self.lives[contact.id1, contact.id2, contact.iterMadeReal].append(row)
 
     def worst(self, law="pohrt-popov", unloading="hertz", pair=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
