@@ -458,6 +458,15 @@ def test_measured_map_survives_saving():
 # --- the command
 
 
+def test_check_of_some_laws(omega, capsys):
+    from demlaws.yade.check import self_tests
+
+    assert self_tests(dl, {("hertz", "elastic"), ("pohrt-popov", "hertz")}) == 0
+    said = capsys.readouterr().out.splitlines()
+    assert [line.split()[:2] for line in said[1:3]] == [["hertz", "elastic"], ["pohrt-popov", "hertz"]]
+
+
+@pytest.mark.slow
 def test_check_command(tmp_path):
     from demlaws.yade import check
     from demlaws.yade.run import run
