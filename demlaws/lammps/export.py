@@ -17,8 +17,7 @@ from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve
-
-DENSITY = 2650.0
+from demlaws.materials import DENSITY
 
 
 class Models(NamedTuple):

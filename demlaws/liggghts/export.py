@@ -20,6 +20,7 @@ from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve
+from demlaws.materials import DENSITY
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Grain:
 
     @property
     def mass(self):
-        density = 2650.0 if self.material.density is None else self.material.density
+        density = DENSITY if self.material.density is None else self.material.density
         return density * 4.0 / 3.0 * math.pi * self.radius**3
 
 
@@ -297,7 +298,7 @@ def _render(case, model):
         "skin": 0.2 * min(g.radius for g in grains),
         "templates": "".join(
             f"fix             t{i + 1} all particletemplate/sphere {seed} atom_type {i + 1} density constant "
-            f"{2650.0 if g.material.density is None else g.material.density:g} radius constant {g.radius:.10g}\n"
+            f"{DENSITY if g.material.density is None else g.material.density:g} radius constant {g.radius:.10g}\n"
             for i, (g, seed) in enumerate(zip(grains, _SEEDS * (n // len(_SEEDS) + 1), strict=False))
         ),
         "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),

@@ -384,7 +384,7 @@ class Pairs:
     @property
     def only_hertz(self):
         """Whether the law needs no surface, being Hertz for every pair."""
-        return all(source.name == "hertz" for source in (self.default, *self.special.values()) if source)
+        return all(source.definition.hertzian for source in (self.default, *self.special.values()) if source)
 
     @property
     def name(self):

@@ -105,8 +105,9 @@ def set_visible(engines):
     _refuse_second_scene(laws, token)
     set_engines(_completed(engines, laws, before))
     for label, functor in old.items():
-        if label not in laws:
+        if label not in laws or laws[label].binding is not functor.binding:
             functor.binding.leave()
+        if label not in laws:
             O.tags[LAW.format(label=label)] = ""
     for functor in laws.values():
         binding = functor.binding

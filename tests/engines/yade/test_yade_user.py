@@ -256,6 +256,12 @@ def test_one_law_is_refused_in_a_second_living_scene(omega):
     still(law)
     omega.run(3, True)
     assert force() == pytest.approx(expected(), rel=1e-13)
+    omega.interactions.clear()
+    set_engines(functor(surfaces={"granite": dl.Surface(1e-6, 2.22)}, bridge="native"), 1e-9)  # another law in its place
+    omega.switchToScene(omega.addScene())
+    still(law)
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
 
 
 # --- labels
