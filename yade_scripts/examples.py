@@ -71,7 +71,7 @@ EXAMPLES = (
         swaps=[("nbSpheres = (10, 10, 10)", "nbSpheres = (6, 6, 6)")],
     ),
     Example("hopper", "funnel.py", MINDLIN, 1500, 1e-5),
-    Example("hopper of clumps", "clumps/clump-hopper-test.py", VISCOUS, 8000, 1e-6),
+    Example("hopper of clumps", "clumps/clump-hopper-test.py", VISCOUS, 16000, 1e-6),
     Example(
         "oedometer",
         "DeformEngine/OedometricDeform.py",
@@ -84,7 +84,7 @@ EXAMPLES = (
     Example("buoyancy, clumps", "clumps/apply-buoyancy-clumps.py", "nothing", 5000, 1e-5, share=0.02),
     Example("factory", "spheresFactory.py", "nothing", 2000, 1e-7),
     Example(
-        "Mindlin, beside CDM", "test/HertzMindlinExtended/HertzMindlinExtended_periodicSimpleShear.py", "nothing", 600, 1e-5
+        "Mindlin, beside CDM", "test/HertzMindlinExtended/HertzMindlinExtended_periodicSimpleShear.py", "nothing", 2500, 1e-5
     ),
     Example(
         "the same without CDM",
