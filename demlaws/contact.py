@@ -195,4 +195,6 @@ class Contact:
 
     def roughness_parameter(self, force: ArrayLike) -> float | np.ndarray:
         """α = σ (16 R E*²/(9 P²))^(1/3): roughness over Hertz overlap at `force` [N] (Greenwood, Johnson & Matsubara 1984)."""
-        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * np.asarray(force, float) ** 2)) ** (1 / 3)
+        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * real(force, "force", "N", array=True) ** 2)) ** (
+            1 / 3
+        )

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.checks import number
+from demlaws.checks import number, real, whole
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop
@@ -18,16 +18,20 @@ from demlaws.law import Law, Path
 
 
 def _points(turning_points, unit):
-    points = np.atleast_1d(np.asarray(turning_points, dtype=float))
-    if points.ndim != 1 or points.size == 0 or not np.all(np.isfinite(points)):
-        raise DemlawsError(f"turning points must be finite numbers in {unit}, at least one, got {turning_points!r}")
+    points = np.atleast_1d(real(turning_points, "turning points", unit, array=True))
+    if points.size == 0 or not np.all(np.isfinite(points)):
+        raise DemlawsError(f"turning points must be finite numbers in {unit}, at least one, got {turning_points!r:.60}")
     return points
 
 
+def _checked(law):
+    if not isinstance(law, Law):
+        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
+    return law
+
+
 def _count(steps):
-    if not 1 <= steps <= 10_000_000 or steps != int(steps):
-        raise DemlawsError(f"steps = {steps!r}: give a whole number of steps a branch, from 1 to 10 million")
-    return int(steps)
+    return whole(steps, "steps")
 
 
 def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
@@ -36,6 +40,7 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     Overlaps below 0 part the bodies: the contact that closes next is a new one.
     """
     corners = [0.0, *_points(turning_points, "m")]
+    _checked(law)
     branches = [np.linspace(a, b, _count(steps) + 1)[1:] for a, b in itertools.pairwise(corners)]
     return law.follow(np.concatenate([[0.0], *branches]))
 
@@ -46,6 +51,7 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
     On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
     """
     corners = [0.0, *_points(turning_points, "N")]
+    _checked(law)
     if min(corners) < 0.0:
         raise DemlawsError(f"force {min(corners):g} N: a contact without adhesion carries no tension; turn at 0 N or above")
     steps = _count(steps)
@@ -122,7 +128,11 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
-    p, kinetic = law._single(), 0.5 * mass * speed**2
+    p, kinetic = _checked(law)._single(), 0.5 * mass * speed * speed
+    if not 1e-200 < kinetic < math.inf:
+        raise DemlawsError(
+            f"speed = {speed:g} m/s: the kinetic energy of {mass:g} kg is {kinetic:g} J, beyond what can be computed"
+        )
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
@@ -157,7 +167,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     )
 
 
-def elastic_contact(law, mass, speed):
+def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
     from scipy.optimize import brentq
 
@@ -201,7 +211,7 @@ def timestep(law: Law, mass: float, max_force: float) -> float:
 def stiffest(law: Law, max_force: float) -> float:
     """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
     force = number(max_force, "max_force", "N")
-    p = law._single()
+    p = _checked(law)._single()
     end = float(law.overlap(force))
     overlap = end * np.append(np.geomspace(1e-9, 1.0, 400), 1.0)
     forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)

@@ -3,8 +3,17 @@
 import os
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from demlaws.errors import DemlawsError
+
+
+def as_path(path: Any) -> Path:
+    """A Path of text or of a Path."""
+    try:
+        return Path(path)
+    except TypeError:
+        raise DemlawsError(f"the name of a file must be text or a Path, got {path!r:.60}") from None
 
 
 def write_atomically(path, content):
@@ -12,7 +21,7 @@ def write_atomically(path, content):
 
     A failure leaves an older file of that name as it was. The folder is made if it is missing.
     """
-    path = Path(path)
+    path = as_path(path)
     data = content.encode() if isinstance(content, str) else content
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

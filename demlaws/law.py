@@ -345,9 +345,9 @@ class Law:
     def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
-        self._arrays_of(state, 1)
+        arrays = self._arrays_of(state, 1)
         result = np.empty(values.size)
-        unload_loop(self.rule, self._single(), values.ravel(), state.arrays, result)
+        unload_loop(self.rule, self._single(), values.ravel(), arrays, result)
         return _as_given(result.reshape(shape))
 
     # --- range

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.checks import number, real
 from demlaws.contact import Contact, Material
 from demlaws.criterion import (
     BAND,
@@ -93,6 +93,12 @@ class Regime(NamedTuple):
         )
 
 
+def _contact(contact):
+    if not isinstance(contact, Contact):
+        raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
+    return contact
+
+
 def assess(contact, load, mu=None, yield_pressure=None):
     """The `Regime` of one contact under `load` [N].
 
@@ -101,7 +107,7 @@ def assess(contact, load, mu=None, yield_pressure=None):
     (Thornton's: the smooth Hertz p0 of the load at which yield was seen); the bulk then yields where p0 reaches it, whatever
     the hardness says. Raises DemlawsError without either, or for a load that is not positive.
     """
-    if contact.size is not None:
+    if _contact(contact).size is not None:
         raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_load")
     load = number(load, "load", "N")
     p0, alpha = float(hertz_pressure(contact, load)), float(contact.roughness_parameter(load))
@@ -133,7 +139,9 @@ def assess(contact, load, mu=None, yield_pressure=None):
 
 def pressure_map(contact, loads, roughnesses):
     """p(0)/H_m over `loads` [N] (columns) and `roughnesses` [m] (rows); `contact` gives the rest."""
-    loads, roughnesses = checked_loads(loads), np.asarray(roughnesses, float)
+    loads = np.atleast_1d(checked_loads(real(loads, "loads", "N", array=True)))
+    roughnesses = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
+    _contact(contact)
     alpha = roughnesses[:, None] * contact.with_values(roughness=1e-9).roughness_parameter(loads)[None, :] / 1e-9
     return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / hardness_of(contact)
 
@@ -184,6 +192,7 @@ def advise(contact, load, yield_pressure=None):
     (hertz); each says itself what it fits (`Definition.advise`). yield_pressure: as for `assess`. Without that and a hardness
     the bulk cannot be judged, which the reason then says.
     """
+    _contact(contact)
     load = number(load, "load", "N")
     alpha = float(np.max(contact.roughness_parameter(load)))
     if yield_pressure is not None:

@@ -10,13 +10,13 @@ calculations work on `filled()` maps.
 import math
 import re
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from demlaws import checks
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError
+from demlaws.files import as_path, write_atomically
 
 UNITS = {**checks.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
@@ -133,7 +133,7 @@ class HeightMap:
 
         Works in blocks of rows, on the pixels that are there.
         """
-        if order not in range(9):
+        if np.ndim(order) or order not in range(9):
             raise DemlawsError(f"form order = {order!r}: give a whole number from 0 (mean) to 8")
         rows, columns = self.shape
         x = np.polynomial.legendre.legvander(np.linspace(-1, 1, columns), order)
@@ -165,6 +165,8 @@ class HeightMap:
 
         Against a smooth body it is what the two rough ones are against each other.
         """
+        if not isinstance(other, HeightMap):
+            raise DemlawsError(f"a HeightMap is combined with another HeightMap, got {other!r:.60}")
         for mine, theirs in ((self.pixel_x, other.pixel_x), (self.pixel_y, other.pixel_y)):
             if not math.isclose(mine, theirs, rel_tol=1e-6):
                 raise DemlawsError(f"pixels of {mine:g} and {theirs:g} m do not fit: resample one of the maps")
@@ -176,6 +178,7 @@ class HeightMap:
 
         Plane removed and Hann window applied. Bins are even in log q and only those that hold a wavevector are returned.
         """
+        bins = checks.whole(bins, "bins", 1, 100_000)
         z = self.filled().without_form(1).heights
         rows, columns = z.shape
         # periodic Hann windows have mean square 3/8 exactly
@@ -206,7 +209,7 @@ class HeightMap:
         wavelengths: (shortest, longest), default 3 pixels to a sixth of the field of view. An instrument's short-wave
         cut-off or a surface's roll-off inside that range must be kept out by giving the range.
         """
-        shortest, longest = wavelengths or (3 * max(self.pixel_x, self.pixel_y), min(self.field_of_view) / 6)
+        shortest, longest = _wavelengths(wavelengths, 3 * max(self.pixel_x, self.pixel_y), min(self.field_of_view) / 6)
         q, density, count = self.spectrum()
         inside = (q >= 2 * np.pi / longest) & (q <= 2 * np.pi / shortest) & (density > 0)
         if inside.sum() < 4:
@@ -243,7 +246,7 @@ class HeightMap:
         """
         sizes, ranges = self.box_counts()
         pixel = math.sqrt(self.pixel_x * self.pixel_y)
-        smallest, largest = wavelengths or (0.0, math.inf)
+        smallest, largest = _wavelengths(wavelengths, 0.0, math.inf)
         inside = (sizes * pixel >= smallest * 0.999) & (sizes * pixel <= largest * 1.001) & (ranges > 0)
         if inside.sum() < 3:
             raise DemlawsError(
@@ -283,6 +286,20 @@ class HeightMap:
             roughness2=surface.roughness,
             **more,
         )
+
+
+def _wavelengths(given, shortest, longest):
+    """(shortest, longest) wavelength [m] that a user gave, or the default."""
+    if given is None:
+        return shortest, longest
+    try:
+        low, high = given
+    except (TypeError, ValueError):
+        raise DemlawsError(f"wavelengths = {given!r:.60}: give the shortest and the longest in m") from None
+    low, high = float(checks.real(low, "wavelengths", "m")), float(checks.real(high, "wavelengths", "m"))
+    if not 0.0 <= low < high:
+        raise DemlawsError(f"wavelengths from {low:g} to {high:g} m: give the shortest and the longest, from 0 on")
+    return low, high
 
 
 def _blocks(rows, columns):
@@ -370,10 +387,10 @@ def read(path, pixel=None, unit="m"):
     Any other suffix is an instrument's file and goes through SurfaceTopography (pip install "demlaws[surfaces]").
     Raises DemlawsError that names the file and, in text, the line.
     """
-    path = Path(path)
+    path = as_path(path)
     if not path.is_file():
         raise DemlawsError(f"no such height map: {path}")
-    if unit not in UNITS:
+    if not isinstance(unit, str) or unit not in UNITS:
         raise DemlawsError(f"unit = {unit!r}: the units of height are {', '.join(UNITS)}")
     suffix = path.suffix.lower()
     pixels = None if pixel is None else _pixel_pair(pixel)
@@ -416,7 +433,9 @@ def _read_text(path):
             continue
         if not text:
             continue
-        key = re.fullmatch(r"(ncols|nrows|xllcorner|yllcorner|xllcenter|yllcenter|cellsize|nodata_value)\s+(\S+)", text.lower())
+        key = re.fullmatch(
+            r"(ncols|nrows|xllcorner|yllcorner|xllcenter|yllcenter|cellsize|dx|dy|nodata_value)\s+(\S+)", text.lower()
+        )
         if key and not rows:
             esri[key[1]] = key[2]
             continue
@@ -437,9 +456,11 @@ def _read_text(path):
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
     if "nodata_value" in esri:
-        heights[heights == float(esri["nodata_value"])] = np.nan
+        heights[heights == float(checks.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "cellsize" in esri:
         header["pixel"] = _pixel_pair(esri["cellsize"])
+    elif "dx" in esri and "dy" in esri:
+        header["pixel"] = _pixel_pair((esri["dx"], esri["dy"]))
     if "width" in header and "height" in header:
         header["pixel"] = header["width"] / heights.shape[1], header["height"] / heights.shape[0]
     return heights, header
@@ -504,9 +525,9 @@ def write(path, heights):
     """Write a map, heights in m: .npy, .csv, or .asc (an ESRI grid, which holds the pixel size)."""
     import io
 
-    from demlaws.files import write_atomically
-
-    path = Path(path)
+    path = as_path(path)
+    if not isinstance(heights, HeightMap):
+        raise DemlawsError(f"heights must be a HeightMap, got {heights!r:.60}")
     suffix = path.suffix.lower()
     if suffix == ".npy":
         buffer = io.BytesIO()
@@ -517,10 +538,11 @@ def write(path, heights):
     buffer = io.StringIO()
     values = heights.heights
     if suffix == ".asc":
-        if not math.isclose(heights.pixel_x, heights.pixel_y, rel_tol=1e-12):
-            raise DemlawsError(f"cannot write {path}: an .asc grid has square pixels; write .npy or .csv")
         rows, columns = heights.shape
-        buffer.write(f"ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\ncellsize {heights.pixel_x!r}\n")
+        buffer.write(f"ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\n")
+        square = math.isclose(heights.pixel_x, heights.pixel_y, rel_tol=1e-12)
+        # GDAL's keywords where pixels are not square
+        buffer.write(f"cellsize {heights.pixel_x!r}\n" if square else f"dx {heights.pixel_x!r}\ndy {heights.pixel_y!r}\n")
         buffer.write("NODATA_value -9999\n")
         values = np.where(np.isnan(values), -9999.0, values)
     np.savetxt(buffer, values, fmt="%.9g", delimiter="," if suffix == ".csv" else " ")
@@ -537,17 +559,23 @@ def self_affine(shape, pixel, hurst, roughness, seed, *, shortest=0.0, longest=m
     numpy seed, the same seed gives the same map; anisotropy: how much longer features are along x than along y;
     periodic: else a window cut out of a periodic map of twice the size, which holds waves longer than itself.
     """
-    rows, columns = (int(n) for n in (shape if np.ndim(shape) else (shape, shape)))
-    for name, value, low, high in (
-        ("hurst", hurst, 0.0, 1.0),
-        ("roughness", roughness, 0.0, math.inf),
-        ("anisotropy", anisotropy, 0.0, math.inf),
-    ):
-        if not low < value <= high:
-            raise DemlawsError(f"{name} = {value!r}: must be above {low:g} and at most {high:g}")
+    sides = shape if np.ndim(shape) else (shape, shape)
+    if len(sides) != 2:
+        raise DemlawsError(f"shape = {shape!r:.60}: give a number of pixels, or rows and columns")
+    rows, columns = (checks.whole(n, "shape", 4, 16384) for n in sides)
+    hurst = checks.number(hurst, "hurst", "", 0.0, 1.0)
+    roughness, anisotropy = checks.number(roughness, "roughness", "m"), checks.number(anisotropy, "anisotropy")
+    shortest = checks.number(shortest, "shortest", "m", allow_low=True)
+    longest = math.inf if isinstance(longest, float) and longest == math.inf else length(longest, "longest")
     pixel = length(pixel, "pixel")
+    try:
+        generator = np.random.default_rng(seed)
+    except (TypeError, ValueError):
+        raise DemlawsError(f"seed = {seed!r:.60}: give a whole number from 0 on") from None
+    if not isinstance(periodic, bool | np.bool_):
+        raise DemlawsError(f"periodic = {periodic!r:.60}: give True or False")
     factor = 1 if periodic else 2
-    noise = np.random.default_rng(seed).standard_normal((factor * rows, factor * columns))
+    noise = generator.standard_normal((factor * rows, factor * columns))
     transform = np.fft.rfft2(noise)
     del noise
     stretch = math.sqrt(anisotropy)

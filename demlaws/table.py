@@ -23,7 +23,7 @@ from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
 from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
-from demlaws.files import write_atomically
+from demlaws.files import as_path, write_atomically
 from demlaws.joining import joined_law
 from demlaws.law import Law
 from demlaws.laws.definition import Definition
@@ -404,7 +404,7 @@ class Table(Law):
 
         A law that this version of demlaws does not have is no error: its table is its curve.
         """
-        path = Path(path)
+        path = as_path(path)
         try:
             data = path.read_bytes()
         except OSError as error:

@@ -230,3 +230,11 @@ def test_instrument_files_go_through_surface_topography(tmp_path):
     with pytest.raises(dl.DemlawsError, match="SurfaceTopography cannot read") as error:
         surface.read(bad)
     assert len(str(error.value)) < 300
+
+
+def test_an_asc_grid_may_have_rectangular_pixels(tmp_path):
+    """Before: refused, with the advice to write another format."""
+    made = HeightMap(self_affine(16, 1e-6, 0.8, 1e-6, 1).heights, 1e-6, 2.5e-6)
+    back = surface.read(surface.write(tmp_path / "map.asc", made))
+    assert (back.pixel_x, back.pixel_y) == (made.pixel_x, made.pixel_y)
+    np.testing.assert_allclose(back.heights, made.heights, rtol=1e-8)

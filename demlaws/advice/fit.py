@@ -263,16 +263,16 @@ def fit(
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
     displacement, force = _arrays(points)
-    names = [find(n).name for n in ([laws] if isinstance(laws, str) else laws or _default_laws())]
+    names = [find(n).name for n in _texts(laws, "laws") or _default_laws()]
+    free = _texts(free, "free")
     if displacement_noise is not None:
-        displacement_noise = number(displacement_noise, "displacement_noise", "m")
+        displacement_noise = number(displacement_noise, "displacement_noise", "m", 1e-13, 1e-2, allow_low=True)
     force_noise = number(force_noise, "force_noise", "N", allow_low=True)
-    displacement = displacement - number(compliance, "compliance", "m/N", allow_low=True) * force
+    displacement = displacement - number(compliance, "compliance", "m/N", 0.0, 1e-3, allow_low=True) * force
     if force_noise and displacement_noise is None:
         raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weighs the points")
     keep, dropped, _ = _in_contact(displacement, force, force_noise)
     displacement, force = displacement[keep], force[keep]
-    free = [free] if isinstance(free, str) else free
     unknown = [n for n in free or () if n not in PARAMETERS]
     if unknown:
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(PARAMETERS)}")
@@ -283,8 +283,10 @@ def fit(
         varied = [n for n in free or definition.free if n in ("modulus", COMPLIANCE) or n in definition.fitted]
         if force.size < len(varied) + 4:
             raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
-        for rule in [unloading] if unloading else definition.unloading if falls else ("elastic",):
-            if rule not in RULES or RULES[rule].curve == "given":  # a given curve has no parameters of the law's
+        for rule in [unloading] if unloading is not None else definition.unloading if falls else ("elastic",):
+            if (
+                not isinstance(rule, str) or rule not in RULES or RULES[rule].curve == "given"
+            ):  # a given curve has no parameters of the law's
                 known = ", ".join(rule.name for rule in RULES.values() if rule.curve != "given")
                 raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
             jobs.append((name, rule, varied))
@@ -310,6 +312,15 @@ def fit(
     total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
     ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
     return Ranking(ranked, skipped, (displacement, force))
+
+
+def _texts(given, name):
+    """None, or a list of the words that were given, one or several."""
+    if given is None or isinstance(given, str):
+        return None if given is None else [given]
+    if not isinstance(given, list | tuple | set) or not all(isinstance(one, str) for one in given):
+        raise DemlawsError(f"{name} must be a name or a list of names, got {given!r:.60}")
+    return list(given)
 
 
 def _default_laws():

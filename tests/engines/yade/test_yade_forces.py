@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+from examples import shared, telling
 from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
 
 import demlaws as dl
@@ -29,7 +30,7 @@ def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):
     set_engines(law)
 
 
-@pytest.mark.parametrize(("name", "rule"), COMBINATIONS)
+@pytest.mark.parametrize(("name", "rule"), shared(COMBINATIONS, telling))
 def test_two_spheres_every_law(omega, name, rule):
     options = find(name).example
     modulus = 60.6e9 / (1 - 0.25**2) / 2

@@ -1,0 +1,164 @@
+"""LAMMPS's own granular examples and the cases of its unit tests with demlaws/table, against stock Hertz; some minutes.
+
+    python lammps_inputs/examples.py FOLDER [--steps 2000]
+
+FOLDER holds files of LAMMPS's sources, which are not part of demlaws: from examples/granular in.chute, in.pour.drum,
+in.pour.flatwall, in.triaxial.compaction.12 with spheres12.data; from unittest/granular/tests dem02-hertzmaterial-*.yaml and
+dem03-hertzmaterial-*.yaml. What is there is run twice: with its normal models as hertz/material, and as a table of Hertz's
+law; kinetic energies must agree as long as rounding has not grown. Units `lj` become `si` and cohesion is left out, for
+tables are in metres and have none; every pair_coeff line gets the rolling and twisting model that one of them has, and the
+drum's grains are a hundred times as stiff, at a fifth of the step (they fall so far that they would overlap by their
+radius). A unit test's positions and velocities are compared with those that its file gives.
+"""
+
+import argparse
+import re
+import shutil
+import sys
+import tempfile
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.lammps import run
+
+warnings.simplefilter("ignore", dl.ValidityWarning)  # the examples' grains are softer than Hertz's law allows
+NUMBER = r"(\S+)"
+MODELS = (  # a normal model's words, and E, eta, nu
+    (rf"\bhertz/material {NUMBER} {NUMBER} {NUMBER}", r"\1 \2 \3"),
+    (rf"\bjkr {NUMBER} {NUMBER} {NUMBER} {NUMBER}", r"\1 \2 \3"),
+    (rf"\bmdr {NUMBER} {NUMBER} {NUMBER} {NUMBER} {NUMBER} {NUMBER}", r"\1 \6 \2"),
+    (rf"(?<=[ *\d] )(?:hertz|hooke) {NUMBER} {NUMBER}", r"\1 \2 0.25"),
+    (rf"(?<=granular )(?:hertz|hooke) {NUMBER} {NUMBER}", r"\1 \2 0.25"),
+)
+
+
+def rewritten(text, normal):
+    """The input with every normal model replaced by `normal E eta nu`."""
+    text = re.sub(r"&\s*\n\s*", "", text)
+    text = re.sub(r"^units\s+lj", "units si", text, flags=re.MULTILINE)
+    text = re.sub(r"^(log|dump|dump_modify)\s.*$", "", text, flags=re.MULTILINE)
+    text = text.replace("damping none", "damping viscoelastic")
+    if "rotating_drum" in text:
+        text = re.sub(r"^timestep\s.*$", "timestep 0.0002", text.replace(" 1e5 ", " 1e7 "), flags=re.MULTILINE)
+    extra = re.search(r"^pair_coeff.*?( rolling \S+ \S+ \S+ \S+)( twisting marshall)", text, re.MULTILINE)
+    late = re.findall(r"^fix\s.*\sbalance\s.*$", text, re.MULTILINE)  # LAMMPS wants it after the pair style
+    lines = []
+    for line in text.splitlines():
+        if line in late:
+            continue
+        if line.startswith("thermo_style") and late:
+            lines.append(late.pop())
+        for words, values in MODELS:
+            line, count = re.subn(words, f"{normal} {values}", line)
+            if count:
+                break
+        if line.startswith("pair_coeff") and extra and " rolling " not in line:
+            line += extra.group(1) + extra.group(2)
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
+def shortened(text, steps):
+    """Only the first run, and no more than `steps` of it."""
+    head, _, tail = text.partition("compute Ac_1_12 ")  # the triaxial test moves its walls from here on
+    if tail:
+        text = head + "\n".join(line for line in tail.splitlines()[3:] if line.startswith("variable")) + "\nrun 1000000\n"
+        text = text.replace("\nrun 0\n", "\n")
+    at = re.search(r"^run\s+\S+", text, re.MULTILINE)
+    return (
+        text[: at.start()] + f"compute motion all ke\nthermo {steps // 200}\n"
+        "thermo_style custom step atoms c_motion\nthermo_modify lost warn\n"
+        f"run {steps}\n"
+    )
+
+
+def example(path, folder, steps):
+    """Steps, kinetic energy of both, largest relative difference in the first tenth and in all."""
+    logs = {}
+    for name, normal in (("stock", "hertz/material"), ("table", "demlaws/table hertz.tbl")):
+        (folder / "in.example").write_text(shortened(rewritten(path.read_text(), normal), steps))
+        logs[name] = run(folder / "in.example", plugin=name == "table")
+    stock, table = (logs[name]["motion"] for name in ("stock", "table"))
+    difference = np.abs(table - stock) / np.abs(stock).max()
+    return (
+        int(logs["table"]["Atoms"][-1]),
+        stock[-1],
+        table[-1],
+        difference[: len(difference) // 10 + 2].max(),
+        difference.max(),
+    )
+
+
+def sections(text):
+    found, name = {}, None
+    for line in text.splitlines():
+        head = re.match(r"^(\w+):\s*(.*)$", line)
+        if head:
+            name = head.group(1)
+            found[name] = [] if head.group(2).startswith("|") else [head.group(2)]
+        elif name:
+            found[name].append(line)
+    return found
+
+
+def unit_test(path, folder, newton):
+    """Largest differences of position [of the radius] and velocity [of the largest] from what the file gives."""
+    parts = sections(path.read_text())
+    variables = dict(line.split() for line in parts["variables"] if line.strip())
+    dump = "write_dump all custom now.{n} id x y z vx vy vz modify sort id format float %.17g\n"
+    text = f"newton {newton}\n" + "\n".join(parts["pre_commands"]) + "\npair_style granular\n"
+    text += "\n".join(f"pair_coeff {line.strip()}" for line in parts["pair_coeff"] if line.strip()) + "\n"
+    text += "\n".join(parts["post_commands"]) + "\n"
+    text = re.sub(r"hertz/material", "demlaws/table hertz.tbl", text)
+    segments = " ".join(parts["run_segments"]).split()
+    text += "".join(f"run {steps}\n" + dump.format(n=n) for n, steps in enumerate(segments))
+    (folder / "in.unit").write_text(text)
+    run(folder / "in.unit", variables=variables)
+    rows = {}
+    for name in ("run_pos", "run_vel"):
+        rows[name] = np.array([[float(word) for word in line.split()] for line in parts[name] if len(line.split()) == 5])
+    place = speed = 0.0
+    for n in range(len(segments)):
+        now = np.atleast_2d(np.loadtxt(folder / f"now.{n}", skiprows=9))
+        place = max(place, np.abs(now[:, 1:4] - rows["run_pos"][rows["run_pos"][:, 0] == n][:, 2:]).max())
+        speed = max(speed, np.abs(now[:, 4:7] - rows["run_vel"][rows["run_vel"][:, 0] == n][:, 2:]).max())
+    return place / float(variables["radius"]), speed / np.abs(rows["run_vel"][:, 2:]).max()
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--steps", type=int, default=2000)
+    options = parser.parse_args(arguments)
+    good, seen = True, 0
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        dl.law("hertz", dl.Contact(radius=0.2, modulus=5e4)).tabulate(rtol=1e-9, max_force=2e3).save(folder / "hertz.tbl")
+        for file in options.folder.glob("*.data"):
+            shutil.copy(file, folder)
+        for path in sorted(options.folder.glob("in.*")):
+            long = {"in.chute": 20, "in.pour.drum": 5}.get(path.name, 1)  # few grains that fall for long; small steps
+            atoms, stock, table, early, late = example(path, folder, long * options.steps)
+            passed, seen = early <= 1e-6, seen + 1
+            good &= passed
+            print(
+                f"{'pass' if passed else 'FAIL'}  {path.name}: {atoms} spheres, kinetic energy {table:.6g} (hertz/material "
+                f"{stock:.6g}), apart by {early:.1e} of the largest in the first tenth (allowed 1e-06), {late:.1e} in all"
+            )
+        for path in sorted(options.folder.glob("dem0*.yaml")):
+            for newton in ("on", "off"):
+                place, speed = unit_test(path, folder, newton)
+                passed, seen = max(place, speed) <= 1e-6, seen + 1
+                good &= passed
+                verdict = "pass" if passed else "FAIL"
+                print(f"{verdict}  {path.name}, newton {newton}: position {place:.1e} R, velocity {speed:.1e}")
+    if not seen:
+        parser.error(f"{options.folder} holds none of the files")
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

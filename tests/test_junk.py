@@ -1,0 +1,211 @@
+"""Junk for every argument of every public function: a result or a DemlawsError, never another exception.
+
+The functions are found by their names, their arguments in their signatures; a new function is tried by existing, and needs
+an entry in GOOD only for an argument of a new name.
+"""
+
+import inspect
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws import granite, regime, surface
+from demlaws.make import rebound
+
+MAP = surface.self_affine(64, 1e-6, 0.8, 1e-6, 1)
+GRANITE = dl.Material(60.6e9, 0.25, 6.266e9, 2650.0)
+PAIR = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, 6.266e9)
+# two laws alone, so that little is compiled
+LAW = dl.law("hertz", PAIR)
+TABLE = LAW.tabulate(1e-3)
+
+GOOD = {
+    "name": "hertz",
+    "contact": PAIR,
+    "unloading": "elastic",
+    "law": LAW,
+    "bound": LAW,
+    "overlap": np.array([1e-6, 2e-6]),
+    "force": 1.0,
+    "state": LAW.new_state(2),
+    "out": (np.empty(2), np.empty(2)),
+    "parallel": False,
+    "n": 2,
+    "dtype": np.float64,
+    "rtol": 1e-2,
+    "max_force": 10.0,
+    "path": "/nowhere/file.tbl",
+    "turning_points": [1e-7, 0.0],
+    "steps": 2,
+    "mass": 1e-3,
+    "speed": 1e-3,
+    "steps_per_contact": 20,
+    "points": np.column_stack([(np.arange(1.0, 13.0) / 4e9) ** (2 / 3), np.arange(1.0, 13.0)]),
+    "laws": "hertz",
+    "free": ("modulus",),
+    "options": {},
+    "displacement_noise": 1e-8,
+    "force_noise": 0.0,
+    "compliance": 0.0,
+    "progress": iter,
+    "scene": None,
+    "tables": False,
+    "young": 60e9,
+    "poisson": 0.2,
+    "hardness": 6e9,
+    "density": 2650.0,
+    "roughness": 1e-6,
+    "fractal_dimension": 2.2,
+    "radius": 1e-3,
+    "modulus": 3e10,
+    "material1": GRANITE,
+    "material2": GRANITE,
+    "radius1": 1e-3,
+    "radius2": math.inf,
+    "roughness1": 1e-6,
+    "roughness2": 0.0,
+    "other": dl.Surface(1e-6),
+    "load": 1.0,
+    "ratio": 0.6,
+    "loads": [1.0, 2.0],
+    "roughnesses": [1e-6, 2e-6],
+    "roughness_parameter": 0.5,
+    "text": "3mm",
+    "heights": MAP.heights,
+    "pixel_x": 1e-6,
+    "pixel_y": 1e-6,
+    "form_order": None,
+    "order": 1,
+    "pixel": 1e-6,
+    "unit": "um",
+    "wavelengths": (4e-6, 2e-5),
+    "bins": 20,
+    "shape": 16,
+    "hurst": 0.8,
+    "seed": 1,
+    "shortest": 0.0,
+    "longest": 1e-5,
+    "anisotropy": 1.0,
+    "periodic": False,
+    "test": granite.TESTS[0],
+    "low": 1.0,
+    "high": 2.0,
+    "values": {},
+    "spacing": 1e-6,
+}
+RADII = {"radii": 1e-3, "materials": GRANITE, "surfaces": dl.Surface(1e-6), "pressure": None, "cyclic": False}
+RADII |= {"quantity": "force", "tolerance": 0.05, "engine": "python", "walls": False, "yield_pressure": None, "reference": None}
+RADII |= {"reference_options": {}, "porosity": 0.4, "coordination": 6.0, "classes": (), "force": (1.0, 2.0), "loads": None}
+GOOD_OF = {
+    "Scene": RADII,
+    "combined": {"other": dl.Surface(1e-6)},
+    "HeightMap.combined": {"other": MAP},
+    "HeightMap.with_heights": {"heights": MAP.heights},
+    "HeightMap.contact": {"heights": MAP},
+    "write": {"heights": MAP, "path": "/proc/nowhere/map.npy"},
+    "read": {"path": "/nowhere/map.npy"},
+    "follow": {"state": LAW.new_state(1)},
+    "unloading_overlap": {"state": LAW.new_state(1)},
+}
+LEFT_OUT = {
+    "from_portable",
+    "portable",
+    "record",
+    "quick_shape",
+    "joined",
+    "bound_to",
+    "__init__",
+    "driver",
+    "swaps",
+    "box_correction",
+}
+JUNK = {
+    "none": None,
+    "text": "x",
+    "a unit of something else": "3parsec",
+    "nan": math.nan,
+    "infinity": math.inf,
+    "minus one": -1.0,
+    "zero": 0,
+    "huge": 1e300,
+    "tiny": 1e-300,
+    "a list": [1.0, "x"],
+    "empty": [],
+    "three dimensions": np.zeros((2, 2, 2)),
+    "integers": np.array([1, 2, 3]),
+    "complex": 1j,
+    "a dictionary": {},
+    "an object": object(),
+    "a function": len,
+}
+
+
+def functions():
+    """Name → public function or method, bound to what it belongs to."""
+    for name in dl.__all__:
+        thing = getattr(dl, name)
+        if callable(thing) and not (inspect.isclass(thing) and issubclass(thing, Exception)) and name not in ("Law", "Table"):
+            yield name, thing
+    for module in (dl.driver, regime, surface):
+        for name, thing in vars(module).items():
+            if name in LEFT_OUT:
+                continue
+            if inspect.isfunction(thing) and not name.startswith("_") and thing.__module__ == module.__name__:
+                yield f"{module.__name__.rpartition('.')[2]}.{name}", thing
+    for owner in (LAW, TABLE, PAIR, dl.Surface(1e-6), MAP, LAW.new_state(2)):
+        for name in dir(type(owner)):
+            static = inspect.getattr_static(type(owner), name)
+            if not name.startswith("_") and name not in LEFT_OUT and inspect.isroutine(static):
+                yield f"{type(owner).__name__}.{name}", getattr(owner, name)
+    yield "rebound", rebound
+
+
+FUNCTIONS = dict(functions())
+
+
+def arguments_of(name, function):
+    """Keyword arguments that are good."""
+    short = name.rpartition(".")[2]
+    own = {**GOOD, **GOOD_OF.get(short, {}), **GOOD_OF.get(name, {})}
+    parameters = inspect.signature(function).parameters.values()
+    named = [p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY, p.POSITIONAL_ONLY)]
+    missing = [p.name for p in named if p.name not in own and p.default is p.empty]
+    assert not missing, f"{name}: give tests/test_junk.py a good value for {', '.join(missing)}"
+    if "scene" in {p.name for p in named}:
+        own["scene"] = dl.Scene(**{k: v for k, v in RADII.items() if k != "pressure"})
+    return {p.name: own[p.name] for p in named if p.name in own}
+
+
+def call(function, arguments):
+    positional = [p.name for p in inspect.signature(function).parameters.values() if p.kind == p.POSITIONAL_ONLY]
+    named = {k: v for k, v in arguments.items() if k not in positional}
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")
+        return function(*(arguments[k] for k in positional), **named)
+
+
+HEAVY = {"choose"}  # its scene is tried in Scene
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_junk(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    function = FUNCTIONS[name]
+    good = arguments_of(name, function)
+    wrong = []
+    for argument in good:
+        for kind, junk in JUNK.items():
+            if argument in ("progress", "dtype", "parallel", "tables", "options"):
+                continue
+            if name in HEAVY and argument != "scene":
+                continue
+            try:
+                call(function, {**good, argument: junk})
+            except dl.DemlawsError as error:
+                assert len(str(error)) < 2000
+            except Exception as error:
+                wrong.append(f"{name}({argument}={kind}): {type(error).__name__}: {error}")
+    assert not wrong, "\n".join(wrong)
