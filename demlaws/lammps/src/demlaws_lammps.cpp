@@ -6,16 +6,16 @@
 //   fix w all wall/gran granular demlaws/table granite.tbl 70e9 0.5 0.25 tangential mindlin NULL 1.0 0.5 zplane 0 NULL
 //   compute e all demlaws/energy
 //
-// GranularModel::add_sub_model and construct_sub_model are where every granular style turns names into sub-models. LAMMPS
-// reaches them, and the other functions below, through addresses that the linker filled in by name: preloaded, our
-// functions of the same names come first; loaded later, their addresses are written there. Every one of them does what
-// LAMMPS's own does for whatever is not of demlaws.
-#include <cmath>
-#include <memory>
-#include "stock.h"
-#include "slots.h"
+// GranularModel::add_sub_model and construct_sub_model are where every granular style turns names into sub-models.
+// LAMMPS reaches them, and the other functions below, through addresses that the linker filled in by name: preloaded,
+// our functions of the same names come first; loaded later, their addresses are written there. Every one of them does
+// what LAMMPS's own does for whatever is not of demlaws.
 #include "demlaws_table.h"
 #include "energy.h"
+#include "slots.h"
+#include "stock.h"
+#include <cmath>
+#include <memory>
 
 namespace {
 
@@ -44,7 +44,7 @@ public:
   }
 
 private:
-  std::map<std::pair<std::string, uint32_t>, std::unique_ptr<demlaws::Table> > tables_;
+  std::map<std::pair<std::string, uint32_t>, std::unique_ptr<demlaws::Table>> tables_;
 };
 Tables &tables() {
   static Tables all;
@@ -128,7 +128,8 @@ std::string install() {
   Slots::visit(all, false);
   for (Patch *p = all; p->name; p++)
     if (!p->slots)
-      return std::string("demlaws cannot be added to this LAMMPS: it calls ") + p->name + " directly; nothing of it was changed";
+      return std::string("demlaws cannot be added to this LAMMPS: it calls ") + p->name +
+             " directly; nothing of it was changed";
   Slots::visit(all, true);
   return "";
 }
@@ -154,7 +155,8 @@ bool ours(const char *name, int type) {
 void need_metres(void *model) {
   early::Model *const m = (early::Model *)model;
   const char *const units = (const char *)Stock::get().global(m->of.lmp, "units");
-  if (!units || strcmp(units, "si")) raise(*m->of.error, true, "demlaws: a table's length is in metres; use 'units si'");
+  if (!units || strcmp(units, "si"))
+    raise(*m->of.error, true, "demlaws: a table's length is in metres; use 'units si'");
 }
 
 // PairHybrid keeps room for the outputs that its styles had when they were made: more would be written beyond its end.
@@ -172,12 +174,13 @@ int add_here(void *model, char **arg, int at, int count, int type) {
   const bool is = is_late(model);
   need_metres(model);
   const bool outputs = !under_hybrid(model);
-  return is ? late::add((late::Model *)model, arg, at, count, type, outputs) : early::add((early::Model *)model, arg, at, count, type, outputs);
+  return is ? late::add((late::Model *)model, arg, at, count, type, outputs)
+            : early::add((early::Model *)model, arg, at, count, type, outputs);
 }
 
 // What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
 struct Histories {
-  std::vector<std::vector<int> > sizes;
+  std::vector<std::vector<int>> sizes;
   bool ours;
   Histories() : ours(false) {}
   static std::map<void *, Histories> &all() {
@@ -204,7 +207,8 @@ void init_here(void *model) {
   if (!pair_now) return;
   Histories &kept = Histories::all()[pair_now];
   kept.sizes.push_back(layout == LATE ? late::sizes_of((late::Model *)model) : early::sizes_of((early::Model *)model));
-  if (layout == LATE ? late::has_table((late::Model *)model) : early::has_table((early::Model *)model)) kept.ours = true;
+  if (layout == LATE ? late::has_table((late::Model *)model) : early::has_table((early::Model *)model))
+    kept.ours = true;
 }
 
 struct PairNow {
@@ -233,8 +237,10 @@ void pair_init_here(void *pair) {
     for (size_t n = 1; n < kept->second.sizes.size(); n++)
       if (kept->second.sizes[n] != kept->second.sizes[0])
         raise(*((void ***)pair)[3], true,
-              "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up whenever "
-              "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the same tangential, "
+              "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up "
+              "whenever "
+              "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the "
+              "same tangential, "
               "rolling and twisting models");
   Stock::get().pair_init(pair);
 }
@@ -261,8 +267,8 @@ void *add_compute_here(void *modify, int count, char **arg, int suffix) {
   return Ledger::of(instance_of(modify)).add_compute(modify, count, arg, suffix);
 }
 
-// `import ctypes; ctypes.CDLL("demlawsplugin.so")` is enough where LAMMPS is loaded already; there is no instance to prove
-// the layout on yet, so that is done when the first name of ours is met.
+// `import ctypes; ctypes.CDLL("demlawsplugin.so")` is enough where LAMMPS is loaded already; there is no instance to
+// prove the layout on yet, so that is done when the first name of ours is met.
 __attribute__((constructor)) void start() {
   if (!Stock::get().add) return;
   const std::string why = install();
@@ -290,7 +296,9 @@ EXPORTED void lammpsplugin_init(void *, void *, void *);
 int demlaws_add(void *model, char **arg, int at, int count, int type) { return add_here(model, arg, at, count, type); }
 void demlaws_construct(void *model, std::string name, int type) { construct_here(model, name, type); }
 void demlaws_init(void *model) { init_here(model); }
-void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) { return add_compute_here(modify, count, arg, suffix); }
+void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) {
+  return add_compute_here(modify, count, arg, suffix);
+}
 void demlaws_pair_make(void *pair, void *lmp) { pair_make_here(pair, lmp); }
 void demlaws_pair_coeff(void *pair, int count, char **arg) { pair_coeff_here(pair, count, arg); }
 void demlaws_pair_restart(void *pair, FILE *file) { pair_restart_here(pair, file); }

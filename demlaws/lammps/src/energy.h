@@ -1,12 +1,12 @@
 // Where the energy of the contacts is: what plastic flow took is kept with the particles (fix property/atom
-// d_demlaws_dissipated), so that it goes with them from rank to rank and into restart files; what contacts store is summed
-// when it is asked for. [our derivation: halves of a contact's energy to its two particles]
+// d_demlaws_dissipated), so that it goes with them from rank to rank and into restart files; what contacts store is
+// summed when it is asked for. [our derivation: halves of a contact's energy to its two particles]
 #ifndef DEMLAWS_ENERGY_H
 #define DEMLAWS_ENERGY_H
 
-#include <map>
-#include "stock.h"
 #include "demlaws_table.h"
+#include "stock.h"
+#include <map>
 
 namespace {
 
@@ -29,7 +29,9 @@ public:
     one.lmp_ = lmp;
     return one;
   }
-  Ledger() : busy(false), collecting(false), collected(0.), wanted_(false), lmp_(NULL), modify_(NULL), taken_(NULL), wall_(NULL) {}
+  Ledger()
+      : busy(false), collecting(false), collected(0.), wanted_(false), lmp_(NULL), modify_(NULL), taken_(NULL),
+        wall_(NULL) {}
 
   // Before the pair style, or a wall, computes its forces.
   void begin(void *wall) {
@@ -56,8 +58,8 @@ public:
   void enter(const WallContact &contact) {
     if (wall_) walls_[wall_].contacts.push_back(contact);
   }
-  // Plastic flow took `energy` from the contact of the particles whose velocities stand at vi and vj; NULL: a wall. (The
-  // models of walls are not told the number of their particle.)
+  // Plastic flow took `energy` from the contact of the particles whose velocities stand at vi and vj; NULL: a wall.
+  // (The models of walls are not told the number of their particle.)
   void take(const double *vi, const double *vj, double energy) {
     if (!taken_) return;
     const long i = particle("v", vi), j = vj ? particle("v", vj) : -1;
@@ -76,13 +78,14 @@ public:
     return (place - all[0]) / 3;
   }
 
-  // `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values are
-  // ours. Two stock helpers beside it: the particles' ledger, and a compute that asks every pair contact.
+  // `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values
+  // are ours. Two stock helpers beside it: the particles' ledger, and a compute that asks every pair contact.
   void *add_compute(void *modify, int count, char **arg, int suffix) {
     const Stock &stock = Stock::get();
     modify_ = modify;
     if (count != 3 || strcmp(arg[1], "all"))
-      raise(error(), true, "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
+      raise(error(), true,
+            "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
     if (!stock.find_fix(modify, fix())) {
       const char *words[] = {fix(), "all", "property/atom", "d_demlaws_dissipated", "ghost", "no", "writedata", "no"};
       stock.add_fix(modify, 8, const_cast<char **>(words), 1);

@@ -55,7 +55,8 @@ struct NormalMod : public SubMod {
 
 protected:
   NormalMod(Model *m, int coefficients, int outputs)
-      : SubMod(m, coefficients, outputs), damp(0.), Emod(0.), poiss(0.), Fncrit(0.), material_properties(0), cohesive_flag(0) {}
+      : SubMod(m, coefficients, outputs), damp(0.), Emod(0.), poiss(0.), Fncrit(0.), material_properties(0),
+        cohesive_flag(0) {}
 };
 
 struct DampingMod : public SubMod {
@@ -100,7 +101,8 @@ struct Model {
 
 inline SubMod::SubMod(Model *m, int coefficients, int outputs)
     : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), size_history(0),
-      nondefault_history_transfer(0), transfer_history_factor(NULL), history_index(0), beyond_contact(0), allow_cohesion(1),
+      nondefault_history_transfer(0), transfer_history_factor(NULL), history_index(0), beyond_contact(0),
+      allow_cohesion(1),
 #if DEMLAWS_SYNCHRONIZED
       allow_synchronization(1),
 #endif
@@ -143,8 +145,8 @@ struct Probe : public NormalMod {
   }
 };
 
-// Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer, initialised
-// and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
+// Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer,
+// initialised and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
 inline bool abi_fits(void *lmp, const Stock &stock) {
   std::vector<double> buffer(2048);
   memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
@@ -156,7 +158,8 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
               !m->nondefault_history_transfer;
   for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
   if (!good) return false; // the buffer may be anything: leave it
-  char words[3][4][20] = {{"hertz/material", "3.0", "0.25", "0.125"}, {"linear_nohistory", "0.0", "0.0", ""}, {"viscoelastic", "", "", ""}};
+  char words[3][4][20] = {
+      {"hertz/material", "3.0", "0.25", "0.125"}, {"linear_nohistory", "0.0", "0.0", ""}, {"viscoelastic", "", "", ""}};
   const int types[] = {NORMAL, TANGENTIAL, DAMPING}, counts[] = {4, 3, 1};
   for (int k = 0; k < 3; k++) {
     char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
@@ -164,10 +167,10 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
   }
   NormalMod *const normal = m->normal_model;
   good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
-         normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history && !normal->transfer_history_factor &&
-         normal->allocated == 1 && normal->contact_radius_flag == 1 && !normal->nsvector && normal->damp == 0.25 &&
-         normal->Emod == 3. && normal->poiss == 0.125 && normal->material_properties == 1 && !normal->cohesive_flag &&
-         normal->of.lmp == lmp;
+         normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
+         !normal->transfer_history_factor && normal->allocated == 1 && normal->contact_radius_flag == 1 &&
+         !normal->nsvector && normal->damp == 0.25 && normal->Emod == 3. && normal->poiss == 0.125 &&
+         normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp;
   if (!good) return false;
   stock.init(m);
   double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};
@@ -190,8 +193,9 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
     const double damping = 0.25 * 2. * a * 2.;
     good = m->delta == 0.25 && m->r == 0.5 && fabs(m->vnnr + 2.) < 1e-6 && fabs(m->vrel - 1.5) < 1e-6 &&
            fabs(m->contact_radius - a) < 1e-15 && fabs(m->Fnormal - (4. / 3.) * E * a * 0.25) < 1e-14 &&
-           fabs(m->damping_model->damp_prefactor - 0.25 * 2. * a) < 1e-15 && fabs(m->Fntot - m->Fnormal - damping) < 1e-6 &&
-           fabs(m->normal_model->Fncrit - fabs(m->Fntot)) < 1e-14 && fabs(m->forces[0] - m->Fntot) < 1e-14;
+           fabs(m->damping_model->damp_prefactor - 0.25 * 2. * a) < 1e-15 &&
+           fabs(m->Fntot - m->Fnormal - damping) < 1e-6 && fabs(m->normal_model->Fncrit - fabs(m->Fntot)) < 1e-14 &&
+           fabs(m->forces[0] - m->Fntot) < 1e-14;
   }
   stock.unmake(m);
   if (!good) return false;
@@ -208,7 +212,8 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
   m->normal_model = probe;
   stock.init(m);
   good = m->size_history == 3 && m->nondefault_history_transfer == 1 && m->transfer_history_factor &&
-         m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. && m->nsvector == Probe::OUTPUTS && m->svector;
+         m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. && m->nsvector == Probe::OUTPUTS &&
+         m->svector;
   m->contact_type = 1;
   m->history_update = 0;
   m->calculate_svector = 0;

@@ -1,7 +1,7 @@
 // The granular sub-models of demlaws, included once for each layout after granular_abi.h (no include guard).
 //   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X]
-//            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it: the
-//            length in FILE); against: the other body is of another material
+//            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it:
+//            the length in FILE); against: the other body is of another material
 //   damping  demlaws/tangent
 //            eta is the coefficient of restitution; c = c(e) sqrt(m K) with the tangent stiffness K of the table
 namespace DEMLAWS_LAYOUT {
@@ -14,13 +14,15 @@ public:
 
   // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
   Table(Model *m, const std::string &named, const demlaws::Table &table)
-      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.), radius_(0.) {
+      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
+        radius_(0.) {
     name = named;
     material_properties = 1;
-    // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models have
-    // other sizes than those of another pair to the wrong place.
+    // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
+    // have other sizes than those of another pair to the wrong place.
     size_history = MOST_STATE;
-    nondefault_history_transfer = 1; // the state is the same seen from either particle: the default factor -1 is not for it
+    nondefault_history_transfer =
+        1; // the state is the same seen from either particle: the default factor -1 is not for it
     transfer_history_factor = new double[MOST_STATE];
     std::fill(transfer_history_factor, transfer_history_factor + MOST_STATE, 1.);
     coeffs[TOLERANCE] = 0.01;
@@ -31,10 +33,13 @@ public:
     Emod = coeffs[YOUNG];
     damp = coeffs[ETA];
     poiss = coeffs[POISSON];
-    if (!(Emod > 0.) || !(damp >= 0.) || !(poiss > -1. && poiss <= 0.5) || !(coeffs[ROUGHNESS] >= 0.) || !(coeffs[TOLERANCE] >= 0.))
-      refuse("Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from -1 to 0.5");
+    if (!(Emod > 0.) || !(damp >= 0.) || !(poiss > -1. && poiss <= 0.5) || !(coeffs[ROUGHNESS] >= 0.) ||
+        !(coeffs[TOLERANCE] >= 0.))
+      refuse("Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from "
+             "-1 to 0.5");
     if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
-      refuse("this is not the table that the restart file was written with: bring that file back, or write pair_coeff anew");
+      refuse("this is not the table that the restart file was written with: bring that file back, or write pair_coeff "
+             "anew");
     try { // two bodies of one material
       pair_ = demlaws::Pair(table_, Emod / (2. * (1. - poiss * poiss)), table_.collapses() ? coeffs[ROUGHNESS] : 0.);
     } catch (const std::exception &problem) {
@@ -45,11 +50,12 @@ public:
     radius_ = table_.of_contact("radius", 0.);
     const double made_for = table_.of_contact("modulus", 0.);
     if (!(radius_ > 0.) || !(made_for > 0.)) refuse("the table says 'collapses: no' but has no radius and modulus");
-    if (coeffs[ROUGHNESS] > 0.) refuse("law " + table_.text("law") + " does not collapse, the table holds for its own roughness only");
+    if (coeffs[ROUGHNESS] > 0.)
+      refuse("law " + table_.text("law") + " does not collapse, the table holds for its own roughness only");
     if (!(fabs(pair_.modulus - made_for) <= 1e-6 * made_for)) {
       std::ostringstream what;
-      what << "law " << table_.text("law") << " does not collapse, the table holds for the effective modulus " << made_for
-           << " Pa only, here it is " << pair_.modulus << " Pa; make a table of this pair of types";
+      what << "law " << table_.text("law") << " does not collapse, the table holds for the effective modulus "
+           << made_for << " Pa only, here it is " << pair_.modulus << " Pa; make a table of this pair of types";
       refuse(what.str());
     }
   }
@@ -66,7 +72,8 @@ public:
   void mix_coeffs(double *a, double *b) {
     join(a[YOUNG], a[POISSON], b[YOUNG], b[POISSON], coeffs[YOUNG], coeffs[POISSON]);
     coeffs[ETA] = sqrt(a[ETA] * b[ETA]);
-    if ((a[ROUGHNESS] > 0.) != (b[ROUGHNESS] > 0.)) refuse("either both types or none must have a roughness to be mixed");
+    if ((a[ROUGHNESS] > 0.) != (b[ROUGHNESS] > 0.))
+      refuse("either both types or none must have a roughness to be mixed");
     coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
     coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
     coeffs[FINGERPRINT] = a[FINGERPRINT];
@@ -87,14 +94,16 @@ protected:
     if (__builtin_expect(now.outside, 0)) refuse_overlap();
     if (__builtin_expect(radius_ > 0. && !(fabs(m->Reff - radius_) <= coeffs[TOLERANCE] * radius_), 0)) refuse_radius();
     stiffness_ = now.stiffness;
-    m->contact_radius = now.stiffness / (2. * pair_.modulus); // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+    m->contact_radius =
+        now.stiffness / (2. * pair_.modulus); // K = 2 E* a: what mindlin, viscoelastic and heat scale with
     return now.force;
   }
   // After a step that somebody wants to know more of.
   __attribute__((noinline, cold)) void account(const double *before, const double *state) {
     Model *const m = gm;
     double stored = 0., dissipated = 0.;
-    if (ledger_.collecting || m->calculate_svector) demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
+    if (ledger_.collecting || m->calculate_svector)
+      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
     if (m->calculate_svector && nsvector) {
       double *const out = m->svector + index_svector;
       const bool kept = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
@@ -128,7 +137,9 @@ protected:
   double stiffness_, radius_; // radius_ > 0: the only one the table holds for
 
 private:
-  __attribute__((noinline, cold)) void refuse(const std::string &what) const { raise(*of.error, true, name + ": " + what); }
+  __attribute__((noinline, cold)) void refuse(const std::string &what) const {
+    raise(*of.error, true, name + ": " + what);
+  }
   // The bodies by their numbers, as far as they are known: before the forces a wall's model is told of neither.
   __attribute__((noinline, cold)) std::string who(bool before) const {
     const Stock &stock = Stock::get();
@@ -150,8 +161,8 @@ private:
   }
   __attribute__((noinline, cold)) void refuse_overlap() const {
     std::ostringstream what;
-    what << who(false) << "overlap " << gm->delta << " m is beyond the last row, " << table_.last_overlap() * pair_.length_of(gm->Reff)
-         << " m; make a table with a larger range";
+    what << who(false) << "overlap " << gm->delta << " m is beyond the last row, "
+         << table_.last_overlap() * pair_.length_of(gm->Reff) << " m; make a table with a larger range";
     raise(*of.error, false, what.str());
   }
   __attribute__((noinline, cold)) void refuse_radius() const {
@@ -163,7 +174,8 @@ private:
   }
   // A position that is no number touches nothing: without this the particle would drop out of the model silently.
   __attribute__((noinline, cold)) void refuse_position() const {
-    raise(*of.error, false, who(true) + "a position is not a number; take a smaller time step, look at what was done to this particle");
+    raise(*of.error, false,
+          who(true) + "a position is not a number; take a smaller time step, look at what was done to this particle");
   }
 };
 
@@ -191,7 +203,8 @@ public:
     normal_ = dynamic_cast<Table *>(gm->normal_model);
     if (!normal_) raise(*of.error, true, "damping demlaws/tangent goes with the normal model demlaws/table only");
     const double e = normal_->damp, logarithm = e > 0. ? log(e) : 0.;
-    if (!(e > 0. && e <= 1.)) raise(*of.error, true, "damping demlaws/tangent: eta is a coefficient of restitution, above 0 to 1");
+    if (!(e > 0. && e <= 1.))
+      raise(*of.error, true, "damping demlaws/tangent: eta is a coefficient of restitution, above 0 to 1");
     damp = -2. * sqrt(5. / 6.) * logarithm / sqrt(M_PI * M_PI + logarithm * logarithm);
   }
   double calculate_forces() {
@@ -205,10 +218,14 @@ private:
 
 inline Table *make_table(Model *m, const std::string &named, const demlaws::Table &table) {
   switch (table.unloading()) {
-  case demlaws::ELASTIC: return new Ruled<demlaws::ELASTIC>(m, named, table);
-  case demlaws::HERTZ: return new Ruled<demlaws::HERTZ>(m, named, table);
-  case demlaws::THORNTON: return new Ruled<demlaws::THORNTON>(m, named, table);
-  default: return new Ruled<demlaws::GIVEN>(m, named, table);
+  case demlaws::ELASTIC:
+    return new Ruled<demlaws::ELASTIC>(m, named, table);
+  case demlaws::HERTZ:
+    return new Ruled<demlaws::HERTZ>(m, named, table);
+  case demlaws::THORNTON:
+    return new Ruled<demlaws::THORNTON>(m, named, table);
+  default:
+    return new Ruled<demlaws::GIVEN>(m, named, table);
   }
 }
 
@@ -217,7 +234,8 @@ inline void construct(Model *m, const std::string &name, int type, bool outputs)
   SubMod *made;
   if (type == NORMAL) {
     const size_t space = name.find(' ');
-    if (space == std::string::npos) raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
+    if (space == std::string::npos)
+      raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
     Table *const table = make_table(m, name, tables().get(name.substr(space + 1), *m->of.error));
     if (!outputs) table->nsvector = 0;
     m->normal_model = table;
@@ -239,7 +257,9 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
     construct(m, name, type, outputs);
     return at;
   }
-  if (at + 4 > count) raise(error, true, "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X]");
+  if (at + 4 > count)
+    raise(error, true,
+          "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X]");
   name += std::string(" ") + arg[at++];
   static const char *const names[3] = {"E", "eta", "nu"};
   double c[3];
@@ -251,7 +271,8 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
     const std::string word = arg[at];
     const int values = word == "against" ? 2 : 1;
     if (word != "roughness" && word != "against" && word != "radius_tolerance") break;
-    if (at + values >= count) raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
+    if (at + values >= count)
+      raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
     const double first = number(error, word, arg[at + 1]);
     if (word == "roughness" && !(first > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
     if (word == "roughness") into[Table::ROUGHNESS] = first;
@@ -259,7 +280,8 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
     else {
       const double other = number(error, word, arg[at + 2]);
       if (!(first > 0.) || !(other > -1. && other <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
-        raise(error, true, "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
+        raise(error, true,
+              "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
       Table::join(into[0], into[2], first, other, into[0], into[2]);
     }
     at += values + 1;

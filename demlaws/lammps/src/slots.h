@@ -1,12 +1,12 @@
-// Where a shared object keeps the address of a function that it calls, or holds in a table of virtual functions: found by
-// the function's name in the object's relocations, and written.
+// Where a shared object keeps the address of a function that it calls, or holds in a table of virtual functions: found
+// by the function's name in the object's relocations, and written.
 #ifndef DEMLAWS_SLOTS_H
 #define DEMLAWS_SLOTS_H
 
+#include <cstring>
 #include <link.h>
 #include <sys/mman.h>
 #include <unistd.h>
-#include <cstring>
 #include <vector>
 
 namespace {
@@ -58,7 +58,8 @@ private:
     for (int k = 0; k < object->dlpi_phnum; k++) {
       const ElfW(Phdr) &part = object->dlpi_phdr[k];
       const ElfW(Addr) from = object->dlpi_addr + part.p_vaddr;
-      if (part.p_type == PT_GNU_RELRO && at >= (from & ~(page - 1)) && at < ((from + part.p_memsz) & ~(page - 1))) one.protect = true;
+      if (part.p_type == PT_GNU_RELRO && at >= (from & ~(page - 1)) && at < ((from + part.p_memsz) & ~(page - 1)))
+        one.protect = true;
     }
     put(place, function, one.protect);
     written().push_back(one);
@@ -67,14 +68,16 @@ private:
     const Visit &visit = *(Visit *)data;
     const ElfW(Dyn) *dynamic = NULL;
     for (int k = 0; k < object->dlpi_phnum; k++)
-      if (object->dlpi_phdr[k].p_type == PT_DYNAMIC) dynamic = (const ElfW(Dyn) *)(object->dlpi_addr + object->dlpi_phdr[k].p_vaddr);
+      if (object->dlpi_phdr[k].p_type == PT_DYNAMIC)
+        dynamic = (const ElfW(Dyn) *)(object->dlpi_addr + object->dlpi_phdr[k].p_vaddr);
     if (!dynamic) return 0;
     const ElfW(Sym) *symbols = NULL;
     const char *strings = NULL;
-    const ElfW(Rela) *tables[2] = {NULL, NULL};
+    const ElfW(Rela) * tables[2] = {NULL, NULL};
     size_t sizes[2] = {0, 0};
     for (; dynamic->d_tag != DT_NULL; dynamic++) {
-      const ElfW(Addr) at = dynamic->d_un.d_ptr < object->dlpi_addr ? dynamic->d_un.d_ptr + object->dlpi_addr : dynamic->d_un.d_ptr;
+      const ElfW(Addr) at =
+          dynamic->d_un.d_ptr < object->dlpi_addr ? dynamic->d_un.d_ptr + object->dlpi_addr : dynamic->d_un.d_ptr;
       if (dynamic->d_tag == DT_SYMTAB) symbols = (const ElfW(Sym) *)at;
       if (dynamic->d_tag == DT_STRTAB) strings = (const char *)at;
       if (dynamic->d_tag == DT_JMPREL) tables[0] = (const ElfW(Rela) *)at;

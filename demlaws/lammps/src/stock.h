@@ -2,11 +2,11 @@
 #ifndef DEMLAWS_STOCK_H
 #define DEMLAWS_STOCK_H
 
-#include <dlfcn.h>
-#include <link.h>
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <dlfcn.h>
+#include <link.h>
 #include <string>
 #include <vector>
 
