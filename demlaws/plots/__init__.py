@@ -77,7 +77,7 @@ def path_figure(path, title=""):
     left.set(xlabel="overlap (µm)", ylabel="force (N)", title=title)
     touching = path.force > 0
     right.loglog(path.force[touching], path.stiffness[touching] / 1e3, ".", ms=3)
-    right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
+    right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)", title="tangent stiffness")
     return fig
 
 
@@ -103,7 +103,7 @@ def table_figure(table, law):
     if len(curves) > 1:
         left.legend(fontsize=8)
     right.axhline(table.rtol, color="k", ls="--", lw=0.8, label="asked for")
-    right.set(xlabel="overlap/length", ylabel="relative error")
+    right.set(xlabel="overlap/length", ylabel="relative error", title="errors against the law, between the nodes")
     right.legend(fontsize=8)
     return fig
 
@@ -177,7 +177,7 @@ def granite_roughness(tests, make):
     left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
     right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")
     left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")
-    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)")
+    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="tangent stiffness")
     left.legend(fontsize=8)
     return fig
 
@@ -208,22 +208,31 @@ def granite_unloading(test, elastic, hertz, points=None):
     return fig
 
 
+def _step_colour(number, count):
+    """Colours of a sequence, as many as there are steps, from dark to light."""
+    from matplotlib import colormaps
+
+    return colormaps["viridis"](0.9 * number / max(count - 1, 1))
+
+
 def granite_cycles(run, stages):
     """Cycles of a cone: force against displacement stage by stage, and stiffness of each loading branch."""
     fig, (left, right) = figure(columns=2, width=5.6, height=4.4)
-    palette = ["#1f77b4", "#2ca02c", "#ff7f0e", "#9467bd", "#d62728"]
     for number, path in enumerate(run.paths):
         label = f"stage {number + 1}" if len(run.paths) > 1 else run.law.name
-        left.plot(path.overlap * 1e6, path.force, color=palette[number % 5], lw=1.2, label=label)
+        # later stages are thinner: they lie over the earlier ones that they repeat
+        width = 1.0 + 0.5 * (len(run.paths) - 1 - number)
+        left.plot(path.overlap * 1e6, path.force, color=_step_colour(number, len(run.paths)), lw=width, label=label)
     left.set(xlabel="overlap (µm)", ylabel="force (N)", title=f"{run.test.name}: {run.law.name}, {run.law.unloading} unloading")
     path = run.paths[0] if len(run.paths) == 1 else run.paths[3]
-    rising = np.r_[False, np.diff(path.force) > 0] & (path.force > 0.5)
-    for number, branch in enumerate(np.split(np.flatnonzero(rising), np.flatnonzero(np.diff(np.flatnonzero(rising)) > 1) + 1)):
+    rising = np.flatnonzero(np.r_[False, np.diff(path.force) > 0] & (path.force > 0.5))
+    branches = np.split(rising, np.flatnonzero(np.diff(rising) > 1) + 1)
+    for number, branch in enumerate(branches):
         right.loglog(
             path.force[branch],
             path.stiffness[branch] / 1e3,
-            lw=1.2,
-            color=palette[number % 5],
+            lw=1.2 + 0.5 * (len(branches) - 1 - number),
+            color=_step_colour(number, len(branches)),
             label=f"to {path.force[branch].max():.0f} N",
         )
     load = np.geomspace(0.5, path.force.max(), 100)

@@ -25,6 +25,7 @@ def fit_figure(ranking, source=""):
         right.plot(force, (displacement - fit.displacement) * 1e6, ".", ms=3, color=shade, label=fit.name)
     left.set(xlabel="displacement (µm)", ylabel="force (N)", title="measured points and laws fitted to them")
     right.axhline(0.0, color="k", lw=0.8)
+    right.set(title="what the laws leave of the displacement")
     right.set(xlabel="force (N)", ylabel="measured - fitted displacement (µm)", ylim=(-1.2e6 * widest, 1.2e6 * widest))
     left.legend(fontsize=7)
     right.legend(fontsize=7)
@@ -189,9 +190,13 @@ def _against(ax, entries, floor, errors):
     lowest = 1e-16
     for e in entries:
         shade, marker = colour(e.law), _MARKERS[e.evaluation]
-        ax.plot(e.ns, max(getattr(e, errors)["force"], lowest), marker, color=shade, ms=5 if e.unloading == "elastic" else 3.5)
+        size, edge = (6.0 if e.unloading == "elastic" else 4.0), {} if marker == "x" else {"mec": "white", "mew": 0.4}
+        ax.plot(e.ns, max(getattr(e, errors)["force"], lowest), marker, color=shade, ms=size, alpha=0.8, **edge)
     ax.axvline(floor, color="k", lw=0.8, ls=":")
+    costs = [e.ns for e in entries]
     ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest error of force")
+    # one evaluation that was held up must not press all others together
+    ax.set_xlim(0.8 * min(floor, *costs), min(1.3 * max(costs), 30.0 * float(np.median(costs))))
 
 
 def trade_figure(entries, floor, steps=(), engines=None):

@@ -260,7 +260,7 @@ def test_a_second_instance_at_the_same_address_finds_nothing(granite):
     )
     done = subprocess.run(
         [sys.executable, "-c", TWO_INSTANCES, str(build()), "in.first", "in.first", "in.second"],
-        cwd=granite, capture_output=True, text=True, timeout=120,
+        cwd=granite, capture_output=True, text=True, timeout=600,
     )  # fmt: skip
     assert done.stdout.count("ran in.first") == 2, done.stderr
     assert "ran in.second" not in done.stdout
@@ -281,7 +281,7 @@ def on_two_folders(first, second, text):
     preload = ["-x", next(w for w in line if w.startswith("LD_PRELOAD="))]
     part = [["-np", "1", "-wdir", str(folder), *preload, *program] for folder in (first, second)]
     return subprocess.run(
-        [*common, *part[0], ":", *part[1]], env=environment, cwd=first, capture_output=True, text=True, timeout=60
+        [*common, *part[0], ":", *part[1]], env=environment, cwd=first, capture_output=True, text=True, timeout=600
     )
 
 
