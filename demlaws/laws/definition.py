@@ -146,6 +146,10 @@ class Definition(NamedTuple):
     colour: str = "#888888"
     line: str = "-"
 
+    def __reduce__(self) -> tuple:
+        """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
+        return _of_name, (self.name,)
+
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
         try:
@@ -175,3 +179,9 @@ class Definition(NamedTuple):
             return self.needs
         definition, rest = self.before_yield(**options)
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
+
+
+def _of_name(name: str) -> Definition:
+    from demlaws.laws.registry import find
+
+    return find(name)
