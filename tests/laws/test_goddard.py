@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from accuracy import check, contacts, measure, overlaps
-from examples import GRANITE
+from examples import GRANITE, quiet
 
 import demlaws as dl
 
@@ -20,9 +20,11 @@ def test_stiffness_at_and_around_the_threshold(slope):
     threshold = 9 * math.pi**3 / 128 * GRANITE.modulus * GRANITE.radius**2 * tangent**3
     for factor in (1e-6, 0.5, 1 - 1e-12, 1 + 1e-12, 2.0, 1e3):
         force = factor * threshold
+        if (0.75 * force / (ELASTIC.modulus * math.sqrt(ELASTIC.radius))) ** (2 / 3) > 0.7 * ELASTIC.radius:
+            continue  # beyond the radius no law answers
         cone = 2 * math.sqrt(2 * GRANITE.modulus * force / (math.pi * tangent))
-        smooth = hertz.stiffness(hertz.overlap(force))
-        assert law.stiffness(law.overlap(force)) == pytest.approx(min(cone, smooth), rel=1e-11)
+        smooth = quiet(hertz.stiffness, quiet(hertz.overlap, force))
+        assert quiet(law.stiffness, quiet(law.overlap, force)) == pytest.approx(min(cone, smooth), rel=1e-11)
 
 
 @pytest.mark.parametrize("slope", SLOPES)

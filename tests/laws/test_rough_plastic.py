@@ -12,6 +12,7 @@ import demlaws as dl
 CONE = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.25, hardness=6.266e9)
 
 
+@pytest.mark.filterwarnings("ignore:.*of the effective radius:demlaws.errors.ValidityWarning")
 def test_yield_of_the_cones():
     """RFC10: 5000 N/mm is p_y = 1.66 GPa = 0.265 H_m, and Hertz alone yields at 20.8 N. FC5: 2437 N/mm, about 7 N."""
     for contact, pressure, stiffness, force in (
@@ -65,6 +66,7 @@ def test_contact_radius_after_yield_sets_thorntons_unloading():
         assert path.force[1] == pytest.approx(again, rel=1e-11)
 
 
+@pytest.mark.filterwarnings("ignore:.*of the effective radius:demlaws.errors.ValidityWarning")
 def test_plastic_overlap_is_nearly_linear_in_the_largest_load():
     law = dl.law("rough-plastic", CONE, unloading="hertz", yield_pressure=1.66e9)
     forces = np.array([40.0, 80.0, 150.0, 300.0, 450.0])
