@@ -167,7 +167,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     )
 
 
-def elastic_contact(law, mass, speed):
+def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
     from scipy.optimize import brentq
 

@@ -58,8 +58,17 @@ def _inverse(p, force):
     return high
 
 
+@kernel
+def _energy(p, overlap):
+    u = overlap / p.length
+    work = u * power(u, p.exponent) / (p.exponent + 1.0)
+    for kink in p.kinks:
+        work += 0.5 * STEP * max(u - kink, 0.0) ** 2
+    return p.hertz_coefficient * sqrt(p.length) * p.length * p.length * work
+
+
 bind(MadeUpShape, scale=_scale)
-bind(MadeUpParams, virgin=_virgin, inverse=_inverse)
+bind(MadeUpParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 def made_up_law(contact, exponent=1.5, kinks=()):

@@ -218,6 +218,7 @@ struct PairNow {
 
 void pair_make_here(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
+  prove(lmp); // preloaded, nobody asked before; the lines of stock models are to be counted, too
   Histories::all().erase(pair);
 }
 void pair_coeff_here(void *pair, int count, char **arg) {

@@ -17,6 +17,8 @@ SAID = {
     "measured_surface": "law of mean",
     "examples": "runs by both laws, 0 failed",
 }
+MORE = {"examples": ["--only", "FEMxDEM", "beside", "batch"]}
+"""Arguments beside --quick: all of YADE's examples take minutes."""
 
 
 def test_every_script_is_tested():
@@ -28,6 +30,7 @@ def test_every_script_is_tested():
 def test_script(name, tmp_path):
     script = SCRIPTS / f"{name}.py"
     command = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script), "--quick", "--out", str(tmp_path)]
+    command += MORE.get(name, [])
     done = subprocess.run(command, capture_output=True, text=True, timeout=6000, cwd=SCRIPTS.parent)
     assert done.returncode == 0, done.stdout + done.stderr
     assert SAID[name] in done.stdout
