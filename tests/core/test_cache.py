@@ -4,6 +4,7 @@ import os
 import shutil
 import time
 
+import pytest
 from processes import PACKAGE, counted, finish, python, start
 
 RUN_EVERYTHING = counted("""
@@ -65,19 +66,27 @@ def test_a_second_process_compiles_nothing():
     assert compiled == "0", which
 
 
-def test_editing_a_law_is_noticed(tmp_path):
-    """The loop that holds a law's machine code lives in another file than the law: its cache must follow the law."""
+@pytest.mark.parametrize(
+    ("file", "old", "new", "factor"),
+    [
+        ("laws/hertz.py", "1.5 * stiffness", "3.0 * stiffness", 2.0),
+        ("core/hertz.py", "sqrt(radius) / 3.0", "sqrt(radius) / 6.0", 0.5),
+    ],
+)
+def test_editing_is_noticed(tmp_path, file, old, new, factor):
+    """The loop that holds a law's machine code lives in another file than the law and what it is made of: its cache must
+    follow them all."""
     folder = copy(tmp_path)
     first, compiled = hertz(folder, NUMBA_CACHE_DIR=None)
     assert compiled > 3
     assert hertz(folder, NUMBA_CACHE_DIR=None) == (first, 0)
-    file = folder / "demlaws" / "laws" / "hertz.py"
+    file = folder / "demlaws" / file
     text = file.read_text()
-    assert text.count("1.5 * stiffness") == 1
+    assert text.count(old) == 1
     before = file.stat()
-    file.write_text(text.replace("1.5 * stiffness", "3.0 * stiffness"))  # as long as before, and as old:
+    file.write_text(text.replace(old, new))  # as long as before, and as old:
     os.utime(file, ns=(before.st_atime_ns, before.st_mtime_ns))
-    assert hertz(folder, NUMBA_CACHE_DIR=None)[0] == 2 * first
+    assert hertz(folder, NUMBA_CACHE_DIR=None)[0] == pytest.approx(factor * first, rel=1e-15)
     file.write_text(text)
     assert hertz(folder, NUMBA_CACHE_DIR=None) == (first, 0)  # the machine code of the law as it was is still there
 
