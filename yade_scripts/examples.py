@@ -5,7 +5,7 @@ factories, the Conical Damage Model beside ours, yade-batch) run as they are, ex
 Law2_ScGeom_MindlinPhys_Mindlin, then ours in its place, and that runs are shortened; energy, stress or height of both. No
 script is kept here: they are read from the folder in which YADE's package has them, or from the one that is given.
 Start: demlaws yade run -x yade_scripts/examples.py [--quick] [--examples FOLDER] [--only NAME ...] [--out FOLDER]
-Takes: about 4 min (quick: 2 min, a quarter of the steps). Saves examples.png.
+Takes: some 10 min (quick, a quarter of the steps: 5), --only for less. Saves examples.png.
 """
 
 import argparse
@@ -318,7 +318,7 @@ def row(example, mindlin, ours):
     a, b = mindlin[quantity], ours[quantity]
     seen = f"{ours['seen']}/{ours['contacts']}"
     line = (
-        f"{example.name:21}{example.changed:33}{'nothing':9}{mindlin['steps']:7d}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
+        f"{example.name:21}{example.changed:36}{'nothing':9}{mindlin['steps']:7d}{ours['steps']:7d}{mindlin['contacts']:7d}{seen:>12}"
         f"{mindlin['energy']:12.3e}{ours['energy']:12.3e}  {quantity:7}{a:12.4g}{b:12.4g} {unit}"
     )
     return line, (example.name, a, b)
@@ -356,7 +356,7 @@ def main():
         "To Mindlin: what differs from the example; to ours: what had to be changed beside the law; seen: contacts by our law."
     )
     print(
-        f"{'example':21}{'to Mindlin':33}{'to ours':9}{'steps':>7}{'ours':>7}{'':>7}{'contacts seen':>12}"
+        f"{'example':21}{'to Mindlin':36}{'to ours':9}{'steps':>7}{'ours':>7}{'':>7}{'contacts seen':>12}"
         f"{'E_kin [J]':>11}{'ours':>12}  {'':7}{'Mindlin':>12}{'ours':>12}"
     )
     rows, failed = [], 0

@@ -18,9 +18,9 @@ def family():
 
 def test_one_contact_has_one_curve_and_several_have_a_family(family):
     one = dl.law("yip-venart", GRANITE)
-    assert type(one.shape).__name__ == "ImplicitShape" and one.shape.table.cells.shape[0] == one.shape.table.count
+    assert type(one.shape).__name__ == "ImplicitShape" and one.shape.table.grid.cells.shape[0] == one.shape.table.grid.count
     assert type(family.shape).__name__ == "FamilyShape" and family.shape.curves >= 2
-    assert family.shape.cells.shape == (family.shape.curves * family.shape.table.count, 4)
+    assert family.shape.grid.cells.shape == (family.shape.curves * family.shape.grid.count, 4)
 
 
 def test_between_two_curves_the_family_is_the_solvers(family):

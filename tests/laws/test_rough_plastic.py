@@ -23,7 +23,7 @@ def test_yield_of_the_cones():
         assert law.force(kink) == pytest.approx(force, rel=0.01)
         exact = math.pi**3 * contact.radius**2 * pressure**3 / (6 * contact.modulus**2)
         assert law.force(kink) == pytest.approx(exact, rel=1e-13)
-        np.testing.assert_allclose(law.stiffness(kink * np.array([1.0, 1.5, 10.0])), stiffness, rtol=2e-3)
+        np.testing.assert_allclose(quiet(law.stiffness, kink * np.array([1.0, 1.5, 10.0])), stiffness, rtol=2e-3)
     assert 1.66e9 == pytest.approx(0.265 * CONE.hardness, rel=1e-3)
 
 
@@ -68,7 +68,7 @@ def test_contact_radius_after_yield_sets_thorntons_unloading():
 def test_plastic_overlap_is_nearly_linear_in_the_largest_load():
     law = dl.law("rough-plastic", CONE, unloading="hertz", yield_pressure=1.66e9)
     forces = np.array([40.0, 80.0, 150.0, 300.0, 450.0])
-    plastic = [law.follow([law.overlap(f)]).plastic_overlap[0] for f in forces]
+    plastic = [quiet(law.follow, [quiet(law.overlap, f)]).plastic_overlap[0] for f in forces]
     fit = np.polyfit(forces, plastic, 1)
     assert fit[0] > 0
     assert np.max(np.abs(np.polyval(fit, forces) - plastic)) < 0.05 * plastic[-1]
