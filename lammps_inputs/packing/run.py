@@ -1,4 +1,4 @@
-"""10,000 polydisperse granite spheres settle under gravity; 3 minutes on 2 ranks (600 spheres with --quick, 10 s).
+"""10,000 polydisperse granite spheres settle under gravity; 3 minutes on 2 ranks (300 spheres with --quick, 20 s).
 
 python run.py -np 2
 """
@@ -47,7 +47,7 @@ def write_loose(path, count, half, seed=7):
 
 def simulate(folder, ranks=1, quick=False):
     common.table(folder, "granite.tbl", law())
-    half, count, settle = (0.0115, 300, 90000) if quick else (0.04, 10000, 120000)
+    half, count, settle = (0.0115, 300, 140000) if quick else (0.04, 10000, 120000)
     write_loose(folder / "loose.data", count, half)
     run(folder / "in.packing", ranks, {"half": half, "settle": settle}, echo=not quick)
 
