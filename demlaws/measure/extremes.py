@@ -219,9 +219,9 @@ def compare(group, prescribed, kinds, overlap, force):
         life[n] = most  # largest overlap before this step
         most = np.where(apart[n], 0.0, np.maximum(most, overlap[n]))
     first = ~apart & (overlap >= life) & (exact > 1e-290)
-    to_law = float(np.max(wrong_by_law[first] / exact[first], initial=0.0))
     held = overlap >= group.floor
     first &= held
+    to_law = float(np.max(wrong_by_law[first] / exact[first], initial=0.0))
     radius = np.broadcast_to(np.asarray(group.contact.radius, float), (pairs,))
     decade = np.floor(np.log10(np.where(apart, 1.0, overlap) / radius)).astype(int)
     relative = np.where(first, wrong / np.where(first, expected, 1.0), 0.0) / EPS

@@ -196,7 +196,8 @@ def _against(ax, entries, floor, errors):
     costs = [e.ns for e in entries]
     ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest error of force")
     # one evaluation that was held up must not press all others together
-    ax.set_xlim(0.8 * min(floor, *costs), min(1.3 * max(costs), 30.0 * float(np.median(costs))))
+    if costs:
+        ax.set_xlim(0.8 * min(floor, *costs), min(1.3 * max(costs), 30.0 * float(np.median(costs))))
 
 
 def trade_figure(entries, floor, steps=(), engines=None):

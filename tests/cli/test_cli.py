@@ -111,7 +111,7 @@ def test_granite(tmp_path, capsys):
         (["table", "--law", "hertz", *CONTACT, "--out", "/proc/nowhere/t"], "cannot write"),
         (["granite", "--test", "XX"], "unknown test 'XX'"),
         (["granite", "--test", "RFC10", "--data", "/nowhere.csv"], "cannot read points"),
-        (["granite", "--data", "/nowhere.csv"], "needs --test"),
+        (["granite", "--data", "/nowhere.csv"], "say which test"),
     ],
 )
 def test_errors_are_one_line(arguments, says, capsys, tmp_path, monkeypatch):
