@@ -15,7 +15,7 @@ def deviations(groups):
             spread = np.linspace(-0.25, 0.25, len(distance)) if distance else []
             ax.plot(distance, height + np.asarray(spread), marker, color=colour, ms=4, ls="none")
     ax.axvline(1.0, color="k", lw=0.8)
-    ax.set(xscale="log", xlim=(7e-10, 12.0), xlabel="distance from the expected value over the tolerance (1: the limit)")
+    ax.set(xscale="log", xlim=(7e-10, 12.0), xlabel="distance from the expected value over tolerance")
     ax.set_yticks(range(len(groups)), list(groups))
     ax.invert_yaxis()
     return fig
