@@ -30,6 +30,15 @@ def _checked(law):
     return law
 
 
+def _kinetic(mass, speed):
+    kinetic = 0.5 * mass * speed * speed
+    if not 1e-200 < kinetic < math.inf:
+        raise DemlawsError(
+            f"speed = {speed:g} m/s: the kinetic energy of {mass:g} kg is {kinetic:g} J, beyond what can be computed"
+        )
+    return kinetic
+
+
 def _count(steps):
     return whole(steps, "steps")
 
@@ -128,11 +137,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
-    p, kinetic = _checked(law)._single(), 0.5 * mass * speed * speed
-    if not 1e-200 < kinetic < math.inf:
-        raise DemlawsError(
-            f"speed = {speed:g} m/s: the kinetic energy of {mass:g} kg is {kinetic:g} J, beyond what can be computed"
-        )
+    p, kinetic = _checked(law)._single(), _kinetic(mass, speed)
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
@@ -171,12 +176,13 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
     from scipy.optimize import brentq
 
-    kinetic = 0.5 * mass * speed**2
+    mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
+    params, kinetic = _checked(law)._single(), _kinetic(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
         values = np.atleast_1d(np.asarray(overlaps, float))
         result = np.empty(values.size)
-        energy_loop(law.params, values, result)
+        energy_loop(params, values, result)
         return result
 
     high = float(law.contact.radius)

@@ -66,7 +66,7 @@ def test_granite_prints_the_misfit_of_first_loading(tmp_path, capsys, bound):
     file.write_text("displacement (um);force (N)\n" + "\n".join(rows))
     arguments = ["--test", TEST.name, "--law", "pohrt-popov", "--data", str(file), "--out", str(tmp_path / "out")]
     assert main(["granite", *arguments]) == 0
-    assert "misfit 0.00 µm" in capsys.readouterr().out
+    assert "misfit 0.00 ± 0.00 µm" in capsys.readouterr().out
 
 
 FILES = {

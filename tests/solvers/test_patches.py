@@ -14,6 +14,9 @@ from demlaws.solvers import patches as asperity
 from demlaws.surface import HeightMap, self_affine
 from demlaws.validation.maps import load_ratios
 
+# what c_h and c_A are taken to be is said where a contact is made; here it does not matter
+pytestmark = pytest.mark.filterwarnings("ignore:c_h = :demlaws.errors.ValidityWarning")
+
 ALUMINIUM = asperity.plasticity(71.3e9, 0.24e9, 0.34)
 ELASTIC = asperity.plasticity(50e9, math.inf, 0.3)
 
