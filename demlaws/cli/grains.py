@@ -1,6 +1,7 @@
 """The grains of a case: arguments that `demlaws liggghts export` and `demlaws lammps export` share."""
 
 from demlaws.cli import option
+from demlaws.cli.arguments import density, law_name, length, plain, pressure, whole
 from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
 
@@ -8,7 +9,7 @@ from demlaws.errors import DemlawsError
 def grain_arguments(export):
     """Add the folder, the law and the grains of a case to a parser."""
     export.add_argument("folder", help="folder to write")
-    export.add_argument("--law", default="pohrt-popov", help="name of the law (default %(default)s)")
+    export.add_argument("--law", type=law_name, default="pohrt-popov", help="name of the law (default %(default)s)")
     export.add_argument(
         "--unloading",
         default="hertz",
@@ -18,20 +19,22 @@ def grain_arguments(export):
     options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}
     export.add_argument("--unloading-option", **options, help="an option of that law")
     export.add_argument("--option", **options, help="an option of the law")
-    export.add_argument("--radius", type=float, nargs="+", required=True, help="grain radius [m], one a particle type")
-    for name, default, text in (
-        ("sq", [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
-        ("fractal-dimension", [None], "fractal dimension of the surface, 2 to 3"),
-        ("young", [60.6e9], "Young's modulus [Pa]"),
-        ("poisson", [0.25], "Poisson's ratio"),
-        ("hardness", [None], "indentation hardness [Pa]"),
-        ("density", [2650.0], "density [kg/m³]"),
+    export.add_argument(
+        "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one a particle type"
+    )
+    for name, kind, default, text in (
+        ("sq", length, [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
+        ("fractal-dimension", plain, [None], "fractal dimension of the surface, 2 to 3"),
+        ("young", pressure, [60.6e9], "Young's modulus [Pa]"),
+        ("poisson", plain, [0.25], "Poisson's ratio"),
+        ("hardness", pressure, [None], "indentation hardness [Pa]"),
+        ("density", density, [2650.0], "density [kg/m³]"),
     ):
         shown = "" if default == [None] else f" (default {default[0]:g})"
-        export.add_argument(f"--{name}", type=float, nargs="+", default=default, help=f"{text}: one, or one a type{shown}")
+        export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one a type{shown}")
     export.add_argument("--roughness", action=Refused, remedy="give --sq, the rms roughness of each grain's own surface")
-    export.add_argument("--rtol", type=float, default=1e-5, help="relative tolerance of the tables (default %(default)g)")
-    export.add_argument("--count", type=int, default=1000, help="number of grains (default %(default)s)")
+    export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)g)")
+    export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 
 def _each(arguments, name, count):

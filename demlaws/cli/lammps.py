@@ -3,6 +3,7 @@
 import argparse
 
 from demlaws.cli import example
+from demlaws.cli.arguments import force
 from demlaws.cli.grains import grain_arguments, grains_of
 
 EXPORT_EXAMPLE = """\
@@ -28,7 +29,7 @@ def register(subparsers):
 
     export = parts.add_parser("export", help="write a ready case: tables, input, runscript", **example(EXPORT_EXAMPLE))
     grain_arguments(export)
-    export.add_argument("--load", type=float, default=10.0, help="largest expected contact force [N] (default %(default)g)")
+    export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
     export.set_defaults(func=_export)
 
     run = parts.add_parser("run", help="run an input with the plugin", **example(RUN_EXAMPLE))

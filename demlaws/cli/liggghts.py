@@ -2,6 +2,7 @@
 
 import argparse
 
+from demlaws.cli.arguments import force
 from demlaws.cli.grains import grain_arguments, grains_of
 
 EXPORT_EXAMPLE = """example:
@@ -39,7 +40,7 @@ def register(subparsers):
     export = parts.add_parser("export", help="write a ready case: tables, input, runscript", epilog=EXPORT_EXAMPLE, **raw)
     grain_arguments(export)
     export.add_argument("--stock", choices=("hertz", "edinburgh"), help="fit this stock model instead; needs no compiler")
-    export.add_argument("--load", type=float, help="contact force [N] of the fit, and the largest expected (default 10)")
+    export.add_argument("--load", type=force, help="contact force [N] of the fit, and the largest expected (default 10)")
     export.set_defaults(func=_export)
 
     run = parts.add_parser("run", help="run an input with the plugin", epilog=RUN_EXAMPLE, **raw)

@@ -217,3 +217,20 @@ def test_a_compilation_that_takes_long_says_so(capsys, monkeypatch):
 def test_module_and_version():
     result = subprocess.run([sys.executable, "-m", "demlaws", "--version"], capture_output=True, text=True, check=True)
     assert result.stdout.startswith("demlaws ")
+
+
+@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+def test_exports_take_units(engine, tmp_path):
+    """A case written with units is the case written in SI."""
+    grains = [["0.004", "1.7e-6", "60.6e9", "2650", "10"], ["4mm", "1.7um", "60.6GPa", "2650 kg/m³", "10N"]]
+    texts = []
+    for number, (radius, sq, young, density, load) in enumerate(grains):
+        case = tmp_path / str(number)
+        words = ["--radius", radius, "--sq", sq, "--young", young, "--density", density, "--load", load]
+        assert cli.main([engine, "export", str(case), *words, "--fractal-dimension", "2.22", "--count", "20"]) == 0
+        texts.append(
+            {path.name: path.read_text() for path in sorted(case.iterdir()) if path.suffix != ".tbl" and path.is_file()}
+        )
+        forces = Table.load(next(case.glob("*.tbl"))).force(1e-6)
+        texts[-1]["force"] = float(f"{forces:.10g}")  # 1.7 × 1e-6 and 1.7e-6 differ in the last bit
+    assert texts[0] == texts[1] and len(texts[0]) > 2
