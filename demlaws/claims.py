@@ -6,6 +6,7 @@ that a rule or a chosen parameter makes true is built in, and says nothing for o
 
 import math
 import warnings
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -64,22 +65,15 @@ class _Measured:
     """The points at hand, and what the laws make of them."""
 
     def __init__(self, points, get, compliance):
-        self.points, self.get, self.compliance, self.fits = points, get, compliance, {}
+        self.points, self.get, self.compliance = points, get, compliance
 
-    def fit(self, name, test):
-        """`Fit` of a law to a test's first loading."""
-        if (name, test) not in self.fits:
-            self.fits[name, test] = self.points[test].fit(self.get(name, test), self.compliance)
-        return self.fits[name, test]
-
-    def text(self, name, test):
-        fit = self.fit(name, test)
-        return f"measured {test}: {name} misfit {fit.misfit / MICRO:.2f} ± {fit.uncertainty / MICRO:.2f} µm"
-
-    def fits_well(self, name, test):
-        """Whether the misfit is below `GOOD_FIT` of the displacement; None where its uncertainty straddles that."""
-        fit, limit = self.fit(name, test), GOOD_FIT * self.points[test].travel()
-        return None if abs(fit.misfit - limit) < fit.uncertainty else fit.misfit < limit
+    def follows(self, name, test, force=math.inf):
+        """Whether a law fits a test's loading up to `force` [N] (None: its uncertainty straddles `GOOD_FIT`), in words."""
+        points = self.points[test].up_to(force) if math.isfinite(force) else self.points[test]
+        fit, limit = points.fit(self.get(name, test), self.compliance), GOOD_FIT * points.travel()
+        holds = None if abs(fit.misfit - limit) < fit.uncertainty else fit.misfit < limit
+        whose = f"measured {test}" + (f" to {force:g} N" if math.isfinite(force) else "")
+        return holds, f"{whose}: {name} misfit {fit.misfit / MICRO:.2f} ± {fit.uncertainty / MICRO:.2f} µm"
 
     def decide(self, tests, judge):
         """(verdict, what was found) of `judge(test)` → (holds or None, text) over the tests of a claim that were measured.
@@ -236,17 +230,8 @@ def _law_claims(get, measured):
         BUILT_IN,
     )
     for name in ("rms", "pohrt-popov"):
-
-        def close(test, name=name):
-            part = measured.points[test].up_to(70.0)
-            fit = part.fit(get(name, test), measured.compliance)
-            limit = GOOD_FIT * part.travel()
-            holds = None if abs(fit.misfit - limit) < fit.uncertainty else fit.misfit < limit
-            return holds, f"measured {test} to 70 N: misfit {fit.misfit / MICRO:.2f} ± {fit.uncertainty / MICRO:.2f} µm"
-
-        yield _measured_claim(
-            "rough spheres", f"{name} agrees with the data to about 70 N", "", measured.decide(ROUGH_SPHERES, close)
-        )
+        decision = measured.decide(ROUGH_SPHERES, partial(measured.follows, name, force=70.0))
+        yield _measured_claim("rough spheres", f"{name} agrees with the data to about 70 N", "", decision)
 
     def stiffer(test):
         over, error = measured.points[test].gain_above(get("pohrt-popov", test), 70.0)
@@ -267,7 +252,7 @@ def _law_claims(get, measured):
     )
     fits = measured.decide(
         ("SS(18-18)", "SS(12-18)"),
-        lambda test: (measured.fits_well("yip-venart", test), measured.text("yip-venart", test)),
+        partial(measured.follows, "yip-venart"),
     )
     yield _measured_claim("SS(18-18), SS(12-18)", "Yip-Venart fits both", "", fits)
 
@@ -285,8 +270,8 @@ def _law_claims(get, measured):
     )
 
     def unsuited(test):
-        fits = measured.fits_well("bahrami", test)
-        return (None if fits is None else not fits), measured.text("bahrami", test)
+        fits, text = measured.follows("bahrami", test)
+        return (None if fits is None else not fits), text
 
     yield _measured_claim("rough spheres", "Bahrami suits none of the tests", "", measured.decide(ROUGH_SPHERES, unsuited))
     slopes = {t: _nearest_goddard(get("pohrt-popov", t), find_test(t).contact) for t in ROUGH_SPHERES}
@@ -342,19 +327,11 @@ def _cone_claims(get, measured):
             f"{p.yield_force:.1f} N: one p_y ties both",
             _verdict(abs(p.yield_force / load - 1.0) < 0.1),
         )
-
-        def follows(name, load=load):
-            part = measured.points[name].up_to(load)
-            fit = part.fit(get("pohrt-popov", name), measured.compliance)
-            limit = GOOD_FIT * part.travel()
-            holds = None if abs(fit.misfit - limit) < fit.uncertainty else fit.misfit < limit
-            return holds, f"measured to {load:g} N: misfit {fit.misfit / MICRO:.2f} ± {fit.uncertainty / MICRO:.2f} µm"
-
         yield _measured_claim(
             test.name,
             f"first loading to {load:g} N follows Pohrt-Popov",
             f"Df = {CONE_DIMENSION} assumed" + ("" if test is cone else ", σ too"),
-            measured.decide((test.name,), follows),
+            measured.decide((test.name,), partial(measured.follows, "pohrt-popov", force=load)),
         )
     stages = stages_of(rfc)
     over = [s.over_hertz for s in stages if math.isfinite(s.over_hertz)]

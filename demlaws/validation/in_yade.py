@@ -27,6 +27,17 @@ def _law(job):
     return Law2_ScGeom_MindlinPhys_Demlaws(job["law"], job["unloading"], surfaces, **job["options"])
 
 
+def _watched(job, look):
+    """Engines without damping, and `look()` called after each step's contacts."""
+    sys.modules["__main__"].look = look
+    O.engines = engines(
+        _law(job),
+        newton=yade.NewtonIntegrator(damping=0.0),
+        after=[yade.PyRunner(command="look()", iterPeriod=1, initRun=True)],
+    )
+    O.dt = job["dt"]
+
+
 def impact(job):
     """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane."""
     O.reset()
@@ -48,13 +59,7 @@ def impact(job):
         force = O.forces.f(1)[2]
         peak[0], peak[1] = max(peak[0], force), peak[0] > 0.0 and force == 0.0
 
-    sys.modules["__main__"].look = look
-    O.engines = engines(
-        _law(job),
-        newton=yade.NewtonIntegrator(damping=0.0),
-        after=[yade.PyRunner(command="look()", iterPeriod=1, initRun=True)],
-    )
-    O.dt = job["dt"]
+    _watched(job, look)
     for _ in range(job["rounds"]):
         O.run(2000, True)
         if peak[1]:
@@ -82,13 +87,7 @@ def lattice(job):
         if touching:
             rows.append((float(np.mean(touching)), [list(map(float, row)) for row in utils.getStress()]))
 
-    sys.modules["__main__"].look = look
-    O.engines = engines(
-        _law(job),
-        newton=yade.NewtonIntegrator(damping=0.0),
-        after=[yade.PyRunner(command="look()", iterPeriod=1, initRun=True)],
-    )
-    O.dt = job["dt"]
+    _watched(job, look)
 
     def strain(gradient, steps):
         """Rows while the cell is strained by `gradient` in all."""
