@@ -3,6 +3,7 @@
 # make test-all  the same with everything; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
+# make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped)
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
 # make lint      format and lint of Python and C++, types of the public names
 
@@ -14,7 +15,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability validation lint engines clean
+.PHONY: granite test test-all bench stability trade validation lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -47,6 +48,10 @@ bench: engines $(VENV)/.test
 
 validation: engines $(VENV)/.plots
 	$(BIN)/python -m demlaws.validation --out validation
+
+# TRADE=--quick for some minutes
+trade: engines $(VENV)/.plots
+	$(BIN)/demlaws trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
 
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
