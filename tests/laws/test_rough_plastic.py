@@ -139,9 +139,7 @@ def test_yield_loads_and_stiffnesses_of_other_radii():
     for n, radius in enumerate(many.radius):
         load = math.pi**3 * radius**2 * 1.66e9**3 / (6 * many.modulus**2)
         stiffness = math.pi * radius * 1.5e9
-        one = dl.law(
-            "rough-plastic", CONE.with_values(radius=radius), "thornton", yield_load=load, yield_stiffness=stiffness
-        )
+        one = dl.law("rough-plastic", CONE.with_values(radius=radius), "thornton", yield_load=load, yield_stiffness=stiffness)
         for name in ("yield_force", "yield_stiffness", "yield_overlap", "yield_area"):
             assert getattr(law.params, name)[n] == pytest.approx(getattr(one.params, name), rel=1e-12), name
 
