@@ -1,11 +1,13 @@
 """What a law declares besides its compiled kernels: all that fits, advice, measurements, figures and engines know of it."""
 
 import inspect
+import math
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.core.unloading import RULES, Rule
 from demlaws.criterion import lowest_transition_load
@@ -111,6 +113,45 @@ class Option(NamedTuple):
     unit: str
     values: str  # the range, or the words that it can be
     meaning: str
+    softens: float | Callable | None = None  # see `softened_option`
+
+
+PRESSURE = -2 / 3
+"""`Option.softens` of a pressure."""
+
+
+def slope_softens(value: Any, factor: float) -> float:
+    """`Option.softens` of an angle [rad] whose tangent is a slope: normal lengths grow by s^(2/3), lateral ones by s^(1/3)."""
+    return math.atan(float(np.cbrt(factor)) * math.tan(number(value, "slope", "rad", 0.0, 1.0, allow_low=True)))
+
+
+def power_of(factor: float, exponent: float) -> float:
+    """factor^exponent for exponents in thirds, exact where the cube root is."""
+    root, thirds = float(np.cbrt(factor)), round(3 * exponent)
+    if thirds % 3 == 0:
+        return float(factor) ** (thirds // 3)
+    return root**thirds if abs(thirds) < 3 else factor**exponent
+
+
+def softened_option(law: str, name: str, option: "Option", value: Any, factor: float) -> Any:
+    """Value of a law's option where contacts are made softer by `factor` s (`demlaws.soften`).
+
+    `Option.softens` is the exponent of s, or a function (value, s) → value. Without it a number without unit and a force
+    stay as they are; anything else is refused, since a wrong guess would be silent.
+    """
+    if callable(option.softens):
+        return option.softens(value, factor)
+    exponent = option.softens
+    if exponent is None:
+        if option.unit not in ("", "N"):
+            raise DemlawsError(
+                f"law {law!r} cannot be softened: nothing says how its option {name} [{option.unit}] scales "
+                "(Option.softens in the law's file)"
+            )
+        exponent = 0.0
+    if exponent == 0.0 or value is None:
+        return value
+    return number(value, name, option.unit) * power_of(factor, exponent)
 
 
 SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
@@ -156,6 +197,7 @@ class Definition(NamedTuple):
     branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
     closed_form_is_cheapest: bool = False  # no table costs less
     native: dict = {}  # noqa: RUF012  engine → its own model that is this law
+    rigid: str = ""  # why its contacts cannot be softened: a length of the law that does not scale (`demlaws.soften`)
     # --- how figures show it
     label: str = ""  # short name in figures' text
     colour: str = "#888888"
