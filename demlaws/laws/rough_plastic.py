@@ -11,7 +11,7 @@ from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
 from demlaws.criterion import hertz_pressure
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Option, Parameter
+from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
@@ -240,7 +240,7 @@ LAW = Definition(
     colour="#ff7f0e",
     line="-.",
     options={
-        "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed"),
+        "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed", PRESSURE),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
         "yield_load": Option("N", "above 0", "load at which one contact was seen to yield, in place of yield_at"),
