@@ -41,6 +41,7 @@ class Setup:
 
     @property
     def width(self):
+        """Width of the box [m]."""
         return 2.02 * max(RADII) * self.across
 
     @property
@@ -124,6 +125,7 @@ class Outcome(NamedTuple):
 
     @property
     def percentiles(self):
+        """Percentiles of the distribution of forces."""
         return np.percentile(self.shape, PERCENTILES)
 
 

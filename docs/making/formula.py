@@ -56,6 +56,7 @@ TOKEN = re.compile(
     r"|(?P<star>(?<=[A-Za-zα-ωΑ-Ω'′])\*(?![A-Za-z0-9(]))"
     r"|(?P<inverse>⁻¹)"
     r"|(?P<number>\d+(?:\.\d+)?(?:e-?\d+)?)"
+    r"|(?P<indexed>[PδFKa](?:max|min)\b|[δk][a-z](?![a-z]))"
     r"|(?P<word>[A-Za-z]{2,}(?:-[A-Za-z]+)*(?:'s\b)?|\ba(?= [a-z]{2}))"
     r"|(?P<letter>[A-Za-zα-ωΑ-Ω])"
     r"|(?P<other>.)"
@@ -128,6 +129,8 @@ def latex(equation):
                 out.append(f"{text[0]}_{{{text[1:]}}}")
             else:
                 out.append(rf"\mathrm{{{text}}}")
+        elif kind == "indexed":
+            out.append(("\\" + GREEK[text[0]] if text[0] in GREEK else text[0]) + _subscript(text[1:]))
         elif kind == "letter":
             out.append("\\" + GREEK[text] + " " if text in GREEK else text)
             index = re.match(r"\d+", following)
@@ -162,7 +165,7 @@ def symbols_of(equation):
         match = TOKEN.match(equation, place)
         kind, text = match.lastgroup, match.group()
         place = match.end()
-        named = kind == "letter" or (kind == "word" and (SHORT.match(text) or equation[place : place + 1] == "_"))
+        named = kind in ("letter", "indexed") or (kind == "word" and (SHORT.match(text) or equation[place : place + 1] == "_"))
         if not named or text in "πΣ" or text in FUNCTIONS:
             continue
         more = re.match(r"(?:\d+)?(?:_(?:\d+/\d+|\w+))?['′]*(?:\*(?![A-Za-z0-9(]))?['′]*", equation[place:])

@@ -19,7 +19,11 @@ NEEDS = {
     DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
     DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
 }
-PLAIN = [DOCS / "tutorials" / "first.md", DOCS / "tutorials" / "which-law.md", *sorted((DOCS / "how-to").glob("*.md"))]
+PLAIN = [
+    DOCS / "tutorials" / "first.md",
+    DOCS / "tutorials" / "which-law.md",
+    *sorted(set((DOCS / "how-to").glob("*.md")) - {DOCS / "how-to" / "index.md"}),
+]
 
 
 def absent(engine):

@@ -12,6 +12,7 @@ def test_formulae():
     assert formula.latex("P = (4/3) E* √R δ^1.5") == r"P = (4/3) E^{*} \sqrt{R} \delta ^{1.5}"
     assert formula.latex("a*²/(2 R_12)") == r"a^{* 2}/(2 R_{12})"
     assert formula.latex("K^(0.5 Df) to F") == r"K^{0.5 D_{f}} \ \text{to}\ F"
+    assert formula.latex("δp Pmax k1") == r"\delta_{p} P_{\mathrm{max}} k_{1}"
     assert formula.lines("P = a, b = min(c, d), then more") == ["P = a", "b = min(c, d), then more"]
     assert formula.symbols_of("δ/δ_H = p0' tan³β E*² to F, one a patch's") == ["δ", "δ_H", "p0'", "β", "E*", "F"]
 
