@@ -9,6 +9,7 @@ import numpy as np
 
 from demlaws.checks import number
 from demlaws.contact import Contact
+from demlaws.core.unloading import RULES, Rule
 from demlaws.criterion import lowest_transition_load
 from demlaws.errors import DemlawsError
 
@@ -31,6 +32,11 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
+    return []
+
+
+def no_limits(contact: Contact, **options: Any) -> list[Limit]:
+    """Of a law that claims no range."""
     return []
 
 
@@ -62,6 +68,11 @@ def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") ->
     return fits, conditions.state if fits else reason
 
 
+def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
+    """Advice of a law whose parameters are calibrated on bulk tests, not measured on contacts."""
+    return False, f"{conditions.state}: its stiffnesses are not those of a contact but calibrated on the bulk's behaviour"
+
+
 def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
     return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
@@ -78,6 +89,7 @@ class Parameter(NamedTuple):
     bounds: Callable  # contact → (lowest, highest)
     starts: Callable  # contact → values to start from
     option: bool = False  # of the law, not of the contact
+    unloading: bool = False  # first loading does not show it: no fit of an elastic contact varies it
 
 
 MODULUS = Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus])
@@ -172,6 +184,9 @@ class Definition(NamedTuple):
     # --- what advice and measurements do with it
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
+    rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    default_unloading: str = "elastic"  # the rule where a user names none
+    refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
     free: tuple = ()  # those that a fit varies unless it is told otherwise
     family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
@@ -204,6 +219,20 @@ class Definition(NamedTuple):
         except TypeError as error:  # a list or None where a number or a word belongs
             given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
+
+    def offered(self) -> dict[str, Rule]:
+        """Name → rule: the general ones but those that the law refuses, then its own."""
+        general = {name: rule for name, rule in RULES.items() if name not in self.refused}
+        return general | {rule.name: rule for rule in self.rules}
+
+    def rule(self, name: str) -> Rule:
+        """The rule of this name; DemlawsError where the law does not take it."""
+        offered = self.offered()
+        if isinstance(name, str) and name in offered:
+            return offered[name]
+        if isinstance(name, str) and name in self.refused:
+            raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
+        raise DemlawsError(f"unknown unloading rule {name!r}: the rules are {', '.join(offered)} (law {self.name!r})")
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""
