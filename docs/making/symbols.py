@@ -29,6 +29,21 @@ SYMBOLS = {
     "δp": ("plastic overlap, at which the force vanishes", "m"),
     "δmax": ("largest overlap so far", "m"),
     "Pmax": ("largest force so far", "N"),
+    "p0": ("pressure in the middle", "Pa"),
+    "δ*": ("overlap at which the stiffness changes", "m"),
+    "k\u03022": ("largest stiffness of unloading", "N/m"),
+    "σ_max": ("largest pressure that a tip bears before it crushes", "Pa"),
+    "R0": ("radius of the tip before it crushed", "m"),
+    "A": ("how fast the radius of a crushing tip grows with depth", ""),
+    "h": ("elastic part of the overlap", "m"),
+    "P_c": ("force at first yield", "N"),
+    "ω": ("overlap over that at first yield", ""),
+    "ω_c": ("overlap at first yield", "m"),
+    "H": ("hardness", "Pa"),
+    "H_G": ("hardness of the deformed shape", "Pa"),
+    "S_y": ("yield strength", "Pa"),
+    "C": ("constant of Poisson's ratio: p0 = C S_y at first yield", ""),
+    "R_p": ("radius of the surface that yielding left", "m"),
     "s": ("gap of the mean planes over σ", ""),
     "d": ("gap in the middle", ""),
     "r": ("distance from the middle", ""),
@@ -37,3 +52,13 @@ SYMBOLS = {
     "μ": ("(8/3) η σ √(2R β) with asperity density η and radius β", ""),
     "F_3/2": ("Gaussian integral ∫(t - s)^1.5 φ(t) dt over t > s", ""),
 }
+
+OF_LAW = {
+    "kogut-etsion": {"K": ("hardness factor: the largest pressure at first yield is K H", "")},
+}
+"""Law → symbols that mean something else in its paper."""
+
+
+def meaning(law, symbol):
+    """(meaning, unit) of a symbol in a law's equation, or None."""
+    return OF_LAW.get(law, {}).get(symbol) or SYMBOLS.get(symbol)
