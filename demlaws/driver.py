@@ -226,7 +226,7 @@ def timestep(law: Law, mass: float, max_force: float) -> float:
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")
-    5.2e-05 s
+    4.36e-05 s
     """
     mass = number(mass, "mass", "kg")
     return STEP_SAFETY * 2.0 * math.sqrt(mass / stiffest(law, max_force))

@@ -419,7 +419,7 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
 
     >>> steel = dl.Material(young=210e9, poisson=0.3, density=7850)
     >>> choices = dl.choose(dl.Scene(radii=5e-3, materials=steel, force=(1, 10)), tables=False)  # smooth and elastic
-    >>> choices.best.plan.definition.name
+    >>> choices.best.name
     'hertz'
     """
     if not isinstance(scene, Scene):

@@ -5,9 +5,9 @@
     python tests/machines/dist.py --python 3.12       # on others
     python tests/machines/dist.py --built             # try what dist/ holds
 
-Pythons are looked for in pyenv's folder, uv's and the system's; one that is missing is said, and makes the exit status 1. What is
-tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the command
-answers, and the C++ sources that engines need lie where the code looks for them. Standard library only, but for `build`.
+Pythons are looked for in pyenv's folder, uv's and the system's; one that is missing is said, and makes the exit status 1.
+Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the
+command answers, and the C++ sources that engines need lie where the code looks. Standard library only, but for `build`.
 """
 
 import argparse
@@ -42,13 +42,18 @@ table.save("granite.tbl")
 assert dl.Table.load("granite.tbl").force(1e-6) == table.force(1e-6)
 import demlaws.liggghts, demlaws.lammps
 assert (demlaws.liggghts.header_folder() / "demlaws_table.h").is_file()
-print(f"demlaws {dl.__version__}, Python {sys.version.split()[0]}, numpy {np.__version__}: K(1 um) = {law.stiffness(1e-6):.6g} N/m")
+print(f"demlaws {dl.__version__}, Python {sys.version.split()[0]}, numpy {np.__version__}: {law.stiffness(1e-6):.6g} N/m")
 """
 
 
 def say(text):
     """Progress, at once."""
     print(f"dist: {text}", flush=True)
+
+
+def works(python):
+    """Whether this interpreter can make environments and reach a registry."""
+    return not subprocess.run([python, "-c", "import venv, ensurepip, ssl"], capture_output=True).returncode
 
 
 def pythons():
@@ -60,9 +65,9 @@ def pythons():
         for folder in sorted(anchor.glob(base.relative_to(anchor).as_posix())):
             for path in sorted(folder.glob("python3.*")):
                 match = re.fullmatch(r"python3\.(\d+)", path.name)
-                if match and (3, int(match.group(1))) not in found:
-                    if not subprocess.run([path, "-c", "import venv, ensurepip, ssl"], capture_output=True).returncode:
-                        found[3, int(match.group(1))] = path
+                version = (3, int(match.group(1))) if match else None
+                if version and version not in found and works(path):
+                    found[version] = path
     return found
 
 
