@@ -6,7 +6,7 @@ import numpy as np
 
 from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import loading_part, one_of
-from demlaws.core.unloading import RULES, Elastic, JoinedParams, JoinedShape
+from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError, NotPassive
 from demlaws.law import Law
 
@@ -20,7 +20,7 @@ def joined_law(law, rule, curve=None):
     if curve is not None:
         shape, params = joined_shape(law, curve), None
     result = Law(law.definition, law.contact, rule, law.options, shape, params, curve)
-    if RULES[rule].curve != "own":
+    if law.definition.rule(rule).curve in ("hertz", "given"):
         # a table's stiffness is what its certificate says, not more exact
         _refuse_unless_passive(result, *(one.stiffness_error for one in (law, curve) if curve is not None))
     return result
@@ -59,7 +59,8 @@ def _refuse_unless_passive(law, *uncertainties):
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
-            f"{whose}, so that unloading would return more work than loading took; use unloading='elastic'"
+            f"{whose}, so that unloading would return more work than loading took; use "
+            f"unloading={law.definition.default_unloading!r}"
         )
 
 

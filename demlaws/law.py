@@ -19,7 +19,7 @@ from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
-from demlaws.core.unloading import RULES, Elastic
+from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
 
 
@@ -106,8 +106,9 @@ class Law:
         self.options = dict(options)
         self.unloading = unloading
         self.unloading_law = unloading_law  # the curve of rule "table", else None
-        self.rule = RULES[unloading].tag
-        self.state_names = RULES[unloading].state
+        rule = definition.rule(unloading)
+        self.rule = rule.tag
+        self.state_names = rule.state
         self.state_size = len(self.state_names)
         self.shape = shape
         self.params = bind_params(shape, contact) if params is None else params

@@ -1,5 +1,7 @@
 """Closed paths of normal force [N] and tangential displacement [m] of one contact, for tests of K_t."""
 
+import itertools
+
 import numpy as np
 
 GRANITE_RATIO = 2 * (1 - 0.25) / (2 - 0.25)
@@ -7,7 +9,7 @@ _SHEAR = 1e-9
 
 
 def _through(corners, steps):
-    legs = [np.linspace(a, b, steps + 1)[1:] for a, b in zip(corners[:-1], corners[1:], strict=True)]
+    legs = [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise(corners)]
     forces, displacements = np.concatenate([np.array([corners[0]]), *legs]).T
     return forces, displacements
 
@@ -21,12 +23,8 @@ def _wild(seed, corners=12):
 
 
 PATHS = {
-    "sheared at a high load, back at a low one": _through(
-        [(0.05, 0), (5, 0), (5, _SHEAR), (1, _SHEAR), (1, 0), (5, 0)], 20
-    ),
-    "sheared at a low load, back at a high one": _through(
-        [(0.05, 0), (5, 0), (1, 0), (1, _SHEAR), (5, _SHEAR), (5, 0)], 20
-    ),
+    "sheared at a high load, back at a low one": _through([(0.05, 0), (5, 0), (5, _SHEAR), (1, _SHEAR), (1, 0), (5, 0)], 20),
+    "sheared at a low load, back at a high one": _through([(0.05, 0), (5, 0), (1, 0), (1, _SHEAR), (5, _SHEAR), (5, 0)], 20),
     "sheared just below the largest load, back just above": _through(
         [(0.05, 0), (5, 0), (4.999, 0), (4.999, _SHEAR), (5.001, _SHEAR), (5.001, 0)], 20
     ),

@@ -19,6 +19,7 @@ COMMANDS = {
     "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
     "fit": ("fit", "fit laws to measured points and rank them"),
     "choose": ("choose", "the cheapest law that a scene allows"),
+    "soften": ("soften", "softer grains that stay on their branch, for longer steps"),
     "stability": ("stability", "measure every law at the extremes"),
     "trade": ("trade", "measure cost against error of every law and evaluation"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),

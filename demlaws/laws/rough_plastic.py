@@ -10,7 +10,7 @@ from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Option, Parameter
+from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
@@ -178,7 +178,7 @@ LAW = Definition(
     colour="#ff7f0e",
     line="-.",
     options={
-        "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed"),
+        "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed", PRESSURE),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
     },
 )

@@ -32,11 +32,12 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     A label that no material bears, or a law other than Hertz without surfaces, is an error when the first such contact is
     made; smooth=True says that it is meant. tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for equal materials.
     shear: the stiffness K_t goes by: "elastic", with which the contact would unload now; "tangent", of the branch that it is
-    on; "loading", of first loading at the force carried now (docs/shear.md). flats: "plane" gives a sphere on a facet, wall or box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it
-    (wall, box) or two thirds (facet). bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one
-    is not available). label: how saved files know the law, one label a law in a scene; it cannot be changed. radii, moduli:
-    smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart,
-    Greenwood–Tripp) must know; by default those of the bodies that the scene holds now. Further arguments are the law's own
+    on; "loading", of first loading at the force carried now (docs/shear.md). flats: "plane" gives a sphere on a facet, wall or
+    box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it (wall, box) or two thirds (facet). bridge:
+    "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available). label: how saved files
+    know the law, one label a law in a scene; it cannot be changed. radii, moduli: smallest and largest effective radius [m] and
+    modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart, Greenwood–Tripp) must know; by default those of
+    the bodies that the scene holds now. Further arguments are the law's own
     options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy, preventGranularRatcheting). E*, friction
     and damping are the contact's, as YADE has them. A law acts in one scene at a time.
     """

@@ -19,6 +19,7 @@ from demlaws.core.fastmath import callback, cbrt, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.params import clamped_roughness
 from demlaws.core.shear import CHOICES, shear_stiffness
+from demlaws.core.unloading import without_own
 from demlaws.laws.hertz import HertzParams, HertzShape
 
 # Words of the context.
@@ -353,7 +354,7 @@ def respond(kind, shear, rule, record, radius, modulus, overlap, state):
     if modulus == 0.0:  # a marker: YADE's own law gives it no force
         return 0.0, 0.0, 0.0, state
     if load_word(record) != 0:
-        return answer(shear, rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+        return answer(shear, without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return answer(shear, rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
@@ -363,7 +364,7 @@ def energies(kind, rule, record, radius, modulus, overlap, state):
     if modulus == 0.0:
         return 0.0, 0.0
     if load_word(record) != 0:
-        return stored_and_dissipated(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+        return stored_and_dissipated(without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return stored_and_dissipated(rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
@@ -616,7 +617,7 @@ def act(kind, params_kind, shear, rule, context, this, geom_pointer, phys_pointe
             force, stiffness, sideways, new = answer(shear, rule, p, overlap, old)
         elif load_double(row + ROW_OWN) != 0.0:
             p = HertzParams(load_double(row + ROW_OWN))
-            force, stiffness, sideways, new = answer(shear, rule, p, overlap, old)
+            force, stiffness, sideways, new = answer(shear, without_own(rule), p, overlap, old)
         else:
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
     if force - force != 0.0:

@@ -121,5 +121,5 @@ def test_choice_is_saved_and_checked(omega, tmp_path):
     law = functor(shear="loading")
     again = Pairs.from_text(law.binding.pairs.as_text())
     assert again.shear_name == "loading" and type(again.shear) is type(CHOICES["loading"].tag)
-    with pytest.raises(dl.DemlawsError, match="shear must be .*got 'secant'"):
+    with pytest.raises(dl.DemlawsError, match=r"shear must be .*got 'secant'"):
         functor(shear="secant")
