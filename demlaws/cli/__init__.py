@@ -15,7 +15,7 @@ COMMANDS = {
     "laws": ("laws", "list the laws, or one law's options"),
     "curve": ("curve", "one law, one contact, any path"),
     "table": ("curve", "a law as a certified table"),
-    "regime": ("surface", "do asperities or the bulk deform, and which law fits"),
+    "regime": ("regime", "do asperities or the bulk deform, and which law fits"),
     "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
     "fit": ("fit", "fit laws to measured points and rank them"),
     "choose": ("choose", "the cheapest law that a scene allows"),

@@ -29,7 +29,16 @@ def vector_operations(law):
     """Operations on several doubles at once in the loop over a batch; numba keeps no such text in its cache."""
     compiled = numba.njit(**OPTIONS)(loops.batch_loop.py_func)
     state = law.new_state(OVERLAP.size)
-    compiled(law.rule, law.params, OVERLAP, state.arrays, loops.UNBOUNDED, 1.0, np.zeros(OVERLAP.size), np.zeros(OVERLAP.size))
+    compiled(
+        law.rule,
+        law.params,
+        OVERLAP,
+        state.arrays,
+        loops.UNBOUNDED,
+        loops.FINITE,
+        np.zeros(OVERLAP.size),
+        np.zeros(OVERLAP.size),
+    )
     (text,) = compiled.inspect_llvm().values()
     return len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text))
 
