@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps
+from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
+from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
 
@@ -355,6 +356,31 @@ class Law:
         maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
         plastic = known.get("plastic_overlap", np.zeros(values.size))
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
+
+    def shear_stiffness(
+        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: State | None = None
+    ) -> float | np.ndarray:
+        """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
+
+        K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
+        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now; "tangent", that of the branch that
+        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each.
+        """
+        if shear not in CHOICES:
+            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
+        ratio = number(ratio, "ratio")
+        self._single()
+        values, shape = self._shaped(overlap, "overlap", "m")
+        if values.ndim > 1:
+            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
+        self._check_range(values)
+        state = self.new_state(1) if state is None else state
+        arrays = self._arrays_of(state, 1)
+        result = np.empty(values.size)
+        shear_loop(CHOICES[shear].tag, self.rule, self._single(), values.ravel(), arrays, result)
+        if not np.all(np.isfinite(result)):
+            raise DemlawsError(self._out_of_range(float(values.max())))
+        return _as_given(ratio * result.reshape(shape))
 
     def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
