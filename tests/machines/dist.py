@@ -5,7 +5,7 @@
     python tests/machines/dist.py --python 3.12       # on others
     python tests/machines/dist.py --built             # try what dist/ holds
 
-Pythons are looked for in pyenv's folder, uv's and the system's; one that is missing is said, and makes the exit status 1.
+Pythons are looked for in the folders of pyenv, uv, GitHub and the system; one that is missing makes the exit status 1.
 Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the
 command answers, and the C++ sources that engines need lie where the code looks. Standard library only, but for `build`.
 """
@@ -22,7 +22,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 OLDEST = "3.10"
-FOLDERS = ("~/.pyenv/versions/*/bin", "~/.local/share/uv/python/*/bin", "/usr/bin", "/usr/local/bin")
+FOLDERS = (
+    "~/.pyenv/versions/*/bin",
+    "~/.local/share/uv/python/*/bin",
+    "/opt/hostedtoolcache/Python/*/x64/bin",
+    "/usr/bin",
+    "/usr/local/bin",
+)
 
 TRIAL = """
 import importlib.metadata, pathlib, sys
