@@ -50,6 +50,12 @@ def source_read(app, name, source):
     source[0] = text
 
 
+def outdated(app, env, added, changed, removed):
+    """Pages that list others are read anew: what they list may have come since."""
+    return [name for name in env.found_docs if name == "index" or name.endswith("/index")]
+
+
 def setup(app):
     """Sphinx calls this."""
     app.connect("source-read", source_read)
+    app.connect("env-get-outdated", outdated)
