@@ -32,6 +32,7 @@ suppress_warnings = ["misc.highlighting_failure", "myst.header"]
 highlight_language = "none"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
+add_module_names = False
 nitpicky = False
 
 LISTS = pages.write()
