@@ -66,6 +66,7 @@ class State:
         return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"
 
     def copy(self) -> "State":
+        """A state of its own with the same values."""
         twin = State(self.names, 0)
         twin.__dict__["arrays"] = tuple(array.copy() for array in self.arrays)
         return twin
@@ -93,6 +94,15 @@ class Law:
 
     Overlaps in m, forces in N, stiffnesses in N/m, energies in J. The methods take a number or an array and return the
     same; with a contact that is an array of contacts, arrays have one entry a contact.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> print(f"{law.force(1e-6):.4f} N, {law.stiffness(1e-6):.0f} N/m, {law.overlap(10.0) * 1e6:.3f} µm")
+    2.6985 N, 4047715 N/m, 2.395 µm
+    >>> batch = dl.law("hertz", dl.Contact(radius=[1e-3, 4e-3], modulus=32e9), unloading="hertz")
+    >>> state = batch.new_state(2)
+    >>> force, stiffness = batch.evaluate([1e-6, 1e-6], state)
+    >>> force.round(4), state.maximum_overlap
+    (array([1.3492, 2.6985]), array([1.e-06, 1.e-06]))
     """
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says

@@ -46,6 +46,7 @@ class Plan(NamedTuple):
 
     @property
     def storage(self):
+        """Type of the numbers that a batch is kept in."""
         return np.float32 if self.evaluation.endswith("float32") else np.float64
 
     def bind(self, contact, max_force=None):
@@ -118,6 +119,7 @@ class Choice:
 
     @property
     def scene(self) -> Scene:
+        """The scene that this is a choice for."""
         return self.judge.scene
 
     @property
@@ -190,6 +192,7 @@ class Choices(list):
 
     @property
     def best(self) -> Choice:
+        """The choice of lowest cost that keeps the tolerance; the list's first."""
         return self[0]
 
 
@@ -415,6 +418,11 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what
     it leaves out at which error, and the law itself. progress: wraps the list of candidates, as tqdm does. Raises
     DemlawsError where the scene's quantities do not suffice.
+
+    >>> steel = dl.Material(young=210e9, poisson=0.3, density=7850)
+    >>> choices = dl.choose(dl.Scene(radii=5e-3, materials=steel, force=(1, 10)), tables=False)  # smooth and elastic
+    >>> choices.best.name
+    'hertz'
     """
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")

@@ -32,6 +32,11 @@ class Scene:
     yield; reference, reference_options: law to hold the others against (default: the richest that the quantities given
     determine); porosity, coordination: of the packing, for pressure and time step; classes: radii [m] of grains that come
     in a few sizes, such as LIGGGHTS's or LAMMPS's particle types, in place of `radii`.
+
+    >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2680)
+    >>> scene = dl.Scene(radii=(0.01, 0.03), materials=granite, surfaces=dl.Surface(1.7e-6, 2.22), force=(1, 500), cyclic=True)
+    >>> scene.unloads, scene.effective_radii()
+    (True, (0.005, 0.015))
     """
 
     radii: float | tuple = ()

@@ -30,6 +30,7 @@ ballast.toml (SI units):
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "choose",
         description="Ranks laws, unloading rules and evaluations for a scene by measured cost among those that meet its "
@@ -49,6 +50,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots

@@ -5,6 +5,7 @@ from demlaws.cli.arguments import law_name, output, whole
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "stability",
         description="Per law, unloading rule and evaluation: values not finite, paths that return work, rounding errors, "
@@ -37,6 +38,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import granite, plots
     from demlaws.laws.registry import find
     from demlaws.measure import stability

@@ -8,6 +8,7 @@ ENGINES = tuple(NAMES)
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "trade",
         description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
@@ -43,6 +44,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots

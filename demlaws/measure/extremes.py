@@ -59,6 +59,7 @@ class Group(NamedTuple):
 
     @property
     def options(self):
+        """Options that the law is made with."""
         return registry()[self.case.law].example
 
     @property
@@ -68,10 +69,12 @@ class Group(NamedTuple):
 
     @property
     def size(self):
+        """Number of pairs."""
         return self.radius1.size
 
     @property
     def contact(self):
+        """The pairs as an array of contacts."""
         return self.law.contact
 
     @property
@@ -328,6 +331,7 @@ class Packing(NamedTuple):
 
     @property
     def options(self):
+        """Options that the law is made with."""
         return registry()[self.case.law].example
 
     def velocities(self, random):

@@ -42,6 +42,7 @@ class Setup:
 
     @property
     def width(self):
+        """Width of the box [m]."""
         return 2.02 * max(RADII) * self.across
 
     @property
@@ -125,6 +126,7 @@ class Outcome(NamedTuple):
 
     @property
     def percentiles(self):
+        """Percentiles of the distribution of forces."""
         return np.percentile(self.shape, PERCENTILES)
 
 
