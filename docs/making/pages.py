@@ -21,7 +21,7 @@ ELSEWHERE = {
 
 SECTIONS = {
     "tutorials": [],
-    "theory": ["laws", "shear"],
+    "theory": ["laws", "plastic-laws", "shear"],
     "how-to": [
         "own-laws",
         "surfaces",

@@ -98,7 +98,7 @@ def contents(path):
         return {name.partition("/")[2] for name in archive.getnames()}
 
 
-def tried(python, archive, scratch):
+def tried(python, archive, files, scratch):
     """Install `archive` with `python` into an environment of its own and try it; True if all went well."""
     environment = scratch / f"{python.name}-{archive.suffix.lstrip('.')}"
     where = environment / "work"
@@ -111,7 +111,7 @@ def tried(python, archive, scratch):
         return False
     script = where / "trial.py"
     script.write_text(TRIAL)
-    for line in ([there, script, ROOT, " ".join(known("demlaws"))], [environment / "bin" / "demlaws", "laws", "pohrt-popov"]):
+    for line in ([there, script, ROOT, " ".join(files)], [environment / "bin" / "demlaws", "laws", "pohrt-popov"]):
         if subprocess.run(line, cwd=where, stdout=None if line[0] == there else subprocess.DEVNULL).returncode:
             say(f"FAILED: {python}, {archive.name}: {' '.join(str(w)[:60] for w in line)}")
             return False
@@ -125,12 +125,13 @@ def main():
     parser.add_argument("--built", action="store_true", help="do not build: try what dist/ holds")
     arguments = parser.parse_args()
     folder = ROOT / "dist"
+    files = known("demlaws")
     if not arguments.built:
         build(folder)
     archives = sorted(folder.glob("*.whl")) + sorted(folder.glob("*.tar.gz"))
     good = len(archives) == 2
     for archive in archives:
-        missing = sorted(set(known("demlaws")) - contents(archive))
+        missing = sorted(set(files) - contents(archive))
         say(f"{archive.name}: {archive.stat().st_size / 1e6:.1f} MB" + (f", FAILED: without {missing}" if missing else ""))
         good &= not missing
     found = pythons()
@@ -145,7 +146,7 @@ def main():
                 good = False
                 continue
             for archive in archives:
-                good &= tried(python, archive.resolve(), Path(scratch))
+                good &= tried(python, archive.resolve(), files, Path(scratch))
     say("all is well" if good else "FAILED")
     return 0 if good else 1
 
