@@ -20,6 +20,8 @@ from demlaws.core.loops import batch_loop, energy_loop, evaluate_loop, follow_lo
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.unloading import RULES, Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.registry import is_own
+from demlaws.soundness import refuse_unsound
 
 
 class State:
@@ -109,6 +111,8 @@ class Law:
         self.state_names = RULES[unloading].state
         self.state_size = len(self.state_names)
         self.shape = shape
+        if params is None and is_own(definition) and type(self) is Law:
+            refuse_unsound(definition, loading_part(shape), contact, self.options)
         self.params = bind_params(shape, contact) if params is None else params
         self._limits = None
         self._end = None

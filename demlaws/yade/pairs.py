@@ -109,7 +109,7 @@ class Source:
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
         self.unloading = getattr(given, "unloading", "elastic")
-        self.definition = find(self.name)
+        self.definition = given.definition if isinstance(given, Law) else find(self.name)
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
 
