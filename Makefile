@@ -4,6 +4,8 @@
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
+# make docs      build the site into build/site: warnings are errors (some seconds to a minute)
+# make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
 # make lint      format and lint of Python and C++, types of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -14,7 +16,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability validation lint engines clean
+.PHONY: granite test test-all bench stability validation docs dist lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -25,6 +27,7 @@ test: engines $(VENV)/.test lint
 	$(BIN)/python -m pytest -n $(CORES) -m "not slow" $(PYTEST)
 
 test-all: engines $(VENV)/.test lint
+	-@test -e $(VENV)/.docs || $(MAKE) --no-print-directory $(VENV)/.docs
 	$(BIN)/python -m pytest -n $(CORES) $(PYTEST)
 
 lint: $(VENV)/.test
@@ -48,6 +51,10 @@ bench: engines $(VENV)/.test
 validation: engines $(VENV)/.plots
 	$(BIN)/python -m demlaws.validation --out validation
 
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
+	@echo "build/site/index.html"
+
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
 
@@ -67,6 +74,10 @@ $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
 $(VENV)/.test: pyproject.toml | $(VENV)/bin/python
 	$(call INSTALL,plots$(comma)tests)
 	touch $@ $(VENV)/.plots
+
+$(VENV)/.docs: pyproject.toml | $(VENV)/bin/python
+	$(call INSTALL,plots$(comma)docs)
+	touch $@
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(APT) update -qq && $(APT) install -y -qq python3-venv; } || \

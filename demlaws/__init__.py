@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from demlaws.advice.choose import choose as choose
     from demlaws.advice.fit import fit as fit
     from demlaws.advice.scene import Scene as Scene
+    from demlaws.advice.soften import soften as soften
     from demlaws.contact import Contact as Contact
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
@@ -51,6 +52,7 @@ _HOMES = {
     "laws": "demlaws.laws.registry",
     "load_laws": "demlaws.laws.registry",
     "register": "demlaws.laws.registry",
+    "soften": "demlaws.advice.soften",
     "timestep": "demlaws.driver",
 }
 """Public name → the module that it is loaded from on first use: numba is imported when a law is made, not before."""

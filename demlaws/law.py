@@ -15,10 +15,11 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps
 from demlaws.contact import Contact
+from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
-from demlaws.core.unloading import RULES, Elastic
+from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import is_own
 from demlaws.soundness import refuse_unsound
@@ -107,11 +108,12 @@ class Law:
         self.options = dict(options)
         self.unloading = unloading
         self.unloading_law = unloading_law  # the curve of rule "table", else None
-        self.rule = RULES[unloading].tag
-        self.state_names = RULES[unloading].state
+        rule = definition.rule(unloading)
+        self.rule = rule.tag
+        self.state_names = rule.state
         self.state_size = len(self.state_names)
         self.shape = shape
-        if params is None and is_own(definition) and type(self) is Law:
+        if params is None and is_own(definition) and not isinstance(loading_part(shape), TableShape):
             refuse_unsound(definition, loading_part(shape), contact, self.options)
         self.params = bind_params(shape, contact) if params is None else params
         self._limits = None

@@ -128,6 +128,8 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
         )
     if law.unloading_law is not None:
         return with_curve(tabulate(law.joined("elastic"), rtol, max_force), law.unloading_law)
+    if definition.rule(law.unloading).curve == "law" and not isinstance(law, Table):
+        return with_own_rule(tabulate(law.joined("elastic"), rtol, max_force), law.unloading)
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
@@ -191,11 +193,24 @@ def take(law, rule, curve=None):
         return joined_law(law, rule, curve)
     shape, certificate = law.loading_shape, (law.force_error, law.stiffness_error)
     elastic = Law(law.definition, law.contact, "elastic", law.options, shape, loading_part(law.params))
-    joined = elastic if curve is not None else joined_law(elastic, rule)
+    own = law.definition.rule(rule).curve == "law"
+    joined = elastic if curve is not None or own else joined_law(elastic, rule)
     plain = Table(joined, shape, law.nodes, certificate, law.rtol)
     if law.unloading_law is None:
         plain.said_to_collapse = law.said_to_collapse
+    if own:
+        return with_own_rule(plain, rule)
     return plain if curve is None else with_curve(plain, curve)
+
+
+def with_own_rule(table, rule):
+    """A `Table` of an elastic one and a rule of the law's own, which reads what it needs from the law beside the table."""
+    definition, options = table.definition, table.options
+    shape = JoinedShape(loading_part(table.shape), definition.shape(table.contact, **options), 1.0, 1.0, 1.0)
+    law = Law(definition, table.contact, rule, options, shape)
+    joined = Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
+    joined.said_to_collapse = table.said_to_collapse
+    return joined
 
 
 def with_curve(table, curve):
@@ -367,6 +382,12 @@ class Table(Law):
         from demlaws import __version__
 
         shape, curve = self.loading_shape, self.unloading_law
+        rule = self.definition.rule(self.unloading)
+        if rule.number is None:
+            raise DemlawsError(
+                f"rule {rule.name!r} of law {self.name!r} is its own and stands in no table file, since what reads such files "
+                "does not have it: use the law itself (Python, YADE), or unload along a curve, unloading=dl.law(...)"
+            )
         header = {
             "law": self.name,
             "description": f"{self.definition.description}; {self.definition.equation}",

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
-from demlaws.core.unloading import RULES
+from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
@@ -173,7 +173,8 @@ class _Model:
                     raise DemlawsError(f"{name} needs the contact's {field}: give it, or let it be fitted")
                 fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
-        self.options = dict(options)
+        unseen = {n: one for n, one in self.definition.fitted.items() if one.unloading and n not in free}
+        self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()} | dict(options)
         self.family = None
         if set(self.definition.family) & set(free):
             self._solve_family()
@@ -278,18 +279,17 @@ def fit(
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(PARAMETERS)}")
     falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
     jobs, fits, skipped = [], [], {}
+    # a given curve has no parameters of the law's
+    known = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
     for name in names:
         definition = find(name)
         varied = [n for n in free or definition.free if n in ("modulus", COMPLIANCE) or n in definition.fitted]
         if force.size < len(varied) + 4:
             raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
         for rule in [unloading] if unloading is not None else definition.unloading if falls else ("elastic",):
-            if (
-                not isinstance(rule, str) or rule not in RULES or RULES[rule].curve == "given"
-            ):  # a given curve has no parameters of the law's
-                known = ", ".join(rule.name for rule in RULES.values() if rule.curve != "given")
-                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
-            jobs.append((name, rule, varied))
+            if not isinstance(rule, str) or rule not in known:
+                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {', '.join(known)}")
+            jobs.append((name, rule, [n for n in varied if rule != "elastic" or not _on_unloading(definition, n)]))
     measured = displacement, force, displacement_noise, force_noise
 
     def one(name, rule, varied):
@@ -312,6 +312,11 @@ def fit(
     total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
     ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
     return Ranking(ranked, skipped, (displacement, force))
+
+
+def _on_unloading(definition, name):
+    """Whether a quantity shows on unloading only."""
+    return name in definition.fitted and definition.fitted[name].unloading
 
 
 def _texts(given, name):

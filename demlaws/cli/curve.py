@@ -13,8 +13,8 @@ def add_law_arguments(parser):
     parser.add_argument("--law", type=law_name, required=True, help="name of the law (--law ? or demlaws laws lists them)")
     parser.add_argument(
         "--unloading",
-        default="elastic",
-        help="elastic, hertz, thornton, or a table file whose curve the contact unloads along (default: elastic)",
+        help="elastic, hertz, thornton, a rule of the law's own (demlaws laws NAME), or a table file whose curve the contact "
+        "unloads along (default: the law's own, else elastic)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
     curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
@@ -72,7 +72,7 @@ def _unloading_from(arguments, contact):
         if changes or arguments.unloading_option:
             raise DemlawsError("--unloading-option, -sigma and -radius describe the curve of --unloading-law: name that law")
         return arguments.unloading
-    if arguments.unloading not in ("elastic", "table"):
+    if arguments.unloading not in (None, "elastic", "table"):
         raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
     options = dict(arguments.unloading_option)
     if arguments.test is not None:

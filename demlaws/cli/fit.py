@@ -29,7 +29,10 @@ def register(subparsers):
     parser.add_argument(
         "--law", type=law_name, action="append", help="only this law (may be repeated; default: all that need no height map)"
     )
-    parser.add_argument("--unloading", help="only this rule: elastic, hertz or thornton (default: each, if the points unload)")
+    parser.add_argument(
+        "--unloading",
+        help="only this rule: elastic, hertz, thornton or one of the law's own (default: each, if the points unload)",
+    )
     parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
     parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
     parser.add_argument("--force-noise", type=force, default=0.0, metavar="N", help="standard deviation of the force in N")

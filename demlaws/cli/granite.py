@@ -149,6 +149,19 @@ def print_claims(found):
     print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))
 
 
+def draw_figures(known, chosen, out, *given):
+    """Draw figures of a paper, number → function of `given` that returns (figure, lines), and print what stands in them."""
+    from demlaws import plots
+
+    for number in chosen:
+        with warnings.catch_warnings():  # the limits of each law are in the tables
+            warnings.simplefilter("ignore", ValidityWarning)
+            picture, said = known[number](*given)
+        print(f"Fig. {number}: {plots.save(picture, out / f'figure-{number:02}.png')}")
+        for line in said:
+            print(f"  {line}")
+
+
 def write_csv(granite, out, tests, runs, notes, found):
     files, summary = [], []
     for test in tests:

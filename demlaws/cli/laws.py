@@ -37,7 +37,7 @@ def run(arguments):
         return 0 if found.passed else 1
     if arguments.name is None:
         print_laws()
-        print(f"unloading: {', '.join(RULES)}; options of a law: demlaws laws NAME")
+        print(f"unloading: {', '.join(RULES)}; options of a law, and unloading rules of its own: demlaws laws NAME")
         return 0
     definition = find(arguments.name)
     print(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
@@ -47,5 +47,8 @@ def run(arguments):
     for line in lines:
         print(f"    {line}")
     if definition.unloading:
-        print(f"  unloading: {', '.join(RULES)} (those that are passive with it)")
+        print(f"  unloading: {', '.join(definition.offered())} (those that are passive with it)")
+        print(f"  where none is named: {definition.default_unloading}")
+    for rule in definition.rules:
+        print(f"  {rule.name}, a rule of its own: {rule.description}")
     return 0

@@ -16,7 +16,7 @@ from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.make import law as make_law
-from demlaws.make import rebound, rule_and_curve
+from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
 
 
@@ -112,7 +112,7 @@ def export(
     folder,
     law="pohrt-popov",
     grains=(),
-    unloading="hertz",
+    unloading=None,
     options=None,
     *,
     rtol=1e-5,
@@ -138,7 +138,7 @@ def export(
         (folder / "post").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DemlawsError(f"cannot make folder {folder / 'post'}: {error.strerror}") from error
-    rule, curve = rule_and_curve(unloading)
+    rule, curve = rule_and_curve(unloading_of_case(law) if unloading is None else unloading)
     unloading = rule if curve is None else curve
     said = models(folder, law, grains, unloading, options, rtol, restitution, friction)
     contacts = [g.contact(g) for g in grains]

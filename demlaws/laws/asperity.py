@@ -206,15 +206,7 @@ def _prepare(
     """
     if curve not in ("loading", "reloading"):
         raise DemlawsError(f"curve = {curve!r}: the curves are 'loading' and 'reloading'")
-    if isinstance(surface, str):
-        surface = read(surface).without_form(2)
-    if isinstance(surface, dict):
-        surface = HeightMap.from_portable(surface)
-    if not isinstance(surface, HeightMap):
-        raise DemlawsError(
-            "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
-            f"got {'none' if surface is None else type(surface).__name__}"
-        )
+    surface = _map(surface)
     if curve == "reloading":
         load = number(load, "load (first loading, for curve='reloading')", "N")
     max_force = None if max_force is None else number(max_force, "max_force", "N")
@@ -234,6 +226,26 @@ def _prepare(
         ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
         return FamilyShape(shared, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
     return RowsShape(shared, np.array([[p.radius, p.modulus, p.roughness] for p in pairs]))
+
+
+def _map(surface):
+    """`HeightMap` of what a user gave as `surface`."""
+    if isinstance(surface, str):
+        surface = read(surface).without_form(2)
+    if isinstance(surface, dict):
+        surface = HeightMap.from_portable(surface)
+    if not isinstance(surface, HeightMap):
+        raise DemlawsError(
+            "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
+            f"got {'none' if surface is None else type(surface).__name__}"
+        )
+    return surface
+
+
+def _softened(surface, factor):
+    """The map of contacts softer by `factor`: heights grow by s^(2/3), lateral lengths by s^(1/3), curvatures stay."""
+    surface, root = _map(surface), float(np.cbrt(factor))
+    return HeightMap(surface.heights * root**2, surface.pixel_x * root, surface.pixel_y * root, surface.form_order)
 
 
 def _pairs(contact):
@@ -286,7 +298,9 @@ LAW = Definition(
     label="asperities",
     colour="#e377c2",
     options={
-        "surface": Option("", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed"),
+        "surface": Option(
+            "", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed", _softened
+        ),
         "curve": Option("", "loading or reloading", "first loading, or the elastic reloading after `load`"),
         "load": Option("N", "above 0", "first loading before the reloading curve; needed by it"),
         "max_force": Option("N", "above 0", "end of the computed curve; without: the map's edge or bulk yield"),

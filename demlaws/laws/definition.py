@@ -1,12 +1,15 @@
 """What a law declares besides its compiled kernels: all that fits, advice, measurements, figures and engines know of it."""
 
 import inspect
+import math
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.checks import number
 from demlaws.contact import Contact
+from demlaws.core.unloading import RULES, Rule
 from demlaws.criterion import lowest_transition_load
 from demlaws.errors import DemlawsError
 
@@ -29,6 +32,11 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
+    return []
+
+
+def no_limits(contact: Contact, **options: Any) -> list[Limit]:
+    """Of a law that claims no range."""
     return []
 
 
@@ -60,6 +68,11 @@ def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") ->
     return fits, conditions.state if fits else reason
 
 
+def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
+    """Advice of a law whose parameters are calibrated on bulk tests, not measured on contacts."""
+    return False, f"{conditions.state}: its stiffnesses are not those of a contact but calibrated on the bulk's behaviour"
+
+
 def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
     return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
@@ -76,6 +89,7 @@ class Parameter(NamedTuple):
     bounds: Callable  # contact → (lowest, highest)
     starts: Callable  # contact → values to start from
     option: bool = False  # of the law, not of the contact
+    unloading: bool = False  # first loading does not show it: no fit of an elastic contact varies it
 
 
 MODULUS = Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus])
@@ -99,6 +113,45 @@ class Option(NamedTuple):
     unit: str
     values: str  # the range, or the words that it can be
     meaning: str
+    softens: float | Callable | None = None  # see `softened_option`
+
+
+PRESSURE = -2 / 3
+"""`Option.softens` of a pressure."""
+
+
+def slope_softens(value: Any, factor: float) -> float:
+    """`Option.softens` of an angle [rad] whose tangent is a slope: normal lengths grow by s^(2/3), lateral ones by s^(1/3)."""
+    return math.atan(float(np.cbrt(factor)) * math.tan(number(value, "slope", "rad", 0.0, 1.0, allow_low=True)))
+
+
+def power_of(factor: float, exponent: float) -> float:
+    """factor^exponent for exponents in thirds, exact where the cube root is."""
+    root, thirds = float(np.cbrt(factor)), round(3 * exponent)
+    if thirds % 3 == 0:
+        return float(factor) ** (thirds // 3)
+    return root**thirds if abs(thirds) < 3 else factor**exponent
+
+
+def softened_option(law: str, name: str, option: "Option", value: Any, factor: float) -> Any:
+    """Value of a law's option where contacts are made softer by `factor` s (`demlaws.soften`).
+
+    `Option.softens` is the exponent of s, or a function (value, s) → value. Without it a number without unit and a force
+    stay as they are; anything else is refused, since a wrong guess would be silent.
+    """
+    if callable(option.softens):
+        return option.softens(value, factor)
+    exponent = option.softens
+    if exponent is None:
+        if option.unit not in ("", "N"):
+            raise DemlawsError(
+                f"law {law!r} cannot be softened: nothing says how its option {name} [{option.unit}] scales "
+                "(Option.softens in the law's file)"
+            )
+        exponent = 0.0
+    if exponent == 0.0 or value is None:
+        return value
+    return number(value, name, option.unit) * power_of(factor, exponent)
 
 
 SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
@@ -131,6 +184,9 @@ class Definition(NamedTuple):
     # --- what advice and measurements do with it
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
+    rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    default_unloading: str = "elastic"  # the rule where a user names none
+    refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
     free: tuple = ()  # those that a fit varies unless it is told otherwise
     family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
@@ -141,6 +197,7 @@ class Definition(NamedTuple):
     branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
     closed_form_is_cheapest: bool = False  # no table costs less
     native: dict = {}  # noqa: RUF012  engine → its own model that is this law
+    rigid: str = ""  # why its contacts cannot be softened: a length of the law that does not scale (`demlaws.soften`)
     # --- how figures show it
     label: str = ""  # short name in figures' text
     colour: str = "#888888"
@@ -166,6 +223,20 @@ class Definition(NamedTuple):
         except TypeError as error:  # a list or None where a number or a word belongs
             given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
+
+    def offered(self) -> dict[str, Rule]:
+        """Name → rule: the general ones but those that the law refuses, then its own."""
+        general = {name: rule for name, rule in RULES.items() if name not in self.refused}
+        return general | {rule.name: rule for rule in self.rules}
+
+    def rule(self, name: str) -> Rule:
+        """The rule of this name; DemlawsError where the law does not take it."""
+        offered = self.offered()
+        if isinstance(name, str) and name in offered:
+            return offered[name]
+        if isinstance(name, str) and name in self.refused:
+            raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
+        raise DemlawsError(f"unknown unloading rule {name!r}: the rules are {', '.join(offered)} (law {self.name!r})")
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""

@@ -10,7 +10,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter
+from demlaws.laws.definition import Definition, Option, Parameter, slope_softens
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
 
@@ -103,6 +103,6 @@ LAW = Definition(
     label="Goddard",
     colour="#8c564b",
     options={
-        "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed"),
+        "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed", slope_softens),
     },
 )

@@ -51,8 +51,8 @@ LAW = Definition(
     line=":",
     options={
         "mu": Option("", "0.05 to 1e5", f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"),
-        "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu"),
-        "asperity_radius": Option("m", "above 0", "β, with asperity_density in place of mu"),
+        "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu", -2 / 3),
+        "asperity_radius": Option("m", "above 0", "β, with asperity_density in place of mu", 0.0),
         "seating_load": SEATING,
         "rtol": SOLUTION,
     },

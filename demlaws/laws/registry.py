@@ -138,6 +138,9 @@ def _check(definition):
         raise DemlawsError(f"law {name!r}: needs {', '.join(map(repr, wrong))}: a contact has {', '.join(known_fields)}")
     if not definition.unloading or definition.unloading[0] != "elastic":
         raise DemlawsError(f"law {name!r}: unloading = {definition.unloading!r:.60}: the first rule must be 'elastic'")
+    offered = definition.offered()
+    if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in offered]:
+        raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(offered)}")
     if wrong := sorted({*definition.free} - {"modulus", *definition.fitted}):
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
 

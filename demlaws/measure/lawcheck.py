@@ -12,7 +12,6 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core import loops
-from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import TESTS
 from demlaws.law import Law
@@ -266,7 +265,7 @@ def _put(found, allowed):
 
 def _rule_checks(law, contact, rules, paths, options):
     checks = []
-    for rule in rules or RULES:
+    for rule in rules or law.definition.offered():
         try:
             joined = example(law.name, contact, rule, **options)
         except DemlawsError as error:

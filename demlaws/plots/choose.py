@@ -89,7 +89,14 @@ def choices_figure(choices):
     return fig
 
 
-_RULES = dict(zip(RULES, ("-", "--", ":", "-."), strict=False))
+_GENERAL = dict(zip(RULES, ("-", "--", ":", "-."), strict=True))
+
+
+def _line(rule):
+    """Line style of an unloading rule; a law's own rule has one of its own."""
+    return _GENERAL.get(rule, "-.")
+
+
 _ENGINES = {"YADE": "o", "LIGGGHTS": "x"}
 
 
@@ -126,16 +133,17 @@ def _gains(ax, closed, inside, laws):
     for r in closed:
         steps = sorted(r.gains)
         gain = [max(r.gains[s], lowest) for s in steps]
-        ax.loglog(steps, gain, _RULES[r.unloading], color=colour(r.law), lw=1.2)
+        ax.loglog(steps, gain, _line(r.unloading), color=colour(r.law), lw=1.2)
     for r in inside:
         steps = sorted(r.impacts.gains)
         gain = [max(r.impacts.gains[s], lowest) for s in steps]
-        line = "" if closed else _RULES[r.unloading]  # beside the laws' own lines marks are enough
+        line = "" if closed else _line(r.unloading)  # beside the laws' own lines marks are enough
         ax.loglog(steps, gain, line + _ENGINES[r.engine], color=colour(r.law), ms=4, mfc="none", lw=0.8)
     ax.axhline(1e-4, color="k", lw=0.8)
     ax.set(xlabel="steps per contact", ylabel="largest energy gain of an impact")
     ax.set_title("impacts, 1e-6 to 100 m/s" + (" (inside an engine from 0.01 m/s)" if inside else ""), fontsize=9)
-    styles = {**_RULES, **{e: m for e, m in _ENGINES.items() if any(r.engine == e for r in inside)}}
+    styles = {rule: _line(rule) for rule in dict.fromkeys((*RULES, *(r.unloading for r in (*closed, *inside))))}
+    styles |= {**{e: m for e, m in _ENGINES.items() if any(r.engine == e for r in inside)}}
     _key(ax, laws, styles, ncols=2, loc="lower left")
 
 

@@ -11,6 +11,7 @@ from demlaws.criterion import central_pressure
 from demlaws.errors import ValidityWarning
 from demlaws.granite import displacement_gained, find_test, options_for, stiffness_at
 from demlaws.make import law
+from demlaws.regime import PRINTED_RATIOS
 from demlaws.solvers.axisymmetric import solve_greenwood_tripp, solve_yip_venart
 from demlaws.validation.maps import load_ratios, read_csv
 from demlaws.validation.row import between, near
@@ -236,7 +237,7 @@ def greenwood_tripp():
 
 
 def central_pressures():
-    for mu, printed in ((4.0, 0.90), (11.0, 0.925), (17.0, 0.93)):
+    for mu, printed in PRINTED_RATIOS.items():
         what = f"p(0)/p0 at α = 0.09, μ = {mu:g}"
         yield near(what, PYTHON, printed, central_pressure(0.09, mu), 0.01, "jamari", note="read from a figure by its authors")
 

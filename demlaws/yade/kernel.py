@@ -18,6 +18,7 @@ from demlaws.core.dispatch import scale, step, stored_and_dissipated
 from demlaws.core.fastmath import callback, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.params import clamped_roughness
+from demlaws.core.unloading import without_own
 from demlaws.laws.hertz import HertzParams, HertzShape
 
 # Words of the context.
@@ -342,7 +343,7 @@ def respond(kind, rule, record, radius, modulus, overlap, state):
     if modulus == 0.0:  # a marker: YADE's own law gives it no force
         return 0.0, 0.0, state
     if load_word(record) != 0:
-        return step(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+        return step(without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return step(rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
@@ -352,7 +353,7 @@ def energies(kind, rule, record, radius, modulus, overlap, state):
     if modulus == 0.0:
         return 0.0, 0.0
     if load_word(record) != 0:
-        return stored_and_dissipated(rule, scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+        return stored_and_dissipated(without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return stored_and_dissipated(rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
@@ -568,7 +569,7 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
             p = read_params(params_kind, kind, row + ROW_OWN, load_word(row + ROW_RECORD) + RECORD_SHAPE)
             force, stiffness, new = step(rule, p, overlap, old)
         elif load_double(row + ROW_OWN) != 0.0:
-            force, stiffness, new = step(rule, HertzParams(load_double(row + ROW_OWN)), overlap, old)
+            force, stiffness, new = step(without_own(rule), HertzParams(load_double(row + ROW_OWN)), overlap, old)
         else:
             force, stiffness, new = 0.0, 0.0, old
     if force - force != 0.0:

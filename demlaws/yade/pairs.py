@@ -108,8 +108,8 @@ class Source:
             self.name, self.options = find(given).name, dict(options)
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
-        self.unloading = getattr(given, "unloading", "elastic")
         self.definition = given.definition if isinstance(given, Law) else find(self.name)
+        self.unloading = getattr(given, "unloading", self.definition.default_unloading)
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
 
@@ -165,6 +165,8 @@ class Source:
         contact = self.table.contact
         if surface.roughness == 0.0 and self.table.loading_shape.length_over_roughness:
             return None
+        own = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
+        table = self.table.joined(unloading) if own and unloading != self.table.unloading else self.table
         for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
             wanted, made_for = getattr(surface, name), getattr(contact, name)
             free = name == "roughness" and self.table.collapses
@@ -172,7 +174,7 @@ class Source:
                 continue
             if not math.isclose(wanted, made_for, rel_tol=1e-6):
                 raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {wanted:g}{unit}")
-        return self.table.shape
+        return table.shape
 
     def only_for(self):
         """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
@@ -254,8 +256,10 @@ class Pairs:
             for source in (self.default, *self.special.values()) if curve is not None else ():
                 if source is not None:
                     source.unload_along(curve)
-        self.rule = RULES[self.unloading].tag
-        self.state_names = RULES[self.unloading].state
+        sources = [source for source in (self.default, *self.special.values()) if source is not None]
+        records = {source.definition.rule(self.unloading) for source in sources}  # each law must take the rule
+        rule = records.pop() if records else RULES["elastic"]
+        self.rule, self.state_names = rule.tag, rule.state
         combined = [self.everywhere or Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")

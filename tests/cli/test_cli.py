@@ -50,6 +50,19 @@ def test_curve(tmp_path, capsys):
     assert "force (N)" in capsys.readouterr().out
 
 
+def test_soften(capsys):
+    """What to give an engine: the softened modulus, roughness and yield pressure, and how far E alone is off."""
+    options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT, "--force", "10"]
+    assert main(["soften", "--factor", "8", *options]) == 0
+    said = capsys.readouterr().out
+    for name, before, after in (("modulus", 3e10, 3.75e9), ("roughness", 2e-6, 8e-6), ("yield_pressure", 1.6e9, 4e8)):
+        line = next(line for line in said.splitlines() if line.startswith(name))
+        assert [float(v) for v in line.split()[-2:]] == pytest.approx([before, after])
+    assert "% with E alone" in said
+    assert main(["soften", "--factor", "0", *options]) == 2
+    assert "factor" in capsys.readouterr().err
+
+
 def test_table(tmp_path, capsys):
     file, picture = tmp_path / "t.tbl", tmp_path / "t.png"
     assert main(["table", "--law", "rms", *CONTACT, "--rtol", "1e-4", "--out", str(file), "--figure", str(picture)]) == 0

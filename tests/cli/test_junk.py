@@ -26,6 +26,7 @@ BASE = {
     "surface": ["map.npy", "--pixel", "1um"],
     "fit": ["points.csv", *CONTACT, "--law", "hertz"],
     "choose": ["scene.toml"],
+    "soften": ["--factor", "10", "--law", "hertz", *CONTACT],
     "stability": ["--law", "hertz", "--paths", "0"],
     "trade": ["--law", "hertz", "--rounds", "1", "--contacts", "1000"],
     "yade": ["check"],

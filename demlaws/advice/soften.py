@@ -1,0 +1,244 @@
+"""Softer grains for longer steps, without a change of the law's branch: a stretch of overlaps at equal force.
+
+Divide moduli by s and scale with them what a law compares overlaps, pressures and slopes with: σ grows by s^(2/3), H_m and p_y
+fall by s^(-2/3), slopes grow by s^(1/3). That is one affine map of the surfaces: normal lengths × s^(2/3), lateral lengths
+× s^(1/3), radii of curvature, densities and forces as they are. So P_new(δ) = P_old(δ/s^(2/3)) for every law and unloading
+rule [our derivation]. With σ left as it is a contact slides to another branch instead.
+"""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, number
+from demlaws.contact import Contact, Material, Surface
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.law import Law
+from demlaws.laws.definition import PRESSURE, power_of, softened_option
+from demlaws.laws.registry import find
+from demlaws.make import joined
+from demlaws.make import law as bind_law
+from demlaws.table import Table
+
+EXPONENTS = {
+    Material: {"young": -1.0, "poisson": 0.0, "hardness": PRESSURE, "density": 0.0},
+    Surface: {"roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
+    Contact: {"radius": 0.0, "modulus": -1.0, "roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
+}
+"""Exponent of the factor by which each measured quantity grows."""
+
+
+def soften(thing: Any, factor: float) -> Any:
+    """`thing` with contacts softer by `factor` s: E/s, and all that keeps each contact on its branch scaled along.
+
+    thing: a `Contact`, `Material`, `Surface`, `Law` or `Table` (its options and its unloading curve, too), `Scene`, a `Grain`
+    or `Case` of LIGGGHTS, or a list, tuple or dict of these (the `surfaces` of a YADE functor). Kept: force at a contact's
+    place on its curve, P_new(δ) = P_old(δ/s^(2/3)), so branch and plastic share; overlaps, tangential ones too, and energies
+    grow by s^(2/3), stiffness falls by s^(-2/3), the stable step grows by s^(1/3). Lost: geometry, since overlap over
+    diameter grows by s^(2/3). s below 1 stiffens. `Softening` says what becomes of each quantity, and scales a law's options
+    alone. Raises DemlawsError for what cannot be scaled, with the reason.
+    """
+    return Softening(factor).of(thing)
+
+
+@dataclass(frozen=True)
+class Softening:
+    """What making contacts softer by `factor` s does to each quantity."""
+
+    factor: float
+
+    def __post_init__(self):
+        object.__setattr__(self, "factor", number(self.factor, "factor (by which moduli are divided)", ""))
+
+    @property
+    def overlap(self) -> float:
+        """By what overlaps, plastic ones too, roughness, and energies are multiplied: s^(2/3)."""
+        return power_of(self.factor, 2 / 3)
+
+    @property
+    def stiffness(self) -> float:
+        """By what stiffness is multiplied: s^(-2/3)."""
+        return power_of(self.factor, -2 / 3)
+
+    @property
+    def pressure(self) -> float:
+        """By what hardness and yield pressure are multiplied: s^(-2/3)."""
+        return power_of(self.factor, PRESSURE)
+
+    @property
+    def step(self) -> float:
+        """By what the stable time step, slopes, and speeds of like impacts are multiplied: s^(1/3)."""
+        return power_of(self.factor, 1 / 3)
+
+    def of(self, thing: Any) -> Any:
+        """See `soften`."""
+        from demlaws.advice.scene import Scene
+        from demlaws.liggghts.export import Case, Grain
+
+        kind = next((k for k in EXPONENTS if isinstance(thing, k)), None)
+        if kind is not None:
+            return self._scaled(thing, EXPONENTS[kind])
+        if isinstance(thing, Law):
+            return self._law(thing)
+        if isinstance(thing, Grain):
+            return replace(thing, material=self.of(thing.material), surface=self.of(thing.surface))
+        if isinstance(thing, Case):
+            unloading = self.of(thing.unloading) if isinstance(thing.unloading, Law) else thing.unloading
+            return replace(
+                thing, grains=self.of(thing.grains), unloading=unloading, options=self.options(thing.law, thing.options)
+            )
+        if isinstance(thing, Scene):
+            return self._scene(thing)
+        if isinstance(thing, Mapping):
+            return {name: self.of(value) for name, value in thing.items()}
+        if isinstance(thing, list | tuple):
+            return type(thing)(self.of(value) for value in thing)
+        raise DemlawsError(
+            f"nothing to soften in {thing!r:.60}: give a Contact, Material, Surface, Law, Table, Scene, Grain or Case, "
+            "or a list or dict of them"
+        )
+
+    def options(self, law: str, options: Mapping) -> dict:
+        """Options of law `law` for the softened contacts; those of the law before yield among them."""
+        definition = find(law)
+        if definition.rigid:
+            raise DemlawsError(f"law {law!r} cannot be softened: {definition.rigid}")
+        if definition.before_yield is not None:
+            before, rest = definition.before_yield(**options)
+            inner = self.options(before.name, rest)
+        else:
+            inner = {}
+        known = definition.options
+        own = {n: softened_option(law, n, known[n], v, self.factor) for n, v in options.items() if n in known}
+        unknown = {n: v for n, v in options.items() if n not in known and n not in inner}  # the law itself refuses them
+        return {**unknown, **inner, **own}
+
+    def _scaled(self, thing, exponents):
+        changes = {}
+        for name, exponent in exponents.items():
+            value = getattr(thing, name)
+            if exponent and value is not None:
+                changes[name] = value * power_of(self.factor, exponent)
+        if isinstance(thing, Contact) and np.any(changes["roughness"] > np.asarray(thing.radius)):
+            raise DemlawsError(
+                f"factor = {self.factor:g} makes the roughness {float(np.max(changes['roughness'])):g} m, more than the "
+                f"effective radius of {float(np.min(thing.radius)):g} m: use a smaller factor"
+            )
+        return replace(thing, **changes)
+
+    def _law(self, law):
+        contact, curve = self.of(law.contact), law.unloading_law
+        if isinstance(law, Table) and law.loading_shape.length_over_roughness:
+            # rows in multiples of σ, which is stretched as overlaps are: they stay as they are
+            options = self.options(law.name, law.options)
+            if curve is not None:
+                curve = self.of(curve)
+            held = Law(law.definition, contact, law.unloading, options, law.shape, None, curve)
+            table = Table(held, law.shape, law.nodes, (law.force_error, law.stiffness_error), law.rtol)
+            table.said_to_collapse = law.said_to_collapse
+            table.made_for = self.of(law.made_for)
+            return table
+        plain = bind_law(law.name, contact, **self.options(law.name, law.options))
+        if isinstance(law, Table):
+            plain = plain.tabulate(law.rtol)
+        return joined(plain, law.unloading if curve is None else self.of(curve))
+
+    def _scene(self, scene):
+        pressure = scene.yield_pressure
+        options = scene.reference_options
+        return replace(
+            scene,
+            materials=self.of(scene.materials),
+            surfaces=self.of(scene.surfaces),
+            yield_pressure=None if pressure is None else pressure * self.pressure,
+            reference_options=self.options(scene.reference, options) if scene.reference else options,
+        )
+
+    # --- in words
+
+    def effects(self) -> list[tuple[str, str, str]]:
+        """(quantity, by what it is multiplied, what that is of s) of all that changes, and of what is kept."""
+        s, overlap, step = self.factor, self.overlap, self.step
+        return [
+            (
+                "kept",
+                "1",
+                "force, branch, α, plastic share of overlap and work, radius, density, friction, Poisson's ratio, Df",
+            ),
+            ("Young's modulus E, effective modulus E*", f"{1 / s:.4g}", "s^-1"),
+            ("roughness Sq and σ", f"{overlap:.4g}", "s^(2/3)"),
+            ("hardness H_m, yield pressure p_y", f"{self.pressure:.4g}", "s^(-2/3)"),
+            ("slope tan β", f"{step:.4g}", "s^(1/3)"),
+            ("overlap, plastic and tangential ones too; energy", f"{overlap:.4g}", "s^(2/3)"),
+            ("stiffness", f"{self.stiffness:.4g}", "s^(-2/3)"),
+            ("stable time step", f"{step:.4g}", "s^(1/3)"),
+            ("lost: geometry, at the order of overlap over diameter, which grows by", f"{overlap:.4g}", "s^(2/3)"),
+        ]
+
+    def report(self, law: Law, force: float) -> "Report":
+        """What becomes of one contact of `law` at `force` [N]: softened as here, and with σ and pressures left alone."""
+        force = number(force, "force", "N")
+        law._single()
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            softened = self.of(law)
+            left = bind_law(law.name, law.contact.with_values(modulus=law.contact.modulus / self.factor), **law.options)
+            rows = []
+            for one in (law, softened, left):
+                overlap = float(one.overlap(force))
+                rows.append(At(overlap, float(one.stiffness(overlap)), overlap / one.contact.radius))
+        return Report(self, force, softened, *rows)
+
+
+@dataclass(frozen=True)
+class At:
+    """One contact at one force."""
+
+    overlap: float  # [m]
+    stiffness: float  # [N/m]
+    over_radius: float  # overlap over effective radius
+
+
+@dataclass(frozen=True)
+class Report:
+    """See `Softening.report`."""
+
+    softening: Softening
+    force: float  # [N]
+    law: Law  # softened
+    before: At
+    after: At
+    left_alone: At  # E* divided by s, nothing else
+
+    @property
+    def stiffness_error(self) -> float:
+        """Relative error of the softened stiffness times s^(2/3): rounding."""
+        return self.after.stiffness / (self.before.stiffness * self.softening.stiffness) - 1.0
+
+    @property
+    def left_alone_error(self) -> float:
+        """The same where σ, hardness and yield pressure are left alone: another branch."""
+        return self.left_alone.stiffness / (self.before.stiffness * self.softening.stiffness) - 1.0
+
+    @property
+    def too_deep(self) -> bool:
+        """Whether the softened overlap is beyond what contact laws hold for."""
+        return self.after.over_radius > SMALL_OVERLAP
+
+    def lines(self) -> list[str]:
+        """As text."""
+        lines = [f"{'at ' + format(self.force, 'g') + ' N':34}{'overlap (m)':>14}{'stiffness (N/m)':>18}{'overlap/R':>12}"]
+        names = ("as it is", "softened, all scaled", "softened, E alone (not to be done)")
+        for name, at in zip(names, (self.before, self.after, self.left_alone), strict=True):
+            lines.append(f"{name:34}{at.overlap:14.4g}{at.stiffness:18.4g}{at.over_radius:12.3g}")
+        lines.append(
+            f"stiffness times s^(2/3) against the contact as it is: {self.stiffness_error:+.1e} with all scaled, "
+            f"{100 * self.left_alone_error:+.1f} % with E alone"
+        )
+        if self.too_deep:
+            end = "no law answers beyond R" if self.after.over_radius > LARGEST_OVERLAP else "geometry is lost"
+            lines.append(f"overlap/R is above {SMALL_OVERLAP:g}: too soft for this force ({end})")
+        return lines
