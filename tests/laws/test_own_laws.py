@@ -33,7 +33,7 @@ dl.register(dl.define("power", force, stiffness, options={"factor": 3e9, "expone
 @pytest.fixture(autouse=True)
 def registered_here(monkeypatch):
     """Whatever a test registers goes with it."""
-    monkeypatch.delenv(registry.VARIABLE, raising=False)
+    monkeypatch.setenv(registry.VARIABLE, "")
     kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
     modules = set(sys.modules)
     yield
