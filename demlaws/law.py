@@ -17,7 +17,7 @@ from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
-from demlaws.core.loops import batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
+from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -253,14 +253,14 @@ class Law:
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
         arrays = self._arrays_of(state, n)
         force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else _writable(out, overlap, arrays)
-        end, small = self._ends()
+        end, most = self._ends()
 
         def part(piece):
-            params, ends = map_leaves(
-                lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, (self.params, (end,))
+            params, ends, limits = map_leaves(
+                lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, (self.params, (end,), (most,))
             )
             states = tuple(array[piece] for array in arrays)
-            return batch_loop(self.rule, params, overlap[piece], states, ends, small, force[piece], stiffness[piece])
+            return batch_loop(self.rule, params, overlap[piece], states, ends, limits, force[piece], stiffness[piece])
 
         good = all(in_threads(part, n)) if parallel and n >= 2 * _PIECE else part(slice(None))
         if not good:
@@ -273,12 +273,15 @@ class Law:
         return force, stiffness
 
     def _ends(self):
-        """Largest overlap [m] that is answered, one number or one a contact, and the part of it that is small."""
+        """Largest overlap [m] that is answered, and the force [N] above which one is looked at; one number or one a contact."""
         if self._end is None:
-            radius = self.contact.radius
-            end = np.minimum(LARGEST_OVERLAP * np.asarray(radius), self._curve_end())
-            small = float(np.min(np.minimum(SMALL_OVERLAP * np.asarray(radius), end) / end))
-            self._end = (float(end) if end.ndim == 0 else np.ascontiguousarray(end)), small
+            radius = np.asarray(self.contact.radius)
+            end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
+            small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
+            most, stiffness = np.empty(small.size), np.empty(small.size)
+            evaluate_loop(Elastic(), self.params, small, (), most, stiffness)
+            whole = float if end.ndim == 0 else np.ascontiguousarray
+            self._end = whole(end), whole(np.minimum(most, FINITE[0]).reshape(end.shape))
         return self._end
 
     def _curve_end(self):

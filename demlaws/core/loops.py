@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
 from demlaws.core.fastmath import interleave, loop
@@ -19,36 +21,40 @@ def scale_loop(shape, radius, modulus, roughness, params):
 
 
 @loop
-def batch_loop(rule, params, overlap, state, end, small, force, stiffness):
-    """A step of every contact. Returns whether all forces are finite and all overlaps up to `small` times their `end`.
+def batch_loop(rule, params, overlap, state, end, most, force, stiffness):
+    """A step of every contact. Returns whether all forces are numbers up to `most` [N].
 
-    end: a tuple of the largest overlap that is answered [m], one number or one entry a contact. An overlap beyond it
-    counts as NaN, with which every rule gives the force NaN and leaves the history as it was; a rule without a history
-    answers all the same.
+    end, most: tuples of one number or of an array with one entry a contact. end: the largest overlap [m] that is answered;
+    one beyond it counts as NaN, with which every rule gives the force NaN and leaves the history as it was. A rule without
+    a history answers all the same.
     """
     good = True
     params = dispatch.fix_tables(params)
-    interleave(4)
+    # a law alone leaves registers free; with a history and its bound, more than two at a time spill them
+    if len(state) == 0:
+        interleave(4)
+    else:
+        interleave(2)
     for i in range(overlap.size):
         p = gather(params, i)
-        last = gather(end, i)[0]
         here = float(overlap[i])
-        here = here if (here <= last) | (len(state) == 0) else math.nan
+        here = here if (here <= gather(end, i)[0]) | (len(state) == 0) else math.nan
         new_force, new_stiffness, new_state = dispatch.step(rule, p, here, gather(state, i))
         scatter(state, i, new_state)
         force[i] = new_force
         stiffness[i] = new_stiffness
         # last, because LLVM loses the hint where the loop ends in an inlined call
-        good &= (new_force - new_force == 0.0) & (here <= small * last)
+        good &= new_force <= gather(most, i)[0]
     return good
 
 
 UNBOUNDED = (math.inf,)
+FINITE = (np.finfo(float).max,)
 
 
 def evaluate_loop(rule, params, overlap, state, force, stiffness):
     """`batch_loop` of a curve that is read at overlaps of any size: whether all forces are finite."""
-    return batch_loop(rule, params, overlap, state, UNBOUNDED, 1.0, force, stiffness)
+    return batch_loop(rule, params, overlap, state, UNBOUNDED, FINITE, force, stiffness)
 
 
 @loop
