@@ -13,6 +13,7 @@ import zlib
 from collections import defaultdict
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError
@@ -89,7 +90,7 @@ def register(definition: Definition, replace: bool = False) -> Definition:
     return _register(definition, _home(sys._getframe(1).f_globals), replace)
 
 
-def _register(definition, home, replace=False):
+def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
     _check(definition)
     name = definition.name
     if name in _own and _homes[name] != home and not replace:
@@ -110,13 +111,13 @@ def _register(definition, home, replace=False):
     return _own[name]
 
 
-def _home(names):
+def _home(names: dict[str, Any]) -> str:
     """Where the code that registers stands: its file, or the name of its module."""
     file = names.get("__file__")
     return os.path.realpath(file) if file else str(names.get("__name__", "?"))
 
 
-def _check(definition):
+def _check(definition: Any) -> None:
     """Refuse what is no definition, with the field that is wrong."""
     if not isinstance(definition, Definition):
         raise DemlawsError(f"register takes a demlaws.Definition, got {definition!r:.60}")
@@ -177,11 +178,11 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     return [name for name, home in _homes.items() if home == path]
 
 
-def _files():
+def _files() -> list[str]:
     return [file for file in os.environ.get(VARIABLE, "").split(os.pathsep) if file]
 
 
-def _imported(path):
+def _imported(path: str) -> bool:
     """Whether a module is this file; also one that is being run now."""
     return any(
         isinstance(module, ModuleType) and os.path.realpath(module.__dict__.get("__file__") or "/") == path
@@ -189,7 +190,7 @@ def _imported(path):
     )
 
 
-def _run(path):
+def _run(path: str) -> None:
     if not os.path.isfile(path):
         raise DemlawsError(f"no file of laws {path}: give the Python file that registers them")
     # stable, so that machine code is found again, and different for files of one name
@@ -210,9 +211,10 @@ def _run(path):
         raise
     except BaseException as error:
         sys.modules.pop(name, None)
-        for known, old in zip((_own, _homes), before, strict=True):
+        for known in (_own, _homes):
             known.clear()
-            known.update(old)
+        _own.update(before[0])
+        _homes.update(before[1])
         raise DemlawsError(_told(path, error)) from error
     finally:
         with contextlib.suppress(ValueError):
@@ -222,13 +224,13 @@ def _run(path):
         raise DemlawsError(f"{path} registers no law: call demlaws.register(...) in it")
 
 
-def _laws_of(module):
+def _laws_of(module: ModuleType) -> list[Definition]:
     """Definitions that a module holds as LAW or LAWS."""
     one, several = getattr(module, "LAW", None), getattr(module, "LAWS", ())
     return [d for d in (one, *(several if isinstance(several, list | tuple) else ())) if isinstance(d, Definition)]
 
 
-def _told(path, error):
+def _told(path: str, error: BaseException) -> str:
     """One line about what went wrong in a file of laws."""
     if isinstance(error, SyntaxError) and error.filename == path:
         return f"{path}, line {error.lineno}: {error.msg}"
@@ -238,7 +240,7 @@ def _told(path, error):
     return f"{where}: {' '.join(text.split())}"
 
 
-def _load_entry_points():
+def _load_entry_points() -> None:
     """Laws of installed packages: an entry point is a Definition, a list of them, or a module that registers its own.
 
     One that fails is left out with a warning: it must not take the other laws along.

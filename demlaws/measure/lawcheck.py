@@ -144,7 +144,7 @@ def energy_error(law: Law) -> tuple[float, float]:
     edges = np.unique([0.0, *edges, *law.kinks()])
     edges = edges[edges <= largest]
     half = 0.5 * np.diff(edges)
-    force = law.force((edges[:-1, None] + half[:, None] * (1 + x)).ravel()).reshape(half.size, x.size)
+    force = np.reshape(law.force((edges[:-1, None] + half[:, None] * (1 + x)).ravel()), (half.size, x.size))
     work = np.concatenate([[0.0], np.cumsum(half * (force @ weights))])
     chosen = (edges > 1e-7 * law.contact.roughness) & (edges > 1e-12 * law.contact.radius)
     return _worst(np.abs(law.energy(edges[chosen]) / work[chosen] - 1.0), edges[chosen])
