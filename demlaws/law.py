@@ -13,11 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps
+from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
+from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
 
@@ -65,6 +66,7 @@ class State:
         return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"
 
     def copy(self) -> "State":
+        """A state of its own with the same values."""
         twin = State(self.names, 0)
         twin.__dict__["arrays"] = tuple(array.copy() for array in self.arrays)
         return twin
@@ -92,6 +94,15 @@ class Law:
 
     Overlaps in m, forces in N, stiffnesses in N/m, energies in J. The methods take a number or an array and return the
     same; with a contact that is an array of contacts, arrays have one entry a contact.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> print(f"{law.force(1e-6):.4f} N, {law.stiffness(1e-6):.0f} N/m, {law.overlap(10.0) * 1e6:.3f} µm")
+    2.6985 N, 4047715 N/m, 2.395 µm
+    >>> batch = dl.law("hertz", dl.Contact(radius=[1e-3, 4e-3], modulus=32e9), unloading="hertz")
+    >>> state = batch.new_state(2)
+    >>> force, stiffness = batch.evaluate([1e-6, 1e-6], state)
+    >>> force.round(4), state.maximum_overlap
+    (array([1.3492, 2.6985]), array([1.e-06, 1.e-06]))
     """
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
@@ -346,6 +357,31 @@ class Law:
         maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
         plastic = known.get("plastic_overlap", np.zeros(values.size))
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
+
+    def shear_stiffness(
+        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: State | None = None
+    ) -> float | np.ndarray:
+        """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
+
+        K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
+        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now; "tangent", that of the branch that
+        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each.
+        """
+        if shear not in CHOICES:
+            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
+        ratio = number(ratio, "ratio")
+        self._single()
+        values, shape = self._shaped(overlap, "overlap", "m")
+        if values.ndim > 1:
+            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
+        self._check_range(values)
+        state = self.new_state(1) if state is None else state
+        arrays = self._arrays_of(state, 1)
+        result = np.empty(values.size)
+        shear_loop(CHOICES[shear].tag, self.rule, self._single(), values.ravel(), arrays, result)
+        if not np.all(np.isfinite(result)):
+            raise DemlawsError(self._out_of_range(float(values.max())))
+        return _as_given(ratio * result.reshape(shape))
 
     def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""

@@ -4,6 +4,7 @@ from demlaws.cli import example
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "laws",
         description="Lists the laws of first loading, or one law's equation, source, what of the contact it needs, its options "
@@ -15,6 +16,7 @@ def register(subparsers):
 
 
 def print_laws():
+    """Print a line a law: name and description."""
     from demlaws.laws.registry import registry
 
     for name, definition in registry().items():
@@ -22,6 +24,7 @@ def print_laws():
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from demlaws.core.unloading import RULES
     from demlaws.laws.registry import find
 

@@ -125,6 +125,7 @@ class Cache:
         return None if None in sources else FOLDER / f"{name}-{digest[:32]}.nbc", key
 
     def load_overload(self, signature, context):
+        """The compiled loop for these types from disk, or None: numba then compiles it."""
         context.refresh()
         path, key = self._place(signature, context.codegen())
         try:
@@ -137,6 +138,7 @@ class Cache:
         return None
 
     def save_overload(self, signature, result):
+        """Write a compiled loop to disk, whole or not at all; a folder that cannot be written is no error."""
         notice.end()
         path, key = self._place(signature, result.codegen)
         if path is None or result.library.has_dynamic_globals:

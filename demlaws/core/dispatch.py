@@ -20,6 +20,7 @@ _KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name o
 
 
 def generic(function):
+    """Mark a function as one that is resolved by the types of its arguments."""
     _GENERIC.add(function.__name__)
     return function
 

@@ -32,6 +32,7 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
+    """Of a law whose stiffness is continuous and smooth: no overlaps."""
     return []
 
 
@@ -41,10 +42,12 @@ def no_limits(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def never(**options: Any) -> bool:
+    """False, whatever the options."""
     return False
 
 
 def always(**options: Any) -> bool:
+    """True, whatever the options."""
     return True
 
 

@@ -14,7 +14,11 @@ def registry() -> dict[str, Definition]:
 
 
 def laws() -> list[str]:
-    """Names of all laws."""
+    """Names of all laws.
+
+    >>> dl.laws()[:3]
+    ['hertz', 'rms', 'pohrt-popov']
+    """
     return list(registry())
 
 

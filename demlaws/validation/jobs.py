@@ -3,6 +3,7 @@
 import math
 
 from demlaws.contact import Contact
+from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
 from demlaws.validation.published import IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
@@ -71,6 +72,7 @@ def impact_jobs():
 
 
 def diagonal(strain):
+    """Strain tensor of equal strain along all axes."""
     return [[strain, 0.0, 0.0], [0.0, strain, 0.0], [0.0, 0.0, strain]]
 
 
@@ -83,6 +85,7 @@ PATH = {
 
 
 def array_jobs():
+    """Jobs of the regular arrays: each with each law and its unloading."""
     jobs = []
     for array in ARRAYS:
         for name, unloading in LAWS:
@@ -91,6 +94,17 @@ def array_jobs():
             # probes of a contact with history would leave its loading curve: for those compression and back alone
             path = PATH if unloading == "elastic" else {k: v for k, v in PATH.items() if k in ("loading", "unloading")}
             jobs.append({**job, "path": path, "steps": STEPS, "dt": 1e-9})
+    return jobs
+
+
+def shear_jobs(peaks=(PEAK,), steps=STEPS):
+    """FCC of rough grains, compressed and then sheared, for each stiffness that K_t may go by."""
+    jobs = []
+    for choice in CHOICES:
+        for peak in peaks:
+            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": "pohrt-popov", "unloading": "hertz", "surface": ROUGH}
+            path = {"loading": diagonal(-peak), "shear": PATH["shear"]}
+            jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": steps, "dt": 1e-9})
     return jobs
 
 
