@@ -251,9 +251,10 @@ class Law:
 
         overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
         `new_state` returned (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
-        spares the time that new memory takes; parallel=True: one thread a core. The overlaps are looked at in the loop
-        only. One that is NaN, infinite, beyond the contact's effective radius or beyond a table's range raises
-        DemlawsError after it: that contact's force is not finite, its history is as it was; all others are good. Overlaps
+        spares the time that new memory takes; parallel=True: one thread a core where there are more than 131,072 contacts,
+        since fewer take longer so. The overlaps are looked at in the loop only. One that is NaN, infinite, beyond the
+        contact's effective radius or beyond a table's range raises DemlawsError after it: that contact's force is not
+        finite, its history is as it was; all others are good. Overlaps
         beyond a tenth of the radius give one warning.
         """
         overlap = np.asarray(overlap)
@@ -273,7 +274,7 @@ class Law:
             states = tuple(array[piece] for array in arrays)
             return batch_loop(self.rule, params, overlap[piece], states, ends, limits, force[piece], stiffness[piece])
 
-        good = all(in_threads(part, n)) if parallel and n >= 2 * _PIECE else part(slice(None))
+        good = all(in_threads(part, n)) if parallel and n >= 16 * _PIECE else part(slice(None))
         if not good:
             bad = np.flatnonzero(~np.isfinite(force) | (overlap > end))
             if bad.size:
@@ -476,7 +477,7 @@ def in_threads(part, n):
     if _pool is None or _pool._max_workers != workers:
         _pool = ThreadPoolExecutor(workers)
     # several turns a thread: one that the system holds up then keeps the others waiting for a part of its share only
-    piece = -(-n // (4 * workers * _PIECE)) * _PIECE
+    piece = -(-n // (2 * workers * _PIECE)) * _PIECE
     numbers = itertools.count()  # next() is one operation for all threads
 
     def work():

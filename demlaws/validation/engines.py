@@ -161,7 +161,13 @@ def in_liggghts(jobs):
     return answer(jobs)
 
 
-ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts)}
+def in_lammps(jobs):
+    from demlaws.validation.in_lammps import answer
+
+    return answer(jobs)
+
+
+ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts), "LAMMPS": ("lammps", in_lammps)}
 
 
 def packing_rows(found):
