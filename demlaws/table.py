@@ -27,7 +27,8 @@ from demlaws.files import as_path, write_atomically
 from demlaws.joining import joined_law
 from demlaws.law import Law
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import find
+from demlaws.laws.registry import find, is_own
+from demlaws.soundness import refuse_unless_collapses
 from demlaws.table_file import UNLOADING, Rows
 
 
@@ -119,6 +120,8 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
         raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
     definition, contact = law.definition, law.contact
     _refuse_too_fine(law, rtol)
+    if is_own(definition) and law.collapses and type(law) is Law:
+        refuse_unless_collapses(law)
     if contact.size is not None and not law.collapses:
         raise DemlawsError(
             f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"

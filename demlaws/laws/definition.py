@@ -208,7 +208,11 @@ class Definition(NamedTuple):
 
     def __reduce__(self) -> tuple:
         """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
-        return _of_name, (self.name,)
+        from demlaws.laws.registry import mark, registry
+
+        if self.name in registry():
+            return _of_name, (self.name, mark(self))
+        return Definition, tuple(self)  # of a table whose law is not here
 
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
@@ -255,7 +259,10 @@ class Definition(NamedTuple):
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
 
 
-def _of_name(name: str) -> Definition:
-    from demlaws.laws.registry import find
+def _of_name(name: str, marked: str = "") -> Definition:
+    from demlaws.laws.registry import find, mark
 
-    return find(name)
+    definition = find(name)
+    if mark(definition) != marked:
+        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+    return definition

@@ -109,7 +109,7 @@ class Source:
             self.name, self.options = find(given).name, dict(options)
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
-        self.definition = find(self.name)
+        self.definition = given.definition if isinstance(given, Law) else find(self.name)
         self.unloading = getattr(given, "unloading", self.definition.default_unloading)
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
