@@ -5,6 +5,9 @@
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped)
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
+# make docs      build the site into build/site: warnings are errors (some seconds to a minute)
+# make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
+# make readme-check  recompute the numbers that README and docs state (a minute)
 # make lint      format and lint of Python and C++, types of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -15,7 +18,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation lint engines clean
+.PHONY: granite test test-all bench stability trade validation docs dist lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -26,6 +29,7 @@ test: engines $(VENV)/.test lint
 	$(BIN)/python -m pytest -n $(CORES) -m "not slow" $(PYTEST)
 
 test-all: engines $(VENV)/.test lint
+	-@test -e $(VENV)/.docs || $(MAKE) --no-print-directory $(VENV)/.docs
 	$(BIN)/python -m pytest -n $(CORES) $(PYTEST)
 
 lint: $(VENV)/.test
@@ -53,6 +57,17 @@ validation: engines $(VENV)/.plots
 trade: engines $(VENV)/.plots
 	$(BIN)/demlaws trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
 
+docs: $(VENV)/.docs
+	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
+	@echo "build/site/index.html"
+
+dist: $(VENV)/.test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
+	$(BIN)/python tests/machines/dist.py
+
+readme-check: $(VENV)/.test
+	$(BIN)/python tests/readme_check.py
+
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
 
@@ -72,6 +87,10 @@ $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
 $(VENV)/.test: pyproject.toml | $(VENV)/bin/python
 	$(call INSTALL,plots$(comma)tests)
 	touch $@ $(VENV)/.plots
+
+$(VENV)/.docs: pyproject.toml | $(VENV)/bin/python
+	$(call INSTALL,plots$(comma)docs)
+	touch $@
 
 $(VENV)/bin/python:
 	$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { $(APT) update -qq && $(APT) install -y -qq python3-venv; } || \

@@ -6,7 +6,7 @@ import numpy as np
 
 from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import loading_part, one_of
-from demlaws.core.unloading import RULES, Elastic, JoinedParams, JoinedShape
+from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError, NotPassive
 from demlaws.law import Law
 
@@ -20,7 +20,7 @@ def joined_law(law, rule, curve=None):
     if curve is not None:
         shape, params = joined_shape(law, curve), None
     result = Law(law.definition, law.contact, rule, law.options, shape, params, curve)
-    if RULES[rule].curve != "own":
+    if law.definition.rule(rule).curve in ("hertz", "given"):
         # a table's stiffness is what its certificate says, not more exact
         _refuse_unless_passive(result, *(one.stiffness_error for one in (law, curve) if curve is not None))
     return result
@@ -59,7 +59,8 @@ def _refuse_unless_passive(law, *uncertainties):
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
-            f"{whose}, so that unloading would return more work than loading took; use unloading='elastic'"
+            f"{whose}, so that unloading would return more work than loading took; use "
+            f"unloading={law.definition.default_unloading!r}"
         )
 
 
@@ -77,11 +78,13 @@ def largest_stiffness_ratio(law, points=2000):
         p = one_of(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
-        force, stiffness = np.empty(points), np.empty(points)
+        steps = law.definition.kinks(loading_part(p), **law.options)  # where K may jump up, between two points
+        overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
+        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
-            elastic, own, other = (np.empty(points) for _ in range(3))
+            elastic, own, other = (np.empty(overlap.size) for _ in range(3))
             inverse_loop(p.unloading, force, elastic)
             evaluate_loop(Elastic(), p.unloading, elastic, (), own, other)
             usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none

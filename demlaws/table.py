@@ -27,7 +27,8 @@ from demlaws.files import as_path, write_atomically
 from demlaws.joining import joined_law
 from demlaws.law import Law
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import find
+from demlaws.laws.registry import find, is_own
+from demlaws.soundness import refuse_unless_collapses
 from demlaws.table_file import UNLOADING, Rows
 
 
@@ -119,12 +120,16 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
         raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
     definition, contact = law.definition, law.contact
     _refuse_too_fine(law, rtol)
+    if is_own(definition) and law.collapses and type(law) is Law:
+        refuse_unless_collapses(law)
     if contact.size is not None and not law.collapses:
         raise DemlawsError(
             f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"
         )
     if law.unloading_law is not None:
         return with_curve(tabulate(law.joined("elastic"), rtol, max_force), law.unloading_law)
+    if definition.rule(law.unloading).curve == "law" and not isinstance(law, Table):
+        return with_own_rule(tabulate(law.joined("elastic"), rtol, max_force), law.unloading)
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
@@ -188,11 +193,24 @@ def take(law, rule, curve=None):
         return joined_law(law, rule, curve)
     shape, certificate = law.loading_shape, (law.force_error, law.stiffness_error)
     elastic = Law(law.definition, law.contact, "elastic", law.options, shape, loading_part(law.params))
-    joined = elastic if curve is not None else joined_law(elastic, rule)
+    own = law.definition.rule(rule).curve == "law"
+    joined = elastic if curve is not None or own else joined_law(elastic, rule)
     plain = Table(joined, shape, law.nodes, certificate, law.rtol)
     if law.unloading_law is None:
         plain.said_to_collapse = law.said_to_collapse
+    if own:
+        return with_own_rule(plain, rule)
     return plain if curve is None else with_curve(plain, curve)
+
+
+def with_own_rule(table, rule):
+    """A `Table` of an elastic one and a rule of the law's own, which reads what it needs from the law beside the table."""
+    definition, options = table.definition, table.options
+    shape = JoinedShape(loading_part(table.shape), definition.shape(table.contact, **options), 1.0, 1.0, 1.0)
+    law = Law(definition, table.contact, rule, options, shape)
+    joined = Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
+    joined.said_to_collapse = table.said_to_collapse
+    return joined
 
 
 def with_curve(table, curve):
@@ -270,7 +288,13 @@ def _lengths(definition, contact):
 
 
 class Table(Law):
-    """A law read from its certified table: all methods of `Law`, and `force_error`, `stiffness_error`, `save`, `load`."""
+    """A law read from its certified table: all methods of `Law`, and `force_error`, `stiffness_error`, `save`, `load`.
+
+    >>> law = dl.law("pohrt-popov", dl.Contact(4e-3, 32e9, roughness=2e-6, fractal_dimension=2.2), unloading="hertz")
+    >>> table = law.tabulate(rtol=1e-5)
+    >>> bool(table.force_error < 1e-5), table.collapses, abs(table.force(1e-6) / law.force(1e-6) - 1) < 1e-5
+    (True, True, True)
+    """
 
     def __init__(self, law, shape, nodes, certificate, rtol, contact=None):
         curve = law.unloading_law
@@ -291,13 +315,16 @@ class Table(Law):
         return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
 
     def quick_shape(self) -> Any:
+        """The Shape with which this table serves as an unloading curve."""
         return quick_to_invert(self.shape, self.nodes.kinks)
 
     def kinks(self) -> list[float]:
+        """Overlaps [m] at which the stiffness jumps or has a kink."""
         return list(self.nodes.kinks * np.ravel(self.length)[0])
 
     @property
     def collapses(self) -> bool:
+        """Whether one dimensionless curve serves all contacts of this law."""
         return super().collapses if self.said_to_collapse is None else self.said_to_collapse
 
     @property
@@ -364,6 +391,12 @@ class Table(Law):
         from demlaws import __version__
 
         shape, curve = self.loading_shape, self.unloading_law
+        rule = self.definition.rule(self.unloading)
+        if rule.number is None:
+            raise DemlawsError(
+                f"rule {rule.name!r} of law {self.name!r} is its own and stands in no table file, since what reads such files "
+                "does not have it: use the law itself (Python, YADE), or unload along a curve, unloading=dl.law(...)"
+            )
         header = {
             "law": self.name,
             "description": f"{self.definition.description}; {self.definition.equation}",

@@ -249,6 +249,30 @@ class Bahrami(Reference):
         return self.hertz.stiffness(hertz) / slope
 
 
+class WaltonBraun(Reference):
+    """k1 δ; back along k2 (δ - δ0), δ0 = δmax (1 - k1/k2), k2 = ratio k1 or k1 + S Pmax."""
+
+    def __init__(self, loading_stiffness, stiffness_ratio=None, growth=None, **_):
+        self.k1 = mpf(loading_stiffness)
+        self.ratio, self.growth = mpf(stiffness_ratio or 1), mpf(growth or 0)
+
+    def force(self, overlap):
+        return self.k1 * mpf(overlap)
+
+    def stiffness(self, overlap):
+        return self.k1
+
+    def overlap(self, force):
+        return mpf(force) / self.k1
+
+    def energy(self, overlap):
+        return self.k1 * mpf(overlap) ** 2 / 2
+
+    def unloading(self, maximum, overlap):
+        k2 = self.ratio * self.k1 + self.growth * self.force(maximum)
+        return max(mpf(0), k2 * (mpf(overlap) - mpf(maximum) * (1 - self.k1 / k2)))
+
+
 REFERENCES = {
     "hertz": Hertz,
     "rms": Rms,
@@ -256,6 +280,7 @@ REFERENCES = {
     "goddard": Goddard,
     "rough-plastic": RoughPlastic,
     "bahrami": Bahrami,
+    "walton-braun": WaltonBraun,
 }
 
 

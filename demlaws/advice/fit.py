@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
-from demlaws.core.unloading import RULES
+from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
@@ -85,6 +85,7 @@ class Fit(NamedTuple):
 
     @property
     def contact(self) -> Contact:
+        """Contact with the fitted quantities."""
         return self.law.contact
 
 
@@ -98,6 +99,7 @@ class Ranking(list):
 
     @property
     def best(self) -> Fit:
+        """The fit of lowest AICc; the list's first."""
         return self[0]
 
 
@@ -173,7 +175,8 @@ class _Model:
                     raise DemlawsError(f"{name} needs the contact's {field}: give it, or let it be fitted")
                 fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
-        self.options = dict(options)
+        unseen = {n: one for n, one in self.definition.fitted.items() if one.unloading and n not in free}
+        self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()} | dict(options)
         self.family = None
         if set(self.definition.family) & set(free):
             self._solve_family()
@@ -259,6 +262,13 @@ def fit(
     Where the misfit of the best law has a pattern that another E* or a compliance would explain, its notes say so.
 
     Raises DemlawsError for points that cannot determine anything. A law that cannot be fitted is listed in `.skipped`.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9)
+    >>> path = dl.driver.force_controlled(dl.law("hertz", pair), [50.0], steps=30)
+    >>> points = [(x, p) for x, p in zip(path.overlap, path.force)][1:]
+    >>> best = dl.fit(points, pair.with_values(modulus=20e9), laws="hertz", free=["modulus"]).best
+    >>> round(best.contact.modulus / 1e9, 3)
+    32.0
     """
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
@@ -278,18 +288,17 @@ def fit(
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(PARAMETERS)}")
     falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
     jobs, fits, skipped = [], [], {}
+    # a given curve has no parameters of the law's
+    known = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
     for name in names:
         definition = find(name)
         varied = [n for n in free or definition.free if n in ("modulus", COMPLIANCE) or n in definition.fitted]
         if force.size < len(varied) + 4:
             raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
         for rule in [unloading] if unloading is not None else definition.unloading if falls else ("elastic",):
-            if (
-                not isinstance(rule, str) or rule not in RULES or RULES[rule].curve == "given"
-            ):  # a given curve has no parameters of the law's
-                known = ", ".join(rule.name for rule in RULES.values() if rule.curve != "given")
-                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {known}")
-            jobs.append((name, rule, varied))
+            if not isinstance(rule, str) or rule not in known:
+                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {', '.join(known)}")
+            jobs.append((name, rule, [n for n in varied if rule != "elastic" or not _on_unloading(definition, n)]))
     measured = displacement, force, displacement_noise, force_noise
 
     def one(name, rule, varied):
@@ -312,6 +321,11 @@ def fit(
     total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
     ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
     return Ranking(ranked, skipped, (displacement, force))
+
+
+def _on_unloading(definition, name):
+    """Whether a quantity shows on unloading only."""
+    return name in definition.fitted and definition.fitted[name].unloading
 
 
 def _texts(given, name):

@@ -13,8 +13,8 @@ def add_law_arguments(parser):
     parser.add_argument("--law", type=law_name, required=True, help="name of the law (--law ? or demlaws laws lists them)")
     parser.add_argument(
         "--unloading",
-        default="elastic",
-        help="elastic, hertz, thornton, or a table file whose curve the contact unloads along (default: elastic)",
+        help="elastic, hertz, thornton, a rule of the law's own (demlaws laws NAME), or a table file whose curve the contact "
+        "unloads along (default: the law's own, else elastic)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
     curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
@@ -72,7 +72,7 @@ def _unloading_from(arguments, contact):
         if changes or arguments.unloading_option:
             raise DemlawsError("--unloading-option, -sigma and -radius describe the curve of --unloading-law: name that law")
         return arguments.unloading
-    if arguments.unloading not in ("elastic", "table"):
+    if arguments.unloading not in (None, "elastic", "table"):
         raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
     options = dict(arguments.unloading_option)
     if arguments.test is not None:
@@ -102,6 +102,7 @@ def contact_from(arguments):
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     curve = subparsers.add_parser(
         "curve",
         description="Takes one contact along a path of forces or overlaps and writes the curve.",
@@ -138,6 +139,7 @@ def register(subparsers):
 
 
 def run_curve(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import driver, granite, plots
 
     law = law_from(arguments)
@@ -159,6 +161,7 @@ def run_curve(arguments):
 
 
 def run_table(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import plots
 
     law = law_from(arguments)

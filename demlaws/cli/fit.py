@@ -12,6 +12,7 @@ UNITS["compliance"] = ("µm/N", 1e6)
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "fit",
         description="Fits each law to measured (displacement, force) points, loading and unloading in the order of the "
@@ -29,7 +30,10 @@ def register(subparsers):
     parser.add_argument(
         "--law", type=law_name, action="append", help="only this law (may be repeated; default: all that need no height map)"
     )
-    parser.add_argument("--unloading", help="only this rule: elastic, hertz or thornton (default: each, if the points unload)")
+    parser.add_argument(
+        "--unloading",
+        help="only this rule: elastic, hertz, thornton or one of the law's own (default: each, if the points unload)",
+    )
     parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
     parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
     parser.add_argument("--force-noise", type=force, default=0.0, metavar="N", help="standard deviation of the force in N")
@@ -59,6 +63,7 @@ def shown(name, estimate):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots

@@ -12,8 +12,8 @@ def grain_arguments(export):
     export.add_argument("--law", type=law_name, default="pohrt-popov", help="name of the law (default %(default)s)")
     export.add_argument(
         "--unloading",
-        default="hertz",
-        help="elastic, hertz, thornton, or a table file whose curve all contacts unload along (default %(default)s)",
+        help="elastic, hertz, thornton, a rule of the law's own, or a table file whose curve all contacts unload along "
+        "(default: the law's own, else hertz)",
     )
     export.add_argument("--unloading-law", help="name of a law whose curve each contact unloads along, in place of --unloading")
     options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}

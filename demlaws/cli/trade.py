@@ -4,20 +4,21 @@ from demlaws.cli import example
 from demlaws.cli.arguments import law_name, output, whole
 from demlaws.errors import DemlawsError
 
-ENGINES = ("yade", "liggghts")
-NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS"}
+NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
+ENGINES = tuple(NAMES)
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "trade",
         description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
-        "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE and of "
-        "a LIGGGHTS step that a law takes, and the engines' own models; with --scene the errors of a whole packing; with "
-        "--softening those of softer grains, faster loading and longer steps against time to solution.",
+        "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE, "
+        "LIGGGHTS or LAMMPS step that a law takes, and the engines' own models; with --scene the errors of a whole packing; "
+        "with --softening those of softer grains, faster loading and longer steps against time to solution.",
         **example(
             "  demlaws trade --engines --csv trade.csv --figure trade.png\n"
-            "  demlaws trade --scene yade liggghts --figure scene.png\n"
+            "  demlaws trade --scene yade liggghts lammps --figure scene.png\n"
             "  demlaws trade --softening --figure softening.png                 (the rows that demlaws keeps)\n"
             "  demlaws trade --softening rows.jsonl --engines yade --quick      (runs what rows.jsonl does not hold yet)\n"
             "  demlaws trade --law hertz --law pohrt-popov"
@@ -31,14 +32,14 @@ def register(subparsers):
         nargs="*",
         choices=ENGINES,
         metavar="ENGINE",
-        help="also measure steps of yade and liggghts, with the engines' own models (default: those that are installed)",
+        help="also measure steps of yade, liggghts, lammps, with the engines' own models (default: those that are installed)",
     )
     parser.add_argument(
         "--scene",
         nargs="+",
         choices=ENGINES,
         metavar="ENGINE",
-        help="only this: 1,000 spheres settle and are compressed under each law in yade or liggghts, or in both",
+        help="only this: 1,000 spheres settle and are compressed under each law in yade, liggghts or lammps, or in several",
     )
     parser.add_argument(
         "--softening",
@@ -55,6 +56,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots
@@ -124,7 +126,10 @@ def _softening(arguments):
 
     path = Path(arguments.softening) if arguments.softening else softening.KEPT
     if arguments.softening:
-        for engine in trade.installed(arguments.engines):
+        unknown = set(arguments.engines or ()) - set(softening.ENGINES)
+        if unknown:
+            raise DemlawsError(f"--softening runs in {' and '.join(softening.ENGINES)}, not in {', '.join(sorted(unknown))}")
+        for engine in trade.installed(arguments.engines or softening.ENGINES):
             runs = softening.plan(engine, arguments.quick)
             left = softening.missing(runs, softening.load(path))
             print(f"{NAMES[engine]}: {len(runs)} runs, {len(left)} of them to be made")

@@ -1,11 +1,15 @@
 """Unloading rules. A rule joins any law of first loading for which it is passive (never returns more work than it took).
 
+A law may bring rules of its own (`own_rule`, `Definition.rules`), which no other law is offered.
+
 A rule is a `Rule` record, whose tag type stands for it in compiled code, and pure compiled functions over one contact bound to
 that type. The state is a tuple of floats; all zeros is a virgin contact, and a contact whose bodies part is virgin again.
 """
 
 import math
 from typing import NamedTuple
+
+from numba.extending import overload
 
 from demlaws.core.dispatch import bind, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
 from demlaws.core.fastmath import cbrt, kernel, sqrt
@@ -49,7 +53,8 @@ class Rule(NamedTuple):
     name: str
     tag: tuple  # instance of the type that its kernels are bound to
     state: tuple  # names of what a contact remembers, in the order of the state tuple
-    curve: str  # along which it unloads: "own", that of first loading, so that nothing is lost; "hertz"; "given", by the user
+    curve: str  # along which it unloads: "own", that of first loading, so that nothing is lost; "hertz"; "given", by the user;
+    # "law": what its law says, which sees to it that no path returns work
     number: int | None  # in demlaws_table.h; None: C++ does not have it
     description: str  # one line
 
@@ -67,9 +72,44 @@ RULES = {
 """Name → the rules that any law may take."""
 
 
+_OWN = {}  # name → the rule of a law or of a family of laws
+
+LARGEST_STATE = 3
+"""Numbers that a contact may remember: what every engine keeps room for."""
+
+
+def own_rule(rule: Rule) -> Rule:
+    """Make a law's own rule known to compiled code, for its `Definition.rules`.
+
+    Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
+    `parts(p)[1]`, so that they serve a table of the law, too, and the force of first loading from `virgin(p, overlap)`.
+    TypeError: a name that a general rule or another law's rule has, or a state larger than engines keep.
+    """
+    other = _OWN.get(rule.name)
+    if rule.name in RULES or (other is not None and repr(type(other.tag)) != repr(type(rule.tag))):
+        raise TypeError(f"there is another unloading rule {rule.name!r}: give this one a name of its own")
+    if len(rule.state) > LARGEST_STATE:
+        raise TypeError(f"rule {rule.name!r} remembers {len(rule.state)} numbers, engines keep {LARGEST_STATE}")
+    if rule.curve != "law":
+        raise TypeError(f"rule {rule.name!r}: curve must be 'law', got {rule.curve!r}")
+    _OWN[rule.name] = rule
+    return rule
+
+
 def rule_of(tag_type):
     """The rule whose tag is of this type."""
-    return next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
+    return next(rule for rule in (*RULES.values(), *_OWN.values()) if type(rule.tag) is tag_type)
+
+
+def without_own(rule):
+    """The rule for a contact that another law than the rule's own serves, a smooth one in YADE: then back along its curve."""
+
+
+@overload(without_own, jit_options={"forceinline": True})
+def _without_own(rule):
+    if rule_of(rule.instance_class).curve == "law":
+        return lambda rule: Elastic()
+    return lambda rule: rule
 
 
 class JoinedShape(NamedTuple):
@@ -221,12 +261,14 @@ def _thornton_step(rule, p, overlap, state):
 
 
 @kernel
-def _thornton_stored_and_dissipated(rule, p, overlap, state):
+def thornton_stored_and_dissipated(rule, p, overlap, state):
+    """Stored and dissipated work [J] at an overlap [m], with the larger radius of the state."""
     return _balance(p, p.hertz_coefficient * sqrt(state[2]), overlap, state)
 
 
 @kernel
-def _thornton_unloaded(rule, p, force, state):
+def thornton_unloaded(rule, p, force, state):
+    """Overlap [m] at a force [N] on the unloading curve of the state."""
     root = cbrt(force / (p.hertz_coefficient * sqrt(state[2])))
     return state[1] + root * root
 
@@ -291,8 +333,8 @@ bind(Hertz, step=_hertz_step, stored_and_dissipated=_hertz_stored_and_dissipated
 bind(
     Thornton,
     step=_thornton_step,
-    stored_and_dissipated=_thornton_stored_and_dissipated,
-    unloaded=_thornton_unloaded,
+    stored_and_dissipated=thornton_stored_and_dissipated,
+    unloaded=thornton_unloaded,
 )
 bind(
     Given,

@@ -10,4 +10,5 @@ MODULES = (
     "yip_venart",
     "greenwood_tripp",
     "asperity",
+    "walton_braun",
 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from demlaws.checks import number
 from demlaws.contact import Contact
+from demlaws.core.unloading import RULES, Rule
 from demlaws.criterion import lowest_transition_load
 from demlaws.errors import DemlawsError
 
@@ -31,14 +32,22 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
+    """Of a law whose stiffness is continuous and smooth: no overlaps."""
+    return []
+
+
+def no_limits(contact: Contact, **options: Any) -> list[Limit]:
+    """Of a law that claims no range."""
     return []
 
 
 def never(**options: Any) -> bool:
+    """False, whatever the options."""
     return False
 
 
 def always(**options: Any) -> bool:
+    """True, whatever the options."""
     return True
 
 
@@ -62,6 +71,11 @@ def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") ->
     return fits, conditions.state if fits else reason
 
 
+def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
+    """Advice of a law whose parameters are calibrated on bulk tests, not measured on contacts."""
+    return False, f"{conditions.state}: its stiffnesses are not those of a contact but calibrated on the bulk's behaviour"
+
+
 def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
     return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
@@ -78,6 +92,7 @@ class Parameter(NamedTuple):
     bounds: Callable  # contact → (lowest, highest)
     starts: Callable  # contact → values to start from
     option: bool = False  # of the law, not of the contact
+    unloading: bool = False  # first loading does not show it: no fit of an elastic contact varies it
 
 
 MODULUS = Parameter("Pa", True, lambda c: (c.modulus / 100, c.modulus * 100), lambda c: [c.modulus])
@@ -172,6 +187,9 @@ class Definition(NamedTuple):
     # --- what advice and measurements do with it
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
+    rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    default_unloading: str = "elastic"  # the rule where a user names none
+    refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
     free: tuple = ()  # those that a fit varies unless it is told otherwise
     family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
@@ -190,7 +208,11 @@ class Definition(NamedTuple):
 
     def __reduce__(self) -> tuple:
         """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
-        return _of_name, (self.name,)
+        from demlaws.laws.registry import mark, registry
+
+        if self.name in registry():
+            return _of_name, (self.name, mark(self))
+        return Definition, tuple(self)  # of a table whose law is not here
 
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
@@ -204,6 +226,20 @@ class Definition(NamedTuple):
         except TypeError as error:  # a list or None where a number or a word belongs
             given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
             raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
+
+    def offered(self) -> dict[str, Rule]:
+        """Name → rule: the general ones but those that the law refuses, then its own."""
+        general = {name: rule for name, rule in RULES.items() if name not in self.refused}
+        return general | {rule.name: rule for rule in self.rules}
+
+    def rule(self, name: str) -> Rule:
+        """The rule of this name; DemlawsError where the law does not take it."""
+        offered = self.offered()
+        if isinstance(name, str) and name in offered:
+            return offered[name]
+        if isinstance(name, str) and name in self.refused:
+            raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
+        raise DemlawsError(f"unknown unloading rule {name!r}: the rules are {', '.join(offered)} (law {self.name!r})")
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""
@@ -223,7 +259,10 @@ class Definition(NamedTuple):
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
 
 
-def _of_name(name: str) -> Definition:
-    from demlaws.laws.registry import find
+def _of_name(name: str, marked: str = "") -> Definition:
+    from demlaws.laws.registry import find, mark
 
-    return find(name)
+    definition = find(name)
+    if mark(definition) != marked:
+        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+    return definition

@@ -19,7 +19,7 @@ from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.make import law as make_law
-from demlaws.make import rebound, rule_and_curve
+from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
 
 
@@ -47,6 +47,7 @@ class Grain:
 
     @property
     def mass(self):
+        """Mass of one grain [kg]; 2650 kg/m³ where the material has no density."""
         density = DENSITY if self.material.density is None else self.material.density
         return density * 4.0 / 3.0 * math.pi * self.radius**3
 
@@ -124,7 +125,7 @@ class Case:
 
     law: str = "pohrt-popov"
     grains: tuple = ()
-    unloading: object = "hertz"
+    unloading: object = None  # the law's own rule where it has one, else "hertz"
     options: dict = field(default_factory=dict)
     rtol: float = 1e-5
     stock: str | None = None
@@ -140,15 +141,21 @@ class Case:
 
     def bound(self, contact):
         """The law of one contact."""
-        return make_law(self.law, contact, unloading=rebound(self.unloading, contact), **self.options)
+        return make_law(self.law, contact, unloading=rebound(self._unloading, contact), **self.options)
+
+    @property
+    def _unloading(self):
+        return unloading_of_case(self.law) if self.unloading is None else self.unloading
 
     @property
     def rule(self):
-        return rule_and_curve(self.unloading)[0]
+        """Name of the unloading rule."""
+        return rule_and_curve(self._unloading)[0]
 
     @property
     def curve(self):
-        return rule_and_curve(self.unloading)[1]
+        """The law or table that contacts unload along, or None."""
+        return rule_and_curve(self._unloading)[1]
 
     @property
     def fit(self):
@@ -159,6 +166,7 @@ class Case:
 
     @property
     def wall_type(self):
+        """LIGGGHTS's particle type of the walls: the last."""
         return len(self.grains) + 1
 
     def write(self, folder):
@@ -187,7 +195,7 @@ class Case:
         return folder / "in.case"
 
 
-def export(folder, law="pohrt-popov", grains=(), unloading="hertz", options=None, **more):
+def export(folder, law="pohrt-popov", grains=(), unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written are the tables (one for all pairs

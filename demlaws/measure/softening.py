@@ -20,12 +20,14 @@ from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
+from demlaws.materials import DENSITY
 from demlaws.measure import packings
 from demlaws.measure.candidates import GRANITE, RADII, SURFACE
 from demlaws.measure.packings import SHAKEN, slope
 
 KEPT = Path(__file__).with_name("softening.jsonl")
 """The rows of the study that this version of demlaws is advised by."""
+ENGINES = ("yade", "liggghts")
 STRESS = 3.75e5
 DEEP = 0.038  # [m] height of the packing of 150
 DIAMETER = 2.0 * float(np.mean(RADII))
@@ -89,7 +91,7 @@ class Run(NamedTuple):
         """What an engine is told of this run."""
         young, surface, options = self.softened()
         dt, overlap = self.part * self.stable, Softening(self.factor).overlap
-        rate = self.inertial / (self.size * DIAMETER * math.sqrt(GRANITE.density / self.stress))
+        rate = self.inertial / (self.size * DIAMETER * math.sqrt((GRANITE.density or DENSITY) / self.stress))
         speed = rate * DEEP * self.size
         # some 150 looks at the plate while it goes down
         sunk = 0.0047 * DEEP * self.size * (self.stress / STRESS) ** 0.45 * overlap

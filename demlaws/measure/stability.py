@@ -16,7 +16,7 @@ from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, scatter, virgin
 from demlaws.core.fastmath import loop
-from demlaws.core.unloading import RULES, Given
+from demlaws.core.unloading import Given, rule_of
 from demlaws.driver import elastic_contact, impact_loop, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test
@@ -68,7 +68,7 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
     for name, definition in registry().items():
         if definition.needs_map or (laws and name not in laws):
             continue
-        for rule in unloadings or RULES:
+        for rule in unloadings or definition.offered():
             try:
                 example(name, GRANITE, rule)
             except DemlawsError:
@@ -117,15 +117,19 @@ def _plastic_of(state):
     return (lambda state: state[1]) if len(state) else (lambda state: 0.0)
 
 
-def _held(rule, p, force, elastic):
+def _held(rule, p, force, elastic, overlap, state):
     """Energy of the unloading curve at the overlap `elastic` past its foot, where it carries `force`."""
 
 
 @overload(_held)
-def _held_by(rule, p, force, elastic):
+def _held_by(rule, p, force, elastic, overlap, state):
     if rule.instance_class is Given:
-        return lambda rule, p, force, elastic: energy(parts(p)[1], elastic) if elastic > 0.0 else 0.0
-    return lambda rule, p, force, elastic: 0.4 * force * elastic
+        return lambda rule, p, force, elastic, overlap, state: energy(parts(p)[1], elastic) if elastic > 0.0 else 0.0
+    if rule_of(rule.instance_class).curve == "law":
+        return lambda rule, p, force, elastic, overlap, state: (
+            dispatch.stored_and_dissipated(rule, p, overlap, state)[0] if elastic > 0.0 else 0.0
+        )
+    return lambda rule, p, force, elastic, overlap, state: 0.4 * force * elastic
 
 
 @loop
@@ -154,7 +158,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
     """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
 
     Work of first loading is the law's energy, on a Hertz-like unloading curve 0.4 (P x) from the forces that `step` returned,
-    on a given one that curve's energy.
+    on a given one that curve's energy, on one of a law's own what the rule says is stored.
     """
     returned = 0
     worst = 0.0
@@ -199,7 +203,8 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                 rest = max(before - plastic, 0.0)
                 if overlap >= maximum:
                     if maximum > 0.0:
-                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0)) - _held(rule, p, force_before, rest)
+                        gained = _held(rule, p, peak_force, max(maximum - plastic, 0.0), maximum, s)
+                        gained -= _held(rule, p, force_before, rest, before, s)
                     now = energy(p, overlap) if overlap > 0.0 else 0.0
                     gained += now - held
                     held = now
@@ -209,7 +214,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                     closing = max(overlap, 1e-300)  # with a seating load force ends in a step at zero overlap
                     last = force if overlap > 0.0 else dispatch.step(rule, p, closing, s)[0]
                     elastic = max(closing - plastic, 0.0)
-                    gained = _held(rule, p, last, elastic) - _held(rule, p, force_before, rest)
+                    gained = _held(rule, p, last, elastic, closing, s) - _held(rule, p, force_before, rest, before, s)
             work += gained
             # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
             scale = max(held, 0.4 * peak_force * (maximum - _plastic(new)) if maximum > 0.0 else 0.0)

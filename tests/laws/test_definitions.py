@@ -21,7 +21,9 @@ EXACT = [name for name, definition in registry().items() if definition.exact is 
 def test_facts_agree_with_one_another(name):
     definition = find(name)
     assert definition.unloading[0] == "elastic"
-    assert set(definition.unloading) <= set(RULES)
+    assert set(definition.unloading) <= set(definition.offered())
+    assert definition.default_unloading in definition.unloading
+    assert not set(definition.refused) & set(definition.offered())
     assert set(definition.free) <= {"modulus", *definition.fitted}
     assert set(definition.family) <= set(OF_CONTACT)
     assert re.fullmatch(r"#[0-9a-f]{6}", definition.colour)

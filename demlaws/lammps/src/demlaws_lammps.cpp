@@ -12,6 +12,7 @@
 // what LAMMPS's own does for whatever is not of demlaws.
 #include "demlaws_table.h"
 #include "energy.h"
+#include "range.h"
 #include "slots.h"
 #include "stock.h"
 #include <cmath>
@@ -27,20 +28,34 @@ double number(void *error, const std::string &of, const char *text) {
   return value;
 }
 
-// Every table is read once by each process and kept, as long as its file stays what it was.
+// Every table is read once and kept, as long as its file stays what it was. Rank 0 reads it and all ranks get it: one
+// that cannot see the file, or sees another, neither hangs nor differs.
 class Tables {
 public:
-  const demlaws::Table &get(const std::string &path, void *error) {
-    try {
-      const std::string data = demlaws::Table::contents(path);
-      std::unique_ptr<demlaws::Table> fresh(new demlaws::Table);
-      fresh->parse(data, path);
-      std::unique_ptr<demlaws::Table> &table = tables_[std::make_pair(path, fresh->fingerprint())];
-      if (!table) table = std::move(fresh);
-      return *table;
-    } catch (const std::exception &problem) {
-      raise(error, false, std::string("demlaws/table: ") + problem.what());
+  const demlaws::Table &get(const std::string &path, void *lmp, void *error) {
+    const Ranks ranks(lmp, error);
+    std::string data, problem;
+    if (ranks.me == 0) {
+      try {
+        data = demlaws::Table::contents(path);
+      } catch (const std::exception &caught) {
+        problem = caught.what();
+      }
     }
+    ranks.share(problem);
+    ranks.share(data);
+    std::unique_ptr<demlaws::Table> &table = tables_[std::make_pair(path, demlaws::crc32(0, data.data(), data.size()))];
+    if (problem.empty() && !table) {
+      std::unique_ptr<demlaws::Table> fresh(new demlaws::Table);
+      try {
+        fresh->parse(data, path);
+        table = std::move(fresh);
+      } catch (const std::exception &caught) {
+        problem = caught.what();
+      }
+    }
+    if (!problem.empty()) raise(error, true, "demlaws/table: " + problem);
+    return *table;
   }
 
 private:
@@ -73,6 +88,7 @@ void pair_init_here(void *pair);
 void pair_forces_here(void *pair, int eflag, int vflag);
 void wall_forces_here(void *wall, int vflag);
 void region_forces_here(void *wall, int vflag);
+void post_run_here(void *modify);
 
 // LAMMPS's Force, which holds the constants of the units; NULL where it is not where it should be.
 void *force_of(void *lmp) {
@@ -117,6 +133,7 @@ Patch *patches() {
                         {DEMLAWS_PAIR_FORCES, (void *)&pair_forces_here, 0},
                         {DEMLAWS_WALL_FORCES, (void *)&wall_forces_here, 0},
                         {DEMLAWS_REGION_FORCES, (void *)&region_forces_here, 0},
+                        {DEMLAWS_POST_RUN, (void *)&post_run_here, 0},
                         {NULL, NULL, 0}};
   for (Patch *p = all; p->name; p++) p->slots = 0;
   return all;
@@ -220,6 +237,7 @@ void pair_make_here(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
   prove(lmp); // preloaded, nobody asked before; the lines of stock models are to be counted, too
   Histories::all().erase(pair);
+  Range::of(lmp) = Range();
 }
 void pair_coeff_here(void *pair, int count, char **arg) {
   PairNow now(pair);
@@ -245,8 +263,35 @@ void pair_init_here(void *pair) {
   Stock::get().pair_init(pair);
 }
 
+// A position that is no number touches nothing: a particle with one would drop out of the model silently.
+void check_positions(void *lmp, void *error) {
+  const Stock &stock = Stock::get();
+  const double *const *const x = (const double *const *)stock.atom(lmp, "x");
+  const long count = 3 * (long)stock.setting(lmp, "nlocal");
+  if (!x || !count) return;
+  double sum[8] = {0., 0., 0., 0., 0., 0., 0., 0.};
+  long k = 0;
+  for (; k + 8 <= count; k += 8)
+    for (int n = 0; n < 8; n++) sum[n] += 0. * x[0][k + n]; // 0, or no number for ever
+  for (; k < count; k++) sum[0] += 0. * x[0][k];
+  if (__builtin_expect(sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0., 1)) return;
+  const void *const tags = stock.atom(lmp, "id");
+  const bool large = stock.setting(lmp, "tagint") == 8;
+  for (k = 0; 3 * k < count; k++) {
+    const double *const p = x[0] + 3 * k;
+    if (0. * (p[0] + p[1] + p[2]) == 0.) continue;
+    std::ostringstream what;
+    what << "demlaws/table: particle " << (large ? ((const long long *)tags)[k] : ((const int *)tags)[k]) << " is at ("
+         << p[0] << ", " << p[1] << ", " << p[2]
+         << ") m, which is not finite; take a smaller time step, look at what was done to this particle";
+    raise(error, false, what.str());
+  }
+}
+
 void pair_forces_here(void *pair, int eflag, int vflag) {
-  Ledger::of(instance_of(pair)).begin(NULL);
+  void *const lmp = instance_of(pair);
+  if (Range::of(lmp).used) check_positions(lmp, *((void ***)pair)[3]);
+  Ledger::of(lmp).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
 void wall_forces_here(void *wall, int vflag) {
@@ -260,6 +305,11 @@ void region_forces_here(void *wall, int vflag) {
   ledger.begin(wall);
   Stock::get().region_forces(wall, vflag);
   ledger.end();
+}
+
+void post_run_here(void *modify) {
+  Stock::get().post_run(modify);
+  Range::of(instance_of(modify)).tell(instance_of(modify), *((void ***)modify)[3]);
 }
 
 void *add_compute_here(void *modify, int count, char **arg, int suffix) {
@@ -290,6 +340,7 @@ EXPORTED void demlaws_pair_init(void *) __asm__(DEMLAWS_PAIR_INIT);
 EXPORTED void demlaws_pair_forces(void *, int, int) __asm__(DEMLAWS_PAIR_FORCES);
 EXPORTED void demlaws_wall_forces(void *, int) __asm__(DEMLAWS_WALL_FORCES);
 EXPORTED void demlaws_region_forces(void *, int) __asm__(DEMLAWS_REGION_FORCES);
+EXPORTED void demlaws_post_run(void *) __asm__(DEMLAWS_POST_RUN);
 EXPORTED void lammpsplugin_init(void *, void *, void *);
 }
 
@@ -306,6 +357,7 @@ void demlaws_pair_init(void *pair) { pair_init_here(pair); }
 void demlaws_pair_forces(void *pair, int eflag, int vflag) { pair_forces_here(pair, eflag, vflag); }
 void demlaws_wall_forces(void *wall, int vflag) { wall_forces_here(wall, vflag); }
 void demlaws_region_forces(void *wall, int vflag) { region_forces_here(wall, vflag); }
+void demlaws_post_run(void *modify) { post_run_here(modify); }
 
 // What `plugin load` and LAMMPS_PLUGIN_PATH call. The layout is proved first: a LAMMPS that does not fit is left alone.
 void lammpsplugin_init(void *lmp, void *, void *) {

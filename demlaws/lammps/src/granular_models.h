@@ -1,5 +1,5 @@
 // The granular sub-models of demlaws, included once for each layout after granular_abi.h (no include guard).
-//   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X]
+//   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X] [extrapolation on]
 //            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it:
 //            the length in FILE); against: the other body is of another material
 //   damping  demlaws/tangent
@@ -8,7 +8,7 @@ namespace DEMLAWS_LAYOUT {
 
 class Table : public NormalMod {
 public:
-  enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, FINGERPRINT, COEFFICIENTS };
+  enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, FINGERPRINT, COEFFICIENTS };
   enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
   enum { MOST_STATE = 3 };
 
@@ -76,6 +76,7 @@ public:
       refuse("either both types or none must have a roughness to be mixed");
     coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
     coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
+    coeffs[EXTRAPOLATE] = std::min(a[EXTRAPOLATE], b[EXTRAPOLATE]);
     coeffs[FINGERPRINT] = a[FINGERPRINT];
     coeffs_to_local();
   }
@@ -91,7 +92,7 @@ public:
 protected:
   inline double finish(const demlaws::Force &now) {
     Model *const m = gm;
-    if (__builtin_expect(now.outside, 0)) refuse_overlap();
+    if (__builtin_expect(now.outside || m->delta > SMALL_OVERLAP * m->Reff, 0)) far(now);
     if (__builtin_expect(radius_ > 0. && !(fabs(m->Reff - radius_) <= coeffs[TOLERANCE] * radius_), 0)) refuse_radius();
     stiffness_ = now.stiffness;
     m->contact_radius =
@@ -159,10 +160,33 @@ private:
     what << ": ";
     return what.str();
   }
-  __attribute__((noinline, cold)) void refuse_overlap() const {
+  // An overlap that is large for any law of small strains is warned of and counted; beyond R, or the last row of the
+  // table, it is refused, or counted with `extrapolation on`.
+  __attribute__((noinline, cold)) void far(const demlaws::Force &now) const {
+    const double ratio = gm->delta / gm->Reff, last = table_.last_overlap() * pair_.length_of(gm->Reff);
+    const bool extrapolates = coeffs[EXTRAPOLATE] > 0., counted = gm->history_update != 0;
+    Range &range = Range::of(of.lmp);
+    if (ratio > SMALL_OVERLAP * (1. + 1e-9)) {
+      std::ostringstream what;
+      const bool none = ratio > LARGEST_OVERLAP;
+      what << who(false) << "overlap " << gm->delta << " m is " << std::setprecision(3) << ratio
+           << (none ? " times" : " of") << std::setprecision(6) << " the effective radius R = " << gm->Reff
+           << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
+           << (none ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
+      if (none && !extrapolates) raise(*of.error, false, what.str() + ", or say 'extrapolation on'");
+      Range::report(of.lmp, *of.error, range.deep, ratio / SMALL_OVERLAP, counted, what.str());
+    }
+    if (!now.outside) return;
     std::ostringstream what;
-    what << who(false) << "overlap " << gm->delta << " m is beyond the last row, "
-         << table_.last_overlap() * pair_.length_of(gm->Reff) << " m; make a table with a larger range";
+    what << who(false) << "overlap " << gm->delta << " m is beyond the last row of " << table_.path() << ", " << last
+         << " m";
+    if (extrapolates) {
+      what << ": its last power law goes on, uncertified";
+      Range::report(of.lmp, *of.error, range.beyond, gm->delta / last, counted, what.str());
+      return;
+    }
+    what << " (some " << now.force << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
+         << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
     raise(*of.error, false, what.str());
   }
   __attribute__((noinline, cold)) void refuse_radius() const {
@@ -236,8 +260,9 @@ inline void construct(Model *m, const std::string &name, int type, bool outputs)
     const size_t space = name.find(' ');
     if (space == std::string::npos)
       raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
-    Table *const table = make_table(m, name, tables().get(name.substr(space + 1), *m->of.error));
+    Table *const table = make_table(m, name, tables().get(name.substr(space + 1), m->of.lmp, *m->of.error));
     if (!outputs) table->nsvector = 0;
+    Range::of(m->of.lmp).used = true;
     m->normal_model = table;
     made = table;
   } else {
@@ -259,7 +284,8 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
   }
   if (at + 4 > count)
     raise(error, true,
-          "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X]");
+          "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
+          "[extrapolation on]");
   name += std::string(" ") + arg[at++];
   static const char *const names[3] = {"E", "eta", "nu"};
   double c[3];
@@ -270,6 +296,13 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
   while (at < count) {
     const std::string word = arg[at];
     const int values = word == "against" ? 2 : 1;
+    if (word == "extrapolation") {
+      const std::string said = at + 1 < count ? arg[at + 1] : "nothing";
+      if (said != "on" && said != "off") raise(error, true, "demlaws/table: extrapolation is on or off, not " + said);
+      into[Table::EXTRAPOLATE] = said == "on";
+      at += 2;
+      continue;
+    }
     if (word != "roughness" && word != "against" && word != "radius_tolerance") break;
     if (at + values >= count)
       raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));

@@ -25,6 +25,7 @@
 #define DEMLAWS_PAIR_FORCES "_ZN9LAMMPS_NS12PairGranular7computeEii"
 #define DEMLAWS_WALL_FORCES "_ZN9LAMMPS_NS11FixWallGran10post_forceEi"
 #define DEMLAWS_REGION_FORCES "_ZN9LAMMPS_NS17FixWallGranRegion10post_forceEi"
+#define DEMLAWS_POST_RUN "_ZN9LAMMPS_NS6Modify8post_runEv"
 
 namespace {
 
@@ -67,6 +68,8 @@ struct Stock {
   const void *reduce_table;
   size_t reduce_table_size;
   void (*pair_local)(void *);
+  void (*post_run)(void *);
+  int (*communicator)(void *);
   std::string missing; // the first function that this LAMMPS does not have
 
   static Stock &get() {
@@ -74,6 +77,9 @@ struct Stock {
     if (!stock.add) stock.look();
     return stock;
   }
+
+  // A function, or other object, that LAMMPS or a library of its has; NULL where there is none.
+  template <class F> void look_for(const char *name, F &found) const { found = (F)dlsym(library_, name); }
 
 private:
   void *library_;
@@ -95,7 +101,7 @@ private:
     return 0;
   }
   template <class F> void find(const char *name, F &function, bool needed = true) {
-    function = (F)dlsym(library_, name);
+    look_for(name, function);
     if (needed && !function && missing.empty()) missing = name;
   }
   // In the loaded object, other than this one, that holds add_sub_model itself.
@@ -137,6 +143,8 @@ private:
       find("_ZN9LAMMPS_NS13ComputeReduce11compute_oneEii", reduce_one);
       find("_ZTVN9LAMMPS_NS13ComputeReduceE", reduce_table);
       find("_ZN9LAMMPS_NS16ComputePairLocal13compute_localEv", pair_local);
+      find(DEMLAWS_POST_RUN, post_run);
+      find("lammps_get_mpi_comm", communicator, false);
       if (!all && !all4 && missing.empty()) missing = DEMLAWS_ERROR("all") "S8_";
       Dl_info place;
       const ElfW(Sym) *symbol = NULL;

@@ -10,6 +10,7 @@ from demlaws.errors import DemlawsError
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 STOCK = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
+OURS = "demlaws/table law.tbl 60.6e9 1.0 0.25"
 TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
 
 
@@ -78,11 +79,24 @@ def test_rolling_history_where_a_pair_changes_its_order(folder):
     same = {"first": "pair_coeff 1 1 " + ROLL}
     for normal, damping, bent in (
         ("hertz/material 60.6e9 1.0 0.25", "viscoelastic", True),
-        ("demlaws/table law.tbl 60.6e9 1.0 0.25", "demlaws/tangent", False),
+        (OURS, "demlaws/tangent", False),
     ):
         first = same["first"].format(normal=normal, damping=damping) + "\n"
         torque = rolled(folder, normal, damping, first)["torque"]
         assert straight(torque) > 0.1 if bent else straight(torque) < 1e-6
+
+
+def test_twisting_history_where_a_pair_changes_its_order(folder):
+    """The same of a steady twist about the line of centres: relative spin times normal keeps its sign, so its history must."""
+    torques = {}
+    for normal, damping in (("hertz/material 60.6e9 1.0 0.25", "viscoelastic"), (OURS, "demlaws/tangent")):
+        words = ROLL.format(normal=normal, damping=damping).replace("rolling", "twisting")
+        text = HEAD + ROLLING.format(lines=f"pair_coeff * * {words}\n")
+        text = text.replace("omega 0 0.1 0", "omega 0.1 0 0").replace("right property/atom tqy", "right property/atom tqx")
+        torques[normal] = simulate(folder, text)["torque"]
+    assert straight(torques[OURS]) < 1e-6 and np.abs(torques[OURS]).max() > 0
+    stock = torques["hertz/material 60.6e9 1.0 0.25"]
+    assert straight(stock) > 0.1
 
 
 def test_type_pairs_of_unlike_history(folder):
@@ -94,7 +108,7 @@ def test_type_pairs_of_unlike_history(folder):
         rolled(folder, **stock, first=first)["torque"] for first in (f"pair_coeff 1 1 {ROLL.format(**stock)}\n", other)
     )
     assert np.abs(beside - alone).max() > 0.1 * np.abs(alone).max()
-    ours = {"normal": "demlaws/table law.tbl 60.6e9 1.0 0.25", "damping": "demlaws/tangent"}
+    ours = {"normal": OURS, "damping": "demlaws/tangent"}
     for first in (other, f"pair_coeff 1 1 {TABLE}\n"):
         with pytest.raises(DemlawsError, match=r"different numbers of history values.*give every pair"):
             rolled(folder, **ours, first=first)
@@ -102,7 +116,7 @@ def test_type_pairs_of_unlike_history(folder):
 
 def test_the_state_is_the_same_seen_from_either_sphere(folder):
     """LAMMPS turns the sign of history values when a pair changes its order, unless a model says otherwise; ours does."""
-    ours = {"normal": "demlaws/table law.tbl 60.6e9 1.0 0.25", "damping": "demlaws/tangent"}
+    ours = {"normal": OURS, "damping": "demlaws/tangent"}
     text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**ours)}\n")
     more = "compute c all pair/local p13 p14 force cutoff radius\ncompute k all reduce sum c_c[1] c_c[2] c_c[3] inputs local\n"
     text = text.replace("thermo_style    custom step c_torque", more + "thermo_style custom step c_k[1] c_k[2] c_k[3]")

@@ -1,0 +1,108 @@
+"""Straight branches, loading with k1 and unloading with k2(δmax) ≥ k1: Walton & Braun, and Luding without adhesion."""
+
+from typing import NamedTuple
+
+from demlaws.core.dispatch import bind, energy, parts, virgin
+from demlaws.core.fastmath import kernel
+from demlaws.core.hertz import hertz_overlap
+from demlaws.core.unloading import Rule, own_rule
+
+
+class LinearParams(NamedTuple):
+    """One contact: P = k1 δ to `limit`, then straight on with the largest k2."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]: of the smooth elastic contact; the force does not depend on it
+    loading_stiffness: float  # k1 [N/m]
+    first_stiffness: float  # k2 of a contact that has hardly been loaded [N/m]
+    stiffening: float  # dk2/dδmax [N/m²]
+    largest_stiffness: float  # of all k2 [N/m]
+    limit: float  # δmax at which k2 is the largest, if loading goes on with that [m]
+
+
+@kernel
+def _virgin(p, overlap):
+    straight = overlap if overlap <= p.limit else p.limit
+    force = p.loading_stiffness * straight + p.largest_stiffness * (overlap - straight)
+    equivalent = hertz_overlap(p, force)
+    return force, p.loading_stiffness if overlap <= p.limit else p.largest_stiffness, equivalent, equivalent
+
+
+@kernel
+def _inverse(p, force):
+    at_limit = p.loading_stiffness * p.limit
+    if force <= at_limit:
+        return force / p.loading_stiffness
+    return p.limit + (force - at_limit) / p.largest_stiffness
+
+
+@kernel
+def _energy(p, overlap):
+    straight = overlap if overlap <= p.limit else p.limit
+    more = overlap - straight
+    return p.loading_stiffness * straight * (0.5 * straight + more) + 0.5 * p.largest_stiffness * more * more
+
+
+bind(LinearParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+
+
+class Linear(NamedTuple):
+    """Back along P = k2 (δ - δp), δp = δmax - Pmax/k2, k2 = k2(δmax) of the law; reloading likewise, then first loading."""
+
+
+@kernel
+def _stiffness(own, maximum):
+    k2 = own.first_stiffness + own.stiffening * maximum
+    return k2 if k2 <= own.largest_stiffness else own.largest_stiffness
+
+
+@kernel
+def _step(rule, p, overlap, state):
+    own = parts(p)[1]
+    positive = 0.0 if overlap <= 0.0 else overlap
+    if overlap >= state[0]:
+        force, stiffness, _, _ = virgin(p, positive)
+        maximum, plastic = overlap, overlap - force / _stiffness(own, overlap)
+    else:
+        maximum, plastic = state
+        k2 = _stiffness(own, maximum)
+        elastic = positive - plastic
+        force = k2 * (0.0 if elastic <= 0.0 else elastic)
+        stiffness = 0.0 if elastic <= 0.0 else k2
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic = 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic)
+
+
+@kernel
+def _stored_and_dissipated(rule, p, overlap, state):
+    if state[0] <= 0.0:
+        return 0.0, 0.0
+    k2 = _stiffness(parts(p)[1], state[0])
+    elastic = max(overlap - state[1], 0.0) if overlap > 0.0 else 0.0
+    whole = state[0] - state[1]
+    return 0.5 * k2 * elastic * elastic, energy(p, state[0]) - 0.5 * k2 * whole * whole
+
+
+@kernel
+def _unloaded(rule, p, force, state):
+    return state[1] + force / _stiffness(parts(p)[1], state[0])
+
+
+bind(Linear, step=_step, stored_and_dissipated=_stored_and_dissipated, unloaded=_unloaded)
+
+LINEAR = own_rule(
+    Rule(
+        "linear",
+        Linear(),
+        ("maximum_overlap", "plastic_overlap"),
+        "law",
+        None,
+        "back along a straight line, P = k2 (δ - δp), k2 as the law says",
+    )
+)
+"""The rule of every law of straight branches."""
+
+ONLY_STRAIGHT = dict.fromkeys(
+    ("hertz", "thornton"),
+    "at small load a straight branch is stiffer than Hertz's, along which it would return more than it took",
+)

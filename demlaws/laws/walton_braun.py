@@ -1,0 +1,89 @@
+"""Walton & Braun 1986: linear loading, stiffer linear unloading ("partially latching spring")."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.checks import number
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+from demlaws.core.hertz import hertz_coefficient
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.extended import extended
+from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams
+
+
+class WaltonBraunShape(NamedTuple):
+    """The stiffnesses are those of every contact."""
+
+    loading_stiffness: float  # k1 [N/m]
+    stiffness_ratio: float  # k2/k1 of the first contact
+    growth: float  # S [1/m]
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    k1 = shape.loading_stiffness
+    first, growth = shape.stiffness_ratio * k1, shape.growth * k1
+    beyond = 4.0 * radius  # overlaps end at R: neither the limit nor the largest stiffness is met
+    return LinearParams(hertz_coefficient(radius, modulus), k1, first, growth, first + growth * beyond, beyond)
+
+
+bind(WaltonBraunShape, scale=_scale)
+
+
+def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, growth=None):
+    if loading_stiffness is None:
+        raise DemlawsError("law 'walton-braun' needs loading_stiffness k1 in N/m (granite of R = 4 mm at 10 N: 3e6)")
+    if (stiffness_ratio is None) == (growth is None):
+        raise DemlawsError(
+            "law 'walton-braun' needs either stiffness_ratio, k2/k1 from 1, or growth, S in 1/m of k2 = k1 + S Pmax: give one"
+        )
+    k1 = number(loading_stiffness, "loading_stiffness", "N/m")
+    if growth is None:
+        return WaltonBraunShape(k1, number(stiffness_ratio, "stiffness_ratio", "", 1.0, 1e6, allow_low=True), 0.0)
+    return WaltonBraunShape(k1, 1.0, number(growth, "growth", "1/m", allow_low=True))
+
+
+def _exact(contact, overlap, loading_stiffness, stiffness_ratio=None, growth=None):
+    k1, delta = extended(loading_stiffness), extended(overlap)
+    return k1 * delta, k1 + 0 * delta
+
+
+LAW = Definition(
+    name="walton-braun",
+    prepare=_prepare,
+    equation="P = k1 δ; back along k2 (δ - δp), k2 constant or k2 = k1 + S Pmax",
+    source="Walton & Braun 1986, J. Rheol. 30, 949 (10.1122/1.549893)",
+    description="straight branches, plastic",
+    limits=no_limits,
+    length="radius",
+    collapses=False,
+    example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0},
+    example_curve={"loading_stiffness": 6e6},
+    exact=_exact,
+    advise=plastic_from_the_start,
+    unloading=("elastic", "linear"),
+    rules=(LINEAR,),
+    default_unloading="linear",
+    refused=ONLY_STRAIGHT,
+    fitted={
+        "loading_stiffness": Parameter(
+            "N/m",
+            True,
+            lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
+            lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
+            option=True,
+        ),
+        "stiffness_ratio": Parameter("", True, lambda c: (1.0, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+    },
+    free=("loading_stiffness", "stiffness_ratio"),
+    label="Walton-Braun",
+    colour="#7b3294",
+    options={
+        "loading_stiffness": Option("N/m", "above 0", "k1; needed"),
+        "stiffness_ratio": Option("", "from 1", "k2/k1; this or growth is needed"),
+        "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio"),
+    },
+)

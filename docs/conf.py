@@ -1,0 +1,62 @@
+"""The site: `make docs`. What is made from the package is written to docs/made first (making/pages.py)."""
+
+import datetime
+import platform
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent)]
+
+from making import pages  # noqa: E402
+
+import demlaws  # noqa: E402
+
+project = "demlaws"
+author = "demlaws authors"
+version = release = demlaws.__version__
+copyright = f"{datetime.date.today().year}, {author}; GPL-2.0-or-later"
+extensions = ["sphinx.ext.autodoc", "myst_parser", "making.formula", "making.docstrings"]
+html_theme = "furo"
+html_title = f"demlaws {version}"
+html_math_renderer = "mathml"
+html_copy_source = False
+html_show_sphinx = False
+html_static_path = ["making/static"]
+html_css_files = ["site.css"]
+html_theme_options = {"footer_icons": []}
+exclude_patterns = ["making", "README.md", "paper.md", "results/*"]
+myst_heading_anchors = 4
+myst_enable_extensions = ["colon_fence"]
+suppress_warnings = ["misc.highlighting_failure", "myst.header"]
+highlight_language = "none"
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"
+add_module_names = False
+nitpicky = False
+
+LISTS = pages.write()
+LISTS |= {section.upper(): pages.members(section) for section in pages.SECTIONS}
+BUILT = f"{datetime.date.today().isoformat()}, demlaws {version}, Python {platform.python_version()}, {platform.machine()}"
+
+
+def source_read(app, name, source):
+    """Lists of pages that are known when the site is built, and links to files that the site shows elsewhere."""
+    text = source[0]
+    for key, listed in LISTS.items():
+        text = text.replace(f"{{{{{key}}}}}", "\n".join(f"/{page}" for page in listed))
+    text = text.replace("{{BUILT}}", BUILT)
+    if not name.startswith("made/"):
+        text = pages.relinked(text, f"docs/{name}.md", f"{name}.md")
+    source[0] = text
+
+
+def outdated(app, env, added, changed, removed):
+    """Pages that list others are read anew: what they list may have come since."""
+    return [name for name in env.found_docs if name == "index" or name.endswith("/index")]
+
+
+def setup(app):
+    """Sphinx calls this."""
+    app.connect("source-read", source_read)
+    app.connect("env-get-outdated", outdated)

@@ -1,0 +1,46 @@
+"""The site is built as `make docs` does, warnings as errors."""
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from demlaws.laws.registry import registry
+
+PROJECT = Path(__file__).resolve().parents[2]
+NEEDED = ("sphinx", "myst_parser", "furo", "latex2mathml")
+
+
+@pytest.mark.slow
+def test_site(tmp_path):
+    missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
+    if missing:
+        said = f"{', '.join(missing)} not installed: pip install -e '.[docs]'"
+        assert not os.environ.get("CI"), said
+        pytest.skip(said)
+    line = [
+        sys.executable,
+        "-m",
+        "sphinx",
+        "-W",
+        "--keep-going",
+        "-q",
+        "-d",
+        tmp_path / "doctrees",
+        "-b",
+        "html",
+        PROJECT / "docs",
+        tmp_path / "site",
+    ]
+    built = subprocess.run(line, capture_output=True, text=True, cwd=PROJECT)
+    assert built.returncode == 0, built.stderr
+    for name in registry():
+        page = (tmp_path / "site" / "made" / "theory" / f"{name}.html").read_text()
+        assert "<math" in page and "<h2>When not to use it" in page
+    for page in (tmp_path / "site").rglob("*.html"):
+        loaded = re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="(https?://[^"]*)"', page.read_text())
+        assert loaded == [], f"{page} loads {loaded} from the network"

@@ -1,0 +1,70 @@
+"""What the site makes of the records: formulae, symbols, pages that link no further than what exists."""
+
+import pytest
+from making import docstrings, formula, pages, reference
+from making.symbols import meaning
+
+from demlaws.core.unloading import RULES
+from demlaws.laws.registry import registry
+
+
+def test_formulae():
+    assert formula.latex("P = (4/3) E* √R δ^1.5") == r"P = (4/3) E^{*} \sqrt{R} \delta ^{1.5}"
+    assert formula.latex("a*²/(2 R_12)") == r"a^{* 2}/(2 R_{12})"
+    assert formula.latex("w from there") == r"w \ \text{from there}"
+    assert formula.latex("K^(0.5 Df) to F") == r"K^{0.5 D_{f}} \ \text{to}\ F"
+    assert formula.latex("δp Pmax k1") == r"\delta_{p} P_{\mathrm{max}} k_{1}"
+    assert formula.lines("P = a, b = min(c, d), then more") == ["P = a", "b = min(c, d), then more"]
+    assert formula.symbols_of("δ/δ_H = p0' tan³β E*² to F, one a patch's") == ["δ", "δ_H", "p0'", "β", "E*", "F"]
+
+
+@pytest.mark.parametrize("name", registry())
+def test_the_equation_of_a_law_can_be_read_and_its_symbols_are_told(name):
+    equation = registry()[name].equation
+    for line in formula.lines(equation):
+        written = formula.latex(line)
+        assert written.count("{") == written.count("}"), written
+        assert not [sign for sign in written if sign in "αβγδεκλμνπρσφω√²³"], written
+    unknown = [symbol for symbol in formula.symbols_of(equation) if meaning(name, symbol) is None]
+    assert unknown == [], f"{equation}: say in docs/making/symbols.py what {unknown} are"
+
+
+def test_links_of_pages_that_the_site_moves():
+    moved = pages.relinked(
+        "[t](docs/laws.md#limits) [y](yade_scripts/README.md) [c](.clang-format) [w](https://x.org)", "README.md", "made/a.md"
+    )
+    assert moved == "[t](../laws.md#limits) [y](yade-scripts.md) c (`.clang-format`) [w](https://x.org)"
+    with pytest.raises(ValueError, match=r"there is no none\.md"):
+        pages.relinked("[t](none.md)", "README.md", "made/a.md")
+
+
+def test_every_page_belongs_somewhere():
+    listed = {page for section in pages.SECTIONS for page in pages.members(section)}
+    missing = [p.stem for p in pages.DOCS.glob("*.md") if p.stem not in listed and p.stem not in ("index", "paper")]
+    assert missing == []
+
+
+def test_every_rule_says_where_it_unloads():
+    assert {rule.curve for rule in RULES.values()} >= {"own", "hertz", "given"}
+
+
+def test_every_message_names_a_remedy_or_a_reason():
+    """All texts of errors are found by the syntax tree: among them one that this test knows."""
+    texts = [text for _, _, text in reference.messages()]
+    assert len(texts) > 200
+    assert any(text.startswith("unknown law ‹name!r›") or "unknown law" in text for text in texts)
+
+
+def test_docstrings_become_text_with_their_stars():
+    lines = ["P = E* |x| of `law`.", "", "    as it stands*", "", ">>> 1 + 1", "2"]
+    assert docstrings.restructured(lines) == [
+        r"P = E\* \|x\| of ``law``.",
+        "",
+        "::",
+        "",
+        "    as it stands*",
+        "",
+        ">>> 1 + 1",
+        "2",
+        "",
+    ]
