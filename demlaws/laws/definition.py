@@ -120,7 +120,8 @@ class Option(NamedTuple):
 
 
 PRESSURE = -2 / 3
-"""`Option.softens` of a pressure."""
+STIFFNESS = -2 / 3
+"""`Option.softens` of a pressure, and of a stiffness or its growth with force."""
 
 
 def slope_softens(value: Any, factor: float) -> float:
