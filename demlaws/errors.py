@@ -15,3 +15,7 @@ class NeedsClasses(DemlawsError):
 
 class ValidityWarning(UserWarning):
     """A law is used outside the range in which its source supports it."""
+
+
+class LargeOverlap(ValidityWarning):
+    """An overlap beyond a tenth of the effective radius."""

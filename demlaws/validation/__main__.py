@@ -13,7 +13,7 @@ def main(arguments=None):
         description="Every answer that others wrote, held against ours: one page and figures.",
     )
     parser.add_argument("--out", default="validation", help="folder of the page and its figures")
-    parser.add_argument("--no-engines", action="store_true", help="only what needs neither YADE nor LIGGGHTS")
+    parser.add_argument("--no-engines", action="store_true", help="only what needs no engine")
     parser.add_argument("--quick", action="store_true", help="without the random packing (a minute)")
     options = parser.parse_args(arguments)
     try:

@@ -4,11 +4,13 @@ import json
 import math
 import subprocess
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.granite import HERTZ
 from demlaws.measure.costs import available
 from demlaws.validation.jobs import PROBE, STEPS, array_jobs, contact_of, impact_jobs, packing_jobs
 from demlaws.validation.published import IMPACT_TOLERANCE, IMPACTS, SPEEDS, bound, quiet, restitution_of
@@ -126,7 +128,29 @@ def in_liggghts(jobs):
     return answer(jobs)
 
 
-ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts)}
+def in_lammps(jobs):
+    from demlaws.validation.in_lammps import answer
+
+    return answer(jobs)
+
+
+def _lammps_missing():
+    """None where LAMMPS can be started, else the line that says why not."""
+    from demlaws.lammps.run import versions
+
+    try:
+        versions()
+    except DemlawsError as error:
+        return str(error)
+    return None
+
+
+ENGINES = {
+    "YADE": (partial(available, "yade"), in_yade),
+    "LIGGGHTS": (partial(available, "liggghts"), in_liggghts),
+    "LAMMPS": (_lammps_missing, in_lammps),
+}
+"""Engine → why it cannot be started (None where it can), and what it answers to jobs."""
 
 
 def packing_rows(found):
@@ -135,7 +159,7 @@ def packing_rows(found):
         pressure, stiffness = np.array(answer).T
         exponent = np.polyfit(np.log(pressure), np.log(stiffness), 1)[0]
         what = f"random packing, {job['law']}: exponent of bulk stiffness over pressure"
-        if job["law"] == "hertz":
+        if job["law"] == HERTZ:
             note = "smooth grains: below what is measured, the reason for rough laws"
             yield between(what, "YADE", 0.30, 0.45, exponent, "sands", note=note)
         else:
@@ -144,13 +168,13 @@ def packing_rows(found):
 
 def rows(packing=True):
     """Group, row of every engine; an engine that is not there gives one row that says so."""
-    for engine, (name, ask) in ENGINES.items():
-        why = available(name)
+    for engine, (why_not, ask) in ENGINES.items():
+        why = why_not()
         if why:
             yield engine, missing("impacts and regular arrays", engine, "", "duffy-mindlin", why)
             continue
         first, second = impact_jobs(), array_jobs()
-        third = packing_jobs() if packing and name == "yade" else []
+        third = packing_jobs() if packing and ask is in_yade else []
         found = ask(first + second + third)
         impacts, found = found[: len(first)], found[len(first) :]
         yield from (("Impacts in the engines", row) for row in impact_rows(engine, impacts))
