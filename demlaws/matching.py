@@ -86,6 +86,7 @@ def matched(before, after, steps=40):
     for _ in range(steps):
         _, z, inside = laid()
         if inside.mean() < 0.1:
+            noise = math.inf
             break
         rest = z - first - np.tensordot(plane, planes, 1)
         use = inside & known
@@ -101,15 +102,17 @@ def matched(before, after, steps=40):
         step[:3] = np.clip(step[:3], [-2.0, -2.0, -0.02], [2.0, 2.0, 0.02])
         place += step[:3]
         plane += step[3:]
-        if np.max(np.abs(step[:2])) < 1e-5 and abs(step[2]) < 1e-7:
+        if np.max(np.abs(step[:2])) < 1e-5 and abs(step[2]) < 1e-7 and np.max(np.abs(step[3:])) < 1e-3 * noise:
             break
     _, z, inside = laid()
-    if inside.mean() < 0.1 or not noise < 0.5 * float(np.std(first)):
+    difference = np.where(inside & known, z - first - np.tensordot(plane, planes, 1), np.nan)
+    if inside.mean() >= 0.1:
+        noise = 1.4826 * float(np.nanmedian(np.abs(difference - np.nanmedian(difference))))
+    if not noise < 0.5 * float(np.std(first)):
         raise DemlawsError(
             "no position was found at which the two maps agree: do they show the same place? Level both alike (--form), crop "
             "them to what both show, or turn one by hand if it is turned by more than a few degrees"
         )
-    difference = np.where(inside & known, z - first - np.tensordot(plane, planes, 1), np.nan)
     return Match(
         place[1] * before.pixel_x,
         place[0] * before.pixel_y,
