@@ -407,6 +407,8 @@ class Table(Law):
             header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
             header["yield_area"] = repr(shape.bulk.area)
             header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
+        if rule.keys:
+            header |= {key: repr(float(value)) for key, value in zip(rule.keys, self._rule_numbers(), strict=True)}
         if curve is not None:
             about = {
                 "law": curve.name,
@@ -418,6 +420,11 @@ class Table(Law):
             }
             header |= {UNLOADING + key: value for key, value in about.items()}
         return table_file.compose(header, self.rows, None if curve is None else curve.rows)
+
+    def _rule_numbers(self):
+        """Values of the keys of the law's own rule, for the contact that the file names."""
+        own = one_of(self.params.unloading, 0)
+        return self.definition.rule_numbers(own, float(np.ravel(self.length)[0]))
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Table":
@@ -446,7 +453,19 @@ class Table(Law):
         bulk = NO_YIELD
         if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
             bulk = BulkYield(values["yield_area"], values["yield_area_slope"] / 0.75)
-        if file.unloading is None:
+        rule = table_file.rules()[values["unloading"]]
+        if rule.curve == "law":
+            if rule.name not in _definition(file, "").offered():
+                raise DemlawsError(f"{path}: rule {rule.name!r} needs its law, and law {values['law']!r} is not installed here")
+            result = with_own_rule(table("", "elastic", values["contact"], bulk), rule.name)
+            expected = dict(zip(rule.keys, result._rule_numbers(), strict=True))
+            wrong = [key for key in rule.keys if abs(values[key] - expected[key]) > 1e-9 * abs(expected[key])]
+            if wrong:
+                raise DemlawsError(
+                    f"{path}: {wrong[0]} is {values[wrong[0]]:g}, but law {result.name!r} with these options has "
+                    f"{expected[wrong[0]]:g}: write the table again"
+                )
+        elif file.unloading is None:
             result = table("", values["unloading"], values["contact"], bulk)
         else:
             first = table("", "elastic", values["contact"], bulk)

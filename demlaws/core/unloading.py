@@ -57,6 +57,7 @@ class Rule(NamedTuple):
     # "law": what its law says, which sees to it that no path returns work
     number: int | None  # in demlaws_table.h; None: C++ does not have it
     description: str  # one line
+    keys: tuple = ()  # of a law's own rule: names of the numbers that a table file holds for it; `Definition.rule_numbers`
 
 
 _OVERLAPS = ("maximum_overlap", "plastic_overlap")

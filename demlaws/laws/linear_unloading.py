@@ -96,11 +96,19 @@ LINEAR = own_rule(
         Linear(),
         ("maximum_overlap", "plastic_overlap"),
         "law",
-        None,
+        4,
         "back along a straight line, P = k2 (δ - δp), k2 as the law says",
+        ("linear_first", "linear_growth", "linear_largest"),
     )
 )
 """The rule of every law of straight branches."""
+
+
+def numbers(p, length):
+    """k2/(E* √(R length)) of a contact hardly loaded, its growth by δmax/length, and the largest."""
+    scale = 0.75 * p.hertz_coefficient * length**0.5
+    return p.first_stiffness / scale, p.stiffening * length / scale, p.largest_stiffness / scale
+
 
 ONLY_STRAIGHT = dict.fromkeys(
     ("hertz", "thornton"),
