@@ -251,7 +251,8 @@ def parse(data, name):
     if any(key.name in header for key in _YIELD):
         keys += _YIELD
     rule = rules().get(header.get("unloading"))
-    keys += [Key(name, _not_negative) for name in (rule.keys if rule else ())]
+    # the second number of each rule is a growth, which may be 0
+    keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
     if header.get("unloading") == GIVEN:
         keys += [key._replace(name=UNLOADING + key.name) for key in _CURVE if key.version <= version]
     values = {}

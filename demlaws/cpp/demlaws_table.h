@@ -680,7 +680,7 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   for (int i = 0; yields && i < 4; i++) check(of_yield[i], POSITIVE, lacking);
   for (int i = 0; i < 3; i++) numbers_[i] = 0.;
   for (int i = 0; rule_key(unloads_, i); i++) {
-    check(rule_key(unloads_, i), NOT_NEGATIVE, lacking);
+    check(rule_key(unloads_, i), i == 1 ? NOT_NEGATIVE : POSITIVE, lacking); // the second is a growth: it may be 0
     numbers_[i] = number(rule_key(unloads_, i), 0.);
   }
   for (size_t i = 0; unloads_ == GIVEN && i < sizeof of_curve / sizeof *of_curve; i++)

@@ -111,6 +111,30 @@ def _unloaded(rule, p, force, state):
 
 bind(Eepa, step=_step, stored_and_dissipated=_stored_and_dissipated, unloaded=_unloaded)
 
+
+class EepaNumbers(NamedTuple):
+    """k2 in a table, without units."""
+
+    stiffness: float  # k2/(E* √R)
+    length_over_roughness: float
+    length_over_radius: float
+
+
+class EepaTableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    unloading: float  # k2 [N/m^1.5]
+
+
+@kernel
+def _table_scale(shape, radius, modulus, roughness):
+    coefficient = hertz_coefficient(radius, modulus)
+    return EepaTableParams(coefficient, shape.stiffness * 0.75 * coefficient)
+
+
+bind(EepaNumbers, scale=_table_scale)
+
 EEPA = own_rule(
     Rule(
         "eepa",
@@ -120,6 +144,7 @@ EEPA = own_rule(
         5,
         "back along k2 (δ^1.5 - δp^1.5), k2 as the law says",
         ("eepa_stiffness",),
+        EepaNumbers,
     )
 )
 

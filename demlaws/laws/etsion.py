@@ -1,9 +1,11 @@
 """Unloading of a yielded sphere from its largest force, contact radius and overlap (Etsion, Kligerman & Kadin 2005)."""
 
+import math
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, parts, virgin
-from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.fastmath import exp2, kernel, log2, sqrt
+from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.unloading import Rule, own_rule, thornton_stored_and_dissipated, thornton_unloaded
 
 
@@ -36,6 +38,41 @@ def _step(rule, p, overlap, state):
 
 bind(Etsion, step=_step, stored_and_dissipated=thornton_stored_and_dissipated, unloaded=thornton_unloaded)
 
+
+class EtsionNumbers(NamedTuple):
+    """Contact radius in a table, without units: a²/(R δ) = max(1, u/overlap)^power."""
+
+    overlap: float
+    power: float
+    length_over_roughness: float
+    length_over_radius: float
+
+
+class EtsionTableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    inverse_overlap: float  # [1/m]
+    power: float
+
+
+@kernel
+def _table_scale(shape, radius, modulus, roughness):
+    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
+    return EtsionTableParams(hertz_coefficient(radius, modulus), 1.0 / (shape.overlap * length), shape.power)
+
+
+@kernel
+def _table_area(p, overlap):
+    """As `virgin`, of which nothing but the contact radius is known here."""
+    ratio = overlap * p.inverse_overlap
+    area = overlap * exp2(p.power * log2(ratio if ratio > 1.0 else 1.0))
+    return math.nan, math.nan, math.nan, area
+
+
+bind(EtsionNumbers, scale=_table_scale)
+bind(EtsionTableParams, virgin=_table_area)
+
 ETSION = own_rule(
     Rule(
         "etsion",
@@ -44,7 +81,8 @@ ETSION = own_rule(
         "law",
         6,
         "back along Hertz's curve of the radius that Pmax and the law's own contact radius leave",
-        ("etsion_overlap", "etsion_power"),  # a²/(R δ) = max(1, δ/overlap)^power
+        ("etsion_overlap", "etsion_power"),
+        EtsionNumbers,
     )
 )
 

@@ -3,8 +3,8 @@
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, energy, parts, virgin
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_overlap
+from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.core.unloading import Rule, own_rule
 
 
@@ -90,6 +90,36 @@ def _unloaded(rule, p, force, state):
 
 bind(Linear, step=_step, stored_and_dissipated=_stored_and_dissipated, unloaded=_unloaded)
 
+
+class LinearNumbers(NamedTuple):
+    """k2 in a table, without units."""
+
+    first: float  # k2/(E* √(R length)) of a contact hardly loaded
+    growth: float  # of that by δmax/length
+    largest: float
+    length_over_roughness: float
+    length_over_radius: float
+
+
+class LinearTableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    first_stiffness: float  # [N/m]
+    stiffening: float  # [N/m²]
+    largest_stiffness: float  # [N/m]
+
+
+@kernel
+def _table_scale(shape, radius, modulus, roughness):
+    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
+    unit = modulus * sqrt(radius * length)
+    coefficient = hertz_coefficient(radius, modulus)
+    return LinearTableParams(coefficient, shape.first * unit, shape.growth * unit / length, shape.largest * unit)
+
+
+bind(LinearNumbers, scale=_table_scale)
+
 LINEAR = own_rule(
     Rule(
         "linear",
@@ -99,6 +129,7 @@ LINEAR = own_rule(
         4,
         "back along a straight line, P = k2 (δ - δp), k2 as the law says",
         ("linear_first", "linear_growth", "linear_largest"),
+        LinearNumbers,
     )
 )
 """The rule of every law of straight branches."""

@@ -185,6 +185,16 @@ def indentation():
     )
 
 
+_RATIO = 2.5
+_REST = 1.0 - 1.0 / _RATIO
+BRANCHES = (
+    ("walton-braun", "linear", {"loading_stiffness": 2e6, "stiffness_ratio": _RATIO}, math.sqrt(1.0 / _RATIO)),
+    # e² = 1 - 1.5 (k2/k1) c^1.5 (1 - c) with c = (1 - k1/k2)^(2/3), from the branches' areas
+    ("eepa", "eepa", {"stiffness_ratio": _RATIO}, math.sqrt(1.0 - 1.5 * _RATIO * _REST * (1.0 - _REST ** (2.0 / 3.0)))),
+)
+"""Law, its rule, options and restitution, which does not depend on speed, for the engines."""
+
+
 def cycle(name, options, contact, maximum, share):
     """Force at `maximum` [m], and after unloading to a share of it, of the law with its own rule."""
     one = law(name, contact, **options)

@@ -68,7 +68,7 @@ def path_of(law, force):
         ("rough-plastic", "table", {"yield_pressure": 1.66e9}),
         ("yip-venart", "table", {}),
         ("thornton-ning", "thornton", {"yield_pressure": 0.3e9}),
-        ("conical-damage", "thornton", {"strength": 0.3e9}),
+        ("conical-damage", "thornton", {"strength": 0.5e9}),
         ("walton-braun", "linear", {}),
         ("luding", "linear", {"plasticity_depth": 2e-4}),
         ("eepa", "eepa", {}),
