@@ -251,7 +251,8 @@ def fit(
     points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
     `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
     map, but for those whose parameters are calibrated, not measured); unloading: one rule (default: each that the law
-    takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default: `Definition.free`); options: law name → options that stay as
+    takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default:
+    `Definition.free`); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
     uncertainty, else the scatter of the points about the law does; compliance [m/N]: how far the apparatus gives way, taken
     off the displacement (to fit it, name "compliance" in `free`); progress: wraps the list of fits, as tqdm does.
