@@ -55,7 +55,7 @@ inline const char *rule_key(Unloading rule, int i) {
                                              {NULL},
                                              {NULL},
                                              {"linear_first", "linear_growth", "linear_largest", NULL},
-                                             {"eepa_stiffness", NULL},
+                                             {"eepa_stiffness", "eepa_plastic", NULL},
                                              {"etsion_overlap", "etsion_power", NULL}};
   return keys[rule][i];
 }
@@ -440,6 +440,7 @@ public:
     return stiffness <= numbers_[2] ? stiffness : numbers_[2];
   }
   inline double eepa_stiffness() const { return numbers_[0]; }
+  inline double eepa_plastic() const { return numbers_[1]; } // plastic over largest overlap
 
   // Dimensionless work of virgin loading from 0 to u.
   double energy(double u) const { return loading_.energy(u); }
@@ -980,12 +981,8 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
       else if (RULE == GIVEN) state[1] = overlap - pair.table->recover(s) * length;
       else if (RULE == LINEAR) // P/k2
         state[1] = overlap - (4. / 3.) * s * sqrt(s) / pair.table->linear_stiffness(overlap * inverse_length) * length;
-      else if (RULE == EEPA) {
-        const double held =
-            overlap * sqrt(overlap) - (4. / 3.) * hertz_overlap * sqrt(hertz_overlap) / pair.table->eepa_stiffness();
-        const double root = cbrt(held <= 0. ? 0. : held);
-        state[1] = root * root;
-      } else {
+      else if (RULE == EEPA) state[1] = pair.table->eepa_plastic() * overlap;
+      else {
         // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
         const double area =
             RULE == ETSION ? pair.table->area_of_overlap(overlap * inverse_length) : pair.table->area(s);

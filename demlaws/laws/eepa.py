@@ -28,13 +28,15 @@ class EepaParams(NamedTuple):
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
     loading: float  # k1 [N/m^1.5]
     unloading: float  # k2 [N/m^1.5]
+    plastic_ratio: float  # δp/δmax = (1 - k1/k2)^(2/3)
 
 
 @kernel
 def _scale(shape, radius, modulus, roughness):
     coefficient = hertz_coefficient(radius, modulus)
     k1 = shape.softness * coefficient
-    return EepaParams(coefficient, k1, shape.stiffness_ratio * k1)
+    root = cbrt(1.0 - 1.0 / shape.stiffness_ratio)
+    return EepaParams(coefficient, k1, shape.stiffness_ratio * k1, root * root)
 
 
 @kernel
@@ -61,19 +63,18 @@ bind(EepaParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 class Eepa(NamedTuple):
-    """Back along k2 (δ^1.5 - δp^1.5), δp^1.5 = δmax^1.5 - Pmax/k2; reloading likewise, then first loading."""
+    """Back along k2 (δ^1.5 - δp^1.5), δp = (1 - k1/k2)^(2/3) δmax; reloading likewise, then first loading."""
 
 
 @kernel
 def _step(rule, p, overlap, state):
-    k2 = parts(p)[1].unloading
+    own = parts(p)[1]
+    k2 = own.unloading
     positive = 0.0 if overlap <= 0.0 else overlap
     root = sqrt(positive)
     if overlap >= state[0]:
         force, stiffness, _, _ = virgin(p, positive)
-        below = root * positive - force / k2
-        third = cbrt(0.0 if below <= 0.0 else below)
-        maximum, plastic = overlap, third * third
+        maximum, plastic = overlap, own.plastic_ratio * overlap
     else:
         maximum, plastic = state
         elastic = root * positive - sqrt(plastic) * plastic
@@ -116,6 +117,7 @@ class EepaNumbers(NamedTuple):
     """k2 in a table, without units."""
 
     stiffness: float  # k2/(E* √R)
+    plastic: float  # δp/δmax
     length_over_roughness: float
     length_over_radius: float
 
@@ -125,12 +127,13 @@ class EepaTableParams(NamedTuple):
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
     unloading: float  # k2 [N/m^1.5]
+    plastic_ratio: float  # δp/δmax
 
 
 @kernel
 def _table_scale(shape, radius, modulus, roughness):
     coefficient = hertz_coefficient(radius, modulus)
-    return EepaTableParams(coefficient, shape.stiffness * 0.75 * coefficient)
+    return EepaTableParams(coefficient, shape.stiffness * 0.75 * coefficient, shape.plastic)
 
 
 bind(EepaNumbers, scale=_table_scale)
@@ -143,7 +146,7 @@ EEPA = own_rule(
         "law",
         5,
         "back along k2 (δ^1.5 - δp^1.5), k2 as the law says",
-        ("eepa_stiffness",),
+        ("eepa_stiffness", "eepa_plastic"),
         EepaNumbers,
     )
 )
@@ -162,8 +165,8 @@ def _exact(contact, overlap, stiffness_ratio, softness=1.0):
 
 
 def _numbers(p, length):
-    """k2/(E* √R)."""
-    return (p.unloading / (0.75 * p.hertz_coefficient),)
+    """k2/(E* √R), δp/δmax."""
+    return p.unloading / (0.75 * p.hertz_coefficient), p.plastic_ratio
 
 
 _ONLY_OWN = dict.fromkeys(
