@@ -36,7 +36,10 @@ def stiff_contacts(rng, n):
 def test_errors_against_fifty_digits(name, rng):
     contact = stiff_contacts(rng, 60 if name == "jackson-green" else 200)
     overlap = contact.radius * 10.0 ** rng.uniform(-9, -0.5, contact.size)
-    _, measured = measure(name, contact, overlap, **OPTIONS[name])
+    exact, measured = measure(name, contact, overlap, **OPTIONS[name])
+    # what rounding the force costs an overlap: a crushed tip gives way easily
+    condition = [float(r.force(d) / (r.stiffness(d) * d)) for r, d in zip(exact, overlap, strict=True)]
+    measured = measured._replace(overlap=measured.overlap / np.maximum(condition, 1.0))
     check(measured, LARGEST.get(name, 8.0), 0.3 * LARGEST.get(name, 8.0))
 
 
