@@ -6,6 +6,7 @@
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
+# make readme-check  recompute the numbers that README and docs state (a minute)
 # make lint      format and lint of Python and C++, types of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -54,6 +55,13 @@ validation: engines $(VENV)/.plots
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
 	@echo "build/site/index.html"
+
+dist: $(VENV)/.test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
+	$(BIN)/python tests/machines/dist.py
+
+readme-check: $(VENV)/.test
+	$(BIN)/python tests/readme_check.py
 
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png

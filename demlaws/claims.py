@@ -440,7 +440,7 @@ def jamari_claims():
     )
     alpha = max(abs(row.alpha - row.test.alpha) for row in six)
     yield Claim("2006", "α of the six tests", f"within {alpha:.3f} of the printed values", _verdict(alpha <= 0.011))
-    read = {4.0: 0.90, 11.0: 0.925, 17.0: 0.93}
+    read = regime.PRINTED_RATIOS
     found = {mu: regime.central_pressure(0.09, mu) for mu in read}
     yield Claim(
         "2006, Fig. 1",

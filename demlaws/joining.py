@@ -78,11 +78,13 @@ def largest_stiffness_ratio(law, points=2000):
         p = one_of(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
-        force, stiffness = np.empty(points), np.empty(points)
+        steps = law.definition.kinks(loading_part(p), **law.options)  # where K may jump up, between two points
+        overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
+        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
-            elastic, own, other = (np.empty(points) for _ in range(3))
+            elastic, own, other = (np.empty(overlap.size) for _ in range(3))
             inverse_loop(p.unloading, force, elastic)
             evaluate_loop(Elastic(), p.unloading, elastic, (), own, other)
             usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none

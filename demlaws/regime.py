@@ -221,6 +221,9 @@ class PublishedTest(NamedTuple):
     seen: str  # "asperities", "both", "bulk"
 
 
+PRINTED_RATIOS = {4.0: 0.90, 11.0: 0.925, 17.0: 0.93}
+"""p(0)/p0 at α = 0.09 that the text of 2006 reads from its Fig. 1, by μ."""
+
 ALUMINIUM = Material(young=75.2e9, poisson=0.34, hardness=0.24e9)
 BRASS = Material(young=105e9, poisson=0.34, hardness=1.2e9)
 STEEL_BALL = Material(young=210e9, poisson=0.3, hardness=7.5e9)

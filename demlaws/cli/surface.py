@@ -1,52 +1,34 @@
-"""`demlaws regime` (which part deforms) and `demlaws surface` (height maps, their contact, their law)."""
+"""`demlaws surface`: height maps, their contact, their law."""
 
 import dataclasses
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, output, plain, pressure, whole
-from demlaws.cli.curve import SIGMA
+from demlaws.cli.arguments import figures, force, length, output, plain, whole
+from demlaws.cli.bodies import bodies, draw, pair_of
 from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
 
 
 def register(subparsers):
-    regime = subparsers.add_parser(
-        "regime",
-        description="The criterion of Jamari & Schipper: p(0)/H_m at a load, the load at which the answer changes, which laws "
-        "fit. Without a contact: the published tests.",
-        **example(
-            "  demlaws regime --figure regime.png\n"
-            "  demlaws regime --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 --ball-young 430e9 \\\n"
-            "      --ball-poisson 0.17 --sigma 1.3um --load 0.2"
-        ),
-    )
-    _bodies(regime)
-    regime.add_argument("--sigma", dest="roughness", type=length, help="combined rms roughness σ in m, or with a unit: 1.3um")
-    regime.add_argument("--roughness", action=Refused, remedy=SIGMA)
-    regime.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
-    regime.add_argument("--load", type=force, help="load in N")
-    regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
-    regime.add_argument(
-        "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
-    )
-    regime.add_argument("--figure", type=output, help="map of p(0)/H_m over load and roughness")
-    regime.set_defaults(func=run_regime)
-
+    """Add this file's commands to the command line."""
     surface = subparsers.add_parser(
         "surface",
         usage="demlaws surface FILE [options]\n"
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface contact isotropic|anisotropic [options]\n"
-        "       demlaws surface synthetic --out FILE [options]",
+        "       demlaws surface synthetic --out FILE [options]\n"
+        "       demlaws surface paper [--figures LIST] [--out FOLDER]",
         description="FILE: .npy, .csv, .txt, .tsv or .asc, or what an instrument writes (through SurfaceTopography). The first "
         "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `contact isotropic` and `contact "
-        "anisotropic` repeat the tests of Jamari & Schipper 2008; `synthetic` makes a self-affine map.",
+        "anisotropic` repeat the tests of Jamari & Schipper 2008; `synthetic` makes a self-affine map; `paper` draws the "
+        "figures of that paper.",
         **example(
             "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
             "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
-            "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png"
+            "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png\n"
+            "  demlaws surface paper --figures 2,7-12 --out jamari-2008"
         ),
     )
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
@@ -58,8 +40,14 @@ def register(subparsers):
     )
     surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the last cycle leaves it")
     surface.add_argument("--figure", type=output, help="picture to draw")
+    surface.add_argument(
+        "--figures",
+        type=figures(2, *range(7, 13)),
+        metavar="LIST",
+        help="of the paper of 2008: all (default), or numbers (7-9)",
+    )
     contact = surface.add_argument_group("contact")
-    _bodies(contact)
+    bodies(contact)
     contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
     contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
     contact.add_argument("--load", type=force, help="load in N (default 0.2 for the published tests)")
@@ -93,97 +81,18 @@ def register(subparsers):
     surface.set_defaults(func=run_surface)
 
 
-def _bodies(parser):
-    parser.add_argument("--radius", type=length, help="radius of the ball in m, or with a unit: 3.175mm")
-    parser.add_argument("--rough-radius", type=length, default=float("inf"), help="radius of the rough body (default: flat)")
-    parser.add_argument("--young", type=pressure, help="Young's modulus of the rough body in Pa")
-    parser.add_argument("--poisson", type=plain, help="its Poisson's ratio")
-    parser.add_argument("--hardness", type=pressure, help="its hardness in Pa (without: elastic asperities)")
-    parser.add_argument("--ball-young", type=pressure, help="Young's modulus of the ball (default: as the rough body)")
-    parser.add_argument("--ball-poisson", type=plain, help="its Poisson's ratio")
-
-
-def _pair(arguments, roughness, fractal_dimension=None):
-    from demlaws.contact import Contact, Material
-
-    missing = [f"--{n}" for n in ("radius", "young", "poisson") if getattr(arguments, n) is None]
-    if missing:
-        raise DemlawsError(f"{', '.join(missing)} missing: give the ball's radius and the rough body's material")
-    if (arguments.ball_young is None) != (arguments.ball_poisson is None):
-        raise DemlawsError("--ball-young and --ball-poisson belong together")
-    rough = Material(arguments.young, arguments.poisson, arguments.hardness)
-    ball = rough if arguments.ball_young is None else Material(arguments.ball_young, arguments.ball_poisson)
-    return Contact.between(
-        ball,
-        rough,
-        radius1=arguments.radius,
-        radius2=arguments.rough_radius,
-        roughness2=roughness,
-        fractal_dimension=fractal_dimension,
-    )
-
-
-def run_regime(arguments):
-    from demlaws import regime
-
-    given = [n for n in ("radius", "young", "poisson", "hardness", "roughness", "load") if getattr(arguments, n) is not None]
-    if not given:
-        return _published(arguments)
-    for name, flag in (("roughness", "sigma"), ("hardness", "hardness")):
-        if getattr(arguments, name) is None and not (name == "hardness" and arguments.yield_pressure is not None):
-            raise DemlawsError(f"--{flag} missing: the criterion needs it")
-    pair = _pair(arguments, arguments.roughness, arguments.fractal_dimension)
-    if arguments.load is None:
-        print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {regime.transition_load(pair):.4g} N; below, asperities")
-    else:
-        print(regime.assess(pair, arguments.load, arguments.mu, arguments.yield_pressure))
-        print("laws at this load:")
-        for advice in regime.advise(pair, arguments.load, arguments.yield_pressure):
-            print(f"  {advice.law:16} {'fits' if advice.fits else 'no'}: {advice.reason}")
-    _draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
-    return 0
-
-
-def _published(arguments):
-    from demlaws import regime
-
-    rows = regime.published_ratios()
-    print(f"{'':18} {'':6} {'':7} {'α':>7} {'':>8} {'μ':>8} {'p(0)/H_m':>23}")
-    print(
-        f"{'test':18} {'P (N)':>6} {'σ (µm)':>7} {'comp.':>7} {'printed':>8} {'printed':>8} "
-        f"{'at μ':>7} {'Eq. 4':>7} {'printed':>8}  seen"
-    )
-
-    def cell(value, text):
-        return f"{'-':>{len(format(1.0, text))}}" if value != value else format(value, text)
-
-    for row in rows:
-        test = row.test
-        print(
-            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {row.alpha:7.2f} {cell(test.alpha, '8.2f')} "
-            f"{cell(test.mu, '8.0f')} {cell(row.solved, '7.3f')} {row.fitted:7.3f} {cell(test.ratio, '8.2f')}  {test.seen}"
-        )
-    print("\nat μ: Greenwood & Tripp's solution at the printed μ, the paper's own method; Eq. 4: its closed fit; both computed")
-    for column, name in (("solved", "by the solution"), ("fitted", "by Eq. 4")):
-        count = regime.swaps(rows, column)
-        order = "the order is that of what was seen" if not count else f"{count} of the tests of 2006 stands out of order"
-        print(f"  {name}: {order}")
-    _draw(arguments.figure, lambda plots: plots.regime_figure())
-    return 0
-
-
-def _draw(path, make):
-    if path is not None:
-        from demlaws import plots
-        from demlaws.plots import surface as plots_surface
-
-        print(plots.save(make(plots_surface), path))
-
-
 def run_surface(arguments):
+    """Do what the command's arguments ask."""
     first, *rest = arguments.words
     if first == "synthetic" and not rest:
         return _synthetic(arguments)
+    if first == "paper" and not rest:
+        from demlaws.cli.granite import draw_figures
+        from demlaws.plots import jamari
+
+        chosen = arguments.figures or list(jamari.FIGURES_2008)
+        draw_figures(jamari.FIGURES_2008, chosen, arguments.out or Path("jamari-2008"))
+        return 0
     if first == "contact":
         if len(rest) != 1:
             raise DemlawsError("`demlaws surface contact` takes one height map (or isotropic, anisotropic)")
@@ -193,7 +102,7 @@ def run_surface(arguments):
     heights = _levelled(arguments, first)
     _describe(heights, arguments.wavelengths)
     _write(arguments.out, heights)
-    _draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
+    draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 
@@ -249,7 +158,7 @@ def _synthetic(arguments):
     )
     _describe(heights, arguments.wavelengths)
     _write(arguments.out, heights)
-    _draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
+    draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 
@@ -265,7 +174,7 @@ def _contact(arguments, name):
         heights = _levelled(arguments, name)
         if arguments.on is not None:
             heights = heights.combined(_levelled(arguments, arguments.on))
-        pair = _pair(arguments, heights.sq)
+        pair = pair_of(arguments, heights.sq)
         contact = asperity.RoughContact(
             heights,
             pair,
@@ -304,7 +213,7 @@ def _contact(arguments, name):
         if arguments.csv is not None:
             _write_micro_contacts(arguments.csv, history[0].step.micro)
         _write(arguments.out, history[-1].contact.heights)
-        _draw(
+        draw(
             arguments.figure,
             lambda plots: (
                 plots.repeated_figure(contact, history, name, others)

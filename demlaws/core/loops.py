@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
 from demlaws.core.fastmath import interleave, loop
@@ -9,56 +11,64 @@ from demlaws.core.fastmath import interleave, loop
 
 @loop
 def scale_one(shape, radius, modulus, roughness):
+    """Params of one contact: R [m], E* [Pa], σ [m]."""
     return dispatch.scale(shape, radius, modulus, roughness)
 
 
 @loop
 def scale_loop(shape, radius, modulus, roughness, params):
+    """Params of each contact, R [m], E* [Pa], σ [m] in arrays, into the arrays of `params`."""
     for i in range(radius.size):
         scatter(params, i, dispatch.scale(shape, radius[i], modulus[i], roughness[i]))
 
 
 @loop
-def batch_loop(rule, params, overlap, state, end, small, force, stiffness):
-    """A step of every contact. Returns whether all forces are finite and all overlaps up to `small` times their `end`.
+def batch_loop(rule, params, overlap, state, end, most, force, stiffness):
+    """A step of every contact. Returns whether all forces are numbers up to `most` [N].
 
-    end: a tuple of the largest overlap that is answered [m], one number or one entry a contact. An overlap beyond it
-    counts as NaN, with which every rule gives the force NaN and leaves the history as it was; a rule without a history
-    answers all the same.
+    end, most: tuples of one number or of an array with one entry a contact. end: the largest overlap [m] that is answered;
+    one beyond it counts as NaN, with which every rule gives the force NaN and leaves the history as it was. A rule without
+    a history answers all the same.
     """
     good = True
     params = dispatch.fix_tables(params)
-    interleave(4)
+    # a law alone leaves registers free; with a history and its bound, more than two at a time spill them
+    if len(state) == 0:
+        interleave(4)
+    else:
+        interleave(2)
     for i in range(overlap.size):
         p = gather(params, i)
-        last = gather(end, i)[0]
         here = float(overlap[i])
-        here = here if (here <= last) | (len(state) == 0) else math.nan
+        here = here if (here <= gather(end, i)[0]) | (len(state) == 0) else math.nan
         new_force, new_stiffness, new_state = dispatch.step(rule, p, here, gather(state, i))
         scatter(state, i, new_state)
         force[i] = new_force
         stiffness[i] = new_stiffness
         # last, because LLVM loses the hint where the loop ends in an inlined call
-        good &= (new_force - new_force == 0.0) & (here <= small * last)
+        good &= new_force <= gather(most, i)[0]
     return good
 
 
 UNBOUNDED = (math.inf,)
+FINITE = (np.finfo(float).max,)
 
 
 def evaluate_loop(rule, params, overlap, state, force, stiffness):
     """`batch_loop` of a curve that is read at overlaps of any size: whether all forces are finite."""
-    return batch_loop(rule, params, overlap, state, UNBOUNDED, 1.0, force, stiffness)
+    return batch_loop(rule, params, overlap, state, UNBOUNDED, FINITE, force, stiffness)
 
 
 @loop
 def inverse_loop(params, force, overlap):
+    """Overlap [m] of first loading at each force [N], 0 where that is not positive, into `overlap`."""
     for i in range(force.size):
         overlap[i] = dispatch.inverse(gather(params, i), force[i]) if force[i] > 0.0 else 0.0
 
 
 @loop
 def energy_loop(params, overlap, energy):
+    """Work of first loading [J] to each overlap [m], 0 where that is not positive, into `energy`."""
     for i in range(overlap.size):
         energy[i] = dispatch.energy(gather(params, i), overlap[i]) if overlap[i] > 0.0 else 0.0
 
@@ -79,6 +89,7 @@ def energies_loop(rule, params, overlap, state, stored, dissipated):
 
 @loop
 def unload_loop(rule, p, force, state, overlap):
+    """Overlap [m] at each force [N] on the unloading curve of the first contact's state, into `overlap`."""
     for i in range(force.size):
         overlap[i] = dispatch.unloaded(rule, p, force[i], gather(state, 0))
 

@@ -173,6 +173,12 @@ public:
   double floor_s() const { return seat_ + slope_floor_ * floor_; }
   // s at u = 0+: 0, but for a law that starts from a force.
   double seat() const { return seat_; }
+  // ds/du where the curve reaches s, up to its last row.
+  double slope_where(double s) const {
+    double value, slope;
+    evaluate(invert(s), value, slope);
+    return slope;
+  }
   // d ln s / d ln u of a row: the exponent of the power law below it.
   static double exponent(const Row &row) { return row.u * row.slope / row.s; }
   const std::vector<double> &kinks() const { return kinks_; }
@@ -410,6 +416,9 @@ public:
   inline bool look_up(double u, double &s, double &slope) const { return loading_.look_up(u, s, slope); }
   bool outside(double u, double &s, double &slope) const { return loading_.outside(u, s, slope); }
   inline bool evaluate(double u, double &s, double &slope) const { return loading_.evaluate(u, s, slope); }
+
+  // ds/du of first loading where it reaches s: a search, for what is asked below a largest overlap only.
+  double slope_where(double s) const { return loading_.slope_where(s); }
 
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
@@ -1036,6 +1045,57 @@ inline Force step(const Pair &pair, double radius, double overlap, State &state)
 inline double eepa_energy(double overlap, double plastic) {
   const double a = sqrt(overlap), b = sqrt(plastic);
   return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
+}
+
+// What the tangential stiffness K_t is the ratio of an elastic contact of (docs/shear.md).
+enum Shear { TANGENT_SHEAR = 0, ELASTIC_SHEAR = 1, LOADING_SHEAR = 2 };
+
+inline const char *shear_name(int shear) {
+  static const char *const names[] = {"tangent", "elastic", "loading"};
+  return names[shear];
+}
+
+inline bool shear_from_name(const std::string &name, Shear &shear) {
+  for (int i = TANGENT_SHEAR; i <= LOADING_SHEAR; i++)
+    if (name == shear_name(i)) {
+      shear = (Shear)i;
+      return true;
+    }
+  return false;
+}
+
+// The normal stiffness [N/m] that K_t goes by, from what step_rule has just answered and the state that it left (or,
+// with `update` false, found): the tangent, the stiffness with which the contact would unload now, or that of first
+// loading at the force now carried.
+template <Unloading RULE>
+inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
+                              const double *state) {
+  if (RULE == ELASTIC || shear == TANGENT_SHEAR || !(now.force > 0.)) return now.stiffness;
+  const bool loads = !(overlap < state[0]);
+  if (shear == ELASTIC_SHEAR) {
+    if (!loads) return now.stiffness;
+    const bool known = overlap == state[0];
+    if ((RULE <= THORNTON || RULE == ETSION) && known)
+      return 1.5 * now.force / (overlap - state[1]); // K = 1.5 P / (recoverable overlap)
+    double own[3] = {0., 0., 0.};
+    for (int i = 0; i < state_size(RULE); i++) own[i] = state[i];
+    if (!known) step_rule<RULE>(pair, radius, overlap, own, true);
+    return step_rule<RULE>(pair, radius, overlap * (1. - 1. / 68719476736.), own, false).stiffness; // 2^-36 below
+  }
+  if (loads) return now.stiffness;
+  const double length = pair.length_of(radius), root = cbrt(0.75 * now.force / (pair.modulus * sqrt(radius)));
+  return 2. * pair.modulus * sqrt(radius) * root * pair.table->slope_where(root * root / length);
+}
+
+inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
+                              const double *state) {
+  if (pair.rule == ELASTIC) return shear_stiffness<ELASTIC>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == HERTZ) return shear_stiffness<HERTZ>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == THORNTON) return shear_stiffness<THORNTON>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == LINEAR) return shear_stiffness<LINEAR>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == EEPA) return shear_stiffness<EEPA>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == ETSION) return shear_stiffness<ETSION>(shear, pair, radius, overlap, now, state);
+  return shear_stiffness<GIVEN>(shear, pair, radius, overlap, now, state);
 }
 
 // Energies of one contact since it was made [J]: what it would give back, and what its plastic flow took.

@@ -9,6 +9,7 @@ from demlaws.checks import number
 from demlaws.core.dispatch import bind, energy, parts, virgin
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
@@ -110,7 +111,19 @@ def _unloaded(rule, p, force, state):
     return root * root
 
 
-bind(Eepa, step=_step, stored_and_dissipated=_stored_and_dissipated, unloaded=_unloaded)
+@kernel
+def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
+    return 1.5 * parts(p)[1].unloading * sqrt(overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+
+
+bind(
+    Eepa,
+    step=_step,
+    stored_and_dissipated=_stored_and_dissipated,
+    unloaded=_unloaded,
+    unloading_stiffness=_unloading_stiffness,
+    loading_stiffness=of_first_loading,
+)
 
 
 class EepaNumbers(NamedTuple):

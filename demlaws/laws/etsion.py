@@ -6,6 +6,7 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind, parts, virgin
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.shear import of_first_loading, of_hertz
 from demlaws.core.unloading import Rule, own_rule, thornton_stored_and_dissipated, thornton_unloaded
 
 
@@ -36,7 +37,14 @@ def _step(rule, p, overlap, state):
     return force, stiffness, (maximum, plastic, ratio)
 
 
-bind(Etsion, step=_step, stored_and_dissipated=thornton_stored_and_dissipated, unloaded=thornton_unloaded)
+bind(
+    Etsion,
+    step=_step,
+    stored_and_dissipated=thornton_stored_and_dissipated,
+    unloaded=thornton_unloaded,
+    unloading_stiffness=of_hertz,
+    loading_stiffness=of_first_loading,
+)
 
 
 class EtsionNumbers(NamedTuple):

@@ -5,6 +5,7 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind, energy, parts, virgin
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 
 
@@ -88,7 +89,19 @@ def _unloaded(rule, p, force, state):
     return state[1] + force / _stiffness(parts(p)[1], state[0])
 
 
-bind(Linear, step=_step, stored_and_dissipated=_stored_and_dissipated, unloaded=_unloaded)
+@kernel
+def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
+    return _stiffness(parts(p)[1], overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+
+
+bind(
+    Linear,
+    step=_step,
+    stored_and_dissipated=_stored_and_dissipated,
+    unloaded=_unloaded,
+    unloading_stiffness=_unloading_stiffness,
+    loading_stiffness=of_first_loading,
+)
 
 
 class LinearNumbers(NamedTuple):

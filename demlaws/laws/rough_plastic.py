@@ -9,6 +9,7 @@ from demlaws.checks import number
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
+from demlaws.criterion import hertz_pressure
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended
@@ -19,7 +20,9 @@ class RoughPlasticShape(NamedTuple):
     """The rough law's shape and the pressure at which the bulk yields."""
 
     loading: tuple  # Shape of the rough law
-    yield_pressure: float  # p_y [Pa]
+    yield_pressure: float  # p_y [Pa]: the bulk yields where K_rough reaches π R p_y
+    load_pressure: float  # [Pa] if above 0, it yields at the load at which a smooth contact's p0 is this, instead
+    stiffness_pressure: float  # p_K [Pa]: K_y = π R p_K
 
 
 class RoughPlasticParams(NamedTuple):
@@ -29,15 +32,22 @@ class RoughPlasticParams(NamedTuple):
     loading: tuple  # Params of the rough law
     yield_overlap: float  # δ_y [m]
     yield_force: float  # P_y [N]
-    yield_stiffness: float  # K_y = π R p_y [N/m]
+    yield_stiffness: float  # K_y = π R p_K [N/m]; p_K is p_y unless it is given
     yield_area: float  # a_y²/R = δ_H(P_y) [m]
     area_slope: float  # d(a²/R)/dP = 1/K_y [m/N]
+
+
+@kernel
+def _smooth_yield(radius, modulus, pressure):
+    """Load at which p0 of a smooth contact reaches `pressure`: π³R²p³/(6E*²)."""
+    return math.pi**3 / 6.0 * pressure * (radius * pressure / modulus) ** 2
 
 
 @kernel
 def _scale(shape, radius, modulus, roughness):
     loading = scale(shape.loading, radius, modulus, roughness)
     stiffness = math.pi * radius * shape.yield_pressure
+    after = math.pi * radius * shape.stiffness_pressure
     # Bisection over bit patterns: the stiffness of every rough law rises with overlap, and 62 halvings are exact.
     low = bits(1e-30 * radius)
     high = bits(1e3 * radius)
@@ -48,8 +58,10 @@ def _scale(shape, radius, modulus, roughness):
         else:
             high = middle
     overlap = from_bits(low)
+    if shape.load_pressure > 0.0:
+        overlap = inverse(loading, _smooth_yield(radius, modulus, shape.load_pressure))
     force, _, equivalent, _ = virgin(loading, overlap)
-    return RoughPlasticParams(loading.hertz_coefficient, loading, overlap, force, stiffness, equivalent, 1.0 / stiffness)
+    return RoughPlasticParams(loading.hertz_coefficient, loading, overlap, force, after, equivalent, 1.0 / after)
 
 
 @kernel
@@ -60,7 +72,7 @@ def _virgin(p, overlap):
     yielded_equivalent = hertz_overlap(p, yielded)
     if overlap <= p.yield_overlap:
         return force, stiffness, equivalent, area
-    # [our derivation] a² = a_y² + (P - P_y)/(π p_y), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
+    # [our derivation] a² = a_y² + (P - P_y)/(π p_K), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
     return yielded, p.yield_stiffness, yielded_equivalent, p.yield_area + p.area_slope * (yielded - p.yield_force)
 
 
@@ -96,57 +108,107 @@ def _loading_definition(loading):
     return definition
 
 
-def _prepare(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
+def _one(contact, option, instead):
+    """A measured quantity belongs to one contact: what it is for others the pressures say."""
+    if contact.size is not None:
+        raise DemlawsError(
+            f"{option} is that of one contact, and these are {contact.size}: give {instead} in Pa, which holds for any radius"
+        )
+
+
+def _prepare(
+    contact,
+    yield_pressure=None,
+    loading="pohrt-popov",
+    yield_at="stiffness",
+    yield_load=None,
+    post_yield_pressure=None,
+    yield_stiffness=None,
+    **loading_options,
+):
+    definition = _loading_definition(loading)
+    for field in definition.needed(**loading_options):
+        if getattr(contact, field) is None:
+            raise DemlawsError(f"loading {loading!r} needs the contact's {field}: give Contact(..., {field}=...)")
+    if yield_at not in ("stiffness", "load"):
+        raise DemlawsError(f"yield_at = {yield_at!r}: the bulk yields at 'stiffness' or at 'load'")
+    load_pressure = 0.0
+    if yield_load is not None:
+        _one(contact, "yield_load", "yield_pressure and yield_at='load'")
+        load_pressure = float(hertz_pressure(contact, number(yield_load, "yield_load", "N")))
+        yield_pressure = load_pressure if yield_pressure is None else yield_pressure
     if yield_pressure is None:
         of_granite = (
             f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
         raise DemlawsError(f"law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: {of_granite})")
-    definition = _loading_definition(loading)
-    for field in definition.needed(**loading_options):
-        if getattr(contact, field) is None:
-            raise DemlawsError(f"loading {loading!r} needs the contact's {field}: give Contact(..., {field}=...)")
-    pressure = number(yield_pressure, "yield_pressure", "Pa")
-    return RoughPlasticShape(definition.shape(contact, **loading_options), pressure)
+    pressure = after = number(yield_pressure, "yield_pressure", "Pa")
+    if yield_load is None and yield_at == "load":
+        load_pressure = pressure
+    if yield_stiffness is not None:
+        if post_yield_pressure is not None:
+            raise DemlawsError("yield_stiffness and post_yield_pressure say the same (K_y = π R p): give one of them")
+        _one(contact, "yield_stiffness", "post_yield_pressure")
+        after = number(yield_stiffness, "yield_stiffness", "N/m") / (math.pi * contact.radius)
+    elif post_yield_pressure is not None:
+        after = number(post_yield_pressure, "post_yield_pressure", "Pa")
+    return RoughPlasticShape(definition.shape(contact, **loading_options), pressure, load_pressure, float(after))
 
 
-def _before_yield(yield_pressure=None, loading="pohrt-popov", **loading_options):
-    return _loading_definition(loading), loading_options
+_OWN = ("yield_pressure", "yield_at", "yield_load", "post_yield_pressure", "yield_stiffness")
 
 
-def _kinks(p, yield_pressure=None, loading="pohrt-popov", **loading_options):
-    kinks = _loading_definition(loading).kinks(p.loading, **loading_options)
-    return [*(k for k in kinks if k < p.yield_overlap), p.yield_overlap]
+def _of_loading(options):
+    """Definition of the rough law, and its options among all that were given."""
+    rest = {name: value for name, value in options.items() if name not in (*_OWN, "loading")}
+    return _loading_definition(options.get("loading", "pohrt-popov")), rest
 
 
-def _seated(yield_pressure=None, loading="pohrt-popov", **loading_options):
-    return _loading_definition(loading).seated(**loading_options)
+def _before_yield(**options):
+    return _of_loading(options)
+
+
+def _kinks(p, **options):
+    definition, rest = _of_loading(options)
+    return [*(k for k in definition.kinks(p.loading, **rest) if k < p.yield_overlap), p.yield_overlap]
+
+
+def _seated(**options):
+    definition, rest = _of_loading(options)
+    return definition.seated(**rest)
 
 
 def _bulk(p):
     return p.yield_overlap, p.yield_area, p.area_slope
 
 
-def _limits(contact, yield_pressure=None, loading="pohrt-popov", **loading_options):
+def _limits(contact, **options):
     # The upper limits of the rough law say that the bulk yields; here it does.
-    limits = _loading_definition(loading).limits(contact, **loading_options)
+    definition, rest = _of_loading(options)
+    limits = definition.limits(contact, **rest)
     return [limit._replace(maximum_force=math.inf) for limit in limits if limit.minimum_force > 0.0]
 
 
-def _exact(contact, overlap, yield_pressure, loading="pohrt-popov", **loading_options):
-    exact = _loading_definition(loading).exact
-    if exact is None:
+def _exact(contact, overlap, **options):
+    definition, rest = _of_loading(options)
+    if definition.exact is None:
         return None
-    delta, stiffness = extended(overlap), PI * extended(contact.radius) * extended(yield_pressure)
+    shape = _prepare(contact, **options)
+    delta = extended(overlap)
+    stiffness = PI * extended(contact.radius) * extended(shape.yield_pressure)
+    after = PI * extended(contact.radius) * extended(shape.stiffness_pressure)
+    pressure = extended(shape.load_pressure)
+    load = PI**3 / 6 * pressure * (extended(contact.radius) * pressure / extended(contact.modulus)) ** 2
     middle = np.log(extended(contact.radius))
     low, high = middle - 70, middle + 7
     for _ in range(45):  # to 2e-12 of δ_y: where K = K_y the force changes with the square of that
         middle = (low + high) / 2
-        softer = exact(contact, np.exp(middle), **loading_options)[1] < stiffness
-        low, high = np.where(softer, middle, low), np.where(softer, high, middle)
+        force, tangent = definition.exact(contact, np.exp(middle), **rest)
+        before = force < load if shape.load_pressure > 0.0 else tangent < stiffness
+        low, high = np.where(before, middle, low), np.where(before, high, middle)
     yields = np.exp(low)
-    force, tangent = exact(contact, np.minimum(delta, yields), **loading_options)
-    return force + stiffness * np.maximum(delta - yields, 0), np.where(delta > yields, stiffness, tangent)
+    force, tangent = definition.exact(contact, np.minimum(delta, yields), **rest)
+    return force + after * np.maximum(delta - yields, 0), np.where(delta > yields, after, tangent)
 
 
 def _advise(conditions):
@@ -157,7 +219,7 @@ def _advise(conditions):
 LAW = Definition(
     name="rough-plastic",
     prepare=_prepare,
-    equation="K = min(K_rough(P), π R p_y)",
+    equation="K = min(K_rough(P), π R p_y); or K_rough to the yield load, then π R p_K",
     source="Thornton 1997 (limit pressure); Altuhafi, Baudet & Coop 2023 (constant stiffness after yield)",
     description="any rough law, then bulk yield",
     limits=_limits,
@@ -184,5 +246,9 @@ LAW = Definition(
     options={
         "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed", PRESSURE),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
+        "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
+        "yield_load": Option("N", "above 0", "load at which one contact was seen to yield, in place of yield_at"),
+        "post_yield_pressure": Option("Pa", "above 0", "p_K of the stiffness after yield, K_y = π R p_K, if not p_y"),
+        "yield_stiffness": Option("N/m", "above 0", "K_y of one contact, in place of post_yield_pressure"),
     },
 )

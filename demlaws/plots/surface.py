@@ -6,12 +6,13 @@ from demlaws import regime
 from demlaws.plots import figure
 from demlaws.surface import box_correction
 
-_SEEN = {"asperities": ("o", "white"), "both": ("s", "#ffbf00"), "bulk": ("D", "black")}
-_STATE_COLOURS = ("#4c78a8", "#f2a541", "#d62728")
-_MICRO = 1e6
+SEEN = {"asperities": ("o", "white"), "both": ("s", "#ffbf00"), "bulk": ("D", "black")}
+STATE_COLOURS = ("#4c78a8", "#f2a541", "#d62728")
+MICRO = 1e6
 
 
-def _plain(ax):
+def plain(ax):
+    """Axes without a grid, for pictures of maps."""
     ax.grid(False)
     return ax
 
@@ -26,9 +27,9 @@ def regime_figure(contact=None, load=None, title=None):
             roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
         _regime_bar(fig, _regime_axis(ax, contact, loads, roughness), ax)
         if load is not None and contact.roughness:
-            ax.plot(load, contact.roughness * _MICRO, "k*", ms=13)
+            ax.plot(load, contact.roughness * MICRO, "k*", ms=13)
             ratio = regime.pressure_ratio(contact, load)
-            ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (load, contact.roughness * _MICRO), va="center")
+            ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (load, contact.roughness * MICRO), va="center")
         ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
         return fig
     fig, axes = figure(columns=3, width=4.6, height=4.4)
@@ -43,8 +44,8 @@ def regime_figure(contact=None, load=None, title=None):
     for ax, (name, group) in zip(axes, groups, strict=True):
         image = _regime_axis(ax, group[0].contact, np.geomspace(0.03, 100, 161), np.geomspace(2e-8, 2e-5, 161))
         for n, test in enumerate(group):
-            marker, face = _SEEN[test.seen]
-            x, y = test.load, test.contact.roughness * _MICRO
+            marker, face = SEEN[test.seen]
+            x, y = test.load, test.contact.roughness * MICRO
             ax.plot(x, y, marker, mfc=face, mec="black", ms=8, zorder=5)
             side = {"Al_A": (8, 7), "Al_AB": (8, -12)}.get(test.label, (8, -3 + 10 * n if "2008" in test.label else -3))
             solved, fitted = ratios[test.label].solved, ratios[test.label].fitted
@@ -58,7 +59,7 @@ def regime_figure(contact=None, load=None, title=None):
             )
         ax.set_title(name, fontsize=10)
     _regime_bar(fig, image, axes)
-    for seen, (marker, face) in _SEEN.items():
+    for seen, (marker, face) in SEEN.items():
         axes[0].plot([], [], marker, mfc=face, mec="black", ls="none", label=f"seen: {seen}")
     axes[0].legend(loc="upper left", fontsize=8)
     return fig
@@ -66,15 +67,15 @@ def regime_figure(contact=None, load=None, title=None):
 
 def _regime_axis(ax, contact, loads, roughness):
     ratio = regime.pressure_map(contact, loads, roughness)
-    _plain(ax)
+    plain(ax)
     image = ax.pcolormesh(
-        loads, roughness * _MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
+        loads, roughness * MICRO, np.log10(ratio / regime.YIELD_RATIO), cmap="RdBu_r", vmin=-1, vmax=1, shading="gouraud"
     )
-    lines = ax.contour(loads, roughness * _MICRO, ratio, [0.1, 0.2, 0.4, 1.0, 2.0], colors="grey", linewidths=0.6)
+    lines = ax.contour(loads, roughness * MICRO, ratio, [0.1, 0.2, 0.4, 1.0, 2.0], colors="grey", linewidths=0.6)
     ax.clabel(lines, fmt="%g", fontsize=7)
-    ax.contour(loads, roughness * _MICRO, ratio, [regime.YIELD_RATIO], colors="black", linewidths=1.8)
+    ax.contour(loads, roughness * MICRO, ratio, [regime.YIELD_RATIO], colors="black", linewidths=1.8)
     edges = [regime.YIELD_RATIO - regime.BAND, regime.YIELD_RATIO + regime.BAND]
-    ax.contour(loads, roughness * _MICRO, ratio, edges, colors="black", linewidths=0.6, linestyles="--")
+    ax.contour(loads, roughness * MICRO, ratio, edges, colors="black", linewidths=0.6, linestyles="--")
     ax.set(xscale="log", yscale="log", xlabel="load (N)", ylabel="roughness σ (µm)")
     return image
 
@@ -88,41 +89,16 @@ def _regime_bar(fig, image, axes):
     bar.ax.set_yticklabels([f"{r:g}" for r in ratios])
 
 
-def published_figure():
-    """p(0)/H_m against roughness, as Fig. 12 of the 2006 paper, with the six tests that it names."""
-    fig, ax = figure(width=6.2, height=4.2)
-    for name, load, colour in (("aluminium", 4.0, "#4c78a8"), ("brass", 12.0, "#b8860b")):
-        tests = [t for t in regime.published_tests() if t.material == name and t.load == load]
-        roughness = np.linspace(0.02e-6, 3e-6, 200)
-        ratio = [regime.pressure_ratio(tests[0].contact.with_values(roughness=r), load) for r in roughness]
-        ax.plot(roughness * _MICRO, ratio, color=colour, label=f"{name}, {load:g} N")
-        for t in tests:
-            marker, face = _SEEN[t.seen]
-            ax.plot(t.contact.roughness * _MICRO, t.ratio, marker, mfc=face, mec=colour, ms=8, mew=1.6)
-    for seen, (marker, face) in _SEEN.items():
-        ax.plot([], [], marker, mfc=face, mec="black", ls="none", label=f"seen: {seen}")
-    ax.axhline(regime.YIELD_RATIO, color="black", lw=1)
-    ax.axhspan(regime.YIELD_RATIO - regime.BAND, regime.YIELD_RATIO + regime.BAND, color="grey", alpha=0.2)
-    ax.annotate(
-        "Al_A: asperities seen\nat 0.616 (the mismatch)",
-        (2.2, 0.616),
-        (2.05, 0.95),
-        arrowprops={"arrowstyle": "->"},
-        fontsize=8,
-    )
-    ax.set(xlabel="roughness Sq (µm)", ylabel="p(0)/H$_m$", ylim=(0, 1.7), xlim=(0, 3))
-    ax.legend(fontsize=8, ncol=2)
-    return fig
-
-
-def _extent(heights):
+def extent(heights):
+    """Extent of a map's picture [µm]: left, right, bottom, top."""
     width, height = heights.field_of_view
-    return (0, width * _MICRO, 0, height * _MICRO)
+    return (0, width * MICRO, 0, height * MICRO)
 
 
-def _show(fig, ax, heights, z, label, cmap="viridis", **more):
-    _plain(ax)
-    image = ax.imshow(z, extent=_extent(heights), origin="lower", cmap=cmap, **more)
+def show(fig, ax, heights, z, label, cmap="viridis", **more):
+    """Show an array of the map's shape as a picture with its colour bar."""
+    plain(ax)
+    image = ax.imshow(z, extent=extent(heights), origin="lower", cmap=cmap, **more)
     fig.colorbar(image, ax=ax, label=label, shrink=0.8)
     ax.set(xlabel="x (µm)", ylabel="y (µm)")
 
@@ -130,12 +106,12 @@ def _show(fig, ax, heights, z, label, cmap="viridis", **more):
 def surface_figure(heights, wavelengths=None):
     """A height map, its middle profiles, its power spectrum and its box counts, with the fits of the fractal dimension."""
     fig, axes = figure(columns=2, rows=2, width=5.2, height=3.9)
-    _show(fig, axes[0, 0], heights, heights.heights * _MICRO, "height (µm)")
-    axes[0, 0].set_title(f"Sq = {heights.sq * _MICRO:.3g} µm, Sa = {heights.sa * _MICRO:.3g} µm", fontsize=10)
+    show(fig, axes[0, 0], heights, heights.heights * MICRO, "height (µm)")
+    axes[0, 0].set_title(f"Sq = {heights.sq * MICRO:.3g} µm, Sa = {heights.sa * MICRO:.3g} µm", fontsize=10)
     rows, columns = heights.shape
     ax = axes[0, 1]
-    ax.plot(np.arange(columns) * heights.pixel_x * _MICRO, heights.heights[rows // 2] * _MICRO, lw=0.9, label="along x")
-    ax.plot(np.arange(rows) * heights.pixel_y * _MICRO, heights.heights[:, columns // 2] * _MICRO, lw=0.9, label="along y")
+    ax.plot(np.arange(columns) * heights.pixel_x * MICRO, heights.heights[rows // 2] * MICRO, lw=0.9, label="along x")
+    ax.plot(np.arange(rows) * heights.pixel_y * MICRO, heights.heights[:, columns // 2] * MICRO, lw=0.9, label="along y")
     ax.set(xlabel="distance (µm)", ylabel="height (µm)", title="profiles through the middle")
     ax.title.set_fontsize(10)
     ax.legend(fontsize=8)
@@ -156,10 +132,10 @@ def surface_figure(heights, wavelengths=None):
     number = ranges / ranges[-1] * (sizes / sizes[-1]) ** -3.0
     boxes = heights.fractal_dimension_by_boxes(wavelengths)
     missed = np.exp(box_correction(3.0 - boxes, sizes) - box_correction(3.0 - boxes, sizes[-1:]))
-    ax.loglog(sizes * pixel * _MICRO, number, "o", mfc="none", ms=5, label="counted")
-    ax.loglog(sizes * pixel * _MICRO, number / missed, "o", ms=5, label="with what pixels miss")
+    ax.loglog(sizes * pixel * MICRO, number, "o", mfc="none", ms=5, label="counted")
+    ax.loglog(sizes * pixel * MICRO, number / missed, "o", ms=5, label="with what pixels miss")
     fit = (sizes / sizes[-1]) ** -boxes
-    ax.loglog(sizes * pixel * _MICRO, fit, "k--", lw=1.2, label=f"N ∝ size$^{{-{boxes:.2f}}}$")
+    ax.loglog(sizes * pixel * MICRO, fit, "k--", lw=1.2, label=f"N ∝ size$^{{-{boxes:.2f}}}$")
     ax.set(xlabel="box side (µm)", ylabel="boxes N / N(largest side)")
     ax.set_title(f"box counting: Df = {boxes:.3f}", fontsize=10)
     ax.legend(fontsize=8)
@@ -170,14 +146,14 @@ def contact_figure(contact, step, worn=None):
     """The map under load: what touches, coloured by state, beside the sizes and loads of the micro-contacts."""
     fig, (left, right) = figure(columns=2, width=5.4, height=4.4)
     heights = contact.heights
-    _show(fig, left, heights, heights.heights * _MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
-    _ellipses(left, step)
+    show(fig, left, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
+    ellipses(left, step)
     if not contact.flat:
         radius = (step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
-        _circle(left, contact.centre, radius, "--", "Hertz radius")
+        circle(left, contact.centre, radius, "--", "Hertz radius")
     left.set_title(f"{step.load:.3g} N: {len(step.micro)} micro-contacts, {step.contact_area * 1e12:.4g} µm²", fontsize=10)
     micro = step.micro
-    for state, (name, colour) in enumerate(zip(("elastic", "elastic-plastic", "plastic"), _STATE_COLOURS, strict=True)):
+    for state, (name, colour) in enumerate(zip(("elastic", "elastic-plastic", "plastic"), STATE_COLOURS, strict=True)):
         chosen = micro.state == state
         right.loglog(micro.area[chosen] * 1e12, micro.force[chosen], "o", color=colour, ms=5, label=f"{name}: {chosen.sum()}")
     right.set(xlabel="contact area (µm²)", ylabel="force (N)", title="micro-contacts")
@@ -186,7 +162,8 @@ def contact_figure(contact, step, worn=None):
     return fig
 
 
-def _ellipses(ax, step):
+def ellipses(ax, step):
+    """Outline the contact patches of a step as ellipses of their contact area."""
     from matplotlib.collections import EllipseCollection
 
     micro = step.micro
@@ -194,22 +171,23 @@ def _ellipses(ax, step):
     share = np.sqrt(micro.area / micro.cut_area)
     ax.add_collection(
         EllipseCollection(
-            micro.length_long * share * _MICRO,
-            micro.length_short * share * _MICRO,
+            micro.length_long * share * MICRO,
+            micro.length_short * share * MICRO,
             np.degrees(micro.angle),
             units="xy",
-            offsets=np.column_stack([micro.x, micro.y]) * _MICRO,
+            offsets=np.column_stack([micro.x, micro.y]) * MICRO,
             transOffset=ax.transData,
-            facecolors=[_STATE_COLOURS[s] for s in micro.state],
+            facecolors=[STATE_COLOURS[s] for s in micro.state],
         )
     )
 
 
-def _circle(ax, centre, radius, style, label):
+def circle(ax, centre, radius, style, label):
+    """Outline a circle, centre and radius in m."""
     angle = np.linspace(0, 2 * np.pi, 200)
     ax.plot(
-        (centre[0] + radius * np.cos(angle)) * _MICRO,
-        (centre[1] + radius * np.sin(angle)) * _MICRO,
+        (centre[0] + radius * np.cos(angle)) * MICRO,
+        (centre[1] + radius * np.sin(angle)) * MICRO,
         "k" + style,
         lw=1,
         label=label,
@@ -225,47 +203,47 @@ def repeated_figure(contact, history, name="", others=None):
     fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
     heights, first = contact.heights, history[0]
     after = first.contact.heights.heights
-    span = {"vmin": np.nanmin(heights.heights) * _MICRO, "vmax": np.nanmax(heights.heights) * _MICRO}
-    _show(fig, axes[0, 0], heights, heights.heights * _MICRO, "height (µm)", **span)
-    axes[0, 0].set_title(f"{name} before: Sq = {heights.sq * _MICRO:.2f} µm", fontsize=10)
-    _show(fig, axes[0, 1], heights, after * _MICRO, "height (µm)", **span)
+    span = {"vmin": np.nanmin(heights.heights) * MICRO, "vmax": np.nanmax(heights.heights) * MICRO}
+    show(fig, axes[0, 0], heights, heights.heights * MICRO, "height (µm)", **span)
+    axes[0, 0].set_title(f"{name} before: Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
+    show(fig, axes[0, 1], heights, after * MICRO, "height (µm)", **span)
     axes[0, 1].set_title(f"after cycle 1 at {first.step.load:.3g} N", fontsize=10)
-    change = (after - heights.heights) * _MICRO
+    change = (after - heights.heights) * MICRO
     limit = max(abs(np.nanmin(change)), 1e-9)
-    _show(fig, axes[0, 2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
+    show(fig, axes[0, 2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
     touched = np.argwhere(change != 0)
     if touched.size:
         (row0, column0), (row1, column1) = touched.min(axis=0), touched.max(axis=0)
-        px, py = heights.pixel_x * _MICRO, heights.pixel_y * _MICRO
+        px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
         axes[0, 2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
     axes[0, 2].set_title("plastic change (contact region)", fontsize=10)
     ax = axes[1, 0]
-    _show(fig, ax, heights, heights.heights * _MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
-    _ellipses(ax, first.step)
+    show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
+    ellipses(ax, first.step)
     radius = (first.step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
     if not contact.flat:
-        _circle(ax, contact.centre, radius, "--", "Hertz radius")
+        circle(ax, contact.centre, radius, "--", "Hertz radius")
     counts = first.step.counts
     ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
     # profiles through the pixel that lost most
     ax = axes[1, 1]
     row, column = np.unravel_index(np.nanargmin(change), change.shape)
-    x = np.arange(heights.shape[1]) * heights.pixel_x * _MICRO
-    ax.plot(x, heights.heights[row] * _MICRO, "k-", lw=1.6, label="before")
+    x = np.arange(heights.shape[1]) * heights.pixel_x * MICRO
+    ax.plot(x, heights.heights[row] * MICRO, "k-", lw=1.6, label="before")
     for cycle in history:
         if cycle.contact is not None:
             ax.plot(
                 x,
-                cycle.contact.heights.heights[row] * _MICRO,
+                cycle.contact.heights.heights[row] * MICRO,
                 lw=1.0,
                 ls=(0, (2 + cycle.number % 5, 1.5)),
                 label=f"n = {cycle.number}",
             )
-    centre = column * heights.pixel_x * _MICRO
+    centre = column * heights.pixel_x * MICRO
     ax.set(xlim=(centre - 25, centre + 25), xlabel="x (µm)", ylabel="height (µm)")
     near = np.abs(x - centre) < 25
-    ax.set_ylim(np.nanmin(heights.heights[row][near]) * _MICRO, np.nanmax(heights.heights[row][near]) * _MICRO + 0.1)
-    ax.set_title(f"profile at y = {row * heights.pixel_y * _MICRO:.0f} µm", fontsize=10)
+    ax.set_ylim(np.nanmin(heights.heights[row][near]) * MICRO, np.nanmax(heights.heights[row][near]) * MICRO + 0.1)
+    ax.set_title(f"profile at y = {row * heights.pixel_y * MICRO:.0f} µm", fontsize=10)
     ax.legend(fontsize=7, ncol=2)
     ax = axes[1, 2]
     number = [c.number for c in history]
@@ -287,47 +265,6 @@ def repeated_figure(contact, history, name="", others=None):
     return fig
 
 
-def summit_figure(heights=None):
-    """Volume-conserving asperities beside nine-point summits at three depths, as Fig. 2 of the 2008 paper."""
-    from demlaws.contact import Contact
-    from demlaws.solvers.patches import RoughContact, nine_point_summits
-    from demlaws.surface import HeightMap, self_affine
-
-    if heights is None:
-        size, pixel = 160, 0.5e-6
-        y, x = (np.indices((size, size)) - size / 2) * pixel
-        bump = 3e-6 * np.exp(-(x**2 + y**2) / (2 * (14e-6) ** 2))
-        rough = self_affine(size, pixel, 0.8, 0.12e-6, 3, shortest=3e-6, longest=12e-6)
-        heights = HeightMap(bump + rough.heights, pixel)
-    contact = RoughContact(heights, Contact(radius=1.0, modulus=1e11), flat=True)
-    fig, axes = figure(columns=4, rows=2, width=3.7, height=3.4)
-    _show(fig, axes[0, 0], heights, heights.heights * _MICRO, "height (µm)")
-    axes[0, 0].set_title("a rough protrusion", fontsize=10)
-    rows, columns = heights.shape
-    profile = heights.heights[rows // 2] * _MICRO
-    axes[1, 0].plot(np.arange(columns) * heights.pixel_x * _MICRO, profile, "k-", lw=1)
-    axes[1, 0].set(xlabel="x (µm)", ylabel="height (µm)", title="profile and cuts")
-    axes[1, 0].title.set_fontsize(10)
-    for column, share in enumerate((0.06, 0.25, 0.75), 1):
-        depth = share * (contact.highest - np.nanmedian(heights.heights))
-        step = contact.at(depth)
-        axes[1, 0].axhline(step.cut * _MICRO, color=f"C{column}", lw=1)
-        x, y, _, _ = nine_point_summits(heights, step.cut)
-        for row, (px, py, name) in enumerate(((step.micro.x, step.micro.y, "volume"), (x, y, "nine-point"))):
-            ax = _plain(axes[row, column])
-            ax.contourf(
-                np.arange(columns) * heights.pixel_x * _MICRO,
-                np.arange(rows) * heights.pixel_y * _MICRO,
-                heights.heights > step.cut,
-                [0.5, 1.5],
-                colors=["#dddddd"],
-            )
-            ax.plot(px * _MICRO, py * _MICRO, ".", color=f"C{column}", ms=7)
-            ax.set(aspect="equal", xlim=_extent(heights)[:2], ylim=_extent(heights)[2:])
-            ax.set_title(f"{name}: {len(px)} at ω = {depth * _MICRO:.2g} µm", fontsize=10)
-    return fig
-
-
 def law_figure(contact, laws):
     """Force against overlap of loading and reloading laws of a map, beside Hertz and the model's own points.
 
@@ -340,16 +277,16 @@ def law_figure(contact, laws):
     end = min([4.0 * contact.heights.sq, *(first.overlap(force) for force in limits)])
     force = np.geomspace(1e-4, 1.0, 200) * contact.at(end).load
     left.loglog(
-        (9 * force**2 / (16 * pair.radius * pair.modulus**2)) ** (1 / 3) * _MICRO, force, "--", color="#222222", label="Hertz"
+        (9 * force**2 / (16 * pair.radius * pair.modulus**2)) ** (1 / 3) * MICRO, force, "--", color="#222222", label="Hertz"
     )
     stiffness = (6 * force * pair.radius * pair.modulus**2) ** (1 / 3)
     right.loglog(force, stiffness / 1e3, "--", color="#222222", label="Hertz")
     for (name, law), colour in zip(laws.items(), ("#e377c2", "#7f3fbf", "#2ca02c"), strict=False):
         overlap = np.array([law.overlap(float(f)) for f in force])
-        left.loglog(overlap * _MICRO, force, color=colour, label=name)
+        left.loglog(overlap * MICRO, force, color=colour, label=name)
         right.loglog(force, np.array([law._both(d)[1] for d in overlap]) / 1e3, color=colour, label=name)
     overlaps = end * np.geomspace(1e-3, 1, 40)
-    left.loglog(overlaps * _MICRO, [contact.at(d).load for d in overlaps], "k.", ms=4, label="model, one cut each")
+    left.loglog(overlaps * MICRO, [contact.at(d).load for d in overlaps], "k.", ms=4, label="model, one cut each")
     left.set(xlabel="overlap (µm)", ylabel="force (N)")
     right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
     left.legend(fontsize=8)
@@ -365,8 +302,8 @@ def boundary_element_figure(rows):
         overlap = np.array([float(r["overlap"]) for r in chosen])
         load = np.array([float(r["model_force"]) / float(r["bem_force"]) for r in chosen])
         area = np.array([float(r["model_area"]) / float(r["bem_area"]) for r in chosen])
-        left.semilogx(overlap * _MICRO, load, "o-", ms=4, label=name.replace(";", ","))
-        right.semilogx(overlap * _MICRO, area, "o-", ms=4)
+        left.semilogx(overlap * MICRO, load, "o-", ms=4, label=name.replace(";", ","))
+        right.semilogx(overlap * MICRO, area, "o-", ms=4)
     for ax, what in ((left, "load"), (right, "contact area")):
         ax.axhline(1.0, color="black", lw=0.8)
         ax.set(xlabel="overlap (µm)", ylabel=f"{what}: asperity model / boundary elements")

@@ -111,34 +111,38 @@ def packing(job):
     cloud = pack.SpherePack()
     cloud.makeCloud((0, 0, 0), (side,) * 3, rMean=radius, rRelFuzz=0.2, num=count, periodic=True, seed=1)
     cloud.toSimulation(material="grain")
-    newton = yade.NewtonIntegrator(damping=0.3)
-    O.engines = engines(_law(job), newton=newton)
-    O.dt = job["dt"]
     O.materials["grain"].frictionAngle = job["friction"]
+    # a servo holds the pressure while grains find their places; a strain alone meets collisions, and jams at no pressure
+    servo = yade.PeriTriaxController(
+        stressMask=7,
+        dynCell=True,
+        mass=sum(body.state.mass for body in O.bodies),
+        maxUnbalanced=job["unbalanced"],
+        relStressTol=0.01,
+        globUpdate=10,
+        doneHook="O.pause()",
+        label="servo",
+    )
+    O.engines = engines(_law(job), newton=yade.NewtonIntegrator(damping=0.4), after=[servo])
+    O.dt = job["dt"]
 
     def pressure():
         return -float(utils.getStress().trace()) / 3.0
 
-    def rest(limit, steps=100_000):
-        for _ in range(steps // 500):
-            O.run(500, True)
+    def rest(limit):
+        for _ in range(40):
+            O.run(250, True)
             if utils.unbalancedForce() < limit:
                 return
 
-    def strain_to(goal, rate):
-        while pressure() < goal:
-            O.cell.velGrad = -rate * yade.Matrix3.Identity
-            O.run(50, True)
-        O.cell.velGrad = yade.Matrix3.Zero
-        rest(1e-5)
-
-    strain_to(0.2 * job["pressures"][0], job["rate"])
     found = []
     for goal in job["pressures"]:
-        for _ in range(30):
-            if pressure() >= 0.98 * goal:
-                break
-            strain_to(goal, job["rate"] / 20)
+        servo.goal, servo.maxStrainRate = (-goal,) * 3, (job["rate"] if not found else job["slow"],) * 3
+        servo.dead = False
+        O.run(job["longest"], True)
+        servo.dead = True
+        O.cell.velGrad = yade.Matrix3.Zero
+        rest(1e-5)
         start = pressure()
         O.cell.velGrad = -job["probe"] / (200 * O.dt) * yade.Matrix3.Identity
         O.run(200, True)

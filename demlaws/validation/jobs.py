@@ -3,6 +3,7 @@
 import math
 
 from demlaws.contact import Contact
+from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
 from demlaws.validation.published import BRANCHES, IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
@@ -79,6 +80,7 @@ def impact_jobs():
 
 
 def diagonal(strain):
+    """Strain tensor of equal strain along all axes."""
     return [[strain, 0.0, 0.0], [0.0, strain, 0.0], [0.0, 0.0, strain]]
 
 
@@ -91,6 +93,7 @@ PATH = {
 
 
 def array_jobs():
+    """Jobs of the regular arrays: each with each law and its unloading."""
     jobs = []
     for array in ARRAYS:
         for name, unloading in LAWS:
@@ -102,15 +105,27 @@ def array_jobs():
     return jobs
 
 
-PRESSURES = (25e3, 50e3, 100e3, 200e3)
+def shear_jobs(peaks=(PEAK,), steps=STEPS):
+    """FCC of rough grains, compressed and then sheared, for each stiffness that K_t may go by."""
+    jobs = []
+    for choice in CHOICES:
+        for peak in peaks:
+            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": "pohrt-popov", "unloading": "hertz", "surface": ROUGH}
+            path = {"loading": diagonal(-peak), "shear": PATH["shear"]}
+            jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": steps, "dt": 1e-9})
+    return jobs
+
+
+PRESSURES = (50e3, 100e3, 200e3)
 
 
 def packing_jobs():
     """A random packing of granite grains of 10 mm, smooth and rough."""
     jobs = []
-    for name, unloading in (("hertz", "elastic"), ("pohrt-popov", "hertz")):
+    for name, unloading in (("hertz", "elastic"), ("pohrt-popov", "elastic")):
         job = {"kind": "packing", "radius": 0.005, "young": 60.6e9, "poisson": 0.25, "density": 2650.0, "law": name}
         job |= {"unloading": unloading, "options": {}, "surface": ROUGH if name != "hertz" else {"roughness": 0.0}}
-        job |= {"count": 400, "friction": 0.3, "dt": 2e-7, "rate": 5.0, "probe": 2e-6, "pressures": PRESSURES}
+        job |= {"count": 150, "friction": 0.3, "dt": 1e-6, "rate": 5.0, "slow": 0.5, "longest": 200_000, "unbalanced": 1e-3}
+        job |= {"probe": 2e-6, "pressures": PRESSURES}
         jobs.append(job)
     return jobs

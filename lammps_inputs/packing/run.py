@@ -19,12 +19,12 @@ def law(unloading="hertz"):
     return dl.law("pohrt-popov", common.contact(2e-3, 2e-3), unloading=unloading)
 
 
-def write_loose(path, count, half, seed=7):
-    """Spheres of three sizes on a shaken lattice above the floor, without an overlap."""
+def write_loose(path, count, half, radii=(1.8e-3, 2.0e-3, 2.2e-3), shares=None, seed=7):
+    """Spheres of three sizes on a shaken lattice above the floor, without an overlap; shares: of the sizes (default: alike)."""
     random = np.random.default_rng(seed)
-    pitch = 4.6e-3
+    pitch = 2 * max(radii) + 0.2e-3
     across = int(2 * half / pitch)
-    radius = random.choice([1.8e-3, 2.0e-3, 2.2e-3], count)
+    radius = random.choice(radii, count, p=shares)
     place = np.arange(count)
     centre = np.stack([place % across, place // across % across, place // across**2], 1).astype(float) + 0.5
     centre *= [2 * half / across, 2 * half / across, pitch]

@@ -19,14 +19,20 @@ def law():
     return dl.law("pohrt-popov", common.contact(15e-3, 15e-3, roughness=20e-6), unloading="hertz")
 
 
-def simulate(folder, ranks=1, quick=False):
-    common.table(folder, "granite.tbl", law())
-    size = {"half": 0.08, "height": 0.5, "count": 100} if quick else {"half": 0.15, "height": 0.6, "count": 500}
+def variables(quick):
+    """Box, load and steps of the input; number of grains."""
+    size = {"half": 0.08, "height": 0.5} if quick else {"half": 0.15, "height": 0.6}
     load = {"mean": 500, "amplitude": 400, "gain": 6e-3} if quick else {"mean": 2000, "amplitude": 1600, "gain": 2.2e-3}
     steps = {"settle": SETTLE, "press": PRESS, "period": PERIOD, "cycles": (4 if quick else 25) * PERIOD}
+    return {**size, **load, **steps}, 100 if quick else 500
+
+
+def simulate(folder, ranks=1, quick=False):
+    common.table(folder, "granite.tbl", law())
+    given, count = variables(quick)
     # the plate is 52 mm wide in its file; it leaves the grains at the walls alone
-    variables = {**size, **load, **steps, "scale": 0.85 * size["half"] / 0.026}
-    run(folder / "in.ballast", ranks, variables, echo=not quick)
+    scale = 0.85 * given["half"] / 0.026
+    run(folder / "in.ballast", ranks, {**given, "count": count, "scale": scale}, echo=not quick)
 
 
 if __name__ == "__main__":

@@ -10,10 +10,12 @@ import common
 
 from demlaws.liggghts import read_log
 
+WALLS = ("primitive", "mesh")
+
 
 def check(folder, unloading="hertz"):
     findings = []
-    for wall in ("primitive", "mesh"):
+    for wall in WALLS:
         log, again = (read_log(Path(folder) / f"log.{wall}{name}") for name in ("", ".again"))
         touching = (log["overlap"] > 0).astype(int)
         bounces = int((np.diff(touching) > 0).sum())

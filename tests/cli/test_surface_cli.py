@@ -37,6 +37,29 @@ def test_regime_of_one_contact(capsys, tmp_path):
     assert "bulk yields" in capsys.readouterr().out
 
 
+def test_regime_says_the_claims_of_the_papers(capsys):
+    assert cli.main(["regime", "--claims"]) == 0
+    text = capsys.readouterr().out
+    assert "4 reproduced; 2 not reproduced; 1 built in" in text and "by Eq. 4 one of the six tests" in text
+
+
+FC5 = ["--radius", "0.33mm", "--young", "60.6e9", "--poisson", "0.25", "--hardness", "6.266e9", "--sigma", "5.04um"]
+
+
+def test_a_measured_yield_decides_the_regime(capsys):
+    """FC5 yielded at 7 N: at 20 N its bulk is not elastic, whatever 0.6 of its hardness says."""
+    contact = [*FC5, "--fractal-dimension", "2.22", "--load", "20"]
+    assert cli.main(["regime", *contact]) == 0
+    assert "the bulk stays elastic" in capsys.readouterr().out
+    for given in (["--yield-load", "7"], ["--yield-pressure", "2.35GPa"]):
+        assert cli.main(["regime", *contact, *given]) == 0
+        text = capsys.readouterr().out
+        assert "the bulk yields" in text and "the answer changes (p0 = p_y) at" in text
+        assert "rough-plastic    fits" in text and "pohrt-popov      no" in text
+    assert cli.main(["regime", *contact, "--yield-load", "7", "--yield-pressure", "2e9"]) == 2
+    assert "say the same" in capsys.readouterr().err
+
+
 def test_surface_prints_and_writes(capsys, tmp_path, map_file):
     out, figure = tmp_path / "level.npy", tmp_path / "map.png"
     assert cli.main(["surface", map_file, "--form", "2", "--out", str(out), "--figure", str(figure)]) == 0

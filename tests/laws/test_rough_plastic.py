@@ -110,3 +110,51 @@ def test_bad_options():
         dl.law("rough-plastic", CONE, yield_pressure=1e9, loading="coulomb")
     with pytest.raises(dl.DemlawsError, match="hardness"):
         dl.law("rough-plastic", GRANITE.with_values(hardness=None), yield_pressure=1e9, loading="bahrami")
+
+
+MEASURED = {"yield_load": 20.8, "yield_stiffness": 5e6}
+
+
+@pytest.mark.parametrize("loading", ["hertz", "pohrt-popov"])
+def test_a_yield_load_and_a_stiffness_of_their_own(loading):
+    """RFC10 as measured: the rough law to the yield load, then the stiffness that was seen, which one p_y cannot both give."""
+    law = dl.law("rough-plastic", CONE, "hertz", loading=loading, **MEASURED)
+    rough = dl.law(loading, CONE)
+    kink = law.kinks()[-1]
+    assert law.force(kink) == pytest.approx(20.8, rel=1e-12)
+    assert law.overlap(20.8) == pytest.approx(rough.overlap(20.8), rel=1e-12)
+    np.testing.assert_allclose(quiet(law.stiffness, kink * np.array([1.001, 2.0, 9.0])), 5e6, rtol=1e-12)
+    force = 20.8 + 5e6 * kink
+    assert quiet(law.force, 2.0 * kink) == pytest.approx(force, rel=1e-12)
+    assert quiet(law.energy, 2.0 * kink) == pytest.approx(rough.energy(kink) + 0.5 * (20.8 + force) * kink, rel=1e-12)
+    exact, tangent = law.definition.exact(CONE, np.array([0.5, 0.999, 1.001, 2.0]) * kink, loading=loading, **MEASURED)
+    np.testing.assert_allclose(quiet(law.force, np.array([0.5, 0.999, 1.001, 2.0]) * kink), exact.astype(float), rtol=1e-10)
+    assert tangent[2] == pytest.approx(5e6)
+
+
+def test_yield_loads_and_stiffnesses_of_other_radii():
+    """P_y = π³R²p_y³/(6E*²) and K_y = π R p_K: the same from pressures for many contacts as from newtons for each."""
+    many = CONE.with_values(radius=np.array([0.96e-3, 0.33e-3]))
+    law = dl.law("rough-plastic", many, "thornton", yield_pressure=1.66e9, yield_at="load", post_yield_pressure=1.5e9)
+    for n, radius in enumerate(many.radius):
+        load = math.pi**3 * radius**2 * 1.66e9**3 / (6 * many.modulus**2)
+        stiffness = math.pi * radius * 1.5e9
+        one = dl.law("rough-plastic", CONE.with_values(radius=radius), "thornton", yield_load=load, yield_stiffness=stiffness)
+        for name in ("yield_force", "yield_stiffness", "yield_overlap", "yield_area"):
+            assert getattr(law.params, name)[n] == pytest.approx(getattr(one.params, name), rel=1e-12), name
+
+
+def test_measured_yield_that_cannot_be():
+    for option, remedy in (("yield_load", "yield_at='load'"), ("yield_stiffness", "post_yield_pressure")):
+        with pytest.raises(dl.DemlawsError, match=remedy):
+            dl.law("rough-plastic", CONE.with_values(radius=np.array([1e-3, 2e-3])), yield_pressure=1e9, **{option: 20.0})
+    with pytest.raises(dl.DemlawsError, match="yield_at = 'never'"):
+        dl.law("rough-plastic", CONE, yield_pressure=1e9, yield_at="never")
+    with pytest.raises(dl.DemlawsError, match="say the same"):
+        dl.law("rough-plastic", CONE, yield_pressure=1e9, yield_stiffness=5e6, post_yield_pressure=1e9)
+    with pytest.raises(dl.DemlawsError, match="yield_load = -7 N"):
+        dl.law("rough-plastic", CONE, yield_load=-7)
+    # a stiffness that jumps above Hertz's at the yield load by 1e-4 would return work, however narrow that step
+    stiffness = 1.0001 * (6 * 20.8 * CONE.radius * CONE.modulus**2) ** (1 / 3)
+    with pytest.raises(dl.DemlawsError, match="more work than loading took"):
+        dl.law("rough-plastic", CONE, "hertz", yield_load=20.8, yield_stiffness=stiffness)

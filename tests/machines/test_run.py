@@ -51,7 +51,7 @@ def test_all_steps_pass_and_nothing_stays(machines, pretend, tmp_path, capsys):
     assert pretend[1][-1].startswith(".venv/bin/python -m pytest ")
     assert pretend[1][-1].endswith(" tests/engines/yade -k wall")
     told = [line for line in lines if ": passed," in line]
-    assert len(told) == 6  # root, granite, engines and venv, two checks, tests
+    assert len(told) == 7  # root, granite, engines and venv, three checks, tests
     assert [path.name for path in tmp_path.iterdir()] == ["debian-13.lock"]
 
 
@@ -70,7 +70,7 @@ def test_a_step_that_fails_in_a_root_is_a_failure_and_the_others_run(machines, p
     status[command] = 3
     assert machines.main(["debian-13", "--folder", str(tmp_path)]) == 1
     out = capsys.readouterr().out
-    assert "1 of 6 steps FAILED" in out.splitlines()[-1] and "FAILED (exit 3)" in out
+    assert "1 of 7 steps FAILED" in out.splitlines()[-1] and "FAILED (exit 3)" in out
     assert "pytest" in ran[-1]
 
 

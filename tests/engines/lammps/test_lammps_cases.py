@@ -41,9 +41,15 @@ def test_every_case_named_by_the_documentation_is_there():
     assert [name for name in CASES if name not in (INPUTS / "README.md").read_text()] == []
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", [pytest.param(c, marks=[pytest.mark.slow] if c == "ballast" else []) for c in CASES])
 def test_case(common, tmp_path, case):
     simulate_and_check(common, case, tmp_path)
+
+
+@pytest.mark.parametrize("unloading", ["elastic", "thornton", "table"])
+def test_energy_on_two_ranks_with_other_unloading(common, tmp_path, unloading):
+    """The sphere slides from one rank to the other in its first contact."""
+    simulate_and_check(common, "energy", tmp_path, 2, {"unloading": unloading}, unloading=unloading)
 
 
 @pytest.mark.parametrize("unloading", ["elastic", "thornton", "table"])
@@ -52,7 +58,7 @@ def test_restart_with_other_unloading(common, tmp_path, unloading):
 
 
 def test_the_impact_is_that_of_python(common):
-    """LAMMPS's leg of the four-way comparison; YADE's and LIGGGHTS's are in test_three_way.py."""
+    """LAMMPS's leg of the four-way comparison; YADE's and LIGGGHTS's are in test_four_way.py."""
     rows = common.load(INPUTS / "impact" / "four_way.py").compare(others=False)
     assert len(rows) == 3
     for name, unloading, engine, _, _, force, speed in rows:

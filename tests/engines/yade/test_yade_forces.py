@@ -320,12 +320,12 @@ def test_never_erase(omega):
 
 
 def test_tangential_stiffness(omega):
-    two_spheres(functor(bridge="native"))
+    two_spheres(functor(bridge="native", shear="tangent"))
     omega.run(100, True)
     phys = omega.interactions[0, 1].phys
     assert phys.ks / phys.kn == pytest.approx(2 * (1 - 0.25) / (2 - 0.25), rel=1e-12)
     omega.reset()
-    two_spheres(functor(bridge="native", tangential_ratio=0.5))
+    two_spheres(functor(bridge="native", tangential_ratio=0.5, shear="tangent"))
     omega.run(100, True)
     phys = omega.interactions[0, 1].phys
     assert phys.ks / phys.kn == pytest.approx(0.5, rel=1e-12)

@@ -1,0 +1,223 @@
+"""The numbers that README and docs state, recomputed: `make readme-check` fails where text and run differ.
+
+A number is marked by a comment behind it, which no reader sees:
+
+    is 57.5 N<!-- check: granite.threshold 0.05 --> by the paper's own equations
+    1.3–4.1 µm<!-- check: granite.seating 0.05 --> a decade
+
+The name stands for one value or for several, in which case the mark speaks of as many numbers before it; the tolerance is
+absolute, or with % relative to the number stated. `python tests/readme_check.py --list` prints names, values and commands.
+"""
+
+import argparse
+import functools
+import itertools
+import re
+import sys
+import warnings
+from pathlib import Path
+from typing import NamedTuple
+
+ROOT = Path(__file__).resolve().parent.parent
+MARK = re.compile(r"<!--\s*check:\s*(.*?)\s*-->", re.DOTALL)
+NUMBER = re.compile(r"(?<![\w.])(?:[-−](?=\d))?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?|(?<=[-–×(/])\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+# --- what is recomputed
+
+
+@functools.cache
+def _granite():
+    from demlaws import claims
+
+    return claims.granite_claims()
+
+
+@functools.cache
+def _jamari():
+    from demlaws import claims
+
+    return list(claims.jamari_claims())
+
+
+def _count(found, verdict):
+    return sum(claim.verdict == verdict for claim in found()) if verdict else len(found())
+
+
+def _threshold():
+    from demlaws import granite
+
+    return granite.threshold_force(granite.find_test("SS(18-18)"))
+
+
+def _seating():
+    """Shift [µm] of the absolute overlap a decade of the seating load, smallest and largest of the rough tests and laws."""
+    from demlaws import granite, laws
+    from demlaws.laws.registry import registry
+    from demlaws.make import law
+
+    shifts = []
+    for name in laws():
+        if not registry()[name].seated() or registry()[name].needs_map:
+            continue
+        for test in granite.ROUGH_SPHERES:
+            contact = granite.find_test(test).contact
+            overlaps = [float(law(name, contact, seating_load=load).overlap(10.0)) for load in (0.002, 0.02, 0.2)]
+            shifts += [1e6 * (first - second) for first, second in itertools.pairwise(overlaps)]
+    return min(shifts), max(shifts)
+
+
+def _plastic_slopes():
+    """Smallest and largest slope [µm/N] of RFC10's cumulative plastic overlap."""
+    text = next(claim.gives for claim in _granite() if claim.test == "RFC10" and "nearly linear" in claim.claim)
+    return tuple(map(float, re.search(r"slope from ([\d.]+) to ([\d.]+)", text).groups()))
+
+
+def _regime(column):
+    from demlaws import regime
+
+    return tuple(getattr(row, column) for row in regime.published_ratios() if row.solved == row.solved)
+
+
+def _memory(memory):
+    """Change of the map in cycle 2 [% of cycle 1's], isotropic surface."""
+    from demlaws.solvers.patches import published_contact, repeat
+
+    return 100.0 * repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())[1].relative_change
+
+
+def _boundary_elements(column):
+    """Least, median, largest of the asperity model over the boundary elements, rough maps."""
+    import numpy as np
+
+    from demlaws.validation.maps import load_ratios, read_csv
+
+    if column == "area":
+        rows = [row for row in read_csv("asperity_bem.csv") if row["case"] != "smooth ball" and float(row["bem_area"]) > 0]
+        ratios = [float(row["model_area"]) / float(row["bem_area"]) for row in rows]
+    else:
+        ratios = [ratio for case, ratio in load_ratios() if case != "smooth ball"]
+    return float(min(ratios)), float(np.median(ratios)), float(max(ratios))
+
+
+class Check(NamedTuple):
+    """A value, or several, and the command of the user's that shows it."""
+
+    value: object
+    command: str
+
+
+def _verdicts():
+    from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+
+    return {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED, "all": ""}
+
+
+def checks():
+    """Name → `Check`."""
+    found = {
+        "granite.threshold": Check(_threshold, "demlaws granite --figures 5"),
+        "granite.seating": Check(_seating, "demlaws curve --law yip-venart --option seating_load=0.002"),
+        "granite.plastic-slopes": Check(_plastic_slopes, "demlaws granite --test RFC10"),
+        "regime.solved": Check(lambda: _regime("solved"), "demlaws regime"),
+        "regime.fitted": Check(lambda: _regime("fitted"), "demlaws regime"),
+        "asperity.load": Check(lambda: _boundary_elements("load"), "make validation"),
+        "asperity.area": Check(lambda: _boundary_elements("area"), "make validation"),
+    }
+    for name, verdict in _verdicts().items():
+        found[f"claims.{name}"] = Check(functools.partial(_count, _granite, verdict), "demlaws granite")
+        found[f"jamari.{name}"] = Check(functools.partial(_count, _jamari, verdict), "demlaws regime --claims")
+    for memory in ("pressure", "blunting", "none"):
+        found[f"memory.{memory}"] = Check(functools.partial(_memory, memory), "demlaws surface paper --figures 9")
+    return found
+
+
+# --- marks
+
+
+class Marked(NamedTuple):
+    """A mark of a text: what it says, of which numbers, or why it cannot be read."""
+
+    place: str
+    name: str
+    stated: tuple
+    tolerance: str
+    fault: str = ""
+
+
+def values_of(check):
+    """The values of a check, as a tuple."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        value = check.value()
+    return value if isinstance(value, tuple) else (value,)
+
+
+def marks(path, known):
+    """Marks of one file, `known`: name → how many numbers it speaks of, or None where that is not known yet."""
+    text = path.read_text()
+    for found in MARK.finditer(text):
+        line = text.count("\n", 0, found.start()) + 1
+        place = f"{path.relative_to(ROOT) if path.is_relative_to(ROOT) else path}:{line}"
+        words = found[1].split()
+        if len(words) != 2 or not re.fullmatch(r"\d+(\.\d+)?(e-?\d+)?%?", words[1]):
+            yield Marked(
+                place, found[1], (), "", "write <!-- check: NAME TOLERANCE -->, the tolerance a number or a percentage"
+            )
+            continue
+        name, tolerance = words
+        if name not in known:
+            yield Marked(place, name, (), tolerance, f"there is no check {name!r}: see python tests/readme_check.py --list")
+            continue
+        before = MARK.sub(" ", text[max(0, text.rfind("\n\n", 0, found.start())) : found.start()])
+        numbers = [float(n.replace(",", "").replace("−", "-")) for n in NUMBER.findall(before)]
+        yield Marked(place, name, tuple(numbers), tolerance)
+
+
+def deviation(mark, values):
+    """What is wrong with a mark, in words; empty if nothing is."""
+    stated = mark.stated[-len(values) :]
+    if len(stated) < len(values):
+        return f"{len(values)} numbers are wanted before the mark, {len(stated)} stand there"
+    share = mark.tolerance.endswith("%")
+    for number, value in zip(stated, values, strict=True):
+        width = float(mark.tolerance.rstrip("%")) * (abs(number) / 100.0 if share else 1.0)
+        if not abs(number - value) <= width * (1.0 + 1e-9):
+            return f"the text says {number:g}, the run gives {value:.6g} (tolerance {mark.tolerance})"
+    return ""
+
+
+def texts():
+    return [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description="Recompute the numbers that README and docs state.")
+    parser.add_argument("--list", action="store_true", help="print every check with its value and the command that shows it")
+    parser.add_argument("files", nargs="*", type=Path, help="texts to read (default: README.md and docs)")
+    options = parser.parse_args(arguments)
+    known = checks()
+    if options.list:
+        for name, check in known.items():
+            print(f"{name:24} {', '.join(f'{value:.4g}' for value in values_of(check)):45} {check.command}")
+        return 0
+    found = [mark for path in options.files or texts() for mark in marks(path.resolve(), known)]
+    if not found:
+        print("readme-check: no number is marked: <!-- check: NAME TOLERANCE --> behind it")
+        return 1
+    wrong, values = 0, {}
+    for mark in found:
+        fault = mark.fault
+        if not fault:
+            if mark.name not in values:
+                values[mark.name] = values_of(known[mark.name])
+            fault = deviation(mark, values[mark.name])
+        if fault:
+            wrong += 1
+            print(f"WRONG  {mark.place}: {mark.name}: {fault}")
+    print(f"{len(found) - wrong} marked numbers hold, {wrong} do not")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
