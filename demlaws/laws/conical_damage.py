@@ -16,7 +16,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, elastic_bulk, no_limits
+from demlaws.laws.definition import LENGTH, PRESSURE, Definition, Option, Parameter, elastic_bulk, no_limits, power_of
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE_YIELD_PRESSURE
 
@@ -94,6 +94,12 @@ def _prepare(contact, strength=None, angle=None):
     return ConicalDamageShape(strength, (1.0 - math.sin(angle)) / math.sin(angle))
 
 
+def _angle_softens(angle, factor):
+    """A = (1 - sin α)/sin α is a depth over a radius."""
+    sine = math.sin(number(angle, "angle", "rad", 0.0, 0.5 * math.pi))
+    return math.asin(1.0 / (1.0 + (1.0 - sine) / sine * power_of(factor, LENGTH)))
+
+
 def _kinks(p, **_):
     return [p.yield_overlap]
 
@@ -147,7 +153,7 @@ LAW = Definition(
     colour="#5254a3",
     line="-.",
     options={
-        "strength": Option("Pa", "above 0", "σ_max, peak pressure at which the tip crushes; needed"),
-        "angle": Option("rad", "0 to π/2", "α of the cone that it becomes: blunt near π/2; needed"),
+        "strength": Option("Pa", "above 0", "σ_max, peak pressure at which the tip crushes; needed", PRESSURE),
+        "angle": Option("rad", "0 to π/2", "α of the cone that it becomes: blunt near π/2; needed", _angle_softens),
     },
 )

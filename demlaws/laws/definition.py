@@ -123,6 +123,12 @@ PRESSURE = -2 / 3
 """`Option.softens` of a pressure."""
 
 
+STIFFNESS = -2 / 3
+"""`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
+LENGTH = 2 / 3
+"""`Option.softens` of an overlap."""
+
+
 def slope_softens(value: Any, factor: float) -> float:
     """`Option.softens` of an angle [rad] whose tangent is a slope: normal lengths grow by s^(2/3), lateral ones by s^(1/3)."""
     return math.atan(float(np.cbrt(factor)) * math.tan(number(value, "slope", "rad", 0.0, 1.0, allow_low=True)))

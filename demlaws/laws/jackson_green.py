@@ -185,6 +185,7 @@ LAW = Definition(
     kinks=_kinks,
     length="radius",
     from_tests=False,
+    rigid="its hardness goes with a/R and S_y/E*, which softer contacts change; take kogut-etsion or thornton-ning",
     collapses=False,
     example={"yield_strength": 1.0375e9},
     exact=_exact,

@@ -17,7 +17,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, Option, Parameter
+from demlaws.laws.definition import PRESSURE, Definition, Limit, Option, Parameter
 from demlaws.laws.etsion import ETSION, NOT_THORNTON
 from demlaws.laws.extended import PI, extended, from_hertz
 
@@ -150,7 +150,7 @@ def advise_smooth(conditions):
 STRENGTH = Parameter(
     "Pa", True, lambda c: (1e-5 * c.modulus, 0.3 * c.modulus), lambda c: c.modulus * np.geomspace(0.005, 0.1, 3), option=True
 )
-STRENGTH_OPTION = Option("Pa", "above 0", "yield strength of the softer body; needed")
+STRENGTH_OPTION = Option("Pa", "above 0", "yield strength of the softer body; needed", PRESSURE)
 POISSON_OPTION = Option("", "0 to 0.5", "its Poisson's ratio")
 
 LAW = Definition(

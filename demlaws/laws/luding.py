@@ -9,7 +9,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.definition import LENGTH, STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
 
@@ -90,8 +90,8 @@ LAW = Definition(
     label="Luding",
     colour="#c51b7d",
     options={
-        "loading_stiffness": Option("N/m", "above 0", "k1; needed"),
+        "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
         "stiffness_ratio": Option("", "above 1", "k̂2/k1, of the stiffest unloading; needed"),
-        "plasticity_depth": Option("", "0 to 1", "φ_f, largest plastic overlap over 2R; needed"),
+        "plasticity_depth": Option("", "0 to 1", "φ_f, largest plastic overlap over 2R; needed", LENGTH),
     },
 )

@@ -10,7 +10,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, no_limits
+from demlaws.laws.definition import PRESSURE, Definition, Option, Parameter, no_limits
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
@@ -101,7 +101,8 @@ LAW = Definition(
         "yield_pressure": Option(
             "Pa",
             "above 0",
-            "limit contact pressure p_y, a fit parameter: about 1.6 (first yield) to 4.2 times the yield strength; needed",
-        )
+            "limit contact pressure p_y, a fit parameter: 1.6 (first yield) to 4.2 times the yield strength; needed",
+            PRESSURE,
+        ),
     },
 )

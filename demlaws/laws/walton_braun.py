@@ -9,7 +9,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.definition import STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
 
@@ -84,8 +84,8 @@ LAW = Definition(
     label="Walton-Braun",
     colour="#7b3294",
     options={
-        "loading_stiffness": Option("N/m", "above 0", "k1; needed"),
+        "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
         "stiffness_ratio": Option("", "from 1", "k2/k1; this or growth is needed"),
-        "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio"),
+        "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio", STIFFNESS),
     },
 )
