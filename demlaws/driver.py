@@ -12,6 +12,7 @@ from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop
 from demlaws.core.loops import energy_loop, evaluate_loop
+from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Path
@@ -47,6 +48,11 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps a branch: a `Path`.
 
     Overlaps below 0 part the bodies: the contact that closes next is a new one.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> path = dl.driver.displacement_controlled(law, [2e-6, 0.0], steps=2)
+    >>> (path.overlap * 1e6).round(3), path.force.round(3)
+    (array([0., 1., 2., 1., 0.]), array([0.   , 2.698, 7.632, 2.698, 0.   ]))
     """
     corners = [0.0, *_points(turning_points, "m")]
     _checked(law)
@@ -58,6 +64,11 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
     """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps a branch: a `Path`.
 
     On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> path = dl.driver.force_controlled(dl.law("pohrt-popov", pair, unloading="hertz"), [50.0, 0.0])
+    >>> bool(path.plastic_overlap[-1] > 0.0), bool(abs(path.work[-1] - path.dissipated[-1]) < 1e-15)
+    (True, True)
     """
     corners = [0.0, *_points(turning_points, "N")]
     _checked(law)
@@ -78,6 +89,49 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
         largest = 0.0 if parted else max(largest, float(forces.max()))
         overlaps.append(branch)
     return law.follow(np.concatenate(overlaps))
+
+
+class Sheared(NamedTuple):
+    """What one contact does under normal and tangential displacement: arrays with one entry a point, SI units.
+
+    work is what tangential displacement has put in since the path began [J], stored is F_t²/(2 K_t).
+    """
+
+    overlap: np.ndarray
+    displacement: np.ndarray
+    force: np.ndarray
+    shear_stiffness: np.ndarray
+    shear_force: np.ndarray
+    work: np.ndarray
+    stored: np.ndarray
+
+
+def sheared(law: Law, overlap: ArrayLike, displacement: ArrayLike, ratio: float, shear: str = DEFAULT) -> Sheared:
+    """One contact along a path of overlaps and tangential displacements [m] without sliding: a `Sheared`.
+
+    As engines that add up shear forces do it (YADE): at each point the force grows by K_t of that point times the
+    displacement since the last one. ratio and shear are those of `law.shear_stiffness`. Where K_t falls by more than that of
+    smooth spheres on the same path of forces, the shear force falls with it, so that no closed path returns more than theirs;
+    "tangent" has no such limit (docs/shear.md).
+    """
+    depth, along = _points(overlap, "m"), _points(displacement, "m")
+    if depth.shape != along.shape:
+        raise DemlawsError(f"{depth.size} overlaps and {along.size} displacements: give one displacement for each overlap")
+    path = _checked(law).follow(depth)
+    stiffness = np.atleast_1d(law.shear_stiffness(depth, ratio, shear))
+    forces, work = np.zeros(depth.size), np.zeros(depth.size)
+    for n in range(1, depth.size):
+        kept = forces[n - 1]
+        if depth[n] <= 0.0:
+            kept = 0.0
+        elif CHOICES[shear].limited and stiffness[n] < stiffness[n - 1] * (1.0 - 1e-11):
+            unload = path.force[n - 1] / path.force[n] if path.force[n] > 0.0 else math.inf
+            kept *= min(stiffness[n] / stiffness[n - 1] * max(unload, 1.0) ** (1.0 / 3.0), 1.0) if stiffness[n] else 0.0
+        step = along[n] - along[n - 1]
+        forces[n] = kept + stiffness[n] * step
+        work[n] = work[n - 1] + 0.5 * (kept + forces[n]) * step
+    stored = np.divide(forces**2, 2.0 * stiffness, out=np.zeros(depth.size), where=stiffness > 0.0)
+    return Sheared(depth, along, path.force, stiffness, forces, work, stored)
 
 
 @loop
@@ -134,6 +188,10 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     """A body of `mass` [kg] (of two: m1 m2/(m1 + m2)) meets the contact at `speed` [m/s]; nothing but the law damps it.
 
     Velocity Verlet with a step of 1/steps_per_contact of the elastic loading and unloading time.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> round(dl.driver.impact(law, mass=0.01, speed=0.1).restitution, 6)
+    1.0
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
@@ -209,6 +267,10 @@ def timestep(law: Law, mass: float, max_force: float) -> float:
 
     1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. A body with
     several contacts has a larger K: divide by the square root of the number of contacts that act in one direction.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")
+    4.36e-05 s
     """
     mass = number(mass, "mass", "kg")
     return STEP_SAFETY * 2.0 * math.sqrt(mass / stiffest(law, max_force))

@@ -84,6 +84,7 @@ class HeightMap:
 
     @classmethod
     def from_portable(cls, values):
+        """A map from what `portable` made of it; DemlawsError where that is spoilt."""
         import base64
         import zlib
 
@@ -95,6 +96,7 @@ class HeightMap:
 
     @property
     def shape(self):
+        """Rows and columns of pixels."""
         return self.heights.shape
 
     @property
@@ -439,6 +441,8 @@ def read(path, pixel=None, unit="m"):
     path = as_path(path)
     if not path.is_file():
         raise DemlawsError(f"no such height map: {path}")
+    if path.stat().st_size == 0:
+        raise DemlawsError(f"{path} is empty: was the measurement exported?")
     if not isinstance(unit, str) or unit not in UNITS:
         raise DemlawsError(f"unit = {unit!r}: the units of height are {', '.join(UNITS)}")
     suffix = path.suffix.lower()

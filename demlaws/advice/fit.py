@@ -85,6 +85,7 @@ class Fit(NamedTuple):
 
     @property
     def contact(self) -> Contact:
+        """Contact with the fitted quantities."""
         return self.law.contact
 
 
@@ -98,6 +99,7 @@ class Ranking(list):
 
     @property
     def best(self) -> Fit:
+        """The fit of lowest AICc; the list's first."""
         return self[0]
 
 
@@ -250,8 +252,9 @@ def fit(
 
     points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
     `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
-    map); unloading: one rule (default: each that the law takes, if the points unload; else elastic); free: names of the
-    fitted quantities among `fit.PARAMETERS` (default: `Definition.free`); options: law name → options that stay as
+    map, but for those whose parameters are calibrated, not measured); unloading: one rule (default: each that the law
+    takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default:
+    `Definition.free`); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
     uncertainty, else the scatter of the points about the law does; compliance [m/N]: how far the apparatus gives way, taken
     off the displacement (to fit it, name "compliance" in `free`); progress: wraps the list of fits, as tqdm does.
@@ -260,6 +263,13 @@ def fit(
     Where the misfit of the best law has a pattern that another E* or a compliance would explain, its notes say so.
 
     Raises DemlawsError for points that cannot determine anything. A law that cannot be fitted is listed in `.skipped`.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9)
+    >>> path = dl.driver.force_controlled(dl.law("hertz", pair), [50.0], steps=30)
+    >>> points = [(x, p) for x, p in zip(path.overlap, path.force)][1:]
+    >>> best = dl.fit(points, pair.with_values(modulus=20e9), laws="hertz", free=["modulus"]).best
+    >>> round(best.contact.modulus / 1e9, 3)
+    32.0
     """
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
@@ -329,7 +339,7 @@ def _texts(given, name):
 
 
 def _default_laws():
-    return [name for name, definition in registry().items() if not definition.needs_map]
+    return [name for name, definition in registry().items() if definition.from_tests and not definition.needs_map]
 
 
 def _suspicions(best, one, contact, displacement):

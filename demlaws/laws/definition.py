@@ -32,6 +32,7 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
+    """Of a law whose stiffness is continuous and smooth: no overlaps."""
     return []
 
 
@@ -41,10 +42,12 @@ def no_limits(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def never(**options: Any) -> bool:
+    """False, whatever the options."""
     return False
 
 
 def always(**options: Any) -> bool:
+    """True, whatever the options."""
     return True
 
 
@@ -120,6 +123,12 @@ PRESSURE = -2 / 3
 """`Option.softens` of a pressure."""
 
 
+STIFFNESS = -2 / 3
+"""`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
+LENGTH = 2 / 3
+"""`Option.softens` of an overlap."""
+
+
 def slope_softens(value: Any, factor: float) -> float:
     """`Option.softens` of an angle [rad] whose tangent is a slope: normal lengths grow by s^(2/3), lateral ones by s^(1/3)."""
     return math.atan(float(np.cbrt(factor)) * math.tan(number(value, "slope", "rad", 0.0, 1.0, allow_low=True)))
@@ -174,6 +183,7 @@ class Definition(NamedTuple):
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form
     solved: bool = False  # the curve comes from a solver and is a table from the start
+    from_tests: bool = True  # whether tests on single contacts, as the granite ones, tell its parameters
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
@@ -185,6 +195,7 @@ class Definition(NamedTuple):
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    rule_numbers: Callable | None = None  # params of one contact, length [m] → values, without units, of its rule's `keys`
     default_unloading: str = "elastic"  # the rule where a user names none
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
@@ -205,7 +216,11 @@ class Definition(NamedTuple):
 
     def __reduce__(self) -> tuple:
         """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
-        return _of_name, (self.name,)
+        from demlaws.laws.registry import mark, registry
+
+        if self.name in registry():
+            return _of_name, (self.name, mark(self))
+        return Definition, tuple(self)  # of a table whose law is not here
 
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
@@ -252,7 +267,10 @@ class Definition(NamedTuple):
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
 
 
-def _of_name(name: str) -> Definition:
-    from demlaws.laws.registry import find
+def _of_name(name: str, marked: str = "") -> Definition:
+    from demlaws.laws.registry import find, mark
 
-    return find(name)
+    definition = find(name)
+    if mark(definition) != marked:
+        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+    return definition

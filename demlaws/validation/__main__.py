@@ -8,6 +8,7 @@ from demlaws.validation.report import collect, write
 
 
 def main(arguments=None):
+    """Run all comparisons and write the page; exit status 1 where one fails."""
     parser = argparse.ArgumentParser(
         prog="python -m demlaws.validation",
         description="Every answer that others wrote, held against ours: one page and figures.",

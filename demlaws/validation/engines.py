@@ -4,7 +4,6 @@ import json
 import math
 import subprocess
 import tempfile
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,17 +11,29 @@ import numpy as np
 from demlaws.errors import DemlawsError
 from demlaws.granite import HERTZ
 from demlaws.measure.costs import available
-from demlaws.validation.jobs import PROBE, STEPS, array_jobs, contact_of, impact_jobs, packing_jobs
-from demlaws.validation.published import IMPACT_TOLERANCE, IMPACTS, SPEEDS, bound, quiet, restitution_of
+from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, packing_jobs, shear_jobs
+from demlaws.validation.published import (
+    BRANCHES,
+    IMPACT_TOLERANCE,
+    IMPACTS,
+    SPEEDS,
+    bound,
+    quiet,
+    restitution_of,
+)
 from demlaws.validation.row import between, missing, near
 
 
 def impact_rows(engine, found):
+    """Rows of the published impacts in an engine."""
     for one, answer in zip(IMPACTS, found, strict=False):
         yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
-    for ratio, answer in zip(SPEEDS, found[len(IMPACTS) :], strict=True):
+    first, second = len(IMPACTS), len(IMPACTS) + len(SPEEDS)
+    for ratio, answer in zip(SPEEDS, found[first:second], strict=True):
         wanted = restitution_of(ratio)
         yield near(f"restitution at V/V_y = {ratio:g}", engine, wanted, answer["restitution"], 1e-4, "thornton")
+    for (name, _, _, wanted), answer in zip(BRANCHES, found[second:], strict=True):
+        yield near(f"{name}: restitution", engine, wanted, answer["restitution"], 1e-4, name)
 
 
 # --- regular arrays
@@ -46,6 +57,7 @@ def moduli(array, normal, shear, distance):
 
 
 def array_rows(engine, jobs, found):
+    """Rows of the regular arrays in an engine."""
     for job, answer in zip(jobs, found, strict=True):
         array, unloading = job["array"], job["unloading"]
         one = bound(job["law"], contact_of(job), unloading)
@@ -72,6 +84,38 @@ def array_rows(engine, jobs, found):
         yield _bulk(f"{label}: bulk modulus, unloading", engine, array, job, one, overlap[:20], pressure[:20])
 
 
+def shear_modulus(job, answer):
+    """Mean pressure [Pa], C44 that the engine has, and the smallest and largest that the lattice sum gives [Pa].
+
+    Shear in a plane of the cube loads half of the plane's contacts and unloads the other half; the other contacts are sheared
+    at a constant normal force. Of those "tangent" says that K_t is one of two, by a rounding of their overlap.
+    """
+    one = bound(job["law"], contact_of(job), job["unloading"])
+    overlap, stress = _columns(answer["shear"])
+    here = float(overlap.mean())
+    distance = 2.0 * job["radius"] - here
+    along = quiet(one.follow, [here, here * (1.0 - 1e-9)]).stiffness
+    ratio = 2.0 * (1.0 - job["poisson"]) / (2.0 - job["poisson"])
+    path = [here, here * (1.0 - 1e-9)]
+    sideways = quiet(one.shear_stiffness, path, ratio, job["options"]["shear"])
+    sums = [moduli(job["array"], along.mean(), value, distance)[2] for value in sideways]
+    pressure = -float(np.trace(stress.mean(axis=0))) / 3.0
+    return pressure, 0.5 * float(_slopes(answer["shear"], PROBE)[0, 1]), min(sums), max(sums)
+
+
+def shear_rows(engine, jobs, found):
+    """Rows of the shear modulus C44 of sheared arrays in an engine."""
+    for job, answer in zip(jobs, found, strict=True):
+        choice = job["options"]["shear"]
+        _, seen, low, high = shear_modulus(job, answer)
+        what = f"FCC, {job['law']}, {job['unloading']} unloading, shear={choice}: C44"
+        if high - low > 1e-6 * high:
+            note = "K_t of contacts at rest hangs on the last bit of their overlap"
+            yield between(what, engine, low * 0.999, high * 1.001, seen, "duffy-mindlin", "Pa", note=note)
+        else:
+            yield near(what, engine, 0.5 * (low + high), seen, 1e-3, "duffy-mindlin", "Pa")
+
+
 def _columns(rows):
     return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
 
@@ -79,7 +123,7 @@ def _columns(rows):
 def _slopes(rows, strain):
     """Change of stress with strain over the rows, by least squares."""
     _, stress = _columns(rows)
-    x = strain / STEPS * np.arange(len(rows))
+    x = strain * np.arange(len(rows)) / len(rows)
     return np.polyfit(x, stress.reshape(len(rows), 9), 1)[0].reshape(3, 3)
 
 
@@ -123,34 +167,20 @@ def in_yade(jobs):
 
 
 def in_liggghts(jobs):
+    """Answers of LIGGGHTS to the jobs."""
     from demlaws.validation.in_liggghts import answer
 
     return answer(jobs)
 
 
 def in_lammps(jobs):
+    """Answers of LAMMPS to the jobs."""
     from demlaws.validation.in_lammps import answer
 
     return answer(jobs)
 
 
-def _lammps_missing():
-    """None where LAMMPS can be started, else the line that says why not."""
-    from demlaws.lammps.run import versions
-
-    try:
-        versions()
-    except DemlawsError as error:
-        return str(error)
-    return None
-
-
-ENGINES = {
-    "YADE": (partial(available, "yade"), in_yade),
-    "LIGGGHTS": (partial(available, "liggghts"), in_liggghts),
-    "LAMMPS": (_lammps_missing, in_lammps),
-}
-"""Engine → why it cannot be started (None where it can), and what it answers to jobs."""
+ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts), "LAMMPS": ("lammps", in_lammps)}
 
 
 def packing_rows(found):
@@ -168,16 +198,19 @@ def packing_rows(found):
 
 def rows(packing=True):
     """Group, row of every engine; an engine that is not there gives one row that says so."""
-    for engine, (why_not, ask) in ENGINES.items():
-        why = why_not()
+    for engine, (name, ask) in ENGINES.items():
+        why = available(name)
         if why:
             yield engine, missing("impacts and regular arrays", engine, "", "duffy-mindlin", why)
             continue
         first, second = impact_jobs(), array_jobs()
-        third = packing_jobs() if packing and ask is in_yade else []
-        found = ask(first + second + third)
+        third = packing_jobs() if packing and name == "yade" else []
+        fourth = shear_jobs() if name == "yade" else []
+        found = ask(first + fourth + second + third)
         impacts, found = found[: len(first)], found[len(first) :]
+        sheared, found = found[: len(fourth)], found[len(fourth) :]
         yield from (("Impacts in the engines", row) for row in impact_rows(engine, impacts))
         yield from (("Regular arrays", row) for row in array_rows(engine, second, found[: len(second)]))
+        yield from (("Regular arrays", row) for row in shear_rows(engine, fourth, sheared))
         if third:
             yield from (("Random packing", row) for row in packing_rows(found[len(second) :]))

@@ -1,31 +1,30 @@
-"""The rows that LAMMPS computes."""
+"""The rows that LAMMPS computes: those of LIGGGHTS, whose inputs it takes but for the lines of the contacts."""
 
 from demlaws.lammps.run import HEAD, run
-from demlaws.validation import scripts
+from demlaws.validation import in_liggghts
 from demlaws.validation.arrays import RIGID
 
-MODEL = "demlaws/table law.tbl {young:.17g} 1.0 {poisson:.17g} tangential mindlin NULL 0.0 10.0 damping demlaws/tangent"
+CONTACT = "tangential mindlin NULL 1 10 damping demlaws/tangent"
 MATERIAL = """\
 pair_style      granular
-pair_coeff      * * {model}
+pair_coeff      * * demlaws/table law.tbl {young:.17g} 1 {poisson:.17g} {contact}
 timestep        {dt:.17g}
 """
 
 
 def _material(job, folder):
-    scripts.save_table(job, folder)
-    return MATERIAL.format(model=MODEL.format(**job), **job)
+    in_liggghts.save_table(job, folder)
+    return MATERIAL.format(contact=CONTACT, **job)
 
 
 def _plane(job):
-    # a wall is of the grains' own modulus, so that E* is half of E/(1 - ν²): twice E stands for a rigid one
-    model = MODEL.format(young=2.0 * RIGID / (1.0 + RIGID) * job["young"], poisson=job["poisson"])
-    return f"fix plane all wall/gran granular {model} zplane 0.0 NULL"
+    bodies = f"{job['young']:.17g} 1 {job['poisson']:.17g} against {RIGID * job['young']:.17g} {job['poisson']:.17g}"
+    return f"fix plane all wall/gran granular demlaws/table law.tbl {bodies} {CONTACT} zplane 0.0 NULL"
 
 
-ENGINE = scripts.Engine(HEAD + "boundary        {boundary}\n", 1, _material, _plane, run)
+LAMMPS = in_liggghts.Engine(HEAD + "boundary        f f f\nnewton          off\n", _material, _plane, run)
 
 
 def answer(jobs):
     """What each job gives, as in_yade.py answers."""
-    return scripts.answer(ENGINE, jobs)
+    return in_liggghts.answer(jobs, LAMMPS)

@@ -3,9 +3,10 @@
 import math
 
 from demlaws.contact import Contact
+from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
 from demlaws.granite import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
-from demlaws.validation.published import IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
+from demlaws.validation.published import BRANCHES, IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
 SMOOTH = 1e-12
 """Roughness [m] that stands for none: engines take a pair of smooth surfaces for Hertz, whatever the law."""
@@ -65,6 +66,14 @@ def impact_jobs():
         jobs.append(
             job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
         )
+    for name, unloading, options, _ in BRANCHES:
+        job = {"young": 60e9, "poisson": 0.0, "density": 2500.0, "radius": 0.01, "plane": False, "speed": 0.1}
+        job |= {"surface": {"roughness": SMOOTH}, "kind": "impact", "law": name, "unloading": unloading, "options": options}
+        mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
+        exact = quiet(impact, bound(name, contact_of(job), unloading, **options), mass, job["speed"], 2000)
+        jobs.append(
+            job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
+        )
     return jobs
 
 
@@ -72,6 +81,7 @@ def impact_jobs():
 
 
 def diagonal(strain):
+    """Strain tensor of equal strain along all axes."""
     return [[strain, 0.0, 0.0], [0.0, strain, 0.0], [0.0, 0.0, strain]]
 
 
@@ -84,6 +94,7 @@ PATH = {
 
 
 def array_jobs():
+    """Jobs of the regular arrays: each with each law and its unloading."""
     jobs = []
     for array in ARRAYS:
         for name, unloading in LAWS:
@@ -92,6 +103,17 @@ def array_jobs():
             # probes of a contact with history would leave its loading curve: for those compression and back alone
             path = PATH if unloading == "elastic" else {k: v for k, v in PATH.items() if k in ("loading", "unloading")}
             jobs.append({**job, "path": path, "steps": STEPS, "dt": 1e-9})
+    return jobs
+
+
+def shear_jobs(peaks=(PEAK,), steps=STEPS):
+    """FCC of rough grains, compressed and then sheared, for each stiffness that K_t may go by."""
+    jobs = []
+    for choice in CHOICES:
+        for peak in peaks:
+            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": POHRT_POPOV, "unloading": "hertz", "surface": ROUGH}
+            path = {"loading": diagonal(-peak), "shear": PATH["shear"]}
+            jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": steps, "dt": 1e-9})
     return jobs
 
 

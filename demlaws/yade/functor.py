@@ -4,6 +4,7 @@ import warnings
 
 import yade
 
+from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
@@ -30,11 +31,13 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     material whose label is not listed is smooth, and a pair of smooth surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2².
     A label that no material bears, or a law other than Hertz without surfaces, is an error when the first such contact is
     made; smooth=True says that it is meant. tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for equal materials.
-    flats: "plane" gives a sphere on a facet, wall or box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it
-    (wall, box) or two thirds (facet). bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one
-    is not available). label: how saved files know the law, one label a law in a scene; it cannot be changed. radii, moduli:
-    smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart,
-    Greenwood–Tripp) must know; by default those of the bodies that the scene holds now. Further arguments are the law's own
+    shear: the stiffness K_t goes by: "elastic", with which the contact would unload now; "tangent", of the branch that it is
+    on; "loading", of first loading at the force carried now (docs/shear.md). flats: "plane" gives a sphere on a facet, wall or
+    box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it (wall, box) or two thirds (facet). bridge:
+    "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available). label: how saved files
+    know the law, one label a law in a scene; it cannot be changed. radii, moduli: smallest and largest effective radius [m] and
+    modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart, Greenwood–Tripp) must know; by default those of
+    the bodies that the scene holds now. Further arguments are the law's own
     options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy, preventGranularRatcheting). E*, friction
     and damping are the contact's, as YADE has them. A law acts in one scene at a time.
     """
@@ -47,6 +50,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         *,
         smooth=False,
         flats="plane",
+        shear=DEFAULT,
         bridge="auto",
         tangential_ratio=None,
         label="demlaws",
@@ -63,7 +67,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
             raise DemlawsError(f"tangential_ratio = {tangential_ratio:g}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
         super().__init__(label=label, **attributes)
         spans = _spans(radii, moduli, flats)
-        pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats)
+        pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear)
         self.binding = Binding(label, pairs, tangential_ratio, bridge)
         self.binding.check_functor(self)
         _take_up(self, bridge, stacklevel=3)

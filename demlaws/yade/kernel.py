@@ -15,9 +15,10 @@ from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
-from demlaws.core.fastmath import callback, from_bits, kernel, loop
+from demlaws.core.fastmath import callback, cbrt, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.params import clamped_roughness
+from demlaws.core.shear import CHOICES, shear_stiffness
 from demlaws.core.unloading import without_own
 from demlaws.laws.hertz import HertzParams, HertzShape
 
@@ -36,6 +37,7 @@ FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36
 ALARM = 38  # address of the guard's PyRunner.nDone, or 0: a zero written there makes it run before the next step's contacts
 FLATS, SHAPE, FACET, WALL, BOX = 40, 41, 42, 43, 44  # FLATS 1: R of a sphere on one of these shapes is the sphere's radius
 UNLISTED, UNLISTED_SEEN, UNLISTED_BODY1, UNLISTED_BODY2 = 45, 46, 47, 48  # contacts of materials without a surface
+SHEAR_FORCE = 49  # where MindlinPhys keeps its elastic shear force [bytes]
 CONTEXT_WORDS = 56
 
 # A contact outside YADE's objects: its history as in MindlinPhys, and what the law answers.
@@ -58,6 +60,8 @@ TAG, RADIUS, MODULUS, STATE = 0, 8, 16, 24
 ROW_PHYSICS, ROW_GEOMETRY, ROW_INTERACTION, ROW_RECORD, ROW_OWN = 0, 8, 16, 24, 32
 AHEAD = 2  # rows; measured: 1 to 4 serve alike
 LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 288, 352), (0, 64, 128, 192), (0, 64)
+
+SLACK = 1e-11
 
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH = 1, 2, 3, 4
 
@@ -152,6 +156,8 @@ def call_body_by_id(typing_context, function, number):
 
 @intrinsic
 def as_pointer(typing_context, address):
+    """An address as a pointer, for compiled code."""
+
     def generate(context, builder, signature, arguments):
         return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
 
@@ -338,13 +344,20 @@ def params_of(kind, record, radius, modulus):
 
 
 @kernel
-def respond(kind, rule, record, radius, modulus, overlap, state):
-    """Force [N], tangent stiffness [N/m] and new state of a contact whose surfaces are the pair in `record`."""
+def answer(shear, rule, p, overlap, state):
+    """Force [N], tangent stiffness, the stiffness that K_t goes by [N/m], and new state."""
+    force, stiffness, new = step(rule, p, overlap, state)
+    return force, stiffness, shear_stiffness(shear, rule, p, overlap, force, stiffness, new), new
+
+
+@kernel
+def respond(kind, shear, rule, record, radius, modulus, overlap, state):
+    """`answer` of a contact whose surfaces are the pair in `record`."""
     if modulus == 0.0:  # a marker: YADE's own law gives it no force
-        return 0.0, 0.0, state
+        return 0.0, 0.0, 0.0, state
     if load_word(record) != 0:
-        return step(without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
-    return step(rule, params_of(kind, record, radius, modulus), overlap, state)
+        return answer(shear, without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+    return answer(shear, rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
 @kernel
@@ -358,13 +371,29 @@ def energies(kind, rule, record, radius, modulus, overlap, state):
 
 
 @kernel
-def coefficients(force, stiffness, overlap, ratio):
-    """kno and kso with which Mindlin's law gives this force, and a shear stiffness of `ratio` times this stiffness."""
+def coefficients(force, shear, overlap, ratio):
+    """kno and kso with which Mindlin's law gives this force, and a tangential stiffness of `ratio` times `shear`."""
     power = overlap * math.sqrt(overlap)
     if power > 1e-290:
         inverse = 1.0 / power  # of the overlap alone: ready before the force is
-        return force * inverse, ratio * stiffness * (overlap * inverse)
+        return force * inverse, ratio * shear * (overlap * inverse)
     return 0.0, 0.0  # the force is below 1e-270 N; the quotient would overflow
+
+
+@kernel
+def kept_share(kno, kso, overlap, old_kno, old_kso, old_overlap):
+    """The share of a shear force that stays when K_t falls by more than it does under Mindlin's law on the same path of forces.
+
+    Mindlin's law adds K_t du, so that what is stored, F²/(2 K_t), grows when K_t falls; smooth spheres have K_t ∝ P^(1/3). The
+    share lets it grow by the factor (P_old/P)^(1/3) at most, and not at all where P does not fall. [our derivation]
+    """
+    cubed = kso * kso * kso * old_kno  # K_t³/P is kso³/kno
+    old = old_kso * old_kso * old_kso * kno
+    if cubed >= old * (1.0 - SLACK):  # rounding is no fall
+        return 1.0
+    fall = kso * math.sqrt(overlap) / (old_kso * math.sqrt(old_overlap)) if old_overlap > 0.0 else 1.0
+    more = old_kno * old_overlap * math.sqrt(old_overlap) / (kno * overlap * math.sqrt(overlap)) if kno > 0.0 else 0.0
+    return min(fall * (cbrt(more) if more > 1.0 else 1.0), 1.0)
 
 
 @kernel
@@ -376,6 +405,7 @@ def effective_radius(radius1, radius2):
 
 @kernel
 def word(context, number):
+    """Word `number` of the context."""
     return load_word(context + 8 * number)
 
 
@@ -531,10 +561,10 @@ def make_row(kind, context, geom, phys, interaction):
 
 
 @loop
-def respond_without_row(kind, rule, context, history, overlap, state):
+def respond_without_row(kind, shear, rule, context, history, overlap, state):
     """`respond` for the steps in which the buffer of rows is full."""
     record = record_of(context, history)
-    return respond(kind, rule, record, load_double(history + RADIUS), load_double(history + MODULUS), overlap, state)
+    return respond(kind, shear, rule, record, load_double(history + RADIUS), load_double(history + MODULUS), overlap, state)
 
 
 @loop
@@ -544,8 +574,28 @@ def end_contact(kind, rule, context, history, state):
     add_double(context + 8 * BANKED, energies(kind, rule, record_of(context, history), radius, modulus, 0.0, state)[1])
 
 
+def limit_shear(shear, context, phys, kno, kso, overlap):
+    """Take from the shear force what `kept_share` does not leave it, for choices that are so limited."""
+
+
+@overload(limit_shear, jit_options={"forceinline": True})
+def _limit_shear(shear, context, phys, kno, kso, overlap):
+    if not next(choice.limited for choice in CHOICES.values() if type(choice.tag) is shear.instance_class):
+        return lambda shear, context, phys, kno, kso, overlap: None
+
+    def limit(shear, context, phys, kno, kso, overlap):
+        old_kno, old_kso = load_double(phys + word(context, KNO)), load_double(phys + word(context, KSO))
+        share = kept_share(kno, kso, overlap, old_kno, old_kso, load_double(phys + word(context, SPARE) + 16))
+        if share < 1.0:
+            place = phys + word(context, SHEAR_FORCE)
+            for axis in range(3):
+                store_double(place + 8 * axis, share * load_double(place + 8 * axis))
+
+    return limit
+
+
 @kernel
-def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, interaction):
+def act(kind, params_kind, shear, rule, context, this, geom_pointer, phys_pointer, interaction):
     """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which then does all the rest."""
     geom, phys = load_word(geom_pointer), load_word(phys_pointer)
     geom_class = load_word(geom)
@@ -562,22 +612,24 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
         code = make_row(kind, context, geom, phys, interaction)
         row = known_row(context, abs(code))
     if row == 0:
-        force, stiffness, new = respond_without_row(kind, rule, context, history, overlap, old)
+        force, stiffness, sideways, new = respond_without_row(kind, shear, rule, context, history, overlap, old)
     else:
         prefetch_from(row + AHEAD * 8 * word(context, ROW_WORDS))
         if code > 0:
             p = read_params(params_kind, kind, row + ROW_OWN, load_word(row + ROW_RECORD) + RECORD_SHAPE)
-            force, stiffness, new = step(rule, p, overlap, old)
+            force, stiffness, sideways, new = answer(shear, rule, p, overlap, old)
         elif load_double(row + ROW_OWN) != 0.0:
-            force, stiffness, new = step(without_own(rule), HertzParams(load_double(row + ROW_OWN)), overlap, old)
+            p = HertzParams(load_double(row + ROW_OWN))
+            force, stiffness, sideways, new = answer(shear, without_own(rule), p, overlap, old)
         else:
-            force, stiffness, new = 0.0, 0.0, old
+            force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
     if force - force != 0.0:
         fault(context, NOT_FINITE, interaction, overlap)
         if word(context, ALARM) != 0:  # else nobody watches: the number that is none shall be seen
-            force, stiffness, new = 0.0, 0.0, old
+            force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
     if overlap > 0.0:
-        kno, kso = coefficients(force, stiffness, overlap, load_double(phys + word(context, SPARE)))
+        kno, kso = coefficients(force, sideways, overlap, load_double(phys + word(context, SPARE)))
+        limit_shear(shear, context, phys, kno, kso, overlap)
         store_double(phys + word(context, KNO), kno)
         store_double(phys + word(context, KSO), kso)
     else:
@@ -593,18 +645,18 @@ def act(kind, params_kind, rule, context, this, geom_pointer, phys_pointer, inte
     return keep
 
 
-KIND = PARAMS_KIND = RULE = BEHIND = None  # what `entry` gives to a copy of the function below
+KIND = PARAMS_KIND = SHEAR = RULE = BEHIND = None  # what `entry` gives to a copy of the function below
 
 
 def _go(this, geom, phys, interaction):
     context = load_word(load_word(this) + BEHIND)
-    return act(KIND, PARAMS_KIND, RULE, context, this, geom, phys, interaction)
+    return act(KIND, PARAMS_KIND, SHEAR, RULE, context, this, geom, phys, interaction)
 
 
-def entry(kind, params_kind, rule, behind):
+def entry(kind, params_kind, shear, rule, behind):
     """`act` for laws of this kind as native code (`.address`); the address of the context stands `behind` bytes after the
     functor's table of virtual functions."""
-    constants = {"KIND": kind, "PARAMS_KIND": params_kind, "RULE": rule, "BEHIND": behind}
+    constants = {"KIND": kind, "PARAMS_KIND": params_kind, "SHEAR": shear, "RULE": rule, "BEHIND": behind}
     return callback(types.uint8(*[types.int64] * 4), _go, constants)
 
 
@@ -612,7 +664,7 @@ def entry(kind, params_kind, rule, behind):
 
 
 @loop
-def respond_loop(kind, rule, records, record_bytes, contacts, out):
+def respond_loop(kind, shear, rule, records, record_bytes, contacts, out):
     """`respond` for an array of `CONTACT`, whose state is updated in place; out: an array of `RESPONSE`.
 
     Returns the first contact whose force is not finite, or -1.
@@ -623,12 +675,12 @@ def respond_loop(kind, rule, records, record_bytes, contacts, out):
         record = records + (np.int64(c.tag) - 1) * record_bytes
         state = contacts.ctypes.data + i * contacts.itemsize + STATE_OFFSET
         old = read_state(rule, state)
-        force, stiffness, new = respond(kind, rule, record, c.radius, c.modulus, c.overlap, old)
+        force, stiffness, sideways, new = respond(kind, shear, rule, record, c.radius, c.modulus, c.overlap, old)
         if force - force != 0.0:
             bad = i if bad < 0 else bad
-            force, stiffness, new = 0.0, 0.0, old
+            force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
         write_state(rule, state, new)
-        kno, kso = coefficients(force, stiffness, c.overlap, c.ratio) if c.overlap > 0.0 else (0.0, 0.0)
+        kno, kso = coefficients(force, sideways, c.overlap, c.ratio) if c.overlap > 0.0 else (0.0, 0.0)
         out[i].kno = kno
         out[i].kso = kso
         out[i].tangent = stiffness

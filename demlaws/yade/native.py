@@ -190,6 +190,7 @@ class Layout:
             kernel.KSO: _find(yade.MindlinPhys, "kso"),
             kernel.HISTORY: self._vector("momentBend"),
             kernel.SPARE: self._vector("prevU"),
+            kernel.SHEAR_FORCE: self._vector("shearElastic"),
             kernel.BODY1: self._body_number("id1"),
             kernel.BODY2: self._body_number("id2"),
             kernel.MATERIAL: _find_pointer(yade.Body, "material", yade.FrictMat),
@@ -294,11 +295,11 @@ def layout():
 _entries = {}
 
 
-def _entry(kind, params_kind, rule):
+def _entry(kind, params_kind, shear, rule):
     """Address of native code for laws of this kind."""
-    key = (kind, params_kind, type(rule))  # the tags themselves are empty tuples, all equal
+    key = (kind, params_kind, type(shear), type(rule))  # the tags themselves are empty tuples, all equal
     if key not in _entries:
-        _entries[key] = kernel.entry(kind, params_kind, rule, 8 * COPIED)
+        _entries[key] = kernel.entry(kind, params_kind, shear, rule, 8 * COPIED)
     return _entries[key].address
 
 
@@ -340,7 +341,7 @@ class Attachment:
         probe = self._native_table()
         self.table = np.zeros(COPIED + 3, np.int64)
         self.table[: COPIED + 2] = probe
-        self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.rule)
+        self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.shear, pairs.rule)
         self.table[COPIED + 2] = self.context.ctypes.data
         _forever.append(self)
         _attachments[self.table.ctypes.data + 16] = self

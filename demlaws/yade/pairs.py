@@ -14,6 +14,7 @@ import numpy as np
 from demlaws.contact import Contact, Surface
 from demlaws.core.loops import scale_one
 from demlaws.core.params import clamped_roughness, loading_part
+from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
@@ -108,7 +109,7 @@ class Source:
             self.name, self.options = find(given).name, dict(options)
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
-        self.definition = find(self.name)
+        self.definition = given.definition if isinstance(given, Law) else find(self.name)
         self.unloading = getattr(given, "unloading", self.definition.default_unloading)
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
@@ -191,6 +192,7 @@ class Source:
         return 0.0, 0.0
 
     def as_dict(self):
+        """Plain content for a saved scene."""
         if self.table is None:
             content = {"law": self.name, "options": {name: _plain(value) for name, value in self.options.items()}}
             return content if self.curve is None else {**content, "curve": self.curve.as_dict(), "ratios": self.ratios}
@@ -200,6 +202,7 @@ class Source:
 
     @classmethod
     def from_dict(cls, content):
+        """A source from the content of a saved scene."""
         if "table" not in content:
             source = cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
             if "curve" in content:
@@ -220,10 +223,12 @@ class Pairs:
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
     reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
     two labels, or None where nothing is known of the contacts. smooth: materials without a surface are meant smooth; flats:
-    "plane" or "yade" (see the functor).
+    "plane" or "yade", shear: "elastic", "tangent" or "loading" (see the functor).
     """
 
-    def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane"):
+    def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT):
+        if shear not in CHOICES:
+            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}
         if not isinstance(surfaces, dict | None):
@@ -234,6 +239,7 @@ class Pairs:
         if flats not in FLATS:
             raise DemlawsError(f'flats must be "plane" (R of a sphere on a flat is its radius) or "yade", got {flats!r}')
         self.smooth, self.flats = bool(smooth), flats
+        self.shear_name, self.shear = shear, CHOICES[shear].tag
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
@@ -360,7 +366,7 @@ class Pairs:
         """What the law answers to an array of `kernel.CONTACT`, whose state is updated in place: an array of
         `kernel.RESPONSE`, and the first contact whose force is not finite, or -1."""
         out = np.zeros(len(contacts), kernel.RESPONSE)
-        return out, kernel.respond_loop(self.kind, self.rule, *self._where(), contacts, out)
+        return out, kernel.respond_loop(self.kind, self.shear, self.rule, *self._where(), contacts, out)
 
     def energies(self, contacts):
         """Stored and dissipated energy of an array of `kernel.CONTACT`: an array of `kernel.ENERGY`."""
@@ -408,6 +414,7 @@ class Pairs:
             "special": [[*pair, source.as_dict()] for pair, source in self.special.items()],
             "smooth": self.smooth,
             "flats": self.flats,
+            "shear": self.shear_name,
         }
         if identity:
             del content["spans"], content["smooth"]
@@ -418,11 +425,12 @@ class Pairs:
 
     @classmethod
     def from_text(cls, text):
+        """Pairs from the text of a saved scene."""
         content = json.loads(text)
         given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:
             given = Source.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus)) for a, b, radius, modulus in content["spans"]}
         # scenes saved before these were asked for
-        flats, smooth = content.get("flats", "yade"), content.get("smooth", True)
-        return cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats)
+        flats, smooth, shear = content.get("flats", "yade"), content.get("smooth", True), content.get("shear", "tangent")
+        return cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats, shear=shear)

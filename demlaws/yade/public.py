@@ -8,6 +8,7 @@ InteractionLoop are hidden from him, as the guard of the native way is (see `sce
 import numpy as np
 import yade
 
+from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
 from demlaws.yade.contacts import is_ours, rows_of, write_history
@@ -123,9 +124,20 @@ def step(binding):
     overlaps = rows["overlap"]
     for (_, phys, _), overlap, (kno, kso, _) in zip(held.objects, overlaps.tolist(), answer.tolist(), strict=True):
         if overlap > 0.0:
+            limit_shear(pairs, phys, kno, kso, overlap)
             phys.kno = kno
             phys.kso = kso
+            phys.prevU = yade.Vector3(phys.prevU[0], 0, overlap)
     held.tangents = answer["tangent"].tolist()
+
+
+def limit_shear(pairs, phys, kno, kso, overlap):
+    """What `kernel.limit_shear` does."""
+    if not CHOICES[pairs.shear_name].limited:
+        return
+    share = kernel.kept_share(kno, kso, overlap, phys.kno, phys.kso, phys.prevU[2])
+    if share < 1.0:
+        phys.shearElastic = share * phys.shearElastic
 
 
 def first_sight(binding, contact, row):

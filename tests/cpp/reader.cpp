@@ -4,6 +4,9 @@
 //     contact MODULUS RADIUS ROUGHNESS   -> "served 0" or "served 1" by the table, or "refused MESSAGE"
 //     virgin                             another virgin contact, no answer
 //     overlap X                       -> force, stiffness, three values of state, stored, dissipated, outside (0 or 1)
+//     shears                             names of what K_t may go by
+//     shear X                         -> the stiffnesses that K_t may go by at X: only looked at, then after a step to
+//     X
 #include "demlaws_table.h"
 #include <iostream>
 #include <memory>
@@ -16,7 +19,7 @@ int main() {
   std::string word;
   while (std::cin >> word) {
     if (word == "rules") {
-      for (int i = demlaws::ELASTIC; i <= demlaws::GIVEN; i++) {
+      for (int i = demlaws::ELASTIC; i < demlaws::RULES; i++) {
         printf("%s", demlaws::unloading_name(i));
         for (int k = 0; k < demlaws::state_size((demlaws::Unloading)i); k++) printf(" %s", demlaws::state_name(k));
         printf("\n");
@@ -51,6 +54,18 @@ int main() {
       demlaws::stored_and_dissipated(pair, radius, overlap, &state.maximum_overlap, stored, dissipated);
       printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %d\n", now.force, now.stiffness, state.maximum_overlap,
              state.plastic_overlap, state.radius_ratio, stored, dissipated, (int)now.outside);
+    } else if (word == "shears") {
+      for (int i = demlaws::TANGENT_SHEAR; i <= demlaws::LOADING_SHEAR; i++) printf("%s\n", demlaws::shear_name(i));
+    } else if (word == "shear") { // as engines ask: in a step, and of a contact that is only looked at
+      double overlap;
+      std::cin >> overlap;
+      double *const own = &state.maximum_overlap;
+      for (int update = 0; update < 2; update++) {
+        const demlaws::Force now = demlaws::step(pair, radius, overlap, own, update != 0);
+        for (int i = demlaws::TANGENT_SHEAR; i <= demlaws::LOADING_SHEAR; i++)
+          printf("%.17g ", demlaws::shear_stiffness((demlaws::Shear)i, pair, radius, overlap, now, own));
+      }
+      printf("\n");
     } else return 2;
   }
   return 0;

@@ -1,7 +1,8 @@
 """Table files of tests/data/tables, read by Python and by the C++ header: one verdict, one line, one force.
 
-Good files without "kink", "flat" or "others" in their name were written by the version before tests/data/tables was: they
-must always load. Bad ones differ from a good one in one thing each, with check marks that fit; bad.csv has the line.
+Good files without "kink", "flat" or "others" in their name were written by the version before tests/data/tables was (those of a
+single law's rule by the version that had it first): they must always load. Bad ones differ from a good one in one thing each,
+with check marks that fit; bad.csv has the line.
 """
 
 import csv
@@ -14,8 +15,8 @@ import numpy as np
 import pytest
 
 import demlaws as dl
+from demlaws import table_file
 from demlaws.core.grid import MOST_KINKS
-from demlaws.core.unloading import RULES
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -252,5 +253,25 @@ def test_the_golden_files_have_what_they_are_for():
 
 
 def test_the_rules_of_the_header_are_those_of_python(reader):
-    in_cpp = sorted((rule for rule in RULES.values() if rule.number is not None), key=lambda rule: rule.number)
+    in_cpp = sorted((rule for rule in table_file.rules().values() if rule.number is not None), key=lambda rule: rule.number)
     assert [line.split() for line in reader("rules")] == [[rule.name, *rule.state] for rule in in_cpp]
+
+
+@pytest.mark.parametrize("name", [name for name in GOOD if "bulk" not in name])
+def test_shear_stiffnesses_are_those_of_python(name, reader):
+    """Of each choice, on loading, unloading, reloading and beyond, in a step and without one."""
+    from demlaws.core.shear import CHOICES
+
+    assert reader("shears") == [choice.name for choice in sorted(CHOICES.values(), key=lambda choice: choice.number)]
+    path = TABLES / "good" / f"{name}.tbl"
+    table = dl.Table.load(path)
+    contact = table.contact
+    largest = table.nodes.u[-1] * table.length
+    overlaps = np.array([0.1, 0.3, 0.3 * (1 - 1e-9), 0.29, 0.2, 0.299, 0.5, 0.4]) * min(largest, 0.1 * contact.radius)
+    lines = [f"table {path} {float(contact.modulus)!r} {float(contact.radius)!r} {float(contact.roughness)!r}"]
+    _, *answers = reader(*lines, *(f"shear {float(overlap)!r}" for overlap in overlaps))
+    found = np.array([[float(value) for value in line.split()] for line in answers])
+    for n, choice in enumerate(CHOICES):
+        expected = table.shear_stiffness(overlaps, 1.0, choice)
+        np.testing.assert_allclose(found[:, 3 + n], expected, rtol=1e-8)
+        np.testing.assert_allclose(found[:, n], expected, rtol=1e-8)

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from examples import shared, telling
+from examples import rules_of, shared, telling
 from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
 
 import demlaws as dl
@@ -16,7 +16,7 @@ TOLERANCE = 1e-14
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 REFUSED = [("bahrami", rule) for rule in RULES if rule != "elastic"]
 SLOW = [("asperity", GIVEN)]  # to make, not to run
-COMBINATIONS = [(name, rule) for name in dl.laws() for rule in RULES if (name, rule) not in REFUSED + SLOW]
+COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if (name, rule) not in REFUSED + SLOW]
 
 
 def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):
@@ -320,12 +320,12 @@ def test_never_erase(omega):
 
 
 def test_tangential_stiffness(omega):
-    two_spheres(functor(bridge="native"))
+    two_spheres(functor(bridge="native", shear="tangent"))
     omega.run(100, True)
     phys = omega.interactions[0, 1].phys
     assert phys.ks / phys.kn == pytest.approx(2 * (1 - 0.25) / (2 - 0.25), rel=1e-12)
     omega.reset()
-    two_spheres(functor(bridge="native", tangential_ratio=0.5))
+    two_spheres(functor(bridge="native", tangential_ratio=0.5, shear="tangent"))
     omega.run(100, True)
     phys = omega.interactions[0, 1].phys
     assert phys.ks / phys.kn == pytest.approx(0.5, rel=1e-12)

@@ -1,0 +1,157 @@
+"""Tangential stiffness K_t of a contact: K_t/K of an elastic contact times a normal stiffness, of which there are three.
+
+Which one is a choice, a tag type as an unloading rule is. Any law and any rule has all three; a rule whose own answer is
+cheaper than the general one binds it.
+"""
+
+from typing import NamedTuple
+
+from numba.extending import overload
+
+from demlaws.core.dispatch import _INLINED, _kernel_of, bind, gather, generic, inverse, parts, scatter, step, virgin
+from demlaws.core.fastmath import kernel, loop
+from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
+
+
+class TangentShear(NamedTuple):
+    """The tangent of the branch that the contact is on: it jumps where loading turns into unloading."""
+
+
+class ElasticShear(NamedTuple):
+    """The stiffness with which the contact would unload now, on whatever branch it is: continuous through a reversal."""
+
+
+class LoadingShear(NamedTuple):
+    """The tangent of first loading at the force that the contact carries now."""
+
+
+class Choice(NamedTuple):
+    """What is known of a choice beside its kernel."""
+
+    name: str
+    tag: tuple
+    number: int  # in demlaws_table.h
+    limited: bool  # whether engines that add up shear forces keep them from returning more than smooth spheres' do
+    description: str  # one line
+
+
+CHOICES = {
+    choice.name: choice
+    for choice in (
+        Choice("tangent", TangentShear(), 0, False, "the tangent of the branch that the contact is on"),
+        Choice("elastic", ElasticShear(), 1, True, "the stiffness with which the contact would unload now"),
+        Choice("loading", LoadingShear(), 2, True, "the tangent of first loading at the force carried now"),
+    )
+}
+"""Name → the choices that any law and rule may take."""
+DEFAULT = "elastic"
+
+
+@generic
+def unloading_stiffness(rule, p, overlap, force, stiffness, state):
+    """Stiffness [N/m] with which a contact would unload from here; the rest is what `step` has just returned for it.
+
+    A rule that binds nothing is asked for its tangent just below.
+    """
+
+
+@overload(unloading_stiffness, jit_options=_INLINED)
+def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
+    bound = _kernel_of(rule, "unloading_stiffness")
+    if bound is not None:
+        return lambda rule, p, overlap, force, stiffness, state: bound(rule, p, overlap, force, stiffness, state)
+    below = 1.0 - 2.0**-36
+    return lambda rule, p, overlap, force, stiffness, state: step(rule, p, overlap * below, state)[1]
+
+
+@generic
+def loading_stiffness(rule, p, overlap, force, stiffness, state):
+    """Tangent [N/m] of first loading at a force; the arguments are those of `unloading_stiffness`."""
+
+
+@overload(loading_stiffness, jit_options=_INLINED)
+def _loading_stiffness(rule, p, overlap, force, stiffness, state):
+    bound = _kernel_of(rule, "loading_stiffness")
+    if bound is not None:
+        return lambda rule, p, overlap, force, stiffness, state: bound(rule, p, overlap, force, stiffness, state)
+    return lambda rule, p, overlap, force, stiffness, state: at_force(p, force)
+
+
+@kernel
+def at_force(p, force):
+    """Tangent of first loading at `force`."""
+    return virgin(p, inverse(p, force))[1] if force > 0.0 else 0.0
+
+
+@generic
+def shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
+    """The normal stiffness [N/m] that K_t goes by; not negative."""
+
+
+@overload(shear_stiffness, jit_options=_INLINED)
+def _shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
+    bound = _kernel_of(choice, "shear_stiffness")
+    return lambda choice, rule, p, overlap, force, stiffness, state: max(
+        bound(choice, rule, p, overlap, force, stiffness, state), 0.0
+    )
+
+
+@kernel
+def _tangent(choice, rule, p, overlap, force, stiffness, state):
+    return stiffness
+
+
+@kernel
+def _elastic(choice, rule, p, overlap, force, stiffness, state):
+    return unloading_stiffness(rule, p, overlap, force, stiffness, state)
+
+
+@kernel
+def _loading(choice, rule, p, overlap, force, stiffness, state):
+    return loading_stiffness(rule, p, overlap, force, stiffness, state)
+
+
+bind(TangentShear, shear_stiffness=_tangent)
+bind(ElasticShear, shear_stiffness=_elastic)
+bind(LoadingShear, shear_stiffness=_loading)
+
+
+# --- the rules' own
+
+
+@kernel
+def _same(rule, p, overlap, force, stiffness, state):
+    return stiffness
+
+
+@kernel
+def of_hertz(rule, p, overlap, force, stiffness, state):
+    # K = 1.5 P/(δ - δp) on the whole curve, its upper end included
+    elastic = overlap - state[1]
+    return 1.5 * force / elastic if overlap >= state[0] and elastic > 0.0 else stiffness
+
+
+@kernel
+def _of_curve(rule, p, overlap, force, stiffness, state):
+    elastic = overlap - state[1]
+    return virgin(parts(p)[1], elastic)[1] if overlap >= state[0] and elastic > 0.0 else stiffness
+
+
+@kernel
+def of_first_loading(rule, p, overlap, force, stiffness, state):
+    return stiffness if overlap >= state[0] else at_force(p, force)
+
+
+bind(Elastic, unloading_stiffness=_same, loading_stiffness=_same)
+bind(Hertz, unloading_stiffness=of_hertz, loading_stiffness=of_first_loading)
+bind(Thornton, unloading_stiffness=of_hertz, loading_stiffness=of_first_loading)
+bind(Given, unloading_stiffness=_of_curve, loading_stiffness=of_first_loading)
+
+
+@loop
+def shear_loop(choice, rule, p, overlap, state, shear):
+    """The stiffness that K_t goes by along a path of one contact; `state` is moved on as in `follow_loop`."""
+    for i in range(overlap.size):
+        force, stiffness, new = step(rule, p, overlap[i], gather(state, 0))
+        scatter(state, 0, new)
+        shear[i] = shear_stiffness(choice, rule, p, overlap[i], force, stiffness, new)

@@ -1,0 +1,105 @@
+"""Tangential stiffness and force of one contact: every law, every rule, every choice of what K_t goes by."""
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, pairs, quiet, shared, telling
+from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
+
+import demlaws as dl
+from demlaws.core.shear import CHOICES
+from demlaws.driver import sheared
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(pairs(), telling))
+DEEP = 5.0 * GRANITE.roughness
+BACK = np.array([0.4, 1.0, 1.0 - 1e-11, 0.999, 1.0, 1.0 + 1e-11, 1.1]) * DEEP
+
+
+@every_pair
+def test_what_each_choice_is(name, unloading):
+    """Against the law's own stiffnesses: of its branch, just below, and of first loading at that force."""
+    law = make(name, unloading)
+    path = law.follow(BACK)
+    tangent, elastic, loading = (law.shear_stiffness(BACK, 0.5, choice) for choice in ("tangent", "elastic", "loading"))
+    np.testing.assert_array_equal(tangent, 0.5 * path.stiffness)
+    below = [law.follow([*BACK[: n + 1], BACK[n] * (1 - 1e-9)]).stiffness[-1] for n in range(BACK.size)]
+    np.testing.assert_allclose(elastic, 0.5 * np.array(below), rtol=1e-7)
+    np.testing.assert_allclose(loading, 0.5 * law.stiffness(law.overlap(path.force)), rtol=1e-7)
+
+
+@every_pair
+def test_elastic_and_loading_go_through_a_reversal(name, unloading):
+    law = make(name, unloading)
+    for choice in ("elastic", "loading"):
+        one = law.shear_stiffness(BACK, 1.0, choice)
+        assert one[2] == pytest.approx(one[1], rel=1e-9)
+        assert one[5] == pytest.approx(one[4], rel=1e-9)
+
+
+@pytest.mark.parametrize("unloading", ["elastic", "hertz"])
+def test_all_choices_are_one_for_hertz(unloading):
+    law = make("hertz", unloading)
+    path = law.follow(BACK)
+    for choice in CHOICES:
+        np.testing.assert_allclose(law.shear_stiffness(BACK, 1.0, choice), path.stiffness, rtol=1e-11)
+
+
+def test_elastic_is_the_smooth_contacts_with_hertz_unloading():
+    """Yimsiri & Soga's view: at one force the smooth contact's tangential stiffness."""
+    law, smooth = make("pohrt-popov", "hertz"), make("hertz")
+    force = law.follow(BACK).force
+    np.testing.assert_allclose(law.shear_stiffness(BACK, 1.0), smooth.stiffness(smooth.overlap(force)), rtol=1e-10)
+
+
+@every_pair
+def test_no_limited_choice_returns_more_than_smooth_spheres(name, unloading):
+    """Shear work over closed paths against Mindlin's on the same path of normal force and displacement.
+
+    A contact that is stiffer than the smooth one at the same force carries more at the same displacement, and may return more
+    in that proportion.
+    """
+    law, smooth = make(name, unloading), make("hertz")
+    for forces, displacements in PATHS.values():
+        native = quiet(sheared, smooth, overlaps_at(smooth, forces), displacements, GRANITE_RATIO)
+        path = quiet(overlaps_at, law, forces)
+        for choice in (choice for choice in CHOICES.values() if choice.limited):
+            mine = quiet(sheared, law, path, displacements, GRANITE_RATIO, choice.name)
+            stiffer = max(1.0, float(np.max(mine.shear_stiffness / native.shear_stiffness)))
+            noise = 1e-9 * np.abs(mine.work).max()
+            assert -mine.work.min() <= -native.work.min() * stiffer + noise
+
+
+def test_the_tangent_returns_what_no_sphere_does():
+    """Why it is not the default: shear just below the largest load, back just above it."""
+    forces, displacements = PATHS["sheared just below the largest load, back just above"]
+    law, smooth = make("pohrt-popov", "hertz"), make("hertz")
+    native = sheared(smooth, overlaps_at(smooth, forces), displacements, GRANITE_RATIO)
+    mine = sheared(law, overlaps_at(law, forces), displacements, GRANITE_RATIO, "tangent")
+    assert native.work.min() > -1e-20
+    # half the jump of K_t times the displacement squared
+    jump = mine.shear_stiffness.max() - mine.shear_stiffness[-1]
+    assert mine.work[-1] == pytest.approx(-0.5 * jump * 1e-18, rel=1e-3)
+
+
+def test_sheared_work_is_stored_where_nothing_changes():
+    law = make("pohrt-popov", "hertz")
+    there = np.linspace(0.0, 1e-9, 30)
+    path = sheared(law, np.full(30, DEEP), np.concatenate([there[:15], there[14::-1]]), GRANITE_RATIO)
+    np.testing.assert_allclose(path.work, path.stored, atol=1e-12 * path.stored.max())
+    assert path.shear_force[-1] == pytest.approx(0.0, abs=1e-12 * path.shear_force.max())
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda law: law.shear_stiffness(1e-6, 0.8, "secant"), "shear must be 'tangent', 'elastic', 'loading', got 'secant'"),
+        (lambda law: law.shear_stiffness(1e-6, 0.0), "ratio = 0: must be above 0"),
+        (lambda law: law.shear_stiffness(np.nan, 0.8), "overlap contains nan m"),
+        (lambda law: law.shear_stiffness(1.0, 0.8), "beyond R there is no answer"),
+        (lambda law: law.shear_stiffness([[1e-6]], 0.8), "1-D sequence"),
+        (lambda law: sheared(law, [0.0, 1e-6], [0.0], 0.8), "2 overlaps and 1 displacements"),
+    ],
+)
+def test_bad_input(call, message):
+    with pytest.raises(dl.DemlawsError, match=message):
+        call(make("pohrt-popov", "hertz"))
