@@ -4,8 +4,6 @@ import dataclasses
 import math
 from pathlib import Path
 
-import numpy as np
-
 from demlaws.cli import example
 from demlaws.cli.arguments import figures, force, length, output, plain, whole
 from demlaws.cli.bodies import bodies, draw, pair_of
@@ -176,6 +174,8 @@ def _summits(arguments, path):
 
 
 def _change(arguments, paths):
+    import numpy as np
+
     from demlaws.matching import matched
 
     before, after = (_cropped(arguments, path) for path in paths)
