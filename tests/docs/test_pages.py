@@ -22,7 +22,6 @@ NEEDS = {
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",
-    DOCS / "tutorials" / "which-law.md",
     *sorted(set((DOCS / "how-to").glob("*.md")) - {DOCS / "how-to" / "index.md"}),
 ]
 
