@@ -176,7 +176,7 @@ def test_gwyddion_header(tmp_path):
 @pytest.mark.parametrize(("name", "content", "words"), [
     ("a.csv", b"1,2,3,4\n1,2,3\n", "line 2: 3 columns, but line 1 has 4"),
     ("a.csv", b"1,2,3,4\n1,x,3,4\n", "line 2: 'x' is not a height"),
-    ("a.csv", b"", "no heights"),
+    ("a.csv", b"\n", "no heights"),
     ("a.csv", b"1,2\n3,4\n", "at least 4 by 4"),
     ("a.csv", b",,,,,\n" * 5, "every pixel"),
     ("a.npy", b"nonsense", "not a numpy array"),
