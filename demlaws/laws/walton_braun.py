@@ -11,7 +11,7 @@ from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended
-from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams
+from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
 
 
 class WaltonBraunShape(NamedTuple):
@@ -59,6 +59,7 @@ LAW = Definition(
     description="straight branches, plastic",
     limits=no_limits,
     length="radius",
+    from_tests=False,
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0},
     example_curve={"loading_stiffness": 6e6},
@@ -66,6 +67,7 @@ LAW = Definition(
     advise=plastic_from_the_start,
     unloading=("elastic", "linear"),
     rules=(LINEAR,),
+    rule_numbers=numbers,
     default_unloading="linear",
     refused=ONLY_STRAIGHT,
     fitted={
