@@ -120,10 +120,7 @@ class Option(NamedTuple):
 
 
 PRESSURE = -2 / 3
-STIFFNESS = -2 / 3
-"""`Option.softens` of a pressure, and of a stiffness or its growth with force."""
-
-
+"""`Option.softens` of a pressure."""
 STIFFNESS = -2 / 3
 """`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
 LENGTH = 2 / 3

@@ -327,7 +327,7 @@ def test_the_template_names_every_key_and_is_a_scene(tmp_path, capsys):
     keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
     fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
     assert fields - keys == {"materials", "surfaces", "reference_options"}  # sections, and part of reference
-    assert text in (Path(__file__).parents[2] / "docs/scene.md").read_text()
+    assert text in (Path(__file__).parents[2] / "docs/reference/scene-file.md").read_text()
     for line in text.splitlines():
         if line.startswith("#- ") and "=" in line:
             tomllib.loads(line.removeprefix("#- "))
