@@ -56,6 +56,10 @@ docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
 	@echo "build/site/index.html"
 
+dist: $(VENV)/.test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
+	$(BIN)/python tests/machines/dist.py
+
 readme-check: $(VENV)/.test
 	$(BIN)/python tests/readme_check.py
 

@@ -14,30 +14,44 @@ if TYPE_CHECKING:
     from demlaws.contact import Contact as Contact
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
+    from demlaws.defined import define as define
     from demlaws.driver import timestep as timestep
     from demlaws.errors import DemlawsError as DemlawsError
     from demlaws.errors import ValidityWarning as ValidityWarning
     from demlaws.law import Law as Law
+    from demlaws.laws.definition import Definition as Definition
+    from demlaws.laws.definition import Option as Option
+    from demlaws.laws.definition import Parameter as Parameter
     from demlaws.laws.registry import laws as laws
+    from demlaws.laws.registry import load_laws as load_laws
+    from demlaws.laws.registry import register as register
     from demlaws.make import law as law
+    from demlaws.measure.lawcheck import check_law as check_law
     from demlaws.table import Table as Table
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "Contact": "demlaws.contact",
+    "Definition": "demlaws.laws.definition",
     "DemlawsError": "demlaws.errors",
     "Law": "demlaws.law",
     "Material": "demlaws.contact",
+    "Option": "demlaws.laws.definition",
+    "Parameter": "demlaws.laws.definition",
     "Scene": "demlaws.advice.scene",
     "Surface": "demlaws.contact",
     "Table": "demlaws.table",
     "ValidityWarning": "demlaws.errors",
+    "check_law": "demlaws.measure.lawcheck",
     "choose": "demlaws.advice.choose",
+    "define": "demlaws.defined",
     "driver": "demlaws.driver",
     "fit": "demlaws.advice.fit",
     "law": "demlaws.make",
     "laws": "demlaws.laws.registry",
+    "load_laws": "demlaws.laws.registry",
+    "register": "demlaws.laws.registry",
     "soften": "demlaws.advice.soften",
     "timestep": "demlaws.driver",
 }

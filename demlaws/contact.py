@@ -42,6 +42,10 @@ class Material:
 
     young: Young's modulus E [Pa]; poisson: ν, above -1 and up to 0.5; hardness: indentation hardness H_m [Pa], needed
     by laws with plastic asperities; density [kg/m³], needed where mass matters.
+
+    >>> granite = dl.Material(young="60.6GPa", poisson=0.25, hardness=6.266e9)
+    >>> granite.young, round(granite.plane_modulus / 1e9, 2)
+    (60600000000.0, 64.64)
     """
 
     young: float
@@ -63,7 +67,13 @@ class Material:
 
 @dataclass(frozen=True)
 class Surface:
-    """A measured surface: rms roughness Sq [m] (0: smooth), fractal dimension in [2, 3], hardness [Pa]; or text: "2.4um"."""
+    """A measured surface: rms roughness Sq [m] (0: smooth), fractal dimension in [2, 3], hardness [Pa]; or text: "2.4um".
+
+    >>> rough, smooth = dl.Surface("3um", 2.2, 6e9), dl.Surface(4e-6, 2.4, 5e9)
+    >>> joined = rough.combined(smooth)
+    >>> round(joined.roughness * 1e6, 9), round(joined.fractal_dimension, 9), joined.hardness
+    (5.0, 2.3, 5000000000.0)
+    """
 
     roughness: float = 0.0
     fractal_dimension: float | None = None
@@ -103,6 +113,13 @@ class Contact:
     1/E* = (1-ν1²)/E1 + (1-ν2²)/E2; roughness: combined rms roughness σ = √(Sq1² + Sq2²) [m]; each a number, text with a unit
     ("4.35mm") or a 1-D array with one entry a contact. fractal_dimension Df in [2, 3] and hardness H_m [Pa] are shared by
     all of them.
+
+    >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
+    >>> pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1=1.56e-6, roughness2=1.84e-6)
+    >>> print(f"R = {pair.radius * 1e3:.3f} mm, E* = {pair.modulus / 1e9:.2f} GPa, σ = {pair.roughness * 1e6:.3f} µm")
+    R = 4.347 mm, E* = 32.32 GPa, σ = 2.412 µm
+    >>> dl.Contact(radius=[1e-3, 2e-3], modulus=32e9).size
+    2
     """
 
     radius: float | np.ndarray

@@ -117,6 +117,7 @@ def transition_roughness(contact, load, ratio=YIELD_RATIO):
 
 
 def hardness_of(contact):
+    """Hardness H_m of the contact [Pa]; DemlawsError where it has none."""
     if contact.hardness is None:
         raise DemlawsError(
             "the criterion needs the contact's hardness: give Contact(..., hardness=...) or Material(..., hardness=...)"
@@ -125,6 +126,7 @@ def hardness_of(contact):
 
 
 def checked_loads(load):
+    """Loads [N] as an array; DemlawsError unless all are positive and finite."""
     array = np.asarray(load, float)
     if not np.all(np.isfinite(array) & (array > 0)):
         raise DemlawsError(f"load must be positive and finite, in N, got {load!r}")

@@ -48,6 +48,11 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps a branch: a `Path`.
 
     Overlaps below 0 part the bodies: the contact that closes next is a new one.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> path = dl.driver.displacement_controlled(law, [2e-6, 0.0], steps=2)
+    >>> (path.overlap * 1e6).round(3), path.force.round(3)
+    (array([0., 1., 2., 1., 0.]), array([0.   , 2.698, 7.632, 2.698, 0.   ]))
     """
     corners = [0.0, *_points(turning_points, "m")]
     _checked(law)
@@ -59,6 +64,11 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
     """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps a branch: a `Path`.
 
     On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> path = dl.driver.force_controlled(dl.law("pohrt-popov", pair, unloading="hertz"), [50.0, 0.0])
+    >>> bool(path.plastic_overlap[-1] > 0.0), bool(abs(path.work[-1] - path.dissipated[-1]) < 1e-15)
+    (True, True)
     """
     corners = [0.0, *_points(turning_points, "N")]
     _checked(law)
@@ -178,6 +188,10 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     """A body of `mass` [kg] (of two: m1 m2/(m1 + m2)) meets the contact at `speed` [m/s]; nothing but the law damps it.
 
     Velocity Verlet with a step of 1/steps_per_contact of the elastic loading and unloading time.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> round(dl.driver.impact(law, mass=0.01, speed=0.1).restitution, 6)
+    1.0
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
@@ -253,6 +267,10 @@ def timestep(law: Law, mass: float, max_force: float) -> float:
 
     1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. A body with
     several contacts has a larger K: divide by the square root of the number of contacts that act in one direction.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")
+    4.36e-05 s
     """
     mass = number(mass, "mass", "kg")
     return STEP_SAFETY * 2.0 * math.sqrt(mass / stiffest(law, max_force))

@@ -2,7 +2,12 @@
 
 
 class DemlawsError(ValueError):
-    """Bad input: the message names the value, its unit and the remedy."""
+    """Bad input: the message names the value, its unit and the remedy.
+
+    >>> dl.Contact(radius=-1e-3, modulus=32e9)
+    Traceback (most recent call last):
+    demlaws.errors.DemlawsError: radius = -0.001 m: the effective radius must be positive (two flats have no Hertz contact)
+    """
 
 
 class NotPassive(DemlawsError):
@@ -14,4 +19,13 @@ class NeedsClasses(DemlawsError):
 
 
 class ValidityWarning(UserWarning):
-    """A law is used outside the range in which its source supports it."""
+    """A law is used outside the range in which its source supports it.
+
+    >>> import warnings
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9, hardness=6e9))
+    >>> with warnings.catch_warnings(record=True) as said:
+    ...     warnings.simplefilter("always")
+    ...     force = law.force(1e-3)  # m: the bulk would have yielded
+    >>> said[0].category is dl.ValidityWarning
+    True
+    """

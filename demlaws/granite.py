@@ -45,6 +45,7 @@ class Test(NamedTuple):
 
     @property
     def contact(self):
+        """The test's contact: R, E*, σ, Df and hardness of the granite."""
         return Contact(self.radius, _MODULUS, self.roughness, self.fractal_dimension, GRANITE.hardness)
 
     @property

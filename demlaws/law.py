@@ -15,12 +15,15 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
+from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.registry import is_own
+from demlaws.soundness import refuse_unsound
 
 
 class State:
@@ -66,6 +69,7 @@ class State:
         return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"
 
     def copy(self) -> "State":
+        """A state of its own with the same values."""
         twin = State(self.names, 0)
         twin.__dict__["arrays"] = tuple(array.copy() for array in self.arrays)
         return twin
@@ -93,6 +97,15 @@ class Law:
 
     Overlaps in m, forces in N, stiffnesses in N/m, energies in J. The methods take a number or an array and return the
     same; with a contact that is an array of contacts, arrays have one entry a contact.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> print(f"{law.force(1e-6):.4f} N, {law.stiffness(1e-6):.0f} N/m, {law.overlap(10.0) * 1e6:.3f} µm")
+    2.6985 N, 4047715 N/m, 2.395 µm
+    >>> batch = dl.law("hertz", dl.Contact(radius=[1e-3, 4e-3], modulus=32e9), unloading="hertz")
+    >>> state = batch.new_state(2)
+    >>> force, stiffness = batch.evaluate([1e-6, 1e-6], state)
+    >>> force.round(4), state.maximum_overlap
+    (array([1.3492, 2.6985]), array([1.e-06, 1.e-06]))
     """
 
     stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
@@ -111,6 +124,8 @@ class Law:
         self.state_names = rule.state
         self.state_size = len(self.state_names)
         self.shape = shape
+        if params is None and is_own(definition) and not isinstance(loading_part(shape), TableShape):
+            refuse_unsound(definition, loading_part(shape), contact, self.options)
         self.params = bind_params(shape, contact) if params is None else params
         self._limits = None
         self._end = None
@@ -236,9 +251,10 @@ class Law:
 
         overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
         `new_state` returned (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
-        spares the time that new memory takes; parallel=True: one thread a core. The overlaps are looked at in the loop
-        only. One that is NaN, infinite, beyond the contact's effective radius or beyond a table's range raises
-        DemlawsError after it: that contact's force is not finite, its history is as it was; all others are good. Overlaps
+        spares the time that new memory takes; parallel=True: one thread a core where there are more than 131,072 contacts,
+        since fewer take longer so. The overlaps are looked at in the loop only. One that is NaN, infinite, beyond the
+        contact's effective radius or beyond a table's range raises DemlawsError after it: that contact's force is not
+        finite, its history is as it was; all others are good. Overlaps
         beyond a tenth of the radius give one warning.
         """
         overlap = np.asarray(overlap)
@@ -258,7 +274,7 @@ class Law:
             states = tuple(array[piece] for array in arrays)
             return batch_loop(self.rule, params, overlap[piece], states, ends, limits, force[piece], stiffness[piece])
 
-        good = all(in_threads(part, n)) if parallel and n >= 2 * _PIECE else part(slice(None))
+        good = all(in_threads(part, n)) if parallel and n >= 16 * _PIECE else part(slice(None))
         if not good:
             bad = np.flatnonzero(~np.isfinite(force) | (overlap > end))
             if bad.size:
@@ -461,7 +477,7 @@ def in_threads(part, n):
     if _pool is None or _pool._max_workers != workers:
         _pool = ThreadPoolExecutor(workers)
     # several turns a thread: one that the system holds up then keeps the others waiting for a part of its share only
-    piece = -(-n // (4 * workers * _PIECE)) * _PIECE
+    piece = -(-n // (2 * workers * _PIECE)) * _PIECE
     numbers = itertools.count()  # next() is one operation for all threads
 
     def work():

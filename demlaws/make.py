@@ -23,6 +23,14 @@ def law(name: str, contact: Contact, unloading: str | Law | None = None, **optio
     A curve is a law, a `Table` or the path of a saved table: the contact then unloads along that law's curve of first
     loading through its largest overlap (rule "table"). Its contact is this one, or one in a constant ratio to it.
     Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> law = dl.law("pohrt-popov", pair, unloading="hertz")
+    >>> law.force(1e-6) < dl.law("hertz", pair).force(1e-6)
+    True
+    >>> dl.law("bahrami", pair.with_values(hardness=6e9), unloading="hertz")
+    Traceback (most recent call last):
+    demlaws.errors.NotPassive: law 'bahrami' cannot take 'hertz' unloading: ...
     """
     definition = find(name)
     if not isinstance(contact, Contact):

@@ -84,6 +84,7 @@ class HeightMap:
 
     @classmethod
     def from_portable(cls, values):
+        """A map from what `portable` made of it; DemlawsError where that is spoilt."""
         import base64
         import zlib
 
@@ -95,6 +96,7 @@ class HeightMap:
 
     @property
     def shape(self):
+        """Rows and columns of pixels."""
         return self.heights.shape
 
     @property

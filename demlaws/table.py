@@ -27,7 +27,8 @@ from demlaws.files import as_path, write_atomically
 from demlaws.joining import joined_law
 from demlaws.law import Law
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import find
+from demlaws.laws.registry import find, is_own
+from demlaws.soundness import refuse_unless_collapses
 from demlaws.table_file import UNLOADING, Rows
 
 
@@ -119,6 +120,8 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
         raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
     definition, contact = law.definition, law.contact
     _refuse_too_fine(law, rtol)
+    if is_own(definition) and law.collapses and type(law) is Law:
+        refuse_unless_collapses(law)
     if contact.size is not None and not law.collapses:
         raise DemlawsError(
             f"law {law.name!r} has no single dimensionless curve for contacts that differ: tabulate one contact of each kind"
@@ -285,7 +288,13 @@ def _lengths(definition, contact):
 
 
 class Table(Law):
-    """A law read from its certified table: all methods of `Law`, and `force_error`, `stiffness_error`, `save`, `load`."""
+    """A law read from its certified table: all methods of `Law`, and `force_error`, `stiffness_error`, `save`, `load`.
+
+    >>> law = dl.law("pohrt-popov", dl.Contact(4e-3, 32e9, roughness=2e-6, fractal_dimension=2.2), unloading="hertz")
+    >>> table = law.tabulate(rtol=1e-5)
+    >>> bool(table.force_error < 1e-5), table.collapses, abs(table.force(1e-6) / law.force(1e-6) - 1) < 1e-5
+    (True, True, True)
+    """
 
     def __init__(self, law, shape, nodes, certificate, rtol, contact=None):
         curve = law.unloading_law
@@ -306,13 +315,16 @@ class Table(Law):
         return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
 
     def quick_shape(self) -> Any:
+        """The Shape with which this table serves as an unloading curve."""
         return quick_to_invert(self.shape, self.nodes.kinks)
 
     def kinks(self) -> list[float]:
+        """Overlaps [m] at which the stiffness jumps or has a kink."""
         return list(self.nodes.kinks * np.ravel(self.length)[0])
 
     @property
     def collapses(self) -> bool:
+        """Whether one dimensionless curve serves all contacts of this law."""
         return super().collapses if self.said_to_collapse is None else self.said_to_collapse
 
     @property

@@ -13,6 +13,7 @@ import demlaws as dl
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
 from demlaws.make import example
+from demlaws.measure.lawcheck import derivative, overlaps  # noqa: F401  for the tests
 
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
@@ -76,15 +77,6 @@ def shared(values, kept):
     ]
 
 
-def overlaps(law, points=60):
-    """Overlaps [m] from 1e-8 σ to a tenth of the radius, less where the law's kinks lie."""
-    contact = law.contact
-    values = np.geomspace(1e-8 * contact.roughness, 0.1 * contact.radius, points)
-    for kink in law.kinks():
-        values = values[np.abs(values / kink - 1.0) > 1e-6]
-    return values
-
-
 def quiet(function, *arguments):
     """Call without the warnings that a law gives outside its range."""
     with warnings.catch_warnings():
@@ -127,24 +119,6 @@ def work_along(law, corners):
         work.append(direction * np.sum(force * shares[order]))
         here = corner
     return np.cumsum(work)
-
-
-def derivative(function, overlap, width, degree):
-    """dP/dδ on either side of `overlap`, of the polynomial that fits the force over `width` of it; a kink within reach
-    spoils one side only. 300 Chebyshev points average out most of the rounding of single forces.
-    """
-    sides = []
-    for sign in (-1.0, 1.0):
-        half = 0.5 * width * overlap
-        centre = overlap + sign * half
-        nodes = centre + half * np.cos(np.pi * (np.arange(300) + 0.5) / 300)
-        values = function(nodes)
-        place = (nodes - centre) / half  # of the rounded nodes
-        middle, span = values[150], np.ptp(values)  # taken out, so that the fit's own rounding counts for little
-        fit = np.polynomial.chebyshev.chebfit(place, (values - middle) / span, degree)
-        slope = np.polynomial.chebyshev.chebval((overlap - centre) / half, np.polynomial.chebyshev.chebder(fit))
-        sides.append(slope * span / half)
-    return sides
 
 
 class GraniteTest(NamedTuple):

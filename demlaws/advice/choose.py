@@ -5,6 +5,7 @@ candidate's error over the scene's contacts and loads, measures what an evaluati
 Errors are those against the reference; how well that describes the grains is `demlaws fit`'s question.
 """
 
+import importlib
 import inspect
 import math
 import os
@@ -45,6 +46,7 @@ class Plan(NamedTuple):
 
     @property
     def storage(self):
+        """Type of the numbers that a batch is kept in."""
         return np.float32 if self.evaluation.endswith("float32") else np.float64
 
     def bind(self, contact, max_force=None):
@@ -87,7 +89,7 @@ class Choice:
         return "".join(f" ({v})" for k, v in self.plan.options if k == "branch")
 
     def tables(self) -> dict[tuple[int, int], Table]:
-        """Pair of kinds of grain → `Table` of the largest grains (for LIGGGHTS, `export` writes those of all sizes)."""
+        """Pair of kinds of grain → `Table` of the largest grains (`export` writes those of all sizes)."""
         scene = self.scene
         rtol = self.plan.rtol or max(1e-5, 0.1 * scene.tolerance)
         plan = self.plan._replace(evaluation="table", rtol=rtol)
@@ -95,11 +97,12 @@ class Choice:
         return {kinds: plan.bind(contact, self.max_force) for kinds, contact in zip(scene.kinds(), contacts, strict=True)}
 
     def export(self, folder: str | os.PathLike) -> Path:
-        """Write a LIGGGHTS case: this law for every kind and size of grain of the scene, with all the tables it needs."""
-        from demlaws.liggghts import export
-
-        own = self.evaluation != "table"  # a law that LIGGGHTS has itself
-        options = {"stock": find(self.name).native["liggghts"]} if own else {"rtol": self.plan.rtol}
+        """Write a case for LIGGGHTS, or LAMMPS where that is the scene's engine: this law for every kind and size of grain of
+        the scene, with all the tables it needs."""
+        engine = "lammps" if self.scene.engine == "lammps" else "liggghts"
+        export = importlib.import_module(f"demlaws.{engine}.export").export
+        own = self.evaluation != "table"  # a law that the engine has itself
+        options = {"stock": find(self.name).native[engine]} if own else {"rtol": self.plan.rtol}
         return export(
             folder,
             self.name,
@@ -116,6 +119,7 @@ class Choice:
 
     @property
     def scene(self) -> Scene:
+        """The scene that this is a choice for."""
         return self.judge.scene
 
     @property
@@ -159,7 +163,7 @@ class Choice:
                 f"law = Law2_ScGeom_MindlinPhys_Demlaws({source}, surfaces={{{surfaces}}}{extra})\n"
                 f"# O.dt = {self.step:.3g}"
             )
-        if self.scene.engine == "liggghts":
+        if self.scene.engine in ("liggghts", "lammps"):
             grains = self.scene.grains()
             types = ", ".join(f"{n + 1}: radius {g.radius:g} m" for n, g in enumerate(grains))
             return f"choice.export(folder), or --out FOLDER, writes the case; types {types}; timestep {self.step:.3g}"
@@ -188,6 +192,7 @@ class Choices(list):
 
     @property
     def best(self) -> Choice:
+        """The choice of lowest cost that keeps the tolerance; the list's first."""
         return self[0]
 
 
@@ -413,6 +418,11 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what
     it leaves out at which error, and the law itself. progress: wraps the list of candidates, as tqdm does. Raises
     DemlawsError where the scene's quantities do not suffice.
+
+    >>> steel = dl.Material(young=210e9, poisson=0.3, density=7850)
+    >>> choices = dl.choose(dl.Scene(radii=5e-3, materials=steel, force=(1, 10)), tables=False)  # smooth and elastic
+    >>> choices.best.name
+    'hertz'
     """
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
@@ -508,13 +518,13 @@ def _rank(choice, least):
 def _engine_costs(judge, plans, notes):
     """Plan → ns a contact and step, measured in the scene's engine (nothing where it cannot be), and what that is of."""
     from demlaws.liggghts.export import Grain
-    from demlaws.measure.candidates import Way
-    from demlaws.measure.costs import available, liggghts_costs, yade_costs
+    from demlaws.measure.candidates import NAMES, Way
+    from demlaws.measure.costs import available, plugin_costs, yade_costs
 
     scene, alone = judge.scene, "the law alone"
     if scene.engine == "python":
         return {}, alone
-    name = {"yade": "YADE", "liggghts": "LIGGGHTS"}[scene.engine]
+    name = NAMES[scene.engine]
     problem = available(scene.engine)
     if problem is None:
         contact = scene.contacts(scene.effective_radii()[1])[0]
@@ -533,7 +543,7 @@ def _engine_costs(judge, plans, notes):
         }
         ways = []
         for plan in plans:
-            own = scene.engine == "liggghts" and plan.evaluation != "table"
+            own = scene.engine != "yade" and plan.evaluation != "table"
             law, model = ("", find(plan.name).native[scene.engine]) if own else (plan.name, "")
             ways.append(Way(_label(plan), law, plan.unloading, plan.rtol, model, plan.options))
         try:
@@ -544,7 +554,7 @@ def _engine_costs(judge, plans, notes):
                 else:
                     grains = [Grain(r, material, surface) for r in (radius, 1.01 * radius)]
                     given |= {"contact": scene.contacts(0.5 * radius)[0], "grains": grains}
-                    costs = liggghts_costs(ways, given)
+                    costs = plugin_costs(scene.engine, ways, given)
             return {plan: cost.step for plan, cost in zip(plans, costs, strict=True)}, f"a step of {name}"
         except DemlawsError as error:
             problem = str(error)
@@ -558,8 +568,8 @@ def _label(plan):
 
 
 def _runs_in(plan, engine):
-    """LIGGGHTS computes tables, and what it has a model of its own for; YADE computes any law, in double precision."""
-    if engine == "liggghts":
+    """LIGGGHTS and LAMMPS compute tables, and what they have a model of their own for; YADE any law, in double precision."""
+    if engine in ("liggghts", "lammps"):
         return plan.evaluation == "table" or (engine in find(plan.name).native and plan.evaluation == "closed form")
     return engine == "python" or not plan.evaluation.endswith("float32")
 

@@ -85,6 +85,7 @@ class Fit(NamedTuple):
 
     @property
     def contact(self) -> Contact:
+        """Contact with the fitted quantities."""
         return self.law.contact
 
 
@@ -98,6 +99,7 @@ class Ranking(list):
 
     @property
     def best(self) -> Fit:
+        """The fit of lowest AICc; the list's first."""
         return self[0]
 
 
@@ -260,6 +262,13 @@ def fit(
     Where the misfit of the best law has a pattern that another E* or a compliance would explain, its notes say so.
 
     Raises DemlawsError for points that cannot determine anything. A law that cannot be fitted is listed in `.skipped`.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9)
+    >>> path = dl.driver.force_controlled(dl.law("hertz", pair), [50.0], steps=30)
+    >>> points = [(x, p) for x, p in zip(path.overlap, path.force)][1:]
+    >>> best = dl.fit(points, pair.with_values(modulus=20e9), laws="hertz", free=["modulus"]).best
+    >>> round(best.contact.modulus / 1e9, 3)
+    32.0
     """
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")

@@ -15,7 +15,7 @@ from demlaws.errors import DemlawsError
 from demlaws.materials import DENSITY
 from demlaws.measure.errors import QUANTITIES, Sample
 
-ENGINES = ("python", "yade", "liggghts")
+ENGINES = ("python", "yade", "liggghts", "lammps")
 _POINTS = 2800
 
 
@@ -31,7 +31,12 @@ class Scene:
     engine: one of `ENGINES`; walls: grains touch flats of their own kind; yield_pressure p_y [Pa], where the bulk may
     yield; reference, reference_options: law to hold the others against (default: the richest that the quantities given
     determine); porosity, coordination: of the packing, for pressure and time step; classes: radii [m] of grains that come
-    in a few sizes, such as LIGGGHTS's particle types, in place of `radii`.
+    in a few sizes, such as LIGGGHTS's or LAMMPS's particle types, in place of `radii`.
+
+    >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2680)
+    >>> scene = dl.Scene(radii=(0.01, 0.03), materials=granite, surfaces=dl.Surface(1.7e-6, 2.22), force=(1, 500), cyclic=True)
+    >>> scene.unloads, scene.effective_radii()
+    (True, (0.005, 0.015))
     """
 
     radii: float | tuple = ()

@@ -40,6 +40,12 @@ def soften(thing: Any, factor: float) -> Any:
     grow by s^(2/3), stiffness falls by s^(-2/3), the stable step grows by s^(1/3). Lost: geometry, since overlap over
     diameter grows by s^(2/3). s below 1 stiffens. `Softening` says what becomes of each quantity, and scales a law's options
     alone. Raises DemlawsError for what cannot be scaled, with the reason.
+
+    >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+    >>> law = dl.law("pohrt-popov", pair)
+    >>> softer = dl.soften(law, 8)
+    >>> softer.contact.modulus, round(softer.contact.roughness * 1e6, 9), round(softer.overlap(10.0) / law.overlap(10.0), 6)
+    (4000000000.0, 8.0, 4.0)
     """
     return Softening(factor).of(thing)
 

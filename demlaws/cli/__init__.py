@@ -29,14 +29,37 @@ COMMANDS = {
 """Command → the file of this folder that brings it, and its line of `demlaws --help`, which loads none of them."""
 
 
+LAWS = "--laws"
+
+
+class _Laws(argparse.Action):
+    """Loads the file at once: what stands after it on the command line may name its laws."""
+
+    def __call__(self, parser, namespace, values, option_string=None):
+        from demlaws.laws.registry import load_laws
+
+        load_laws(values)
+
+
 class Parser(argparse.ArgumentParser):
-    """argparse that takes -1e-3 for a number, so that the error about it can name the value and the unit."""
+    """argparse that takes -1e-3 for a number, so that the error about it can name the value and the unit, and --laws."""
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
+        self.add_argument(
+            LAWS,
+            action=_Laws,
+            dest=argparse.SUPPRESS,
+            metavar="FILE.py",
+            help="a Python file of your own that registers laws (may be repeated; docs/own-laws.md)",
+        )
         self._negative_number_matcher = re.compile(
             r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
         )
+
+    def _get_option_tuples(self, option_string):
+        """--laws has no shorter form: --law is another option, which not every command has."""
+        return [found for found in super()._get_option_tuples(option_string) if LAWS not in found[0].option_strings]
 
     def error(self, message):
         """One line, without the whole usage above it."""
@@ -123,7 +146,8 @@ def main(arguments=None):
     try:
         arguments = sys.argv[1:] if arguments is None else arguments
         try:
-            parsed = build_parser(arguments[:1]).parse_args(arguments)
+            commands = [word for word in arguments if word in COMMANDS][:1] or arguments[:1]
+            parsed = build_parser(commands).parse_args(arguments)
             with warnings.catch_warnings():
                 _show_warnings()
                 notice.say = _compiling

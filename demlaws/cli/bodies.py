@@ -5,6 +5,7 @@ from demlaws.errors import DemlawsError
 
 
 def bodies(parser):
+    """Add the arguments that describe a ball and a rough body."""
     parser.add_argument("--radius", type=length, help="radius of the ball in m, or with a unit: 3.175mm")
     parser.add_argument("--rough-radius", type=length, default=float("inf"), help="radius of the rough body (default: flat)")
     parser.add_argument("--young", type=pressure, help="Young's modulus of the rough body in Pa")
@@ -15,6 +16,7 @@ def bodies(parser):
 
 
 def pair_of(arguments, roughness, fractal_dimension=None):
+    """Contact of the ball and the rough body, combined roughness `roughness` [m]. DemlawsError says what is missing."""
     from demlaws.contact import Contact, Material
 
     missing = [f"--{n}" for n in ("radius", "young", "poisson") if getattr(arguments, n) is None]
@@ -35,6 +37,7 @@ def pair_of(arguments, roughness, fractal_dimension=None):
 
 
 def draw(path, make):
+    """Save the figure that `make(plots.surface)` returns, if a path was given; prints the path."""
     if path is not None:
         from demlaws import plots
         from demlaws.plots import surface as plots_surface

@@ -11,7 +11,7 @@ ballast.toml (SI units):
   name = "ballast under a train"
   quantity = "stiffness"        # force, stiffness, overlap, energy, restitution
   tolerance = 0.1
-  engine = "yade"               # python, yade, liggghts
+  engine = "yade"               # python, yade, liggghts, lammps
   cyclic = true
   radii = [0.01, 0.03]          # smallest and largest grain, or classes = [0.01, 0.02, 0.03]: the sizes there are
   force = [1, 500]              # or pressure = [1e4, 2e5], or speed = 0.5
@@ -30,6 +30,7 @@ ballast.toml (SI units):
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "choose",
         description="Ranks laws, unloading rules and evaluations for a scene by measured cost among those that meet its "
@@ -39,7 +40,9 @@ def register(subparsers):
     parser.add_argument("scene", type=Path, help="scene file (TOML)")
     parser.add_argument("--all", action="store_true", help="list also those that miss the tolerance")
     parser.add_argument(
-        "--out", type=Path, help="table file to write, one a pair of kinds of grain; for LIGGGHTS the folder of a whole case"
+        "--out",
+        type=Path,
+        help="table file to write, one a pair of kinds of grain; for LIGGGHTS and LAMMPS the folder of a whole case",
     )
     parser.add_argument("--csv", type=output, help="file to write all candidates to")
     parser.add_argument("--figure", type=output, help="picture to draw: error against cost")
@@ -47,6 +50,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots
@@ -122,7 +126,7 @@ def run(arguments):
     print(best.script(table))
     if arguments.out is None:
         return
-    if scene.engine == "liggghts":
+    if scene.engine in ("liggghts", "lammps"):
         print(f"wrote {best.export(arguments.out)} and {len(list(arguments.out.glob('*.tbl')))} table(s)")
         return
     for kinds, made in best.tables().items():

@@ -102,6 +102,7 @@ def contact_from(arguments):
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     curve = subparsers.add_parser(
         "curve",
         description="Takes one contact along a path of forces or overlaps and writes the curve.",
@@ -138,6 +139,7 @@ def register(subparsers):
 
 
 def run_curve(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import driver, granite, plots
 
     law = law_from(arguments)
@@ -159,6 +161,7 @@ def run_curve(arguments):
 
 
 def run_table(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import plots
 
     law = law_from(arguments)

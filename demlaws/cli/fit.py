@@ -12,6 +12,7 @@ UNITS["compliance"] = ("µm/N", 1e6)
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "fit",
         description="Fits each law to measured (displacement, force) points, loading and unloading in the order of the "
@@ -62,6 +63,7 @@ def shown(name, estimate):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots

@@ -12,6 +12,7 @@ from demlaws.errors import DemlawsError, ValidityWarning
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "granite",
         description="Runs the seven granite tests of Altuhafi, Baudet & Coop 2023 with every law; prints displacement and "
@@ -42,6 +43,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import claims, granite
@@ -92,6 +94,7 @@ def _points(arguments, tests):
 
 
 def print_sensitivity(rows):
+    """Print what FC5's uncertain radius and fractal dimension do."""
     print("\nFC5, first loading by Pohrt-Popov: what its uncertain radius and fractal dimension do")
     print(f"  {'R (mm)':>7} {'Df':>6} {'µm, 0.1 to 7 N':>15} {'K at 7 N (N/mm)':>16} {'threshold F (N)':>16}")
     for r in rows:
@@ -102,6 +105,7 @@ def print_sensitivity(rows):
 
 
 def print_tables(granite, tests, runs, notes, points, compliance):
+    """Print a table a test: displacement and stiffness of each law, with its misfit where points are given."""
     for test in tests:
         low, high, loads = granite.forces_of(test)
         print(
@@ -128,6 +132,7 @@ def _misfit(fit, compliance):
 
 
 def print_stages(granite, result):
+    """Print stiffness and plastic overlap of each stage of a cyclic test."""
     print(f"  {result.law.name}, {result.law.unloading} unloading, p_y = {result.test.yield_pressure / 1e9:.2f} GPa")
     print(f"    {'stage':>5} {'to (N)':>7} {'reload K/K_H':>13} {'K at maximum (N/mm)':>20} {'plastic overlap (µm)':>21}")
     for s in granite.stages_of(result):
@@ -138,6 +143,7 @@ def print_stages(granite, result):
 
 
 def print_claims(found):
+    """Print each claim, what the runs give, the verdict, and how many of each."""
     width = max(80, min(150, shutil.get_terminal_size((120, 24)).columns))
     print("\nClaims of the paper against the runs")
     for claim in found:
@@ -163,6 +169,7 @@ def draw_figures(known, chosen, out, *given):
 
 
 def write_csv(granite, out, tests, runs, notes, found):
+    """Write paths, cycles, summary and claims as CSV; returns the files."""
     files, summary = [], []
     for test in tests:
         low, high, loads = granite.forces_of(test)
@@ -195,6 +202,7 @@ def write_csv(granite, out, tests, runs, notes, found):
 
 
 def draw(granite, out, tests, runs, points, whole):
+    """Draw all figures of these tests; returns the files."""
     import numpy as np
 
     from demlaws import plots

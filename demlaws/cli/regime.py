@@ -12,6 +12,7 @@ from demlaws.errors import DemlawsError, ValidityWarning
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     regime = subparsers.add_parser(
         "regime",
         description="The criterion of Jamari & Schipper: p(0)/H_m at a load, the load at which the answer changes, which laws "
@@ -46,6 +47,7 @@ def register(subparsers):
 
 
 def run_regime(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import regime
 
     given = [n for n in ("radius", "young", "poisson", "hardness", "roughness", "load") if getattr(arguments, n) is not None]

@@ -6,6 +6,7 @@ from demlaws.cli.curve import add_law_arguments, law_from
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "soften",
         description="What to give an engine so that contacts are softer by a factor and the time step longer, without a change "
@@ -23,6 +24,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from demlaws.advice.soften import EXPONENTS, Softening
     from demlaws.contact import Contact
 

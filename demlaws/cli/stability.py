@@ -5,13 +5,14 @@ from demlaws.cli.arguments import law_name, output, whole
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "stability",
         description="Per law, unloading rule and evaluation: values not finite, paths that return work, rounding errors, "
         "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if something is not as it must be.",
         **example(
             "  demlaws stability --law pohrt-popov --paths 1e6\n  demlaws stability --paths 1e7 --csv stability.csv\n"
-            "  demlaws stability --law hertz --paths 0 --yade --liggghts"
+            "  demlaws stability --law hertz --paths 0 --yade --liggghts --lammps"
         ),
     )
     parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
@@ -30,12 +31,14 @@ def register(subparsers):
     )
     parser.add_argument("--yade", action="store_true", help="also inside YADE: two spheres, and a thousand (some minutes)")
     parser.add_argument("--liggghts", action="store_true", help="also inside LIGGGHTS")
+    parser.add_argument("--lammps", action="store_true", help="also inside LAMMPS")
     parser.add_argument("--engines", action="store_true", help="also inside those of the two that are installed")
     parser.add_argument("--quick", action="store_true", help="engines: fewer and shorter paths, 200 spheres")
     parser.set_defaults(func=run)
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from demlaws import granite, plots
     from demlaws.laws.registry import find
     from demlaws.measure import stability
@@ -90,7 +93,7 @@ def _engines(arguments, laws, problems):
     from demlaws.measure import extremes
     from demlaws.measure.costs import available
 
-    wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts}
+    wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts, "LAMMPS": arguments.lammps}
     rows = []
     for engine in extremes.ENGINES:
         if not wanted[engine]:

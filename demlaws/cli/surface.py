@@ -11,6 +11,7 @@ from demlaws.errors import DemlawsError
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     surface = subparsers.add_parser(
         "surface",
         usage="demlaws surface FILE [options]\n"
@@ -81,6 +82,7 @@ def register(subparsers):
 
 
 def run_surface(arguments):
+    """Do what the command's arguments ask."""
     first, *rest = arguments.words
     if first == "synthetic" and not rest:
         return _synthetic(arguments)

@@ -3,19 +3,20 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import law_name, output, whole
 
-ENGINES = ("yade", "liggghts")
-NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS"}
+NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
+ENGINES = tuple(NAMES)
 
 
 def register(subparsers):
+    """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "trade",
         description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
-        "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE and of "
-        "a LIGGGHTS step that a law takes, and the engines' own models; with --scene the errors of a whole packing.",
+        "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE, "
+        "LIGGGHTS or LAMMPS step that a law takes, and the engines' own models; with --scene the errors of a whole packing.",
         **example(
             "  demlaws trade --engines --csv trade.csv --figure trade.png\n"
-            "  demlaws trade --scene yade liggghts --figure scene.png\n"
+            "  demlaws trade --scene yade liggghts lammps --figure scene.png\n"
             "  demlaws trade --law hertz --law pohrt-popov"
         ),
     )
@@ -27,14 +28,14 @@ def register(subparsers):
         nargs="*",
         choices=ENGINES,
         metavar="ENGINE",
-        help="also measure steps of yade and liggghts, with the engines' own models (default: those that are installed)",
+        help="also measure steps of yade, liggghts, lammps, with the engines' own models (default: those that are installed)",
     )
     parser.add_argument(
         "--scene",
         nargs="+",
         choices=ENGINES,
         metavar="ENGINE",
-        help="only this: 1,000 spheres settle and are compressed under each law in yade or liggghts, or in both",
+        help="only this: 1,000 spheres settle and are compressed under each law in yade, liggghts or lammps, or in several",
     )
     parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds in the engines")
     parser.add_argument("--csv", type=output, help="file to write every figure to")
@@ -43,6 +44,7 @@ def register(subparsers):
 
 
 def run(arguments):
+    """Do what the command's arguments ask."""
     from tqdm import tqdm
 
     from demlaws import granite, plots

@@ -3,7 +3,20 @@
 from demlaws.cli import Parser
 from demlaws.errors import DemlawsError
 
-WITH_VALUE = ("-j", "--threads", "--batch", "--cores", "--nice", "-f", "-L", "--libs", "--job-threads", "--lines", "--log")
+WITH_VALUE = (
+    "-j",
+    "--threads",
+    "--batch",
+    "--cores",
+    "--nice",
+    "-f",
+    "-L",
+    "--libs",
+    "--job-threads",
+    "--lines",
+    "--log",
+    "--laws",
+)
 """Options, ours and of yade and yade-batch, whose value may be the next word."""
 
 

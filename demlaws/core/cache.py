@@ -13,6 +13,7 @@ from hashlib import sha256
 from pathlib import Path
 
 import numba
+import numpy as np
 from numba import types
 from numba.core import config, serialize
 from numba.core.compiler import CompileResult
@@ -64,24 +65,98 @@ def _remove_abandoned(folder):
 
 
 FOLDER = _cache_folder()
-_SOURCES = {}
+_SOURCES = {}  # NamedTuple that kernels are bound to → digests of these, None among them where one cannot be known again
+_OURS = ("numba", "numpy", "math", "cmath", "builtins", "operator", "typing", "demlaws.core", "demlaws.laws")
+"""Modules that the folder's name stands for, or whose functions do not change while this version of numba is installed."""
 
 
 def follow(cls, *functions):
-    """Machine code made for arguments whose type is the NamedTuple `cls` is good only as long as the files that define it and
-    these compiled functions stay as they are; those of the core and the laws are followed anyway."""
-    home = getattr(sys.modules.get(cls.__module__), "__file__", None)
-    files = {home, *(f.py_func.__code__.co_filename for f in functions)}
-    _SOURCES.setdefault(cls, set()).update(files)
+    """Machine code made for arguments whose type is the NamedTuple `cls` is good only as long as these compiled functions, all
+    that they call or use as a global, and the file that defines the class stay as they are.
+
+    Read now, not when a loop is compiled: the file may have been edited meanwhile, and a notebook has none. Code of the core
+    and the laws is followed anyway. Returns a digest of all that, or None where something in it cannot be known again.
+    """
+    known = _SOURCES.setdefault(cls, set())
+    if not is_ours(cls.__module__):
+        known.add(_file_digest(getattr(sys.modules.get(cls.__module__), "__file__", None)) or f"fields {cls._fields}")
+    for function in functions:
+        known.add(_meaning(function, set()))
+    return None if None in known else _digest(*sorted(known))
 
 
-@functools.cache
-def _source(file):
-    """Digest of a file; of a function typed in by hand, which has none, None."""
+def digest_of(*functions):
+    """What these functions do, as one text: their code and all that they call or use; None where that cannot be told."""
+    parts = [_meaning(function, set()) for function in functions]
+    return None if None in parts else _digest(*parts)
+
+
+def is_ours(module):
+    """Whether the name of the cache's folder stands for what this module holds."""
+    return module in _OURS or (module or "").startswith(tuple(f"{name}." for name in _OURS))
+
+
+def _meaning(thing, seen):
+    """Text that says what compiled code takes from a function or a global; None: it cannot be known again."""
+    if isinstance(thing, (bool, int, float, complex, str, bytes, type(None), np.generic)):
+        return repr(thing)
+    if isinstance(thing, np.ndarray):
+        return None if thing.dtype.hasobject else _digest(str(thing.dtype), thing.shape, np.ascontiguousarray(thing).tobytes())
+    if isinstance(thing, tuple | list):
+        parts = [_meaning(part, seen) for part in thing]
+        return None if None in parts else f"{type(thing).__qualname__}({','.join(parts)})"
+    if isinstance(thing, dict):
+        return _meaning([*thing, *thing.values()], seen)
+    if isinstance(thing, types.Type):
+        return repr(thing)
+    function = getattr(thing, "py_func", None) or getattr(thing, "_defn", None) or thing  # of a dispatcher, an intrinsic
+    module = getattr(function, "__module__", None)
+    if isinstance(thing, type):
+        return f"{module}.{thing.__qualname__}{getattr(thing, '_fields', '')}"
+    closure = getattr(function, "__closure__", None) or ()
+    if (is_ours(module) and not closure) or isinstance(thing, np.ufunc):
+        return f"{module}.{getattr(function, '__qualname__', repr(function))}"
+    code = getattr(function, "__code__", None)
+    if code is None:
+        return None
+    if id(function) in seen:
+        return "itself"
+    seen.add(id(function))
+    # the whole file as well: what a stub of numba's stands for cannot be seen from its code
+    parts = [_code_digest(code), _file_digest(code.co_filename) or "no file", _meaning(function.__defaults__, seen)]
+    parts += [_meaning(cell.cell_contents, seen) for cell in closure]
+    names = sorted(_names(code))
+    for name in names:
+        if name in function.__globals__:
+            value = function.__globals__[name]
+            if isinstance(value, type(sys)):
+                ours = is_ours(value.__name__)
+                parts += [] if ours else [_meaning(getattr(value, n), seen) for n in names if hasattr(value, n)]
+            else:
+                parts.append(_meaning(value, seen))
+    return None if None in parts else _digest(*parts)
+
+
+def _names(code):
+    """Names of globals and attributes that a function, or one inside it, uses."""
+    inside = [constant for constant in code.co_consts if isinstance(constant, type(code))]
+    return set(code.co_names).union(*map(_names, inside))
+
+
+def _code_digest(code):
+    constants = [_code_digest(c) if isinstance(c, type(code)) else repr(c) for c in code.co_consts]
+    return _digest(code.co_code, code.co_names, code.co_varnames, code.co_freevars, *constants)
+
+
+def _file_digest(file):
+    """Digest of a file; None where there is none."""
     try:
         return _digest(Path(file).read_bytes())
     except (OSError, TypeError):
         return None
+
+
+_source = functools.cache(_file_digest)  # of the file of a loop: a process runs one version of it
 
 
 def _classes(kinds):
@@ -97,9 +172,10 @@ class Cache:
     """Machine code on disk, in place of numba's own cache: one file for each function and types of its arguments.
 
     The file's name is a digest of all that the code depends on: version of numba, content of core and laws (in the folder's
-    name), content of the file of the loop and of any law from elsewhere, types, processor. A file is written under another
-    name and then renamed, and never changed: any number of processes may compile the same loop at once. numba's cache keeps
-    an index and numbered files, which two processes that add to it can mix up, and knows nothing of what a loop inlines.
+    name), content of the loop's file, of any law from elsewhere and of what that uses, types, processor. A file is written
+    under another name and then renamed, and never changed: any number of processes may compile the same loop at once. numba's
+    cache keeps an index and numbered files, which two processes that add to it can mix up, and knows nothing of what a loop
+    inlines.
     """
 
     cache_path = str(FOLDER)
@@ -113,9 +189,11 @@ class Cache:
         closure = [cell.cell_contents for cell in self.function.__closure__ or ()]
         arguments = getattr(signature, "args", signature)  # of a callback it is a Signature
         classes = [*_classes(arguments), *_classes(self.constants.values())]
-        names = [(cls.__module__, cls.__qualname__) for cls in classes]
-        files = {code.co_filename}.union(*(_SOURCES.get(cls, ()) for cls in classes))
-        sources = sorted(map(_source, files), key=str)
+        names = [(cls.__module__, cls.__qualname__, cls.__name__) for cls in classes]
+        for cls in classes:
+            if cls not in _SOURCES:  # part of a law's params, bound to nothing itself
+                follow(cls)
+        sources = sorted({_source(code.co_filename)}.union(*(_SOURCES[cls] for cls in classes)), key=str)
         key = (codegen.magic_tuple(), signature)
         try:
             digest = _digest(key, names, sources, code.co_code, serialize.dumps(closure), self.constants)
@@ -125,6 +203,7 @@ class Cache:
         return None if None in sources else FOLDER / f"{name}-{digest[:32]}.nbc", key
 
     def load_overload(self, signature, context):
+        """The compiled loop for these types from disk, or None: numba then compiles it."""
         context.refresh()
         path, key = self._place(signature, context.codegen())
         try:
@@ -137,6 +216,7 @@ class Cache:
         return None
 
     def save_overload(self, signature, result):
+        """Write a compiled loop to disk, whole or not at all; a folder that cannot be written is no error."""
         notice.end()
         path, key = self._place(signature, result.codegen)
         if path is None or result.library.has_dynamic_globals:

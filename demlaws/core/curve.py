@@ -292,6 +292,7 @@ bind(CurveParams, virgin=_curve_virgin, inverse=_curve_inverse, recover=_curve_r
 
 @loop
 def invert_loop(g, s, u):
+    """u [-] where curve g has the Hertz-equivalent overlap s, entry by entry, into `u`."""
     for i in range(s.size):
         u[i] = invert_curve(g, s[i])
 

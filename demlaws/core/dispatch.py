@@ -3,13 +3,15 @@
 A law hands its kernels to `bind`; any compiled code may then call `scale`, `virgin`, `inverse`, `energy` with that law's
 `Shape` or `Params` and LLVM sees one straight function. Dispatch on a type rather than on a function keeps numba's
 on-disk cache valid from one process to the next. The names of these types go into the symbols of the machine code, so
-each is unique in the package.
+each is unique in the package; a type from elsewhere is given a name of its own.
 """
+
+import itertools
 
 from numba import types
 from numba.extending import overload
 
-from demlaws.core.cache import follow
+from demlaws.core.cache import follow, is_ours
 from demlaws.core.fastmath import read_only
 
 _INLINED = {"forceinline": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
@@ -20,6 +22,7 @@ _KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name o
 
 
 def generic(function):
+    """Mark a function as one that is resolved by the types of its arguments."""
     _GENERIC.add(function.__name__)
     return function
 
@@ -31,10 +34,23 @@ def bind(cls, **functions):
         raise TypeError(
             f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {known}"
         )
-    if any(other.__name__ == cls.__name__ and other is not cls for other in _KERNELS):
-        raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
+    tag = follow(cls, *functions.values())
+    if cls not in _KERNELS:
+        others = {other.__name__ for other in _KERNELS}
+        if not is_ours(cls.__module__):
+            # symbols of two such types, of two users or of one file before and after it was edited, must not clash either
+            numbers = itertools.count(2)
+            name = cls.__name__ = f"{cls.__name__}_{(tag or 'unknown')[:8]}"
+            while cls.__name__ in others:
+                cls.__name__ = f"{name}_{next(numbers)}"
+        elif cls.__name__ in others:
+            raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
     _KERNELS.setdefault(cls, {}).update(functions)
-    follow(cls, *functions.values())
+
+
+def kernels_of(cls):
+    """Names of the generic functions that answer for arguments of this type."""
+    return frozenset(_KERNELS.get(cls, ()))
 
 
 def _kernel_of(argument, name):

@@ -11,11 +11,13 @@ from demlaws.core.fastmath import interleave, loop
 
 @loop
 def scale_one(shape, radius, modulus, roughness):
+    """Params of one contact: R [m], E* [Pa], σ [m]."""
     return dispatch.scale(shape, radius, modulus, roughness)
 
 
 @loop
 def scale_loop(shape, radius, modulus, roughness, params):
+    """Params of each contact, R [m], E* [Pa], σ [m] in arrays, into the arrays of `params`."""
     for i in range(radius.size):
         scatter(params, i, dispatch.scale(shape, radius[i], modulus[i], roughness[i]))
 
@@ -59,12 +61,14 @@ def evaluate_loop(rule, params, overlap, state, force, stiffness):
 
 @loop
 def inverse_loop(params, force, overlap):
+    """Overlap [m] of first loading at each force [N], 0 where that is not positive, into `overlap`."""
     for i in range(force.size):
         overlap[i] = dispatch.inverse(gather(params, i), force[i]) if force[i] > 0.0 else 0.0
 
 
 @loop
 def energy_loop(params, overlap, energy):
+    """Work of first loading [J] to each overlap [m], 0 where that is not positive, into `energy`."""
     for i in range(overlap.size):
         energy[i] = dispatch.energy(gather(params, i), overlap[i]) if overlap[i] > 0.0 else 0.0
 
@@ -85,6 +89,7 @@ def energies_loop(rule, params, overlap, state, stored, dissipated):
 
 @loop
 def unload_loop(rule, p, force, state, overlap):
+    """Overlap [m] at each force [N] on the unloading curve of the first contact's state, into `overlap`."""
     for i in range(force.size):
         overlap[i] = dispatch.unloaded(rule, p, force[i], gather(state, 0))
 

@@ -27,6 +27,7 @@ def leaves(params):
 
 
 def map_leaves(function, params):
+    """The same nested tuple with `function` applied to each number or array in it."""
     values = [map_leaves(function, v) if isinstance(v, tuple) else function(v) for v in params]
     return type(params)(*values) if hasattr(params, "_fields") else tuple(values)
 

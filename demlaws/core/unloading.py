@@ -262,11 +262,13 @@ def _thornton_step(rule, p, overlap, state):
 
 @kernel
 def thornton_stored_and_dissipated(rule, p, overlap, state):
+    """Stored and dissipated work [J] at an overlap [m], with the larger radius of the state."""
     return _balance(p, p.hertz_coefficient * sqrt(state[2]), overlap, state)
 
 
 @kernel
 def thornton_unloaded(rule, p, force, state):
+    """Overlap [m] at a force [N] on the unloading curve of the state."""
     root = cbrt(force / (p.hertz_coefficient * sqrt(state[2])))
     return state[1] + root * root
 

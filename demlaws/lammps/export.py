@@ -28,6 +28,28 @@ class Models(NamedTuple):
     alike: bool  # one table serves all
 
 
+def joined(one, other):
+    """Young's modulus [Pa] and Poisson's ratio of the material that, against itself, has E* and G* of the two."""
+    modulus = 1.0 / ((1.0 - one.poisson**2) / one.young + (1.0 - other.poisson**2) / other.young)
+    shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in (one, other))
+    ratio = modulus / shear
+    poisson = (ratio - 4.0) / (ratio - 2.0)
+    return 2.0 * (1.0 - poisson**2) * modulus, poisson
+
+
+def stock_models(grains, restitution=0.5, friction=0.5):
+    """`Models` of LAMMPS's own hertz/material; a line a pair of types, for what it mixes is too soft in shear."""
+
+    def words(one, other):
+        young, poisson = joined(one.material, other.material)
+        text = f"hertz/material {young:.12g} {restitution:.12g} {poisson:.12g}"
+        return f"{text} tangential mindlin NULL 1 {friction:g} damping coeff_restitution"
+
+    count = len(grains)
+    pairs = [f"pair_coeff {i + 1} {j + 1} {words(grains[i], grains[j])}" for i in range(count) for j in range(i, count)]
+    return Models(pairs, [words(g, g) for g in grains], True)
+
+
 def models(
     folder, law, grains, unloading, options, rtol, restitution=0.5, friction=0.5, wall_friction=None, tangential_damping=1.0
 ):
@@ -120,18 +142,22 @@ def export(
     restitution=0.5,
     friction=0.5,
     count=1000,
+    stock=None,
 ):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains:
     `demlaws.liggghts.Grain`s, one a particle type. Written are the tables (one for all pairs where the law collapses, else one
     a pair of types and a wall), grains.data, in.case, run.sh and post/. load [N]: the largest contact force of the time step.
+    stock="hertz", for law hertz: LAMMPS's own hertz/material instead of tables; the case needs no plugin.
     """
     grains = list(grains)
     if not grains:
         raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
     folder, options = Path(folder), dict(options or {})
     load = number(load, "load", "N")
+    if stock is not None and (stock != "hertz" or law != "hertz"):
+        raise DemlawsError(f"stock = {stock!r} with law {law!r}: LAMMPS has only law 'hertz' of its own, as stock='hertz'")
     if not (isinstance(count, int) and count > 0):
         raise DemlawsError(f"count = {count!r}: a whole number of at least 1")
     try:
@@ -140,7 +166,10 @@ def export(
         raise DemlawsError(f"cannot make folder {folder / 'post'}: {error.strerror}") from error
     rule, curve = rule_and_curve(unloading_of_case(law) if unloading is None else unloading)
     unloading = rule if curve is None else curve
-    said = models(folder, law, grains, unloading, options, rtol, restitution, friction)
+    if stock:
+        said = stock_models(grains, restitution, friction)
+    else:
+        said = models(folder, law, grains, unloading, options, rtol, restitution, friction)
     contacts = [g.contact(g) for g in grains]
     bound = [make_law(law, c, unloading=rebound(unloading, c), **options) for c in contacts]
     # a grain has several contacts in one direction: a tenth of the single-contact limit
@@ -169,6 +198,11 @@ def export(
         "pairs": "\n".join(said.pairs),
         "walls": "\n".join(wall_lines(said, walls)),
         "step": float(f"{step:.1e}"),
+        "words": "" if stock else _WORDS,
+        "outputs": "" if stock else " p13 p14 p15 p16",
+        "energy": "" if stock else "compute         energy all demlaws/energy\n",
+        "energies": "" if stock else " c_energy[1] c_energy[2]",
+        "taken": "" if stock else " d_demlaws_dissipated",
     }
     write_atomically(folder / "in.case", _CASE.format(**values))
     write_atomically(folder / "run.sh", _RUN.replace("@PYTHON@", shlex.quote(sys.executable)))
@@ -180,6 +214,7 @@ def export(
     return folder / "in.case"
 
 
+_WORDS = "# demlaws/table FILE E restitution nu [roughness of the pair] [against E nu of the other body]\n"
 _CASE = """\
 # {title}
 # written by demlaws {version}; start: ./run.sh [ranks], or lmp -in in.case where LAMMPS finds the plugin
@@ -194,8 +229,7 @@ read_data       grains.data
 neighbor        {skin:g} bin
 neigh_modify    delay 0
 
-# demlaws/table FILE E restitution nu [roughness of the pair] [against E nu of the other body]
-pair_style      granular
+{words}pair_style      granular
 {pairs}
 timestep        {step:g}
 
@@ -205,11 +239,10 @@ fix             move all nve/sphere
 
 # ids, normal force, largest and plastic overlap, energies; [1] stored, [2] taken by plastic flow
 compute         ids all property/local patom1 patom2 cutoff radius
-compute         contacts all pair/local fx fy fz p13 p14 p15 p16 cutoff radius
-compute         energy all demlaws/energy
-dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz d_demlaws_dissipated
+compute         contacts all pair/local fx fy fz{outputs} cutoff radius
+{energy}dump            grains all custom 5000 post/grains.*.txt id type x y z radius vx vy vz fx fy fz{taken}
 dump            contacts all local 5000 post/contacts.*.txt index c_ids[*] c_contacts[*]
-thermo_style    custom step atoms ke c_energy[1] c_energy[2] cpu
+thermo_style    custom step atoms ke{energies} cpu
 thermo_modify   norm no
 thermo          1000
 run             ${{steps}}

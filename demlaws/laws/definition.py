@@ -32,6 +32,7 @@ def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
+    """Of a law whose stiffness is continuous and smooth: no overlaps."""
     return []
 
 
@@ -41,10 +42,12 @@ def no_limits(contact: Contact, **options: Any) -> list[Limit]:
 
 
 def never(**options: Any) -> bool:
+    """False, whatever the options."""
     return False
 
 
 def always(**options: Any) -> bool:
+    """True, whatever the options."""
     return True
 
 
@@ -205,7 +208,11 @@ class Definition(NamedTuple):
 
     def __reduce__(self) -> tuple:
         """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
-        return _of_name, (self.name,)
+        from demlaws.laws.registry import mark, registry
+
+        if self.name in registry():
+            return _of_name, (self.name, mark(self))
+        return Definition, tuple(self)  # of a table whose law is not here
 
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
@@ -252,7 +259,10 @@ class Definition(NamedTuple):
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
 
 
-def _of_name(name: str) -> Definition:
-    from demlaws.laws.registry import find
+def _of_name(name: str, marked: str = "") -> Definition:
+    from demlaws.laws.registry import find, mark
 
-    return find(name)
+    definition = find(name)
+    if mark(definition) != marked:
+        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+    return definition

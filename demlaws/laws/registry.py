@@ -1,20 +1,61 @@
-"""The laws by name."""
+"""The laws by name: the package's own, and those that users register."""
 
+import contextlib
 import importlib
+import importlib.metadata
+import importlib.util
+import os
+import re
+import sys
+import traceback
+import warnings
+import zlib
+from collections import defaultdict
+from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError
 from demlaws.laws import MODULES
 from demlaws.laws.definition import Definition
 
+GROUP = "demlaws.laws"
+"""Entry points of this group, of any installed package, bring laws."""
+VARIABLE = "DEMLAWS_LAWS"
+"""Environment variable with files of laws, as PATH has folders: every process finds them, those that engines start too."""
+_own: dict[str, Definition] = {}
+_homes: dict[str, str] = {}  # law → file or module that registered it
+_marks: dict[str, str] = defaultdict(str)  # law → check value of that file when it registered
+_loaded: set[str] = set()  # files
+_looked = [False]  # whether entry points and VARIABLE have been followed
 
-def registry() -> dict[str, Definition]:
-    """Name → Definition of every law, in the order in which figures and tables show them."""
+
+def _built_in() -> dict[str, Definition]:
     definitions = [importlib.import_module(f"demlaws.laws.{module}").LAW for module in MODULES]
     return {definition.name: definition for definition in definitions}
 
 
+def registry() -> dict[str, Definition]:
+    """Name → Definition of every law, in the order in which figures and tables show them; registered ones last."""
+    if not _looked[0]:
+        _looked[0] = True  # a file of laws that makes one of them comes by here, too
+        try:
+            for file in _files():
+                load_laws(file)
+            _load_entry_points()
+        except BaseException:
+            _looked[0] = False
+            raise
+    return {**_built_in(), **_own}
+
+
 def laws() -> list[str]:
-    """Names of all laws."""
+    """Names of all laws.
+
+    >>> dl.laws()[:3]
+    ['hertz', 'rms', 'pohrt-popov']
+    """
     return list(registry())
 
 
@@ -24,3 +65,191 @@ def find(name: str) -> Definition:
     if not isinstance(name, str) or name not in known:
         raise DemlawsError(f"unknown law {name!r}: the laws are {', '.join(known)}")
     return known[name]
+
+
+def is_own(definition: Definition) -> bool:
+    """Whether a user registered this definition."""
+    return _own.get(definition.name) is definition
+
+
+def home_of(name: str) -> str:
+    """File or module that registered the law."""
+    return _homes.get(name, "demlaws")
+
+
+# --- a user's own
+
+
+def register(definition: Definition, replace: bool = False) -> Definition:
+    """Make a law of `definition` known by its name, to everything that knows laws by name. Returns it.
+
+    A name that the package has, or that another file registered, is refused (replace=True: the other file's law goes).
+    Registered again from the same file, module or notebook the new law takes the place of the old one; laws that were made
+    before stay as they are.
+    """
+    return _register(definition, _home(sys._getframe(1).f_globals), replace)
+
+
+def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
+    _check(definition)
+    name = definition.name
+    if name in _own and _homes[name] != home and not replace:
+        raise DemlawsError(
+            f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
+            "with replace=True"
+        )
+    taken = {d.rank: d.name for d in (*_built_in().values(), *_own.values()) if d.rank and d.name != name}
+    if definition.rank in taken:
+        raise DemlawsError(f"law {name!r}: rank {definition.rank} is that of {taken[definition.rank]!r}: give another, or 0")
+    if not definition.label:
+        definition = definition._replace(label=name)
+    if name not in _own or any(a is not b for a, b in zip(_own[name], definition, strict=True)):
+        _own[name] = definition
+    _homes[name] = home
+    with contextlib.suppress(OSError):
+        _marks[name] = f"{zlib.crc32(Path(home).read_bytes()):08x}"
+    return _own[name]
+
+
+def _home(names: dict[str, Any]) -> str:
+    """Where the code that registers stands: its file, or the name of its module."""
+    file = names.get("__file__")
+    return os.path.realpath(file) if file else str(names.get("__name__", "?"))
+
+
+def _check(definition: Any) -> None:
+    """Refuse what is no definition, with the field that is wrong."""
+    if not isinstance(definition, Definition):
+        raise DemlawsError(f"register takes a demlaws.Definition, got {definition!r:.60}")
+    name = definition.name
+    if isinstance(name, str) and name in _built_in():
+        raise DemlawsError(f"law {name!r} is one of demlaws's own: give yours another name")
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*", name) or name in RULES:
+        known = f"no rule's ({', '.join(RULES)})"
+        raise DemlawsError(
+            f"law {name!r:.60}: a law's name is small letters, digits and hyphens, begins with a letter, and is {known}"
+        )
+    for field in ("equation", "source", "description"):
+        text = getattr(definition, field)
+        if not isinstance(text, str) or not text.isprintable():
+            raise DemlawsError(f"law {name!r}: {field} must be one line of text, got {text!r:.60}")
+    for field in ("prepare", "limits", "kinks", "seated", "advise"):
+        if not callable(getattr(definition, field)):
+            raise DemlawsError(f"law {name!r}: {field} must be a function, got {getattr(definition, field)!r:.60}")
+    if definition.length not in ("roughness", "radius"):
+        raise DemlawsError(f"law {name!r}: length must be 'roughness' or 'radius', got {definition.length!r:.60}")
+    known_fields = ("roughness", "fractal_dimension", "hardness")
+    if wrong := [n for n in definition.needs if n not in known_fields]:
+        raise DemlawsError(f"law {name!r}: needs {', '.join(map(repr, wrong))}: a contact has {', '.join(known_fields)}")
+    if not definition.unloading or definition.unloading[0] != "elastic":
+        raise DemlawsError(f"law {name!r}: unloading = {definition.unloading!r:.60}: the first rule must be 'elastic'")
+    offered = definition.offered()
+    if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in offered]:
+        raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(offered)}")
+    if wrong := sorted({*definition.free} - {"modulus", *definition.fitted}):
+        raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
+
+
+def mark(definition: Definition) -> str:
+    """What tells a registered definition from an edited one of the same name: of its functions, or of its file."""
+    if not is_own(definition):
+        return ""
+    return getattr(definition.prepare, "mark", None) or _marks[definition.name]
+
+
+# --- files and packages
+
+
+def load_laws(file: str | os.PathLike) -> list[str]:
+    """Run a Python file that registers laws (or has a `LAW = Definition(...)`, as this package's files); their names.
+
+    A file that has been loaded or imported in this process is left as it is. Processes started from here load it, too.
+    """
+    path = os.path.realpath(file)
+    if path not in _loaded and not _imported(path):
+        _loaded.add(path)
+        try:
+            _run(path)
+        except BaseException:
+            _loaded.discard(path)
+            raise
+    if path not in map(os.path.realpath, _files()):
+        os.environ[VARIABLE] = os.pathsep.join([*_files(), path])
+    return [name for name, home in _homes.items() if home == path]
+
+
+def _files() -> list[str]:
+    return [file for file in os.environ.get(VARIABLE, "").split(os.pathsep) if file]
+
+
+def _imported(path: str) -> bool:
+    """Whether a module is this file; also one that is being run now."""
+    return any(
+        isinstance(module, ModuleType) and os.path.realpath(module.__dict__.get("__file__") or "/") == path
+        for module in list(sys.modules.values())
+    )
+
+
+def _run(path: str) -> None:
+    if not os.path.isfile(path):
+        raise DemlawsError(f"no file of laws {path}: give the Python file that registers them")
+    # stable, so that machine code is found again, and different for files of one name
+    name = f"demlaws_own_{re.sub(r'[^A-Za-z0-9]', '_', Path(path).stem)}_{zlib.crc32(path.encode()):08x}"
+    spec = importlib.util.spec_from_file_location(name, path)
+    before = dict(_own), dict(_homes)
+    if spec is None or spec.loader is None:
+        raise DemlawsError(f"{path} is no Python file: laws are registered by one that ends in .py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    folder = os.path.dirname(path)  # modules beside the file, as for a script
+    sys.path.insert(0, folder)
+    try:
+        spec.loader.exec_module(module)
+        for definition in _laws_of(module):
+            _register(definition, path)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        sys.modules.pop(name, None)
+        for known in (_own, _homes):
+            known.clear()
+        _own.update(before[0])
+        _homes.update(before[1])
+        raise DemlawsError(_told(path, error)) from error
+    finally:
+        with contextlib.suppress(ValueError):
+            sys.path.remove(folder)
+    if not any(home == path for home in _homes.values()):
+        sys.modules.pop(name, None)
+        raise DemlawsError(f"{path} registers no law: call demlaws.register(...) in it")
+
+
+def _laws_of(module: ModuleType) -> list[Definition]:
+    """Definitions that a module holds as LAW or LAWS."""
+    one, several = getattr(module, "LAW", None), getattr(module, "LAWS", ())
+    return [d for d in (one, *(several if isinstance(several, list | tuple) else ())) if isinstance(d, Definition)]
+
+
+def _told(path: str, error: BaseException) -> str:
+    """One line about what went wrong in a file of laws."""
+    if isinstance(error, SyntaxError) and error.filename == path:
+        return f"{path}, line {error.lineno}: {error.msg}"
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
+    where = f"{path}, line {lines[-1]}" if lines else path
+    text = str(error) if isinstance(error, DemlawsError) else f"{type(error).__name__}: {error}"
+    return f"{where}: {' '.join(text.split())}"
+
+
+def _load_entry_points() -> None:
+    """Laws of installed packages: an entry point is a Definition, a list of them, or a module that registers its own.
+
+    One that fails is left out with a warning: it must not take the other laws along.
+    """
+    for point in importlib.metadata.entry_points(group=GROUP):
+        try:
+            found = point.load()
+            found = _laws_of(found) if isinstance(found, ModuleType) else found
+            for definition in [found] if isinstance(found, Definition) or not isinstance(found, list | tuple) else found:
+                _register(definition, _home(vars(sys.modules[point.module])))
+        except Exception as error:
+            warnings.warn(f"laws of the entry point {point.name} = {point.value} are left out: {error}", stacklevel=3)

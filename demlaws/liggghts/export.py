@@ -47,6 +47,7 @@ class Grain:
 
     @property
     def mass(self):
+        """Mass of one grain [kg]; 2650 kg/m³ where the material has no density."""
         density = DENSITY if self.material.density is None else self.material.density
         return density * 4.0 / 3.0 * math.pi * self.radius**3
 
@@ -148,10 +149,12 @@ class Case:
 
     @property
     def rule(self):
+        """Name of the unloading rule."""
         return rule_and_curve(self._unloading)[0]
 
     @property
     def curve(self):
+        """The law or table that contacts unload along, or None."""
         return rule_and_curve(self._unloading)[1]
 
     @property
@@ -163,6 +166,7 @@ class Case:
 
     @property
     def wall_type(self):
+        """LIGGGHTS's particle type of the walls: the last."""
         return len(self.grains) + 1
 
     def write(self, folder):

@@ -27,6 +27,7 @@ hard_particles  yes
 
 
 def executable():
+    """Path of the liggghts binary (DEMLAWS_LIGGGHTS or the first on PATH); DemlawsError where there is none."""
     name = os.environ.get("DEMLAWS_LIGGGHTS", "liggghts")
     found = shutil.which(name)
     if not found:

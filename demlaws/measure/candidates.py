@@ -8,7 +8,8 @@ from demlaws.errors import ValidityWarning
 from demlaws.make import law as bind_law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
-ENGINES = ("yade", "liggghts")
+NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
+ENGINES = tuple(NAMES)
 SURFACE = Surface(1.7e-6, 2.22, GRANITE.hardness)
 RADII = (3.5e-3, 4.5e-3)
 CDM = (GRANITE_YIELD_PRESSURE, 1.4)
@@ -38,12 +39,13 @@ RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton", options=((
 
 
 def ways(engine):
-    """The ways of an engine, the richest first. LIGGGHTS computes tables; rough-plastic needs one a pair of sizes there."""
-    table = 1e-5 if engine == "liggghts" else 0.0
+    """The ways of an engine, the richest first. LIGGGHTS and LAMMPS compute tables, of rough-plastic one a pair of sizes."""
+    table = 0.0 if engine == "yade" else 1e-5
     tables = [Way(f"pohrt-popov, hertz, table {r:g}", "pohrt-popov", "hertz", r) for r in (1e-1, 1e-5, 1e-7)]
     own = {
         "yade": [Way("YADE's Hertz-Mindlin", model="hertz"), Way("YADE's Conical Damage Model", model="cdm")],
         "liggghts": [Way("LIGGGHTS's hertz", model="hertz"), Way("LIGGGHTS's edinburgh", model="edinburgh")],
+        "lammps": [Way("LAMMPS's hertz/material", model="hertz")],
     }[engine]
     closed = [] if table else [Way("pohrt-popov, hertz", "pohrt-popov", "hertz")]
     return [

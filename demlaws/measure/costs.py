@@ -1,12 +1,13 @@
 """What ways of computing contacts cost inside the engines, measured there: a close packing that stands still."""
 
+import importlib
 import json
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
 from demlaws.errors import DemlawsError
-from demlaws.measure.candidates import Way
+from demlaws.measure.candidates import NAMES, Way
 
 
 class StepCost(NamedTuple):
@@ -16,7 +17,7 @@ class StepCost(NamedTuple):
     step: float  # ns of the whole step
     over_hertz: float  # whole step over that with the engine's own Hertz
     law: float  # share of the step that the normal law takes
-    model: float  # YADE: share of the Law2 functor, with shear and friction; LIGGGHTS: share of the pair loop
+    model: float  # YADE: share of the Law2 functor, with shear and friction; LIGGGHTS, LAMMPS: share of the pair loop
 
 
 def available(engine):
@@ -32,8 +33,12 @@ def available(engine):
 
             versions()
             library_path()
+        elif engine == "lammps":
+            from demlaws.lammps.run import versions as lammps_versions
+
+            lammps_versions()
         else:
-            raise DemlawsError(f"engine {engine!r}: choose yade or liggghts")
+            raise DemlawsError(f"engine {engine!r}: choose {', '.join(NAMES)}")
     except DemlawsError as error:
         return str(error)
     return None
@@ -101,10 +106,9 @@ def yade_costs(ways, given, contact, side=8, repeats=40):
     return costs
 
 
-def liggghts_costs(ways, given, side=12, rounds=5, steps=200, progress=lambda things: things):
-    """`StepCost` of each way in LIGGGHTS; given as for YADE, with "contact" and, for other grains than granite, "grains"."""
-    from demlaws.measure.liggghts_cost import measure
-
+def plugin_costs(engine, ways, given, side=12, rounds=5, steps=200, progress=lambda things: things):
+    """`StepCost` of each way in LIGGGHTS or LAMMPS; given as for YADE, with "contact" and, unless of granite, "grains"."""
+    measure = importlib.import_module(f"demlaws.measure.{engine}_cost").measure
     own = [Way("hertz", model="hertz"), *ways]
     described = [{**way._asdict(), "options": dict(way.options)} for way in own]
     found = measure(given, described, side, rounds, steps, progress)

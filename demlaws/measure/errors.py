@@ -37,9 +37,11 @@ class Loaded:
         self.top = self.overlap_of(sample.peak)
 
     def overlap_of(self, force):
+        """Overlap [m] of first loading at each force [N], in the storage that is measured."""
         return np.atleast_1d(self.law.overlap(force)).astype(self.storage)
 
     def state_at(self, top):
+        """State, force [N] and stiffness [N/m] after first loading to each overlap `top` [m]."""
         state = self.law.new_state(top.size, self.storage)
         force, stiffness = self.law.evaluate(top.astype(self.storage), state)
         return state, np.asarray(force, float), np.asarray(stiffness, float)

@@ -5,7 +5,8 @@ arithmetic makes of the positions. The smallest overlap two spheres can have is 
 engines take it as (R1 + R2) - distance: some 2e-16 of the larger sphere; none below exists inside an engine.
 
 Engines are driven through `demlaws.yade.extremes.Yade` (in YADE's process) and `demlaws.liggghts.extremes.Liggghts`
-(LIGGGHTS's library in a process of its own); both offer `two_spheres`, `impacts`, `let_go` and `stops`.
+(LIGGGHTS's library in a process of its own), and through `demlaws.measure.lammps_extremes.Lammps` (LAMMPS's, likewise); all
+offer `two_spheres`, `impacts`, `let_go` and `stops`.
 """
 
 import functools
@@ -58,6 +59,7 @@ class Group(NamedTuple):
 
     @property
     def options(self):
+        """Options that the law is made with."""
         return registry()[self.case.law].example
 
     @property
@@ -67,10 +69,12 @@ class Group(NamedTuple):
 
     @property
     def size(self):
+        """Number of pairs."""
         return self.radius1.size
 
     @property
     def contact(self):
+        """The pairs as an array of contacts."""
         return self.law.contact
 
     @property
@@ -327,6 +331,7 @@ class Packing(NamedTuple):
 
     @property
     def options(self):
+        """Options that the law is made with."""
         return registry()[self.case.law].example
 
     def velocities(self, random):
@@ -540,11 +545,11 @@ def _figures(content):
     return Figures(**{**content, "compared": Compared(**compared), "impacts": Impacts(**blows), "packings": packings})
 
 
-ENGINES = ("YADE", "LIGGGHTS")
+ENGINES = ("YADE", "LIGGGHTS", "LAMMPS")
 
 
 def run(engine, laws=None, unloadings=None, quick=False, stops=True):
-    """Measure inside an engine, "YADE" or "LIGGGHTS": yields `Figures` as they come, then what stopped it.
+    """Measure inside an engine, one of `ENGINES`: yields `Figures` as they come, then what stopped it.
 
     The last item, if `stops`, is a list of (what was done to a body, the message or None).
     """
@@ -563,12 +568,17 @@ def run(engine, laws=None, unloadings=None, quick=False, stops=True):
         line = start.command(Path(__file__).with_name("yade_extremes.py"), [request])
         environment = start.environment()
     else:
-        from demlaws.liggghts.build import build
-        from demlaws.liggghts.run import versions
+        if engine == "LAMMPS":
+            from demlaws.lammps.build import build
+            from demlaws.lammps.run import command, versions
 
+            environment = command("none", plugin=False)[1]
+        else:
+            from demlaws.liggghts.build import build
+            from demlaws.liggghts.run import versions
         versions()
         build()
-        line = [sys.executable, "-m", "demlaws.measure.liggghts_extremes", request]
+        line = [sys.executable, "-m", f"demlaws.measure.{engine.lower()}_extremes", request]
     pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
     with subprocess.Popen(line, env=environment, text=True, errors="replace", **pipes) as process:
         noise, results = [], 0
@@ -693,5 +703,5 @@ def failures(rows):
 
 
 def stop_failures(engine, found):
-    """Faults that did not stop the engine, as sentences. An infinite position takes a particle out of LIGGGHTS's box."""
+    """Faults that did not stop the engine, as sentences. An infinite position takes a particle out of the engine's box."""
     return [f"{engine}: {what} does not stop it" for what, message in found if message is None]

@@ -52,34 +52,42 @@ def header_cost(table, contact, largest, folder):
     return float(done.stdout.split()[0])
 
 
-def measure(given, ways, side=12, rounds=5, steps=200, progress=lambda things: things):
-    """One dict a way: contacts, ns a step (whole, pair loop), ns a contact of the law alone (None for LIGGGHTS's own)."""
+def write(folder, given, way, centres, width, steps):
+    """Input and tables of one way; whether it needs the plugin."""
+    model, words, more = model_lines(folder, given, way)
+    values = {"model": model, "words": words, "more": more, "types": 3, "dt": 1e-9}
+    values["young"] = " ".join([f"{given['young']:.10g}"] * 3)
+    values["poisson"] = " ".join([f"{given['poisson']:.10g}"] * 3)
+    values["restitution"], values["friction"] = pairwise([1.0] * 5)[2:], pairwise([0.5] * 5)[2:]
+    text = HEAD + CASE.format(material=MATERIAL.format(**values), steps=steps, skin=0.1 * given["radius"])
+    (folder / "start.data").write_text(_data(centres, np.full(len(centres), given["radius"]), width, given["density"]))
+    (folder / "in.cost").write_text(text)
+    return model == "demlaws/table"
+
+
+def measure(given, ways, side=12, rounds=5, steps=200, progress=lambda things: things, write=write, run=run, timings=timings):
+    """One dict a way: contacts, ns a step (whole, pair loop), ns a contact of the law alone (None for the engine's own).
+
+    write, run, timings: those of the engine.
+    """
     radius, overlap = given["radius"], given["overlap"]
     centres, contacts = close_packing(side, radius, overlap)
-    radii = np.full(len(centres), radius)
     given = {**given, "radii": [radius, 1.01 * radius]}  # two types and the walls', as in the scene; one of them occurs
     with tempfile.TemporaryDirectory() as scratch:
         made = []
         for number, way in enumerate(ways):
             folder = Path(scratch) / str(number)
             folder.mkdir()
-            model, words, more = model_lines(folder, given, way)
-            values = {"model": model, "words": words, "more": more, "types": 3, "dt": 1e-9}
-            values["young"] = " ".join([f"{given['young']:.10g}"] * 3)
-            values["poisson"] = " ".join([f"{given['poisson']:.10g}"] * 3)
-            values["restitution"], values["friction"] = pairwise([1.0] * 5)[2:], pairwise([0.5] * 5)[2:]
-            text = HEAD + CASE.format(material=MATERIAL.format(**values), steps=steps, skin=0.1 * radius)
-            (folder / "start.data").write_text(_data(centres, radii, 3.0 * side * radius, given["density"]))
-            (folder / "in.cost").write_text(text)
+            ours = write(folder, given, way, centres, 3.0 * side * radius, steps)
             alone = None
-            if model == "demlaws/table":
+            if ours:
                 contact = given["contact"]
                 alone = header_cost(sorted(folder.glob("*.tbl"))[0], contact, overlap, scratch)
-            made.append((folder, model, alone, []))
+            made.append((folder, ours, alone, []))
         for _ in progress(range(rounds)):
-            for folder, model, _, times in made:
-                run(folder / "in.cost", plugin=model == "demlaws/table")
-                times.append(timings(folder / "log.liggghts"))
+            for folder, ours, _, times in made:
+                run(folder / "in.cost", plugin=ours, log="log.cost")
+                times.append(timings(folder / "log.cost"))
         found = []
         for _, _, alone, times in made:
             step, pair = (1e9 * min(t[n] for t in times) / steps for n in (0, 1))

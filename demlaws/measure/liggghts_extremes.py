@@ -70,7 +70,7 @@ class _Library:
     def _pointer(self, name):
         found = self._library.lammps_extract_atom(self._instance, name.encode())
         if not found:
-            raise DemlawsError(f"LIGGGHTS's library does not give {name!r}")
+            raise DemlawsError(f"the engine's library does not give {name!r}")
         return found
 
     def vectors(self, name, count):
@@ -83,7 +83,7 @@ class _Library:
         numbers = np.ctypeslib.as_array(ctypes.cast(self._pointer("id"), ctypes.POINTER(ctypes.c_int)), (count,))
         rows = np.argsort(numbers, kind="stable")
         if not np.array_equal(numbers[rows], np.arange(1, count + 1)):
-            raise DemlawsError("LIGGGHTS has lost a particle")
+            raise DemlawsError("the engine has lost a particle")
         return rows
 
     def compute(self, name, size, per_atom=False):
@@ -97,8 +97,8 @@ class Liggghts:
     name = "LIGGGHTS"
     evaluation = "table"
 
-    def __init__(self, screen=False):
-        self._lib = _Library(screen)
+    def __init__(self, screen=False, library=None):
+        self._lib = library or _Library(screen)
         self._folder = tempfile.TemporaryDirectory(prefix="demlaws-extremes-")
 
     def _start(self, case, table, modulus, roughness, low, high, skin, dt, boundary="f f f"):
@@ -225,17 +225,17 @@ class Liggghts:
         return found
 
     def stops(self):
-        """What stops LIGGGHTS when a number is no number: (what was done, message or None) of touching and lone spheres."""
+        """What stops the engine when a number is no number: (what was done, message or None) of touching and lone spheres."""
         names = {"nan": "NaN", "inf": "infinite"}
         return [
-            (f"{names[value]} {where}, {'touching' if touching else 'alone'}", stopped_by(touching, where, value))
+            (f"{names[value]} {where}, {'touching' if touching else 'alone'}", stopped_by(touching, where, value, self.name))
             for touching in (True, False)
             for value in names
             for where in ("position", "velocity")
         ]
 
     def stop(self, touching, where, value):
-        """Four spheres, one of which gets a number that is none; ends the process where LIGGGHTS stops."""
+        """Four spheres, one of which gets a number that is none; ends the process where the engine stops."""
         from demlaws.measure.stability import GRANITE, Case
 
         lib, case = self._lib, Case("hertz", "elastic", "table")
@@ -254,12 +254,12 @@ class Liggghts:
         lib.command("run 250 pre no post no")
 
 
-def stopped_by(touching, where, value):
-    """LIGGGHTS's error after a position or velocity was set to `value`, "nan" or "inf", in a process of its own; or None."""
+def stopped_by(touching, where, value, engine="LIGGGHTS"):
+    """The engine's error after a position or velocity was set to `value`, "nan" or "inf", in a process of its own; or None."""
     line = [
         sys.executable,
         "-m",
-        "demlaws.measure.liggghts_extremes",
+        f"demlaws.measure.{engine.lower()}_extremes",
         "--stop",
         "touching" if touching else "alone",
         where,
@@ -270,14 +270,14 @@ def stopped_by(touching, where, value):
     return told[0] if told else None if done.returncode == 0 else f"exit {done.returncode}"
 
 
-def main(arguments):
+def main(arguments, engine=Liggghts):
     """`--stop TOUCHING WHERE VALUE`, or what `demlaws.extremes.serve` understands."""
     if arguments[:1] == ["--stop"]:
-        Liggghts(screen=True).stop(*arguments[1:])
+        engine(screen=True).stop(*arguments[1:])
         return
     from demlaws.measure.extremes import serve
 
-    serve(Liggghts(), json.loads(arguments[0]))
+    serve(engine(), json.loads(arguments[0]))
 
 
 if __name__ == "__main__":

@@ -7,6 +7,7 @@ forces in it, and the time that the run took. Errors are those against the riche
 Thornton unloading; that law once more from positions shaken by 1e-9 of the radius says how much of them is chance.
 """
 
+import importlib
 import math
 import tempfile
 from dataclasses import asdict, dataclass
@@ -41,6 +42,7 @@ class Setup:
 
     @property
     def width(self):
+        """Width of the box [m]."""
         return 2.02 * max(RADII) * self.across
 
     @property
@@ -124,6 +126,7 @@ class Outcome(NamedTuple):
 
     @property
     def percentiles(self):
+        """Percentiles of the distribution of forces."""
         return np.percentile(self.shape, PERCENTILES)
 
 
@@ -195,8 +198,7 @@ def run(engine, setup=None, chosen=None, progress=lambda label: None):
             described = [describe(way, scratch, largest.contact(largest), n) for n, way in enumerate(chosen)]
             raw = under_yade("yade_oedometer.py", {**given, "shift": shift.tolist(), "ways": described}, progress)
         else:
-            from demlaws.measure.liggghts_oedometer import oedometer
-
+            oedometer = importlib.import_module(f"demlaws.measure.{engine}_oedometer").oedometer
             for number, way in enumerate(chosen):
                 progress(f"{number + 1} {way.label}")
                 places = (centres + shift if way.shaken else centres).tolist()

@@ -21,7 +21,7 @@ from demlaws.laws.registry import registry
 from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
 from demlaws.measure import candidates, peers
-from demlaws.measure.costs import StepCost, available, liggghts_costs, yade_costs
+from demlaws.measure.costs import StepCost, available, plugin_costs, yade_costs
 from demlaws.measure.errors import Sample, error_of
 from demlaws.measure.stability import GRANITE, STEPS, impact
 from demlaws.measure.timing import Batch, nanoseconds
@@ -283,7 +283,7 @@ def engine_trade(engine, quick=False, progress=lambda things: things, chosen=Non
             costs = yade_costs(ways, given, contact, *((6, 10) if quick else (10, 40)))
         else:
             given |= {"contact": contact, "mean_force": math.sqrt(LOADS[0] * LOADS[1])}
-            costs = liggghts_costs(ways, given, *((8, 2, 100) if quick else (12, 9, 300)), progress=progress)
+            costs = plugin_costs(engine, ways, given, *((8, 2, 100) if quick else (12, 9, 300)), progress=progress)
         yielding = RICHEST[2]["yield_pressure"]
         entries = [EngineEntry(c, peers.force_error(c.way, reference, peaks, yielding)) for c in costs]
     front = pareto([(e.cost.over_hertz, e.error) for e in entries])

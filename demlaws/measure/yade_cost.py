@@ -173,6 +173,7 @@ def one_contact(given, way, paths, steps=300):
 
 
 def main():
+    """Read the specification, measure, hand the result over."""
     with open(sys.argv[1]) as file:
         given = json.load(file)
     if "paths" in given:

@@ -61,15 +61,18 @@ class Box:
         self.steps, self.seconds = 0, 0.0
 
     def run(self, steps):
+        """Run this many steps, and count them and the time they take."""
         started = time.process_time() if O.numThreads == 1 else time.perf_counter()
         O.run(int(steps), True)
         self.seconds += (time.process_time() if O.numThreads == 1 else time.perf_counter()) - started
         self.steps += int(steps)
 
     def spheres(self):
+        """The bodies that are spheres."""
         return [b for b in O.bodies if isinstance(b.shape, yade.Sphere)]
 
     def centres(self):
+        """Centres of the spheres [m], one row each."""
         return np.array([tuple(b.state.pos) for b in self.spheres()])
 
     def lower_onto_grains(self):
@@ -78,6 +81,7 @@ class Box:
         self.plate.state.pos = (self.plate.state.pos[0], self.plate.state.pos[1], top)
 
     def move(self, speed):
+        """Give the plate this vertical speed [m/s]."""
         self.plate.state.vel = (0, 0, speed)
 
     def state(self):
@@ -184,6 +188,7 @@ def oedometer(given, centres, way):
 
 
 def main():
+    """Read the specification, run the scene each way, write the result."""
     with open(sys.argv[1]) as file:
         given = json.load(file)
     if not given["ways"]:

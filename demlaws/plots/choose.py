@@ -4,6 +4,7 @@ import numpy as np
 
 from demlaws.core.unloading import RULES
 from demlaws.laws.registry import registry
+from demlaws.measure.candidates import NAMES
 from demlaws.plots import colour, figure
 
 
@@ -97,7 +98,7 @@ def _line(rule):
     return _GENERAL.get(rule, "-.")
 
 
-_ENGINES = {"YADE": "o", "LIGGGHTS": "x"}
+_ENGINES = {"YADE": "o", "LIGGGHTS": "x", "LAMMPS": "+"}
 
 
 def _key(ax, colours, styles, **options):
@@ -185,7 +186,7 @@ def _inside(ax, closed, inside, laws):
         yscale="log",
         ylim=(0.3, 30.0 * max(highest, 1.0)),
     )
-    ax.set_title("inside the engines: against the law (YADE), its table (LIGGGHTS), in Python", fontsize=9)
+    ax.set_title("inside the engines: against the law (YADE), its table (LIGGGHTS, LAMMPS), in Python", fontsize=9)
     engines = {e: m for e, m in _ENGINES.items() if any(r.engine == e for r in inside)}
     _key(ax, list(dict.fromkeys(r.law for r in inside)), engines, ncols=2)
 
@@ -262,7 +263,7 @@ def _engine_panel(ax, engine, found):
         yscale="log",
         xlabel="time of a step over that with the engine's own Hertz",
         ylabel=f"largest error of force (below {lowest:g} there)",
-        title=f"{'YADE' if engine == 'yade' else 'LIGGGHTS'}; stars: its own models; line: Pareto front",
+        title=f"{NAMES[engine]}; stars: its own models; line: Pareto front",
     )
     _number(ax, [(n + 1, (e.cost.over_hertz, max(e.error, lowest))) for n, e in enumerate(ordered)])
     _numbered_key(ax, [(n + 1, e.cost.way.label) for n, e in enumerate(ordered)])
@@ -274,7 +275,7 @@ def scene_figure(found, setup):
 
     fig, axes = figure(columns=2, rows=len(found), width=6.4, height=4.2)
     for (engine, outcomes), (left, right) in zip(found.items(), np.reshape(axes, (-1, 2)), strict=True):
-        title = f"{setup.count} granite spheres in {'YADE' if engine == 'yade' else 'LIGGGHTS'}"
+        title = f"{setup.count} granite spheres in {NAMES[engine]}"
         kinds = (("low", 0.15), ("loading", 0.75), ("unloading", 0.9))
         place = np.arange(len(outcomes))
         for n, (kind, share) in enumerate(kinds):

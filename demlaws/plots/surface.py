@@ -12,6 +12,7 @@ MICRO = 1e6
 
 
 def plain(ax):
+    """Axes without a grid, for pictures of maps."""
     ax.grid(False)
     return ax
 
@@ -89,11 +90,13 @@ def _regime_bar(fig, image, axes):
 
 
 def extent(heights):
+    """Extent of a map's picture [µm]: left, right, bottom, top."""
     width, height = heights.field_of_view
     return (0, width * MICRO, 0, height * MICRO)
 
 
 def show(fig, ax, heights, z, label, cmap="viridis", **more):
+    """Show an array of the map's shape as a picture with its colour bar."""
     plain(ax)
     image = ax.imshow(z, extent=extent(heights), origin="lower", cmap=cmap, **more)
     fig.colorbar(image, ax=ax, label=label, shrink=0.8)
@@ -160,6 +163,7 @@ def contact_figure(contact, step, worn=None):
 
 
 def ellipses(ax, step):
+    """Outline the contact patches of a step as ellipses of their contact area."""
     from matplotlib.collections import EllipseCollection
 
     micro = step.micro
@@ -179,6 +183,7 @@ def ellipses(ax, step):
 
 
 def circle(ax, centre, radius, style, label):
+    """Outline a circle, centre and radius in m."""
     angle = np.linspace(0, 2 * np.pi, 200)
     ax.plot(
         (centre[0] + radius * np.cos(angle)) * MICRO,

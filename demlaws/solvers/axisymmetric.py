@@ -540,9 +540,11 @@ class Curve(NamedTuple):
         return force, force / self._approach(t)[1]
 
     def force(self, approach):
+        """Force at an approach, without units."""
         return self.evaluate(approach)[0]
 
     def stiffness(self, approach):
+        """Stiffness at an approach, without units."""
         return self.evaluate(approach)[1]
 
     def hertz_overlap(self, approach):
@@ -688,6 +690,7 @@ class Family(NamedTuple):
     stiffness_error: float
 
     def curves(self):
+        """The solved curve of each parameter of the family."""
         return [curve(self.model, float(parameter)) for parameter in self.parameters]
 
     def weights(self, parameter):

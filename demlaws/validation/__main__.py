@@ -8,12 +8,13 @@ from demlaws.validation.report import collect, write
 
 
 def main(arguments=None):
+    """Run all comparisons and write the page; exit status 1 where one fails."""
     parser = argparse.ArgumentParser(
         prog="python -m demlaws.validation",
         description="Every answer that others wrote, held against ours: one page and figures.",
     )
     parser.add_argument("--out", default="validation", help="folder of the page and its figures")
-    parser.add_argument("--no-engines", action="store_true", help="only what needs neither YADE nor LIGGGHTS")
+    parser.add_argument("--no-engines", action="store_true", help="only what needs no engine")
     parser.add_argument("--quick", action="store_true", help="without the random packing (a minute)")
     options = parser.parse_args(arguments)
     try:

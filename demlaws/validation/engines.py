@@ -16,6 +16,7 @@ from demlaws.validation.row import between, missing, near
 
 
 def impact_rows(engine, found):
+    """Rows of the published impacts in an engine."""
     for one, answer in zip(IMPACTS, found, strict=False):
         yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
     for ratio, answer in zip(SPEEDS, found[len(IMPACTS) :], strict=True):
@@ -44,6 +45,7 @@ def moduli(array, normal, shear, distance):
 
 
 def array_rows(engine, jobs, found):
+    """Rows of the regular arrays in an engine."""
     for job, answer in zip(jobs, found, strict=True):
         array, unloading = job["array"], job["unloading"]
         one = bound(job["law"], contact_of(job), unloading)
@@ -90,6 +92,7 @@ def shear_modulus(job, answer):
 
 
 def shear_rows(engine, jobs, found):
+    """Rows of the shear modulus C44 of sheared arrays in an engine."""
     for job, answer in zip(jobs, found, strict=True):
         choice = job["options"]["shear"]
         _, seen, low, high = shear_modulus(job, answer)
@@ -152,12 +155,19 @@ def in_yade(jobs):
 
 
 def in_liggghts(jobs):
+    """Answers of LIGGGHTS to the jobs."""
     from demlaws.validation.in_liggghts import answer
 
     return answer(jobs)
 
 
-ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts)}
+def in_lammps(jobs):
+    from demlaws.validation.in_lammps import answer
+
+    return answer(jobs)
+
+
+ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts), "LAMMPS": ("lammps", in_lammps)}
 
 
 def packing_rows(found):

@@ -1,7 +1,9 @@
 """The rows that LIGGGHTS computes: one run a job, with a table of the job's law made to 1e-9."""
 
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,16 +67,38 @@ velocity        all set 0 0 0
 """
 
 
-def _material(job, folder):
+class Engine(NamedTuple):
+    """What differs between LIGGGHTS and LAMMPS, which take the same inputs but for the contacts."""
+
+    head: str
+    material: Callable  # (job, folder) → the lines up to the time step; writes the table
+    plane: Callable  # job → the fix of the rigid plane z = 0
+    run: Callable
+
+
+def save_table(job, folder):
+    """The table of a job's law, to 1e-9, as law.tbl."""
     one = bound(job["law"], contact_of(job), job["unloading"], **job["options"])
     quiet(one.tabulate, 1e-9).save(folder / "law.tbl")
+
+
+def _material(job, folder):
+    save_table(job, folder)
     return MATERIAL.format(rigid=RIGID * job["young"], words="table law.tbl", **job)
 
 
-def impact(job, folder):
+def _plane(job):
+    model = "demlaws/table tangential history primitive type 2 zplane 0.0 table law.tbl limitForce off"
+    return f"fix plane all wall/gran model {model}"
+
+
+LIGGGHTS = Engine(HEAD, _material, _plane, run)
+
+
+def impact(job, folder, engine=LIGGGHTS):
     """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane."""
     radius, apart = job["radius"], 1e-3 * job["overlap"]
-    material = _material(job, folder)
+    material = engine.material(job, folder)
     place = [radius + apart] if job["plane"] else [-radius - 0.5 * apart, radius + 0.5 * apart]
     speed = [-job["speed"]] if job["plane"] else [0.5 * job["speed"], -0.5 * job["speed"]]
     lines = [f"create_atoms 1 single 0 0 {z:.17g} units box" for z in place]
@@ -82,20 +106,17 @@ def impact(job, folder):
     for number, v in enumerate(speed, start=1):
         lines += [f"group one{number} id {number}", f"velocity one{number} set 0 0 {v:.17g}"]
     if job["plane"]:
-        words = material.split("tangential history ")[1].split(" limitForce")[0]
-        lines.append(
-            f"fix plane all wall/gran model demlaws/table tangential history primitive type 2 zplane 0.0 {words} limitForce off"
-        )
+        lines.append(engine.plane(job))
     between = "vcm(one1,z)" if job["plane"] else "vcm(one2,z)-vcm(one1,z)"
     values = {"far": 4 * radius, "skin": 0.1 * radius, "last": len(place), "between": between, "steps": 2 * job["steps"]}
-    (folder / "in.impact").write_text(HEAD + IMPACT.format(material=material, bodies="\n".join(lines), **values))
-    log = run(folder / "in.impact")
+    (folder / "in.impact").write_text(engine.head + IMPACT.format(material=material, bodies="\n".join(lines), **values))
+    log = engine.run(folder / "in.impact")
     force = log["force"]
     parted = bool(np.any((np.maximum.accumulate(force) > 0.0) & (force == 0.0)))
     return {"peak": float(force.max()), "restitution": float(log["speed"][-1] / job["speed"]), "parted": parted}
 
 
-def lattice(job, folder):
+def lattice(job, folder, engine=LIGGGHTS):
     """A periodic array along a path of strains: for each, rows of (overlap of the contacts, stress tensor)."""
     radius = job["radius"]
     edge = EDGE[job["array"]] * radius * (1.0 + 1e-9)
@@ -111,8 +132,8 @@ def lattice(job, folder):
         x, y, z = (f"{v:.17g}" for v in place)
         lines.append(f"{number} 1 {2 * radius:.17g} {job['density']:.17g} {x} {y} {z}")
     (folder / "start.data").write_text("\n".join(lines) + "\n")
-    text = HEAD.replace("boundary        f f f", "boundary        p p p")
-    text += ARRAY.format(skin=0.1 * radius, material=_material(job, folder))
+    text = engine.head.replace("boundary        f f f", "boundary        p p p")
+    text += ARRAY.format(skin=0.1 * radius, material=engine.material(job, folder))
     path = {name: gradient for name, gradient in job["path"].items() if name != "shear"}
     for name, gradient in path.items():
         rates = {a: gradient[k][k] / (job["steps"] * job["dt"]) for k, a in enumerate("xyz") if gradient[k][k]}
@@ -127,7 +148,7 @@ def lattice(job, folder):
             text += SQUEEZE.format(sides=sides, steps=job["steps"])
         text += "".join(f"variable        {v}{a} delete\n" for a in rates for v in "vw")
     (folder / "in.array").write_text(text)
-    log = run(folder / "in.array")
+    log = engine.run(folder / "in.array")
     # fix deform moves the box at the end of a step: the grains are still where the row before says
     edges = np.append(whole, log["edge"][:-1])
     distance = edges / CELLS * 2.0 / EDGE[job["array"]]
@@ -143,10 +164,10 @@ def lattice(job, folder):
 KINDS = {"impact": impact, "lattice": lattice}
 
 
-def answer(jobs):
+def answer(jobs, engine=LIGGGHTS):
     """What each job gives, as in_yade.py answers."""
     found = []
     for job in jobs:
         with tempfile.TemporaryDirectory() as scratch:
-            found.append(KINDS[job["kind"]](job, Path(scratch)))
+            found.append(KINDS[job["kind"]](job, Path(scratch), engine))
     return found

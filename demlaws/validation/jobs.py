@@ -72,6 +72,7 @@ def impact_jobs():
 
 
 def diagonal(strain):
+    """Strain tensor of equal strain along all axes."""
     return [[strain, 0.0, 0.0], [0.0, strain, 0.0], [0.0, 0.0, strain]]
 
 
@@ -84,6 +85,7 @@ PATH = {
 
 
 def array_jobs():
+    """Jobs of the regular arrays: each with each law and its unloading."""
     jobs = []
     for array in ARRAYS:
         for name, unloading in LAWS:

@@ -27,6 +27,7 @@ def bound(name, contact, unloading="elastic", **options):
 
 
 def quiet(function, *arguments):
+    """Call without warnings about a law's range."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ValidityWarning)
         return function(*arguments)
@@ -50,6 +51,7 @@ class Impact:
 
     @property
     def contact(self):
+        """The contact of this impact."""
         plane_modulus = self.young / (1.0 - self.poisson**2)
         return Contact(self.radius, plane_modulus) if self.plane else Contact(0.5 * self.radius, 0.5 * plane_modulus)
 
@@ -65,6 +67,7 @@ IMPACT_TOLERANCE = 1e-5
 
 
 def impacts():
+    """Rows: peak force of the published impacts."""
     for one in IMPACTS:
         peak = driver.impact(bound("hertz", one.contact), one.mass, one.speed, 4000).peak_force
         yield near(f"peak force: {one.name}", PYTHON, one.peak, peak, IMPACT_TOLERANCE, "chung-ooi", "N")
@@ -126,6 +129,7 @@ def yield_speed(contact, yield_pressure, mass):
 
 
 def restitution():
+    """Rows: restitution of a yielding sphere against Thornton's equation."""
     contact, mass = Contact(0.005, 30e9, roughness=0.0), 0.01
     pressure = YIELD_RATIO * contact.modulus
     elastoplastic = bound("rough-plastic", contact, "thornton", yield_pressure=pressure, loading="hertz")
@@ -220,6 +224,7 @@ def _force(alpha):
 
 
 def greenwood_tripp():
+    """Rows: Greenwood & Tripp's contact against another author's code."""
     for mu, separation, force, radius in GT_CODE:
         here = solve_greenwood_tripp(mu, np.array([force]))
         # the force at that separation, from the one at ours: dP = K dδ
@@ -237,12 +242,14 @@ def greenwood_tripp():
 
 
 def central_pressures():
+    """Rows: p(0)/p0 as Jamari & Schipper read it."""
     for mu, printed in PRINTED_RATIOS.items():
         what = f"p(0)/p0 at α = 0.09, μ = {mu:g}"
         yield near(what, PYTHON, printed, central_pressure(0.09, mu), 0.01, "jamari", note="read from a figure by its authors")
 
 
 def yip_venart():
+    """Rows: p(0)/p0 as Yip & Venart print it."""
     for number, alpha, pressure in YV_PAPER:
         here = solve_yip_venart(number, np.array([_force(alpha)]))
         yield near(f"p(0)/p0: N_H = {number:g}, α = {alpha:g}", PYTHON, pressure, here.central_pressure[0], 7e-3, "yv-paper")
@@ -259,6 +266,7 @@ GRANITE_LAWS = ("hertz", "rms", "pohrt-popov", "yip-venart", "bahrami")
 
 
 def granite():
+    """Rows: displacement and stiffness of the granite tests."""
     for name, *values in GRANITE:
         test = find_test(name)
         for law_name, (displacement, stiffness) in zip(GRANITE_LAWS, values, strict=True):
@@ -275,6 +283,7 @@ def granite():
 
 
 def cone():
+    """Rows: Goddard's law against Sneddon's cone."""
     slope, contact = 0.05, Contact(0.004, 30e9, roughness=0.0)
     one = bound("goddard", contact, slope=slope)
     limit = 9.0 * math.pi**3 / 128.0 * contact.modulus * contact.radius**2 * math.tan(slope) ** 3
@@ -319,6 +328,7 @@ def boundary_elements():
 
 
 def asperities():
+    """Rows: the asperity model against boundary elements."""
     found = list(load_ratios())
     smooth = np.array([ratio for case, ratio in found if case == "smooth ball"])
     rough = np.array([ratio for case, ratio in found if case != "smooth ball"])

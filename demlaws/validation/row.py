@@ -19,6 +19,7 @@ class Row(NamedTuple):
 
     @property
     def verdict(self):
+        """pass, FAIL, or not run."""
         if math.isnan(self.found):
             return "not run"
         return "pass" if self.low <= self.found <= self.high else "FAIL"

@@ -62,10 +62,12 @@ class Binding:
 
     @property
     def way(self):
+        """native or public: how the law acts."""
         return "public" if self.attachment is None else "native"
 
     @property
     def banked(self):
+        """Dissipation [J] of contacts that have ended."""
         return self.public_banked if self.attachment is None else self.attachment.banked
 
     @banked.setter
@@ -257,6 +259,7 @@ class Binding:
         )
 
     def attachment_serves_unlisted(self):
+        """Let pairs without a row of their own be served as smooth ones; True."""
         if self.attachment is not None:
             self.attachment.unlisted_served = True
         return True
@@ -289,6 +292,7 @@ class Binding:
                 )
 
     def check_functor(self, functor):
+        """DemlawsError where the functor has settings that a law cannot go with."""
         for name in ("includeMoment", "includeAdhesion"):
             if getattr(functor, name):
                 raise DemlawsError(
@@ -301,6 +305,7 @@ class Binding:
                 )
 
     def raise_fault(self):
+        """Raise what native code left as a fault: a contact that the law cannot serve."""
         found = self.attachment.take_fault() if self.attachment else None
         if found is None:
             return
@@ -324,6 +329,7 @@ class Binding:
         )
 
     def too_rough(self, first, second, radius):
+        """The sentence about a contact whose roughness exceeds its radius [m]."""
         labels = [O.bodies[number].material.label for number in (first, second)]
         roughness = self.pairs.roughnesses[self.pairs.number(*labels)]
         return (

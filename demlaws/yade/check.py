@@ -7,6 +7,7 @@ QUICK = (("hertz", "elastic"), ("pohrt-popov", "hertz"))
 
 
 def main(quick=False):
+    """Print versions, the bridge, and a self-test of each law; exit status 1 where it is not available."""
     started = time.perf_counter()
     import numba
     import numpy

@@ -158,6 +158,8 @@ def call_body_by_id(typing_context, function, number):
 
 @intrinsic
 def as_pointer(typing_context, address):
+    """An address as a pointer, for compiled code."""
+
     def generate(context, builder, signature, arguments):
         return builder.inttoptr(arguments[0], ir.IntType(8).as_pointer())
 
@@ -405,6 +407,7 @@ def effective_radius(radius1, radius2):
 
 @kernel
 def word(context, number):
+    """Word `number` of the context."""
     return load_word(context + 8 * number)
 
 

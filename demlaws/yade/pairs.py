@@ -109,7 +109,7 @@ class Source:
             self.name, self.options = find(given).name, dict(options)
         else:
             raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
-        self.definition = find(self.name)
+        self.definition = given.definition if isinstance(given, Law) else find(self.name)
         self.unloading = getattr(given, "unloading", self.definition.default_unloading)
         if self.table is None and self.unloading == GIVEN:
             self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
@@ -192,6 +192,7 @@ class Source:
         return 0.0, 0.0
 
     def as_dict(self):
+        """Plain content for a saved scene."""
         if self.table is None:
             content = {"law": self.name, "options": {name: _plain(value) for name, value in self.options.items()}}
             return content if self.curve is None else {**content, "curve": self.curve.as_dict(), "ratios": self.ratios}
@@ -201,6 +202,7 @@ class Source:
 
     @classmethod
     def from_dict(cls, content):
+        """A source from the content of a saved scene."""
         if "table" not in content:
             source = cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
             if "curve" in content:
@@ -423,6 +425,7 @@ class Pairs:
 
     @classmethod
     def from_text(cls, text):
+        """Pairs from the text of a saved scene."""
         content = json.loads(text)
         given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:

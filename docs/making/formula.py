@@ -56,8 +56,10 @@ TOKEN = re.compile(
     r"|(?P<star>(?<=[A-Za-zα-ωΑ-Ω'′])\*(?![A-Za-z0-9(]))"
     r"|(?P<inverse>⁻¹)"
     r"|(?P<number>\d+(?:\.\d+)?(?:e-?\d+)?)"
+    r"|(?P<differential>d(?=[PKδ](?![a-z])))"
+    r"|(?P<indexed>[PδFKa](?:max|min)\b|[δk][a-z](?![a-z]))"
     r"|(?P<word>[A-Za-z]{2,}(?:-[A-Za-z]+)*(?:'s\b)?|\ba(?= [a-z]{2}))"
-    r"|(?P<letter>[A-Za-zα-ωΑ-Ω])"
+    r"|(?P<letter>[A-Za-zα-ωΑ-Ω]\u0302?)"
     r"|(?P<other>.)"
 )
 SHORT = re.compile(r"^(?:D[fF]|[A-Z][a-z]?)$")
@@ -128,8 +130,13 @@ def latex(equation):
                 out.append(f"{text[0]}_{{{text[1:]}}}")
             else:
                 out.append(rf"\mathrm{{{text}}}")
+        elif kind == "differential":
+            out.append(r"\mathrm{d}")
+        elif kind == "indexed":
+            out.append(("\\" + GREEK[text[0]] if text[0] in GREEK else text[0]) + _subscript(text[1:]))
         elif kind == "letter":
-            out.append("\\" + GREEK[text] + " " if text in GREEK else text)
+            plain = "\\" + GREEK[text[0]] + " " if text[0] in GREEK else text[0]
+            out.append(plain if len(text) == 1 else rf"\hat{{{plain.strip()}}}")
             index = re.match(r"\d+", following)
             if index:
                 out.append(_subscript(index.group()))
@@ -152,7 +159,7 @@ def latex(equation):
         else:
             out.append(text)
     flush()
-    return "".join(out).strip()
+    return re.sub(r"^(?:\\ )+|(?:\\ )+$", "", "".join(out).strip() + " ").strip()
 
 
 def symbols_of(equation):
@@ -162,7 +169,7 @@ def symbols_of(equation):
         match = TOKEN.match(equation, place)
         kind, text = match.lastgroup, match.group()
         place = match.end()
-        named = kind == "letter" or (kind == "word" and (SHORT.match(text) or equation[place : place + 1] == "_"))
+        named = kind in ("letter", "indexed") or (kind == "word" and (SHORT.match(text) or equation[place : place + 1] == "_"))
         if not named or text in "πΣ" or text in FUNCTIONS:
             continue
         more = re.match(r"(?:\d+)?(?:_(?:\d+/\d+|\w+))?['′]*(?:\*(?![A-Za-z0-9(]))?['′]*", equation[place:])

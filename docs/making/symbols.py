@@ -22,6 +22,28 @@ SYMBOLS = {
     "β": ("slope of the flank", "rad"),
     "p_y": ("contact pressure at which the bulk yields", "Pa"),
     "K_rough": ("stiffness of the rough law before yield", "N/m"),
+    "p_K": ("contact pressure that sets the stiffness after yield, K = π R p_K", "Pa"),
+    "k1": ("stiffness of first loading", "N/m"),
+    "k2": ("stiffness of unloading and reloading", "N/m"),
+    "S": ("growth of k2 with the largest force", "1/m"),
+    "δp": ("plastic overlap, at which the force vanishes", "m"),
+    "δmax": ("largest overlap so far", "m"),
+    "Pmax": ("largest force so far", "N"),
+    "p0": ("pressure in the middle", "Pa"),
+    "δ*": ("overlap at which the stiffness changes", "m"),
+    "k\u03022": ("largest stiffness of unloading", "N/m"),
+    "σ_max": ("largest pressure that a tip bears before it crushes", "Pa"),
+    "R0": ("radius of the tip before it crushed", "m"),
+    "A": ("how fast the radius of a crushing tip grows with depth", ""),
+    "h": ("elastic part of the overlap", "m"),
+    "P_c": ("force at first yield", "N"),
+    "ω": ("overlap over that at first yield", ""),
+    "ω_c": ("overlap at first yield", "m"),
+    "H": ("hardness", "Pa"),
+    "H_G": ("hardness of the deformed shape", "Pa"),
+    "S_y": ("yield strength", "Pa"),
+    "C": ("constant of Poisson's ratio: p0 = C S_y at first yield", ""),
+    "R_p": ("radius of the surface that yielding left", "m"),
     "s": ("gap of the mean planes over σ", ""),
     "d": ("gap in the middle", ""),
     "r": ("distance from the middle", ""),
@@ -30,3 +52,13 @@ SYMBOLS = {
     "μ": ("(8/3) η σ √(2R β) with asperity density η and radius β", ""),
     "F_3/2": ("Gaussian integral ∫(t - s)^1.5 φ(t) dt over t > s", ""),
 }
+
+OF_LAW = {
+    "kogut-etsion": {"K": ("hardness factor: the largest pressure at first yield is K H", "")},
+}
+"""Law → symbols that mean something else in its paper."""
+
+
+def meaning(law, symbol):
+    """(meaning, unit) of a symbol in a law's equation, or None."""
+    return OF_LAW.get(law, {}).get(symbol) or SYMBOLS.get(symbol)

@@ -15,7 +15,7 @@ from demlaws.errors import NotPassive
 from demlaws.laws.registry import registry
 from demlaws.make import example, example_curve
 from making.formula import latex, lines, symbols_of
-from making.symbols import SYMBOLS
+from making.symbols import meaning
 
 ROOT = Path(__file__).resolve().parents[2]
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
@@ -193,7 +193,8 @@ def law_page(name, definition, folder, costs):
         f"{definition.description[:1].upper()}{definition.description[1:]}.\n",
         equation(definition.equation),
     ]
-    rows = [(f"`{s}`", *reversed(SYMBOLS[s])) for s in symbols_of(definition.equation) if s in SYMBOLS]
+    known = [(s, meaning(name, s)) for s in symbols_of(definition.equation)]
+    rows = [(f"`{s}`", *reversed(found)) for s, found in known if found]
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
     fields = fields_of(module, "Shape") + fields_of(module, "Params")

@@ -1,16 +1,13 @@
 """Batches are vectorised: a loop that stops being so costs several times more. Told by the compiled code, not by time."""
 
-import re
-
 import llvmlite.binding
-import numba
 import numpy as np
 import pytest
 from examples import GRANITE, make, pairs
 
 import demlaws as dl
-from demlaws.core import loops
 from demlaws.laws.registry import registry
+from demlaws.measure.lawcheck import vector_operations
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -21,26 +18,6 @@ LAST = {name: unloading for name, unloading in PAIRS}
 
 # seen with numba 0.58: a law without a history is vectorised, one with it is not
 with_history = pytest.mark.skipif(llvmlite.binding.llvm_version_info < (15,), reason="LLVM 14 makes no vectors of a history")
-OVERLAP = np.linspace(1e-7, 1e-5, 64)
-OPTIONS = {name: value for name, value in loops.batch_loop.targetoptions.items() if name != "nopython"}
-
-
-def vector_operations(law):
-    """Operations on several doubles at once in the loop over a batch; numba keeps no such text in its cache."""
-    compiled = numba.njit(**OPTIONS)(loops.batch_loop.py_func)
-    state = law.new_state(OVERLAP.size)
-    compiled(
-        law.rule,
-        law.params,
-        OVERLAP,
-        state.arrays,
-        loops.UNBOUNDED,
-        loops.FINITE,
-        np.zeros(OVERLAP.size),
-        np.zeros(OVERLAP.size),
-    )
-    (text,) = compiled.inspect_llvm().values()
-    return len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text))
 
 
 @pytest.mark.parametrize(

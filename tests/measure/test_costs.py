@@ -56,7 +56,7 @@ def test_shares_of_a_step_in_liggghts(monkeypatch):
         {"step": 1100.0, "contacts": 10, "alone": None, "pair": 880.0},
     ]
     monkeypatch.setattr("demlaws.measure.liggghts_cost.measure", lambda *arguments: found)
-    table, stock = costs.liggghts_costs([Way("t", "hertz", rtol=1e-5), Way("e", model="edinburgh")], {})
+    table, stock = costs.plugin_costs("liggghts", [Way("t", "hertz", rtol=1e-5), Way("e", model="edinburgh")], {})
     assert (table.step, table.over_hertz, table.law, table.model) == pytest.approx((120.0, 1.2, 0.05, 0.75))
     assert math.isnan(stock.law) and stock.over_hertz == pytest.approx(1.1)
 

@@ -44,17 +44,17 @@ public:
     }
     ranks.share(problem);
     ranks.share(data);
-    std::unique_ptr<demlaws::Table> fresh(new demlaws::Table);
-    if (problem.empty()) {
+    std::unique_ptr<demlaws::Table> &table = tables_[std::make_pair(path, demlaws::crc32(0, data.data(), data.size()))];
+    if (problem.empty() && !table) {
+      std::unique_ptr<demlaws::Table> fresh(new demlaws::Table);
       try {
         fresh->parse(data, path);
+        table = std::move(fresh);
       } catch (const std::exception &caught) {
         problem = caught.what();
       }
     }
     if (!problem.empty()) raise(error, true, "demlaws/table: " + problem);
-    std::unique_ptr<demlaws::Table> &table = tables_[std::make_pair(path, fresh->fingerprint())];
-    if (!table) table = std::move(fresh);
     return *table;
   }
 
@@ -263,8 +263,35 @@ void pair_init_here(void *pair) {
   Stock::get().pair_init(pair);
 }
 
+// A position that is no number touches nothing: a particle with one would drop out of the model silently.
+void check_positions(void *lmp, void *error) {
+  const Stock &stock = Stock::get();
+  const double *const *const x = (const double *const *)stock.atom(lmp, "x");
+  const long count = 3 * (long)stock.setting(lmp, "nlocal");
+  if (!x || !count) return;
+  double sum[8] = {0., 0., 0., 0., 0., 0., 0., 0.};
+  long k = 0;
+  for (; k + 8 <= count; k += 8)
+    for (int n = 0; n < 8; n++) sum[n] += 0. * x[0][k + n]; // 0, or no number for ever
+  for (; k < count; k++) sum[0] += 0. * x[0][k];
+  if (__builtin_expect(sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0., 1)) return;
+  const void *const tags = stock.atom(lmp, "id");
+  const bool large = stock.setting(lmp, "tagint") == 8;
+  for (k = 0; 3 * k < count; k++) {
+    const double *const p = x[0] + 3 * k;
+    if (0. * (p[0] + p[1] + p[2]) == 0.) continue;
+    std::ostringstream what;
+    what << "demlaws/table: particle " << (large ? ((const long long *)tags)[k] : ((const int *)tags)[k]) << " is at ("
+         << p[0] << ", " << p[1] << ", " << p[2]
+         << ") m, which is not finite; take a smaller time step, look at what was done to this particle";
+    raise(error, false, what.str());
+  }
+}
+
 void pair_forces_here(void *pair, int eflag, int vflag) {
-  Ledger::of(instance_of(pair)).begin(NULL);
+  void *const lmp = instance_of(pair);
+  if (Range::of(lmp).used) check_positions(lmp, *((void ***)pair)[3]);
+  Ledger::of(lmp).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
 void wall_forces_here(void *wall, int vflag) {

@@ -1,0 +1,167 @@
+"""A law from plain functions of one contact: `define` makes the types, kernels and `Definition` that a file of laws writes."""
+
+import inspect
+import itertools
+import keyword
+import math
+from collections import namedtuple
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from demlaws.checks import number
+from demlaws.contact import Contact
+from demlaws.core.cache import digest_of
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Definition, Option
+
+_CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
+_OF_CONTACT = ("fractal_dimension", "hardness")
+_X, _W = np.polynomial.legendre.leggauss(8)
+_PANELS = 32  # an octave of overlap
+_OCTAVES = 40
+_unknown = itertools.count(1)
+
+
+def define(
+    name: str,
+    force: Callable,
+    stiffness: Callable,
+    overlap: Callable | None = None,
+    energy: Callable | None = None,
+    options: dict[str, Any] | None = None,
+    **facts: Any,
+) -> Definition:
+    """`Definition` of a law from functions that numba can compile, each of one contact `p` and one number.
+
+    force(p, overlap) → P [N] and stiffness(p, overlap) → K = dP/dδ [N/m] at overlap > 0 [m]; overlap(p, force) → δ [m] and
+    energy(p, overlap) → ∫P dδ [J] are solved for and integrated where they are not given, which batches never need. p has
+    `radius` R [m], `modulus` E* [Pa], `roughness` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5], the fields that `needs`
+    names, and the options. options: name → default, or (default, unit, meaning); None: it must be given. facts: any field of
+    `Definition`, for instance equation, source, description, limits, kinks, fitted, free, colour.
+
+    One curve serves one contact unless facts say collapses=True with length="radius" or "roughness". Raises DemlawsError.
+    """
+    for what, function in (("force", force), ("stiffness", stiffness), ("overlap", overlap), ("energy", energy)):
+        if not callable(function) and not (function is None and what in ("overlap", "energy")):
+            raise DemlawsError(f"law {name!r:.60}: {what} must be a function of a contact and a number, got {function!r:.60}")
+    described = {n: _described(name, n, value) for n, value in dict(options or {}).items()}
+    needs = tuple(facts.get("needs", ()))
+    clash = [n for n in described if n in (*_CONTACT, *_OF_CONTACT, "contact") or not n.isidentifier() or keyword.iskeyword(n)]
+    if clash or any(n.startswith("_") for n in described):
+        raise DemlawsError(
+            f"law {name!r}: options {', '.join(map(repr, described))}: {clash or 'one of them'} cannot be a name"
+        )
+    if unknown := sorted(facts.keys() - set(Definition._fields) | ({"prepare", "options"} & facts.keys())):
+        raise DemlawsError(f"law {name!r}: a Definition has no field {', '.join(unknown)} to be given here")
+    extra = (*[n for n in needs if n in _OF_CONTACT], *described)
+    shape_type = _types(name, (force, stiffness, overlap, energy), extra)
+    defaults = {n: default for n, (default, _) in described.items()}
+
+    def prepare(contact: Contact, **given: Any) -> Any:
+        values = {n: getattr(contact, n) for n in extra if n not in described}
+        for n, default in defaults.items():
+            value = given.get(n, default)
+            if value is None:
+                raise DemlawsError(f"law {name!r} needs {n}: {described[n][1].meaning or 'an option'}; give {n}=...")
+            values[n] = number(value, n, described[n][1].unit, -math.inf)
+        return shape_type(*(math.nan if values[n] is None else float(values[n]) for n in extra))
+
+    own = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d) for n, d in defaults.items()]
+    prepare.mark = shape_type.__qualname__  # type: ignore[attr-defined]
+    first = inspect.Parameter("contact", inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    prepare.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
+    fallback = {"equation": "", "source": "", "description": "a law of its user's", "collapses": False, "length": "radius"}
+    said = {n: option for n, (_, option) in described.items()}
+    return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=said)
+
+
+def _described(law, name, value):
+    """(default, Option) of what was given for an option."""
+    default, unit, meaning = (*value, "", "")[:3] if isinstance(value, tuple) else (value, "", "")
+    if default is not None:
+        default = number(default, f"law {law!r}: the default of {name}", unit, -math.inf)
+    return default, Option(unit, "a finite number", meaning)
+
+
+def _types(name, functions, extra):
+    """Type of the law's Shape, with its Params bound to the kernels."""
+    tag = (digest_of(*functions, name, extra) or f"unknown{next(_unknown)}")[:8]
+    stem = "".join(part.capitalize() for part in str(name).replace("_", "-").split("-") if part.isalnum())
+    shape_type, params_type = (
+        namedtuple(f"{stem}{kind}_{tag}", fields, module=__name__)
+        for kind, fields in (("Shape", extra), ("Params", (*_CONTACT, *extra)))
+    )
+    for cls in (shape_type, params_type):
+        globals()[cls.__qualname__] = cls  # where pickle and the machine code on disk look for it
+    force, stiffness, overlap, energy = (f if f is None or hasattr(f, "py_func") else kernel(f) for f in functions)
+    text = ", ".join(f"float(shape.{n})" for n in extra)
+    made = {"Params": params_type, "hertz_coefficient": hertz_coefficient}
+    exec(f"def scale(shape, R, E, s): return Params(hertz_coefficient(R, E), R, E, s, {text})", made)
+
+    @kernel
+    def virgin(p, overlap):
+        load = force(p, overlap)
+        equivalent = hertz_overlap(p, load)
+        return load, stiffness(p, overlap), equivalent, equivalent
+
+    bind(shape_type, scale=kernel(made["scale"]))
+    bind(params_type, virgin=virgin, inverse=overlap or _searched(force, stiffness), energy=energy or _integrated(force))
+    return shape_type
+
+
+def _searched(force, stiffness):
+    """The inverse of a rising curve: bracketed by doubling, then Newton's method kept inside the bracket."""
+
+    @kernel
+    def inverse(p, load):
+        low = 0.0
+        high = hertz_overlap(p, load)
+        for _ in range(1100):
+            if not force(p, high) < load:
+                break
+            low = high
+            high = 2.0 * high
+        here = high
+        for _ in range(200):
+            there = force(p, here)
+            if there < load:
+                low = here
+            else:
+                high = here
+            slope = stiffness(p, here)
+            new = here - (there - load) / slope if slope > 0.0 else 0.5 * (low + high)
+            if not (low <= new <= high):
+                new = 0.5 * (low + high)
+            last = abs(new - here) <= 2e-16 * here
+            here = new
+            if last:
+                break
+        return here
+
+    return inverse
+
+
+def _integrated(force):
+    """∫P dδ by Gauss's rule, panels a 32nd of an octave wide."""
+
+    @kernel
+    def energy(p, overlap):
+        total = 0.0
+        top = overlap
+        for _ in range(_OCTAVES):
+            width = 0.5 * top / _PANELS
+            for n in range(_PANELS):
+                for k in range(_X.size):
+                    total += 0.5 * width * _W[k] * force(p, 0.5 * top + width * (n + 0.5 + 0.5 * _X[k]))
+            top *= 0.5
+        return total + 0.5 * top * force(p, top)
+
+    return energy
+
+
+__all__ = ["define"]

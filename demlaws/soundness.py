@@ -1,0 +1,268 @@
+"""Whether a curve of first loading is one that engines can use: finite, rising, continuous, its derivative and inverse right.
+
+What is wrong is said once, with the overlap [m] and the value, before any engine sees it: of a user's own law when it is
+bound to a contact, of a function when it becomes a table (`demlaws.given`). `demlaws.measure.lawcheck` measures the rest.
+"""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
+from demlaws.core.fastmath import loop
+from demlaws.core.params import bind_params, one_of
+from demlaws.errors import DemlawsError
+
+LOWEST, HIGHEST = 1e-9, 0.1
+"""Overlaps over the radius that are looked at."""
+_POINTS = 240
+_X, _W = np.polynomial.legendre.leggauss(4)
+DERIVATIVE = 1e-4
+"""Relative difference of stiffness and derivative of the force from which a law is refused."""
+INVERSE, ENERGY, EQUIVALENT = 1e-7, 1e-4, 1e-7
+_passed = Counter()  # law → contacts on which it was found sound
+_FULLY = 30
+"""Contacts on which a law is looked at in full in a process; then only for values that are not finite, negative or falling:
+a fit binds it thousands of times."""
+_NEEDED = {"Shape": ("scale",), "Params": ("virgin", "inverse", "energy")}
+
+
+@loop
+def curve_loop(p, overlap, force, stiffness, equivalent, area):
+    """All that `virgin` says of one contact."""
+    for i in range(overlap.size):
+        force[i], stiffness[i], equivalent[i], area[i] = virgin(p, overlap[i])
+
+
+@loop
+def back_loop(p, overlap, back, work):
+    """Overlap of the force at each overlap, and the work up to it."""
+    for i in range(overlap.size):
+        force = virgin(p, overlap[i])[0]
+        back[i] = inverse(p, force) if force > 0.0 else 0.0
+        work[i] = energy(p, overlap[i])
+
+
+class Values(NamedTuple):
+    """A curve at some overlaps."""
+
+    force: np.ndarray
+    stiffness: np.ndarray
+    equivalent: np.ndarray
+    area: np.ndarray
+
+
+def values_of(params, overlap):
+    """`Values` of one contact's params."""
+    found = Values(*(np.empty(overlap.size) for _ in Values._fields))
+    curve_loop(params, overlap, *found)
+    return found
+
+
+def fault_of_values(overlap: np.ndarray, force: np.ndarray, stiffness: np.ndarray | None = None) -> str | None:
+    """What is wrong with forces [N] (and stiffnesses) at rising overlaps [m] > 0, or None."""
+    for name, unit, values in (("force", "N", force), ("stiffness", "N/m", stiffness)):
+        if values is None:
+            continue
+        bad = np.flatnonzero(~np.isfinite(values) | (values < 0.0))
+        if bad.size:
+            value = float(values[bad[0]])
+            what = "must not be negative" if math.isfinite(value) else "must be a finite number"
+            return f"at overlap {overlap[bad[0]]:.6g} m the {name} is {value:g} {unit}: it {what}"
+    falls = np.flatnonzero(force[1:] < force[:-1] * (1.0 - 1e-12))
+    if falls.size:
+        i = int(falls[0])
+        return (
+            f"from overlap {overlap[i]:.6g} m to {overlap[i + 1]:.6g} m the force falls from {force[i]:.6g} N to "
+            f"{force[i + 1]:.6g} N: it must rise with the overlap"
+        )
+    if not force[-1] > 0.0:
+        return f"up to overlap {overlap[-1]:.6g} m the force is 0 N: it must rise with the overlap"
+    return None
+
+
+def fault_of_slope(evaluate: Callable, overlap: np.ndarray) -> str | None:
+    """Jump of the force, or stiffness that is not its derivative, of `evaluate` (overlaps → force, stiffness); or None.
+
+    In each interval the rise of the force is compared with the integral of the stiffness; one where they differ is halved
+    until the jump or the wrong derivative stands alone. A kink of the stiffness is neither.
+    """
+
+    def differs(a, b):
+        """Rise of force, integral of stiffness, force at b, of intervals."""
+        half = 0.5 * (b - a)
+        nodes = (a[:, None] + half[:, None] * (1.0 + _X)).ravel()
+        force, stiffness = evaluate(np.concatenate([a, b, nodes]))
+        rise, integral = (
+            force[a.size : 2 * a.size] - force[: a.size],
+            half * (stiffness[2 * a.size :].reshape(-1, _X.size) @ _W),
+        )
+        return rise, integral, force[a.size : 2 * a.size]
+
+    rise, integral, force = differs(overlap[:-1], overlap[1:])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        off = np.where(force > 0.0, np.abs(rise - integral) / force, 0.0)
+    for i in np.argsort(-off)[:6]:
+        if not off[i] > 1e-6:
+            break
+        a, b = float(overlap[i]), float(overlap[i + 1])
+        while b - a > 1e-9 * b:
+            middle = 0.5 * (a + b)
+            rise, integral, force = differs(np.array([a, middle]), np.array([middle, b]))
+            worse = int(np.argmax(np.abs(rise - integral)))
+            if abs(rise[worse] - integral[worse]) <= DERIVATIVE * max(rise[worse], integral[worse]) + 1e-15 * force[worse]:
+                break
+            a, b = (a, middle) if worse == 0 else (middle, b)
+        else:
+            (low, high), (first, second) = evaluate(np.array([a, b]))
+            slope = (high - low) / (b - a)
+            if high - low > 30.0 * max(first, second) * (b - a) and high - low > 1e-7 * high:
+                return f"at overlap {b:.6g} m the force jumps from {low:.6g} N to {high:.6g} N: it must be continuous"
+            least, most = min(first, second), max(first, second)
+            if not least * (1.0 - DERIVATIVE) <= slope <= most * (1.0 + DERIVATIVE):
+                return f"at overlap {b:.6g} m the stiffness is {second:.6g} N/m, the derivative of the force {slope:.6g} N/m"
+    return None
+
+
+def _fault_of_return(params, overlap, known):
+    """An inverse that does not invert, a work that is not the integral of the force, or None."""
+    chosen = np.arange(0, overlap.size, 8)
+    back, work = np.empty(chosen.size), np.empty(chosen.size)
+    back_loop(params, overlap[chosen], back, work)
+    force = known.force[chosen]
+    good = np.isfinite(back) & (back > 0.0)
+    again = np.zeros(chosen.size)
+    again[good] = values_of(params, back[good]).force
+    bad = np.flatnonzero((force > 0.0) & ~(np.abs(again - force) <= INVERSE * force))
+    if bad.size:
+        k = int(bad[0])
+        return (
+            f"at overlap {overlap[chosen[k]]:.6g} m the force is {force[k]:.6g} N, but the inverse gives {back[k]:.6g} m for it"
+        )
+    half = 0.5 * np.diff(overlap)
+    nodes = (overlap[:-1, None] + half[:, None] * (1.0 + _X)).ravel()
+    pieces = half * (values_of(params, nodes).force.reshape(-1, _X.size) @ _W)
+    sums = np.concatenate([[0.0], np.cumsum(pieces)])[chosen]
+    gained, expected = np.diff(work), np.diff(sums)
+    wrong = ~(np.abs(gained - expected) <= ENERGY * np.maximum(expected, 0.0) + 1e-12 * np.abs(work[1:]))
+    if np.any(wrong):
+        k = int(np.argmax(wrong))
+        a, b = overlap[chosen[k]], overlap[chosen[k + 1]]
+        return f"from overlap {a:.6g} m to {b:.6g} m the energy grows by {gained[k]:.6g} J, ∫P dδ by {expected[k]:.6g} J"
+    if not 0.0 <= work[0] <= force[0] * overlap[chosen[0]] * (1.0 + 1e-9):
+        return f"at overlap {overlap[0]:.6g} m the energy is {work[0]:.6g} J, the force {force[0]:.6g} N: ∫P dδ cannot be that"
+    return None
+
+
+def fault(params, radius: float, fully: bool = True) -> str | None:
+    """What is wrong with the curve of one contact's params, or None; fully=False: not finite, negative or falling only."""
+    overlap = radius * np.geomspace(LOWEST, HIGHEST, _POINTS)
+    known = values_of(params, overlap)
+    text = fault_of_values(overlap, known.force, known.stiffness)
+    if text or not fully:
+        return text
+    text = fault_of_slope(lambda at: values_of(params, at)[:2], overlap)
+    if text:
+        return text
+    hertz = np.cbrt(known.force / params.hertz_coefficient) ** 2
+    for name, values, right in (
+        ("Hertz-equivalent overlap", known.equivalent, np.abs(known.equivalent - hertz) <= EQUIVALENT * hertz),
+        ("a²/R", known.area, np.isfinite(known.area) & (known.area >= hertz * (1.0 - EQUIVALENT))),
+    ):
+        if not np.all(right):
+            k = int(np.argmin(right))
+            return (
+                f"at overlap {overlap[k]:.6g} m, where the force is {known.force[k]:.6g} N, the third or fourth value of its "
+                f"`virgin`, the {name}, is {values[k]:.6g} m; Hertz's overlap at that force is {hertz[k]:.6g} m"
+            )
+    return _fault_of_return(params, overlap, known)
+
+
+def _some(contact):
+    """Contacts of an array that stand for all: the smoothest, the roughest and the middle."""
+    if contact.size is None:
+        return [0]
+    order = np.argsort(np.broadcast_to(contact.roughness, contact.size) / contact.radius)
+    return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
+
+
+def refuse_unsound(definition, shape, contact, options) -> None:
+    """Raise DemlawsError where a law is no law on this contact: one fault, with its overlap and value."""
+    name = f"law {definition.name!r}"
+    _refuse_unbound(name, "Shape", type(shape))
+    try:
+        params = bind_params(shape, contact)
+        _refuse_unbound(name, "Params", type(params))
+        if "hertz_coefficient" not in getattr(params, "_fields", ()):
+            raise DemlawsError(
+                f"{name}: its Params, {type(params).__qualname__}, must hold hertz_coefficient = (4/3) E* √R [N/m^1.5]"
+            )
+        for index in _some(contact):
+            radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
+            text = fault(one_of(params, index), radius, _passed[definition.name] < _FULLY)
+            if text is not None:
+                given = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
+                raise DemlawsError(f"{name} cannot be used (R = {radius:g} m{given}): {text}")
+        _passed[definition.name] += 1
+    except Exception as error:
+        if type(error).__module__.startswith("numba"):
+            raise DemlawsError(f"{name}: its functions do not compile: {_first_line(error)}") from error
+        raise
+
+
+def _refuse_unbound(name, kind, cls):
+    missing = [f for f in _NEEDED[kind] if f not in kernels_of(cls)]
+    if missing:
+        raise DemlawsError(
+            f"{name}: its {kind}, {cls.__qualname__}, binds no {', '.join(missing)} (demlaws.core.dispatch.bind)"
+        )
+
+
+_TELLING = (
+    "Unknown attribute",
+    "Untyped global",
+    "NameError",
+    "No implementation of function Function(<built-in",
+    "Cannot unify",
+)
+
+
+def _first_line(error):
+    """Of numba's pages the line that says what is wrong, without its colours."""
+    text = re.sub(r"\x1b\[\d*m", "", str(error))
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    telling = [line for line in lines if line.startswith(_TELLING)]
+    return (telling or lines or [type(error).__name__])[0][:200]
+
+
+def refuse_unless_collapses(law) -> None:
+    """Raise DemlawsError where a law says that one dimensionless curve serves all contacts, and another contact differs."""
+    definition, contact = law.definition, law.contact
+    if contact.size is not None:
+        return
+    rough = definition.length == "roughness" and contact.roughness > 0.0
+    length = contact.roughness if rough else contact.radius
+    u = np.geomspace(1e-6, 0.05 * contact.radius / length, 60)
+
+    def curve(other):
+        scale = other.roughness if rough else other.radius
+        params = bind_params(definition.shape(other, **law.options), other)
+        return values_of(params, u * scale).force / (params.hertz_coefficient * scale**1.5)
+
+    own = curve(contact)
+    factors = {"radius": 2.0, "modulus": 3.0, "roughness": 1.7}
+    for changes in ({name: factor * getattr(contact, name)} for name, factor in factors.items()):
+        other = curve(contact.with_values(**changes))
+        off = np.abs(other / own - 1.0)
+        k = int(np.nanargmax(off)) if not np.all(np.isnan(off)) else 0
+        if not off[k] <= 1e-9:
+            what = ", ".join(f"{name} = {value:g}" for name, value in changes.items())
+            raise DemlawsError(
+                f"law {law.name!r} says that one curve serves all contacts (collapses=True), but with {what} the force that "
+                f"this contact has at overlap {u[k] * length:.6g} m, made dimensionless, is {other[k] / own[k]:.6g} times as "
+                "large: give its Definition collapses=False"
+            )

@@ -1,0 +1,123 @@
+"""The pages of docs/validation that are measured, not written: `python docs/making/measured.py [NAME ...] [--quick]`.
+
+Each is made by one command, and says when, on what machine, with which version and by which command. They are kept in git, so
+that building the site measures nothing.
+"""
+
+import argparse
+import csv
+import datetime
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+DOCS = Path(__file__).resolve().parents[1]
+ROOT = DOCS.parent
+DEMLAWS = [sys.executable, "-m", "demlaws"]
+
+
+def processor():
+    """Name of the processor, and how many there are."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    name = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
+    return f"{name}, {os.cpu_count()} cores"
+
+
+def commit():
+    """The commit that was measured, and whether something was changed beside it."""
+    said = subprocess.run(["git", "describe", "--always", "--dirty"], cwd=ROOT, capture_output=True, text=True)
+    return said.stdout.strip() or "no commit"
+
+
+def claims(folder, out, printed):
+    """The table of claims.csv, and how many of each verdict."""
+    with open(out / "claims.csv", newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(file))
+    from making.theory import prose, table
+
+    counts = {verdict: sum(row[-1] == verdict for row in rows[1:]) for verdict in dict.fromkeys(row[-1] for row in rows[1:])}
+    said = "; ".join(f"{n} {verdict}" for verdict, n in counts.items())
+    body = [tuple(prose(cell) for cell in row) for row in rows[1:]]
+    return (
+        "Sentences of Altuhafi, Baudet & Coop (2023) that a run can be held against, what a run gives, and the verdict. *Built "
+        "in*: true by the rule or the parameter that was chosen. *Not decidable*: the paper prints no points.\n\n"
+        f"**{said}.**\n\n{table(rows[0], body)}"
+    )
+
+
+def report(folder, out, printed):
+    """The validation's own page, below our title, with its figure beside it."""
+    text = (out / "validation.md").read_text().split("\n", 2)[2]
+    (folder / "deviations.png").write_bytes((out / "deviations.png").read_bytes())
+    return text
+
+
+def as_printed(folder, out, printed):
+    """What the command printed."""
+    return f"```text\n{printed.rstrip()}\n```\n"
+
+
+PAGES = {
+    "claims": ("What a paper says, and what runs give", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
+    "report": (
+        "Answers that others wrote",
+        [sys.executable, "-m", "demlaws.validation", "--quick", "--out", "{out}"],
+        ["--no-engines"],
+        report,
+    ),
+    "stability": (
+        "Every law at the extremes",
+        [*DEMLAWS, "stability", "--paths", "1e5"],
+        ["--paths", "2e4", "--cycles", "1e4"],
+        as_printed,
+    ),
+    "trade-now": ("Cost against error, this version", [*DEMLAWS, "trade"], ["--contacts", "2e4", "--rounds", "3"], as_printed),
+}
+"""Name of the page → title, command, what `--quick` adds to it, function that makes the text of its output."""
+
+
+def measure(name, quick):
+    """Run the command of a page and write the page; returns its path."""
+    title, command, more, text = PAGES[name]
+    with tempfile.TemporaryDirectory() as out:
+        line = [word.format(out=out) for word in [*command, *(more if quick else [])]]
+        began = time.perf_counter()
+        done = subprocess.run(line, cwd=ROOT, stdout=subprocess.PIPE, text=True, env={**os.environ, "COLUMNS": "150"})
+        took = time.perf_counter() - began
+        if done.returncode not in (0, 1):
+            raise SystemExit(f"{' '.join(line)}: exit {done.returncode}")
+        import numba
+        import numpy
+
+        import demlaws
+
+        shown = (
+            " ".join(line).replace(sys.executable, "python").replace("python -m demlaws ", "demlaws ").replace(out, "FOLDER")
+        )
+        head = (
+            f"Measured {datetime.date.today().isoformat()} in {took:.0f} s: demlaws {demlaws.__version__} ({commit()}), Python "
+            f"{platform.python_version()}, numpy {numpy.__version__}, numba {numba.__version__}, {processor()}; `{shown}`"
+            f"{', exit status 1: something is not as it must be' if done.returncode else ''}.\n"
+        )
+        path = DOCS / "validation" / f"{name}.md"
+        path.write_text(f"# {title}\n\n{head}\n{text(path.parent, Path(out), done.stdout)}")
+    return path
+
+
+def main():
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", choices=[*PAGES, []], help="pages (default: all)")
+    parser.add_argument("--quick", action="store_true", help="smaller samples, no engines")
+    arguments = parser.parse_args()
+    sys.path[:0] = [str(DOCS), str(ROOT)]
+    for name in arguments.names or PAGES:
+        print(measure(name, arguments.quick))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,90 @@
+"""`demlaws laws --check`, and --laws FILE.py of every command."""
+
+import subprocess
+import sys
+
+import pytest
+
+from demlaws.cli import COMMANDS, build_parser
+
+POWER = """
+import demlaws as dl
+
+def force(p, overlap):
+    return p.factor * overlap**1.7
+
+def stiffness(p, overlap):
+    return 1.7 * p.factor * overlap**0.7
+
+dl.register(dl.define("power", force, stiffness, options={"factor": 3e9}, description="power of the overlap"))
+"""
+CONTACT = ["--radius", "4mm", "--modulus", "30GPa"]
+
+
+@pytest.fixture
+def file(tmp_path):
+    (tmp_path / "my_laws.py").write_text(POWER)
+    return str(tmp_path / "my_laws.py")
+
+
+def demlaws(*arguments):
+    """In a process of its own: a file of laws stays loaded."""
+    return subprocess.run([sys.executable, "-m", "demlaws", *arguments], capture_output=True, text=True, timeout=600)
+
+
+def test_a_file_of_laws_before_and_after_the_command(file, tmp_path):
+    for line in (["--laws", file, "laws"], ["laws", "--laws", file]):
+        done = demlaws(*line)
+        assert done.returncode == 0 and "power            power of the overlap" in done.stdout, done.stderr
+    table = tmp_path / "power.tbl"
+    done = demlaws("table", f"--laws={file}", "--law", "power", *CONTACT, "--option", "factor=2e9", "--out", str(table))
+    assert done.returncode == 0 and "this table holds for this contact only" in done.stdout, done.stderr
+    assert "law: power" in table.read_text()
+
+
+def test_the_check_of_one_law(file):
+    done = demlaws("laws", "power", "--laws", file, "--check")
+    assert done.returncode == 0 and "power: all as it must be" in done.stdout, done.stderr
+    done = demlaws("laws", "--check")
+    assert done.returncode == 2 and done.stderr == "demlaws: error: --check tests one law: demlaws laws NAME --check\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (None, "no file of laws"),
+        ("def", "line 1: "),
+        ("\nraise ValueError('on purpose')", "line 2: ValueError: on purpose"),
+        ("x = 1", "registers no law"),
+    ],
+)
+def test_a_file_that_is_none_is_one_line(tmp_path, text, said):
+    file = tmp_path / "my_laws.py"
+    if text is not None:
+        file.write_text(text)
+    done = demlaws("laws", "--laws", str(file))
+    assert done.returncode == 2 and said in done.stderr and done.stderr.count("\n") == 1, done.stderr
+    assert done.stderr.startswith("demlaws: error: ") and str(file) in done.stderr
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_takes_a_file_of_laws(command):
+    parser = build_parser([command])
+    (choices,) = [action.choices for action in parser._subparsers._group_actions]
+    stack, seen = [choices[command]], 0
+    while stack:
+        one = stack.pop()
+        seen += 1
+        assert any("--laws" in action.option_strings for action in one._actions), one.prog
+        stack += [
+            p
+            for action in one._actions
+            if hasattr(action, "choices") and isinstance(action.choices, dict)
+            for p in action.choices.values()
+        ]
+    assert seen
+
+
+def test_law_is_no_short_form_of_laws():
+    done = demlaws("regime", "--law", "rms", *CONTACT)
+    assert done.returncode == 2 and "unrecognized arguments: --law rms" in done.stderr

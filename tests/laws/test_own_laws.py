@@ -1,0 +1,451 @@
+"""Laws that users register: from their own scripts, files and packages, and everything that must be refused."""
+
+import importlib.util
+import math
+import pickle
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+from examples import GRANITE
+from processes import PACKAGE, counted, python
+
+import demlaws as dl
+from demlaws.core.cache import digest_of
+from demlaws.core.fastmath import kernel
+from demlaws.laws import registry
+from demlaws.laws.definition import Definition
+
+POWER = """
+import demlaws as dl
+
+def force(p, overlap):
+    return p.factor * overlap**p.exponent
+
+def stiffness(p, overlap):
+    return p.factor * p.exponent * overlap**(p.exponent - 1)
+
+dl.register(dl.define("power", force, stiffness, options={"factor": 3e9, "exponent": (1.7, "", "of the overlap")}))
+"""
+
+
+@pytest.fixture(autouse=True)
+def registered_here(monkeypatch):
+    """Whatever a test registers goes with it."""
+    monkeypatch.setenv(registry.VARIABLE, "")
+    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
+    modules = set(sys.modules)
+    yield
+    for known, old in kept:
+        known.clear()
+        known.update(old)
+    for name in set(sys.modules) - modules:
+        if name.startswith("demlaws_own_"):
+            del sys.modules[name]
+
+
+def write(folder, text=POWER, name="my_laws.py"):
+    (folder / name).write_text(textwrap.dedent(text))
+    return folder / name
+
+
+def power(p, overlap):
+    return 3e9 * overlap**1.7
+
+
+def slope(p, overlap):
+    return 5.1e9 * overlap**0.7
+
+
+# --- what holds for a law of the package
+
+
+def test_a_law_of_ones_own_is_a_law(tmp_path):
+    assert dl.load_laws(write(tmp_path)) == ["power"]
+    assert dl.laws()[-1] == "power"
+    law = dl.law("power", GRANITE, exponent=1.8)
+    overlap = np.geomspace(1e-9, 1e-4, 30)
+    np.testing.assert_allclose(law.force(overlap), 3e9 * overlap**1.8, rtol=1e-15)
+    np.testing.assert_allclose(law.energy(overlap), 3e9 * overlap**2.8 / 2.8, rtol=1e-13)
+    np.testing.assert_allclose(law.overlap(law.force(overlap)), overlap, rtol=1e-14)
+    state, joined = (one := law.joined("hertz")).new_state(30), one
+    force, _ = joined.evaluate(overlap, state)
+    np.testing.assert_array_equal(force, law.force(overlap))
+    assert joined.evaluate(0.9 * overlap, state)[0][0] < law.force(0.9 * overlap)[0]
+    table = joined.tabulate(1e-6)
+    assert not table.collapses and max(table.force_error, table.stiffness_error) <= 1e-6
+    table.save(tmp_path / "power.tbl")
+    assert dl.Table.load(tmp_path / "power.tbl").definition is law.definition
+    assert pickle.loads(pickle.dumps(joined)).force(1e-6) == law.force(1e-6)
+    assert dl.driver.impact(joined, 0.01, 0.05, 100).restitution < 1
+    with pytest.raises(dl.DemlawsError, match=r"its options are factor, exponent"):
+        dl.law("power", GRANITE, steepness=2)
+    many = dl.law("power", GRANITE.with_values(radius=np.linspace(1e-3, 5e-3, 30)))
+    np.testing.assert_array_equal(many.evaluate(overlap)[0], dl.law("power", GRANITE).evaluate(overlap)[0])
+
+
+def test_a_fit_finds_its_option():
+    parameter = dl.Parameter("", False, lambda c: (1.1, 3.0), lambda c: [1.5, 2.0], option=True)
+    law = dl.define("power", lambda p, d: 3e9 * d**p.n, lambda p, d: 3e9 * p.n * d ** (p.n - 1), options={"n": 1.7})
+    dl.register(law._replace(fitted={"n": parameter}, free=("n",)))
+    force = np.geomspace(0.5, 80, 40)
+    points = np.stack([(force / 3e9) ** (1 / 1.83) + 2e-6, force], axis=1)
+    (found,) = dl.fit(points, GRANITE, laws=["power"])
+    assert found.parameters["n"].value == pytest.approx(1.83, abs=1e-6)
+
+
+def test_names_that_are_taken(tmp_path):
+    law = dl.define("power", power, slope)
+    with pytest.raises(dl.DemlawsError, match="'hertz' is one of demlaws's own"):
+        dl.register(law._replace(name="hertz"))
+    dl.load_laws(write(tmp_path))
+    with pytest.raises(dl.DemlawsError, match=r"'power' of .*test_own_laws.py is already registered by .*my_laws.py"):
+        dl.register(law)
+    assert dl.register(law, replace=True) is registry.find("power")
+    assert dl.register(law) is dl.register(law) is registry.find("power")
+    with pytest.raises(dl.DemlawsError, match="rank 2 is that of 'rms'"):
+        dl.register(law._replace(name="other", rank=2))
+
+
+def test_a_reloaded_module_replaces_its_laws(tmp_path):
+    """As a notebook does: the new law for what is made from then on, the old one for what was made before."""
+    spec = importlib.util.spec_from_file_location("mine_to_reload", write(tmp_path, name="mine_to_reload.py"))
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    old = dl.law("power", GRANITE)
+    write(tmp_path, POWER.replace("p.factor * ", "2 * p.factor * "), name="mine_to_reload.py")
+    importlib.invalidate_caches()
+    exec(compile((tmp_path / "mine_to_reload.py").read_text(), str(tmp_path / "mine_to_reload.py"), "exec"), vars(module))
+    new = dl.law("power", GRANITE)
+    assert (new.force(1e-6), old.force(1e-6)) == pytest.approx((2 * 3e9 * 1e-6**1.7, 3e9 * 1e-6**1.7), rel=1e-14)
+    np.testing.assert_allclose(new.joined("hertz").tabulate(1e-3).force(1e-6), new.force(1e-6), rtol=1e-3)
+    saved = pickle.dumps(new)
+    dl.register(dl.define("power", power, slope), replace=True)
+    with pytest.raises(dl.DemlawsError, match="another here than where it was pickled"):
+        pickle.loads(saved)
+
+
+# --- files
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (None, "no file of laws .*my_laws.py: give the Python file"),
+        ("def force(p, overlap:\n", r"my_laws.py, line 1: "),
+        ("import demlaws\n\n1 / 0\n", r"my_laws.py, line 3: ZeroDivisionError: division by zero"),
+        ("import nowhere_to_be_found\n", r"my_laws.py, line 1: ModuleNotFoundError: No module named 'nowhere"),
+        ("import sys\nsys.exit(3)\n", r"my_laws.py, line 2: SystemExit: 3"),
+        ("x = 1\n", "my_laws.py registers no law: call demlaws.register"),
+        (POWER.replace('"power"', '"rms"'), r"my_laws.py, line \d+: law 'rms' is one of demlaws's own"),
+        (POWER + "\n1 / 0", "ZeroDivisionError"),
+    ],
+)
+def test_files_that_are_refused(tmp_path, text, said):
+    file = tmp_path / "my_laws.py"
+    if text is not None:
+        write(tmp_path, text)
+    with pytest.raises(dl.DemlawsError, match=said) as caught:
+        dl.load_laws(file)
+    assert "\n" not in str(caught.value)
+    assert "power" not in dl.laws()
+
+
+def test_a_file_as_the_packages_own_are(tmp_path):
+    """Types, kernels and LAW written out; two files may call their types alike."""
+    text = (PACKAGE / "laws" / "goddard.py").read_text().replace('name="goddard"', 'name="blunt"')
+    other = text.replace('name="blunt"', 'name="blunter"').replace("0.75 * overlap * slope", "0.75 * overlap * slope * 1.0")
+    assert dl.load_laws(write(tmp_path, text, "one.py")) == ["blunt"]
+    assert dl.load_laws(write(tmp_path, other, "other.py")) == ["blunter"]
+    overlap = np.geomspace(1e-9, 1e-4, 20)
+    expected = dl.law("goddard", GRANITE, slope=0.035).force(overlap)
+    for name in ("blunt", "blunter"):
+        np.testing.assert_array_equal(dl.law(name, GRANITE, slope=0.035).force(overlap), expected)
+
+
+def test_the_environment_reaches_other_processes(tmp_path):
+    """And what a process pickles, another with the same file takes up; a file is run once, whatever finds it."""
+    file = write(tmp_path, POWER + "\nprint('ran', __name__.startswith('demlaws_own_my_laws'))\n")
+    law = "dl.law('power', dl.Contact(radius=4e-3, modulus=3e10), 'hertz')"
+    path = tmp_path / "law.pickle"
+    code = f"import demlaws as dl, pickle; pickle.dump({law}, open({str(path)!r}, 'wb'))"
+    assert python(code, DEMLAWS_LAWS=file) == "ran True"
+    code = f"import pickle; print(pickle.load(open({str(path)!r}, 'rb')).force(1e-6))"
+    _, force = python(code, DEMLAWS_LAWS=f"{file}:{file}").splitlines()
+    assert float(force) == pytest.approx(3e9 * 1e-6**1.7, rel=1e-14)
+    code = f"import demlaws as dl; dl.load_laws({str(file)!r}); import my_laws; print(dl.laws()[-1], {law}.force(1e-6))"
+    folders = f"{PACKAGE.parent}:{tmp_path}"
+    assert python(code, PYTHONPATH=folders).splitlines()[-1] == f"power {force}"
+    code = f"import demlaws as dl, my_laws; dl.load_laws({str(file)!r}); print({law}.force(1e-6))"
+    assert python(code, PYTHONPATH=folders).splitlines() == ["ran False", force]
+    code = "import demlaws as dl\nfor _ in range(2):\n    try: dl.laws()\n    except dl.DemlawsError as e: print(e)"
+    said = python(code, DEMLAWS_LAWS=tmp_path / "nothing.py").splitlines()
+    assert len(said) == 2 and all("no file of laws" in line for line in said)
+
+
+def test_workers_find_it(tmp_path):
+    """Forked and spawned workers get the law itself, not a copy that something else made."""
+    file = write(tmp_path)
+    text = f"""
+        import multiprocessing
+        import demlaws as dl
+
+        def force(law):
+            return law.force(1e-6)
+
+        if __name__ == "__main__":
+            dl.load_laws({str(file)!r})
+            law = dl.law("power", dl.Contact(radius=4e-3, modulus=3e10))
+            for way in ("fork", "spawn"):
+                with multiprocessing.get_context(way).Pool(1) as pool:
+                    print(pool.map(force, [law])[0] == law.force(1e-6))
+    """
+    script = write(tmp_path, text, "script.py")
+    assert python(f"import subprocess, sys; subprocess.run([sys.executable, {str(script)!r}], check=True)") == "True\nTrue"
+
+
+def test_entry_points(tmp_path):
+    """Of an installed package: a module that registers, one with LAW, a definition; one that fails takes none along."""
+    write(tmp_path, POWER, "first_package.py")
+    second = POWER.replace('dl.register(dl.define("power"', 'LAW = (dl.define("second"')
+    write(tmp_path, second, "second_package.py")
+    info = tmp_path / "theirs-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: theirs\nVersion: 1.0\n")
+    points = "first = first_package\nsecond = second_package:LAW\nthird = not_there\n"
+    (info / "entry_points.txt").write_text(f"[demlaws.laws]\n{points}")
+    code = """
+        import warnings
+        import demlaws as dl
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            print(*dl.laws()[-2:], dl.law("second", dl.Contact(radius=4e-3, modulus=3e10)).force(1e-6))
+        print(*(w.message for w in said))
+    """
+    found, said = python(code, PYTHONPATH=f"{PACKAGE.parent}:{tmp_path}").splitlines()
+    assert found.split()[:2] == ["power", "second"]
+    assert float(found.split()[2]) == pytest.approx(3e9 * 1e-6**1.7, rel=1e-14)
+    assert "third = not_there" in said and "left out" in said
+
+
+# --- machine code follows the file
+
+
+def test_an_edited_file_is_never_served_from_yesterday(tmp_path):
+    """The file itself, a module that it takes a function from, a number that it takes from another; and within one process."""
+    write(tmp_path, "def factor():\n    return 3.0\n\nPLAIN = 1.0\n", "helper.py")
+    text = """
+        import demlaws as dl, helper
+        from demlaws.core.fastmath import kernel
+        from helper import PLAIN
+
+        factor = kernel(helper.factor)
+
+        def force(p, overlap):
+            return factor() * PLAIN * helper.PLAIN * 1e9 * overlap**1.7
+
+        def stiffness(p, overlap):
+            return 1.7 * force_(p, overlap) / overlap
+
+        force_ = kernel(force)
+        dl.register(dl.define("mine", force, stiffness))
+    """
+    file = write(tmp_path, text)
+    code = counted("""
+        import demlaws as dl
+        print(dl.law("mine", dl.Contact(radius=4e-3, modulus=3e10)).force(1e-3), len(Count.compiled))
+    """)
+    settings = {"DEMLAWS_LAWS": file, "NUMBA_CACHE_DIR": tmp_path / "cache", "PYTHONDONTWRITEBYTECODE": 1}
+
+    def run():
+        force, compiled = python(code, **settings).split()
+        return float(force) / (1e9 * 1e-3**1.7), int(compiled)
+
+    assert run() == (pytest.approx(3.0), pytest.approx(50, abs=49))
+    assert run() == (pytest.approx(3.0), 0)
+    write(tmp_path, "def factor():\n    return 5.0\n\nPLAIN = 1.0\n", "helper.py")
+    assert run()[0] == pytest.approx(5.0)
+    write(tmp_path, "def factor():\n    return 5.0\n\nPLAIN = 2.0\n", "helper.py")
+    assert run()[0] == pytest.approx(20.0)
+    write(tmp_path, text.replace("1e9", "2e9"))
+    assert run()[0] == pytest.approx(40.0)
+    assert run() == (pytest.approx(40.0), 0)
+    within = f"""
+        import demlaws as dl, importlib, sys
+        sys.path.insert(0, {str(tmp_path)!r})
+        import my_laws
+        contact = dl.Contact(radius=4e-3, modulus=3e10)
+        print(dl.law("mine", contact).force(1e-3))
+        file = {str(file)!r}
+        text = open(file).read()
+        open(file, "w").write(text.replace("2e9", "7e9"))
+        importlib.reload(my_laws)
+        print(dl.law("mine", contact).force(1e-3))
+    """
+    del settings["DEMLAWS_LAWS"]
+    before, after = map(float, python(within, **settings).split())
+    assert after == pytest.approx(3.5 * before, rel=1e-12)
+    assert before == pytest.approx(40.0 * 1e9 * 1e-3**1.7, rel=1e-12)
+
+
+def test_a_digest_says_what_a_function_does():
+    def made(factor, more=None):
+        table = factor if isinstance(factor, np.ndarray) else np.arange(4.0) * factor
+        return lambda x: x * table[1] + (0.0 if more is None else 1.0)
+
+    assert digest_of(made(2.0)) == digest_of(made(2.0)) != digest_of(made(3.0))
+    assert digest_of(made(2.0, 1)) != digest_of(made(2.0))
+    assert digest_of(kernel(power)) == digest_of(power) != digest_of(slope)
+    assert digest_of(made(np.array([object()] * 4))) is None  # whose value nobody can know again
+
+
+# --- definitions that are none
+
+
+def law(force, stiffness=slope, **functions):
+    return dl.define("bad", force, stiffness, **functions)
+
+
+BAD = {
+    "NaN somewhere": (law(lambda p, d: 3e9 * d**1.7 if d < 1e-5 else math.nan), r"at overlap 1\.\d+e-05 m the force is nan N"),
+    "infinite": (law(lambda p, d: 3e9 * d**1.7 if d < 1e-5 else math.inf), r"at overlap 1\.\d+e-05 m the force is inf N"),
+    "negative": (
+        law(lambda p, d: -3e9 * d**1.7),
+        r"at overlap 4\.35e-12 m the force is -\d\.\d+e-10 N: it must not be negative",
+    ),
+    "falling": (
+        law(lambda p, d: 3e9 * min(d, 2e-5 - d) ** 1.7 if d < 1.9e-5 else 1e3),
+        r"from overlap 9\.\d+e-06 m to 1\.\d+e-05 m the force falls from 9\.\d+ N to",
+    ),
+    "jump": (
+        law(lambda p, d: 3e9 * d**1.7 + (1.0 if d > 1e-5 else 0.0)),
+        r"at overlap 1e-05 m the force jumps from 9\.\d+ N to 10\.\d+ N",
+    ),
+    "derivative": (
+        law(power, lambda p, d: 5.3e9 * d**0.7),
+        r"at overlap .* m the stiffness is .* N/m, the derivative of the force",
+    ),
+    "NaN stiffness": (law(power, lambda p, d: math.nan), r"the stiffness is nan N/m"),
+    "inverse": (
+        law(power, overlap=lambda p, f: (f / 3e9) ** (1 / 1.75)),
+        r"at overlap .* m the force is .* N, but the inverse gives",
+    ),
+    "energy": (law(power, energy=lambda p, d: 3e9 * d**2.7), r"the energy grows by .* J, ∫P dδ by .* J"),
+    "nothing": (law(lambda p, d: 0.0 * d, lambda p, d: 0.0 * d), r"up to overlap 0.000435 m the force is 0 N"),
+    "no such field": (law(lambda p, d: p.softness * d), r"law 'bad': its functions do not compile: .*softness"),
+}
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_a_law_that_is_none_is_refused_with_its_overlap_and_value(fault):
+    definition, said = BAD[fault]
+    dl.register(definition)
+    with pytest.raises(dl.DemlawsError, match=said) as caught:
+        dl.law("bad", GRANITE)
+    assert "bad" in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_kinks_are_no_fault():
+    """A stiffness that jumps is what a law may have: only the force must not."""
+
+    def force(p, d):
+        return 1e6 * d + 2e6 * max(d - 1e-5, 0.0)
+
+    dl.register(dl.define("kinked", force, lambda p, d: 1e6 if d < 1e-5 else 3e6, kinks=lambda p, **o: [1e-5]))
+    table = dl.law("kinked", GRANITE).tabulate(1e-6)
+    np.testing.assert_allclose(table.force(np.array([9e-6, 2e-5])), [9.0, 40.0], rtol=1e-6)
+
+
+def test_a_law_that_does_not_collapse_says_so():
+    dl.register(dl.define("power", power, slope, collapses=True))
+    with pytest.raises(dl.DemlawsError, match=r"with radius = .*overlap .* m, made dimensionless, is 0\.\d+ times as large"):
+        dl.law("power", GRANITE).tabulate()
+    assert dl.law("power", GRANITE).force(1e-6) > 0
+
+
+def test_a_pair_that_is_not_passive_is_refused():
+    stiff = dl.define(
+        "stiff", lambda p, d: 9.0 * p.hertz_coefficient * d**1.5, lambda p, d: 13.5 * p.hertz_coefficient * d**0.5
+    )
+    dl.register(stiff)
+    with pytest.raises(dl.DemlawsError, match=r"cannot take 'hertz' unloading"):
+        dl.law("stiff", GRANITE, "hertz")
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"name": "My Law"}, "small letters, digits and hyphens"),
+        ({"name": "table"}, "no rule's"),
+        ({"name": 3}, "law 3"),
+        ({"equation": "two\nlines"}, "equation must be one line"),
+        ({"prepare": None}, "prepare must be a function"),
+        ({"length": "diameter"}, "length must be 'roughness' or 'radius'"),
+        ({"needs": ("colour",)}, "needs 'colour'"),
+        ({"unloading": ("hertz",)}, "the first rule must be 'elastic'"),
+        ({"free": ("n",)}, "free names n"),
+    ],
+)
+def test_definitions_that_are_refused(changes, said):
+    with pytest.raises(dl.DemlawsError, match=said):
+        dl.register(law(power)._replace(**changes))
+
+
+def test_what_is_no_definition():
+    for given in (None, "power", dl.define, [law(power)]):
+        with pytest.raises(dl.DemlawsError, match=r"register takes a demlaws\.Definition"):
+            dl.register(given)
+    for wrong in (
+        {"options": {"radius": 1.0}},
+        {"options": {"for": 1.0}},
+        {"options": {"n": math.nan}},
+        {"colours": 3},
+        {"prepare": 1},
+    ):
+        with pytest.raises(dl.DemlawsError):
+            law(power, **wrong)
+    with pytest.raises(dl.DemlawsError, match="force must be a function"):
+        law(3.0)
+    needs = dl.register(dl.define("needs", power, slope, options={"n": None}))
+    with pytest.raises(dl.DemlawsError, match="law 'needs' needs n"):
+        dl.law("needs", GRANITE)
+    assert isinstance(needs, Definition) and dl.law("needs", GRANITE, n=2).options == {"n": 2}
+
+
+def test_types_that_bind_too_little_are_named():
+    goddard = (PACKAGE / "laws" / "goddard.py").read_text().replace('name="goddard"', 'name="half"')
+    names: dict = {"__name__": "half_a_law"}
+    exec(goddard.replace("virgin=_virgin, inverse=_inverse, ", "virgin=_virgin, "), names)
+    dl.register(names["LAW"])
+    with pytest.raises(dl.DemlawsError, match=r"law 'half': its Params, GoddardParams, binds no inverse"):
+        dl.law("half", GRANITE, slope=0.03)
+
+
+# --- the tests of a law
+
+
+def test_the_check_of_a_law():
+    dl.register(dl.define("power", power, slope))
+    found = dl.check_law("power", rules=("elastic", "hertz"), paths=200)
+    assert found.passed and not found.failures
+    text = str(found)
+    assert "power: all as it must be" in text and "hertz unloading: paths of 200 that return work" in text
+    with pytest.raises(dl.DemlawsError, match="unknown law 'nobody'"):
+        dl.check_law("nobody")
+
+
+def test_the_check_sees_what_is_wrong():
+    """Within what a law may be to be used at all: an energy off by 1e-5, a stiffness by 1e-6, a rule that it cannot take."""
+    off = dl.define("off", power, lambda p, d: 1.000001 * 5.1e9 * d**0.7, energy=lambda p, d: 1.00001 * 3e9 * d**2.7 / 2.7)
+    dl.register(off)
+    found = dl.check_law("off", rules=("elastic",), paths=100)
+    failed = {check.what: check.value for check in found.failures}
+    assert failed["stiffness against derivative, relative"] == pytest.approx(1e-6, rel=0.01)
+    assert failed["energy against ∫P dδ, relative"] == pytest.approx(1e-5, rel=0.01)
+    stiff = dl.define(
+        "stiff", lambda p, d: 9.0 * p.hertz_coefficient * d**1.5, lambda p, d: 13.5 * p.hertz_coefficient * d**0.5
+    )
+    dl.register(stiff._replace(unloading=("elastic", "hertz")))
+    failed = dl.check_law("stiff", rules=("hertz",), paths=100).failures
+    assert [check.what for check in failed] == ["hertz unloading: refused, though its definition names it"]
