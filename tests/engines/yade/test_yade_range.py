@@ -16,10 +16,10 @@ def pressed(law, overlap, young=60.6e9, speed=0.0):
 
     omega = yade.O
     omega.reset()
-    stone = material(young=young)
-    for side in (0, 1, 5, 6):
-        height = (2 * RADIUS - overlap) * (side % 5 % 2) + (side > 4) * 0.2
-        omega.bodies.append(sphere((0, 0, height), RADIUS, fixed=True, material=stone))
+    below, above = material(), material(young=young)
+    for place in (0.0, 0.2):
+        omega.bodies.append(sphere((0, 0, place), RADIUS, fixed=True, material=below))
+        omega.bodies.append(sphere((0, 0, place + 2 * RADIUS - overlap), RADIUS, fixed=True, material=above))
     omega.bodies[1].state.vel = (0, 0, -speed)
     set_engines(law, 1e-6)
 
