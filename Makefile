@@ -3,6 +3,7 @@
 # make test-all  the same with everything; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
+# make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped)
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
@@ -17,7 +18,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability validation docs dist lint engines clean
+.PHONY: granite test test-all bench stability trade validation docs dist lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -51,6 +52,10 @@ bench: engines $(VENV)/.test
 
 validation: engines $(VENV)/.plots
 	$(BIN)/python -m demlaws.validation --out validation
+
+# TRADE=--quick for some minutes
+trade: engines $(VENV)/.plots
+	$(BIN)/demlaws trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
 
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site

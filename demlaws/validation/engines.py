@@ -162,6 +162,7 @@ def in_liggghts(jobs):
 
 
 def in_lammps(jobs):
+    """Answers of LAMMPS to the jobs."""
     from demlaws.validation.in_lammps import answer
 
     return answer(jobs)
