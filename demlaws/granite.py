@@ -111,8 +111,11 @@ def options_for(name, test):
 
 
 def bind(name, test, unloading=None):
-    """A law on a test's contact; unloading: Hertz's where the law takes it, else elastic."""
+    """A law on a test's contact; unloading: the law's own way if it has one, else Hertz's where it takes it, else elastic."""
     options = options_for(name, test)
+    own = registry()[name].default_unloading
+    if unloading is None and own != "elastic":
+        unloading = own
     if unloading is not None:
         return law(name, test.contact, unloading, **options)
     try:
@@ -123,7 +126,7 @@ def bind(name, test, unloading=None):
 
 def laws_for_tests():
     """Names of the laws that the tests' published quantities suffice for (a height map is not published)."""
-    return [name for name, definition in registry().items() if not definition.needs_map]
+    return [name for name, definition in registry().items() if definition.from_tests and not definition.needs_map]
 
 
 class Run(NamedTuple):

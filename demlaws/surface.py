@@ -392,6 +392,8 @@ def read(path, pixel=None, unit="m"):
     path = as_path(path)
     if not path.is_file():
         raise DemlawsError(f"no such height map: {path}")
+    if path.stat().st_size == 0:
+        raise DemlawsError(f"{path} is empty: was the measurement exported?")
     if not isinstance(unit, str) or unit not in UNITS:
         raise DemlawsError(f"unit = {unit!r}: the units of height are {', '.join(UNITS)}")
     suffix = path.suffix.lower()

@@ -214,6 +214,14 @@ def test_other_files_need_surface_topography(tmp_path, monkeypatch):
         surface.read(tmp_path / "map.opd")
 
 
+@pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc", ".sur", ".x3p"])
+def test_an_empty_file_is_said_to_be_empty(tmp_path, suffix):
+    """Before: an instrument's was asked for a `physical_sizes` that no option of ours gives."""
+    (tmp_path / f"map{suffix}").touch()
+    with pytest.raises(dl.DemlawsError, match="is empty"):
+        surface.read(tmp_path / f"map{suffix}", pixel=1e-6)
+
+
 def test_instrument_files_go_through_surface_topography(tmp_path):
     """A map written by SurfaceTopography (NetCDF), with a unit, missing pixels and a shape."""
     topography = pytest.importorskip("SurfaceTopography")

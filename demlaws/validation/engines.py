@@ -11,7 +11,15 @@ import numpy as np
 from demlaws.errors import DemlawsError
 from demlaws.measure.costs import available
 from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, packing_jobs, shear_jobs
-from demlaws.validation.published import IMPACT_TOLERANCE, IMPACTS, SPEEDS, bound, quiet, restitution_of
+from demlaws.validation.published import (
+    BRANCHES,
+    IMPACT_TOLERANCE,
+    IMPACTS,
+    SPEEDS,
+    bound,
+    quiet,
+    restitution_of,
+)
 from demlaws.validation.row import between, missing, near
 
 
@@ -19,9 +27,12 @@ def impact_rows(engine, found):
     """Rows of the published impacts in an engine."""
     for one, answer in zip(IMPACTS, found, strict=False):
         yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
-    for ratio, answer in zip(SPEEDS, found[len(IMPACTS) :], strict=True):
+    first, second = len(IMPACTS), len(IMPACTS) + len(SPEEDS)
+    for ratio, answer in zip(SPEEDS, found[first:second], strict=True):
         wanted = restitution_of(ratio)
         yield near(f"restitution at V/V_y = {ratio:g}", engine, wanted, answer["restitution"], 1e-4, "thornton")
+    for (name, _, _, wanted), answer in zip(BRANCHES, found[second:], strict=True):
+        yield near(f"{name}: restitution", engine, wanted, answer["restitution"], 1e-4, name)
 
 
 # --- regular arrays

@@ -5,7 +5,7 @@ import math
 from demlaws.contact import Contact
 from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
-from demlaws.validation.published import IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
+from demlaws.validation.published import BRANCHES, IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
 SMOOTH = 1e-12
 """Roughness [m] that stands for none: engines take a pair of smooth surfaces for Hertz, whatever the law."""
@@ -62,6 +62,14 @@ def impact_jobs():
         job["speed"] = ratio * yield_speed(contact, pressure, mass)
         exact = quiet(impact, bound("rough-plastic", contact, "thornton", **options), mass, job["speed"], 4000)
         job |= {"kind": "impact", "law": "rough-plastic", "unloading": "thornton", "options": options}
+        jobs.append(
+            job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
+        )
+    for name, unloading, options, _ in BRANCHES:
+        job = {"young": 60e9, "poisson": 0.0, "density": 2500.0, "radius": 0.01, "plane": False, "speed": 0.1}
+        job |= {"surface": {"roughness": SMOOTH}, "kind": "impact", "law": name, "unloading": unloading, "options": options}
+        mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
+        exact = quiet(impact, bound(name, contact_of(job), unloading, **options), mass, job["speed"], 2000)
         jobs.append(
             job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
         )

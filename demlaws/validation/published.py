@@ -190,6 +190,76 @@ def indentation():
     )
 
 
+_RATIO = 2.5
+_REST = 1.0 - 1.0 / _RATIO
+BRANCHES = (
+    ("walton-braun", "linear", {"loading_stiffness": 2e6, "stiffness_ratio": _RATIO}, math.sqrt(1.0 / _RATIO)),
+    # e² = 1 - 1.5 (k2/k1) c^1.5 (1 - c) with c = (1 - k1/k2)^(2/3), from the branches' areas
+    ("eepa", "eepa", {"stiffness_ratio": _RATIO}, math.sqrt(1.0 - 1.5 * _RATIO * _REST * (1.0 - _REST ** (2.0 / 3.0)))),
+)
+"""Law, its rule, options and restitution, which does not depend on speed, for the engines."""
+
+
+def cycle(name, options, contact, maximum, share):
+    """Force at `maximum` [m], and after unloading to a share of it, of the law with its own rule."""
+    one = law(name, contact, **options)
+    return quiet(one.follow, np.array([maximum, share * maximum])).force
+
+
+def plastic_laws():
+    """The plastic laws of the literature: what their papers' equations give, written out once more."""
+    contact, mass = Contact(0.005, 30e9, roughness=0.0), 0.01
+    radius, modulus = contact.radius, contact.modulus
+    hertz = 4.0 / 3.0 * modulus * math.sqrt(radius)
+    pressure, ratio = YIELD_RATIO * modulus, 20.0
+    one = law("thornton-ning", contact, yield_pressure=pressure)
+    found = quiet(driver.impact, one, mass, ratio * yield_speed(contact, pressure, mass), 40000).restitution
+    yield near("thornton-ning: restitution at V/V_y = 20", PYTHON, restitution_of(ratio), found, 1e-5, "thornton")
+
+    contact, strength = Contact(0.01, 100e9, roughness=0.0), 1e8
+    for ratio in (10.0, 110.0):
+        wanted, overlap, load = _jackson_green(ratio, strength, contact)
+        found = float(quiet(law("jackson-green", contact, yield_strength=strength).force, ratio * overlap)) / load
+        yield near(f"jackson-green: P/P_c at {ratio:g} ω_c", PYTHON, wanted, found, 1e-12, "jackson-green")
+    critical = (math.pi * (0.454 + 0.41 * 0.3) * 2.8 * strength / (2.0 * modulus)) ** 2 * radius
+    load = hertz * critical**1.5
+    for ratio, wanted in ((3.0, 1.03 * 3.0**1.425), (50.0, 1.40 * 50.0**1.263)):
+        found = (
+            float(quiet(law("kogut-etsion", Contact(radius, modulus), yield_strength=strength).force, ratio * critical)) / load
+        )
+        yield near(f"kogut-etsion: P/P_c at {ratio:g} ω_c", PYTHON, wanted, found, 1e-12, "kogut-etsion")
+
+    contact = Contact(radius, modulus, roughness=0.0)
+    sine, peak = math.sin(1.2), 1e9
+    blunting, h = (1.0 - sine) / sine, (math.pi * peak / (2.0 * modulus)) ** 2
+    top = 3.0 * h * radius
+    now = (top + radius * blunting) / (h + blunting)
+    wanted = [4.0 / 3.0 * modulus * math.sqrt(now) * (d + (radius - now) * blunting) ** 1.5 for d in (top, 0.9 * top)]
+    found = cycle("conical-damage", {"strength": peak, "angle": 1.2}, contact, top, 0.9)
+    for what, one, other in zip(("loading", "unloading"), wanted, found, strict=True):
+        yield near(f"conical-damage: force at 3 δ_y, {what}", PYTHON, one, float(other), 1e-12, "conical-damage", "N")
+
+    k1, k2 = 2e6, 5e6
+    found = quiet(driver.impact, law("walton-braun", contact, loading_stiffness=k1, stiffness_ratio=k2 / k1), mass, 0.1, 20000)
+    yield near("walton-braun: restitution", PYTHON, math.sqrt(k1 / k2), found.restitution, 1e-6, "walton-braun")
+
+    depth = 0.002
+    limit = k2 / (k2 - k1) * depth * 2.0 * radius
+    stiffness = k1 + (k2 - k1) * 0.5
+    found = cycle(
+        "luding", {"loading_stiffness": k1, "stiffness_ratio": k2 / k1, "plasticity_depth": depth}, contact, 0.5 * limit, 0.9
+    )
+    yield near("luding: force at δ*/2", PYTHON, 0.5 * k1 * limit, float(found[0]), 1e-12, "luding", "N")
+    wanted = 0.5 * limit * (k1 - 0.1 * stiffness)
+    yield near("luding: after unloading by a tenth", PYTHON, wanted, float(found[1]), 1e-12, "luding", "N")
+
+    top = 1e-5
+    plastic = (1.0 - 1.0 / 3.0) ** (2.0 / 3.0) * top
+    found = cycle("eepa", {"stiffness_ratio": 3.0}, contact, top, 0.95)
+    wanted = 3.0 * hertz * ((0.95 * top) ** 1.5 - plastic**1.5)
+    yield near("eepa: after unloading by a twentieth", PYTHON, wanted, float(found[1]), 1e-12, "eepa", "N")
+
+
 # --- roughness
 
 
@@ -345,6 +415,7 @@ GROUPS = {
     "LAMMPS's own tests": lammps_impacts,
     "Restitution of a yielding sphere": restitution,
     "A yielding sphere against finite elements": indentation,
+    "Plastic laws of the literature": plastic_laws,
     "Elastic rough spheres (Greenwood & Tripp)": greenwood_tripp,
     "Central pressure as printed": central_pressures,
     "Plastic asperities on an elastic sphere (Yip & Venart)": yip_venart,

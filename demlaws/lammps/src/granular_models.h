@@ -255,6 +255,12 @@ inline Table *make_table(Model *m, const std::string &named, const demlaws::Tabl
     return new Ruled<demlaws::HERTZ>(m, named, table);
   case demlaws::THORNTON:
     return new Ruled<demlaws::THORNTON>(m, named, table);
+  case demlaws::LINEAR:
+    return new Ruled<demlaws::LINEAR>(m, named, table);
+  case demlaws::EEPA:
+    return new Ruled<demlaws::EEPA>(m, named, table);
+  case demlaws::ETSION:
+    return new Ruled<demlaws::ETSION>(m, named, table);
   default:
     return new Ruled<demlaws::GIVEN>(m, named, table);
   }

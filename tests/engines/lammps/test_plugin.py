@@ -49,6 +49,10 @@ def same(log, path, limit):
         ("bahrami", "elastic", {}),
         ("yip-venart", "table", {}),
         ("greenwood-tripp", "elastic", {}),
+        ("conical-damage", "thornton", {"strength": 0.5e9}),
+        ("luding", "linear", {"plasticity_depth": 2e-4}),
+        ("eepa", "eepa", {}),
+        ("kogut-etsion", "etsion", {"yield_strength": 0.1e9}),
     ],
 )
 def test_force_and_energies_are_the_laws(granite_pair, name, unloading, options):

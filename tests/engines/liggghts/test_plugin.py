@@ -10,8 +10,8 @@ import pytest
 from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
+from demlaws import table_file
 from demlaws.core.shear import CHOICES
-from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
 from demlaws.liggghts.build import SOURCES
@@ -44,7 +44,7 @@ def test_the_history_has_the_names_of_the_rules_states():
     source = (SOURCES / "normal_model_demlaws.h").read_text()
     names = re.findall(r'"demlaws_(\w+)"', source.split("STATE_NAMES[MOST_STATE]")[1].split(";")[0])
     most = int(re.search(r"MOST_STATE = (\d+)", source)[1])
-    rules = [rule for rule in RULES.values() if rule.number is not None]
+    rules = [rule for rule in table_file.rules().values() if rule.number is not None]
     for rule in rules:
         camel = [re.sub(r"_(\w)", lambda found: found[1].upper(), name) for name in rule.state]
         assert camel == names[: len(camel)], rule.name
@@ -65,6 +65,10 @@ def test_the_history_has_the_names_of_the_rules_states():
         ("greenwood-tripp", "elastic", {}),
         ("pohrt-popov", "table", {}),
         ("yip-venart", "table", {}),
+        ("conical-damage", "thornton", {"strength": 0.5e9}),
+        ("walton-braun", "linear", {}),
+        ("eepa", "eepa", {}),
+        ("jackson-green", "etsion", {"yield_strength": 0.1e9}),
     ],
 )
 def test_force_is_the_laws(granite_pair, name, unloading, options):
