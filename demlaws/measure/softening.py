@@ -66,6 +66,7 @@ class Run(NamedTuple):
 
     @property
     def surface(self) -> Surface:
+        """Surface of the grains of this run."""
         return Surface(self.rough * SURFACE.roughness, SURFACE.fractal_dimension, SURFACE.hardness)
 
     def softened(self) -> tuple:
