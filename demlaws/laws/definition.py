@@ -130,8 +130,6 @@ class Option(NamedTuple):
 
 PRESSURE = -2 / 3
 """`Option.softens` of a pressure."""
-
-
 STIFFNESS = -2 / 3
 """`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
 LENGTH = 2 / 3
