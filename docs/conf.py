@@ -32,6 +32,7 @@ suppress_warnings = ["misc.highlighting_failure", "myst.header"]
 highlight_language = "none"
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
+add_module_names = False
 nitpicky = False
 
 LISTS = pages.write()
@@ -50,6 +51,12 @@ def source_read(app, name, source):
     source[0] = text
 
 
+def outdated(app, env, added, changed, removed):
+    """Pages that list others are read anew: what they list may have come since."""
+    return [name for name in env.found_docs if name == "index" or name.endswith("/index")]
+
+
 def setup(app):
     """Sphinx calls this."""
     app.connect("source-read", source_read)
+    app.connect("env-get-outdated", outdated)

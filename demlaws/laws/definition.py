@@ -85,7 +85,12 @@ def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
 
 
 class Parameter(NamedTuple):
-    """A quantity that a fit may vary."""
+    """A quantity that a fit may vary.
+
+    >>> thickness = dl.Parameter("m", True, lambda contact: (1e-9, 1e-4), lambda contact: [1e-6])
+    >>> thickness.unit, thickness.option
+    ('m', False)
+    """
 
     unit: str
     logarithmic: bool  # fitted and reported as ln(value): positive by nature
@@ -111,7 +116,11 @@ OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": D
 
 
 class Option(NamedTuple):
-    """An option of a law, as users are told of it; its default stands in the signature of `prepare`."""
+    """An option of a law, as users are told of it; its default stands in the signature of `prepare`.
+
+    >>> dl.Option("Pa", "above 0", "pressure at which the bulk yields; needed").values
+    'above 0'
+    """
 
     unit: str
     values: str  # the range, or the words that it can be
@@ -121,6 +130,10 @@ class Option(NamedTuple):
 
 PRESSURE = -2 / 3
 """`Option.softens` of a pressure."""
+STIFFNESS = -2 / 3
+"""`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
+LENGTH = 2 / 3
+"""`Option.softens` of an overlap."""
 
 
 def slope_softens(value: Any, factor: float) -> float:
@@ -162,7 +175,12 @@ SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where
 
 
 class Definition(NamedTuple):
-    """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
+    """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to.
+
+    >>> from demlaws.laws.registry import find
+    >>> find("hertz").equation, find("pohrt-popov").needed()
+    ('P = (4/3) E* √R δ^1.5', ('fractal_dimension',))
+    """
 
     name: str
     prepare: Callable
@@ -177,6 +195,7 @@ class Definition(NamedTuple):
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form
     solved: bool = False  # the curve comes from a solver and is a table from the start
+    from_tests: bool = True  # whether tests on single contacts, as the granite ones, tell its parameters
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
@@ -188,6 +207,7 @@ class Definition(NamedTuple):
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    rule_numbers: Callable | None = None  # params of one contact, length [m] → values, without units, of its rule's `keys`
     default_unloading: str = "elastic"  # the rule where a user names none
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter

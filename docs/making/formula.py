@@ -159,7 +159,7 @@ def latex(equation):
         else:
             out.append(text)
     flush()
-    return "".join(out).strip()
+    return re.sub(r"^(?:\\ )+|(?:\\ )+$", "", "".join(out).strip() + " ").strip()
 
 
 def symbols_of(equation):

@@ -21,7 +21,7 @@ ELSEWHERE = {
 
 SECTIONS = {
     "tutorials": [],
-    "theory": ["laws", "shear"],
+    "theory": ["laws", "plastic-laws", "shear"],
     "how-to": [
         "own-laws",
         "surfaces",
@@ -41,9 +41,11 @@ SECTIONS = {
 
 
 def members(section):
-    """Pages of a section: those of its folder in the order of its index, and those that stand elsewhere and exist."""
+    """Pages that the index of a section does not name itself: those that stand outside its folder, or are made."""
     known = {page for pages in SECTIONS.values() for page in pages}
     pages = [page for page in SECTIONS[section] if (DOCS / f"{page}.md").exists()]
+    if section == "validation":  # what has been measured and kept
+        pages = [*sorted(f"validation/{p.stem}" for p in (DOCS / section).glob("*.md") if p.stem != "index"), *pages]
     if section == "how-to":
         pages += sorted(p.stem for p in DOCS.glob("*.md") if p.stem not in known and p.stem not in ("index", "paper"))
     return pages

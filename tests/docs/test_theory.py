@@ -11,6 +11,7 @@ from demlaws.laws.registry import registry
 def test_formulae():
     assert formula.latex("P = (4/3) E* √R δ^1.5") == r"P = (4/3) E^{*} \sqrt{R} \delta ^{1.5}"
     assert formula.latex("a*²/(2 R_12)") == r"a^{* 2}/(2 R_{12})"
+    assert formula.latex("w from there") == r"w \ \text{from there}"
     assert formula.latex("K^(0.5 Df) to F") == r"K^{0.5 D_{f}} \ \text{to}\ F"
     assert formula.latex("δp Pmax k1") == r"\delta_{p} P_{\mathrm{max}} k_{1}"
     assert formula.lines("P = a, b = min(c, d), then more") == ["P = a", "b = min(c, d), then more"]

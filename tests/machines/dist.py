@@ -5,7 +5,7 @@
     python tests/machines/dist.py --python 3.12       # on others
     python tests/machines/dist.py --built             # try what dist/ holds
 
-Pythons are looked for in pyenv's folder, uv's and the system's; one that is missing is said, and makes the exit status 1.
+Pythons are looked for in the folders of pyenv, uv, GitHub and the system; one that is missing makes the exit status 1.
 Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the
 command answers, and the C++ sources that engines need lie where the code looks. Standard library only, but for `build`.
 """
@@ -22,7 +22,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 OLDEST = "3.10"
-FOLDERS = ("~/.pyenv/versions/*/bin", "~/.local/share/uv/python/*/bin", "/usr/bin", "/usr/local/bin")
+FOLDERS = (
+    "~/.pyenv/versions/*/bin",
+    "~/.local/share/uv/python/*/bin",
+    "/opt/hostedtoolcache/Python/*/x64/bin",
+    "/usr/bin",
+    "/usr/local/bin",
+)
 
 TRIAL = """
 import importlib.metadata, pathlib, sys
@@ -92,7 +98,7 @@ def contents(path):
         return {name.partition("/")[2] for name in archive.getnames()}
 
 
-def tried(python, archive, scratch):
+def tried(python, archive, files, scratch):
     """Install `archive` with `python` into an environment of its own and try it; True if all went well."""
     environment = scratch / f"{python.name}-{archive.suffix.lstrip('.')}"
     where = environment / "work"
@@ -105,7 +111,7 @@ def tried(python, archive, scratch):
         return False
     script = where / "trial.py"
     script.write_text(TRIAL)
-    for line in ([there, script, ROOT, " ".join(known("demlaws"))], [environment / "bin" / "demlaws", "laws", "pohrt-popov"]):
+    for line in ([there, script, ROOT, " ".join(files)], [environment / "bin" / "demlaws", "laws", "pohrt-popov"]):
         if subprocess.run(line, cwd=where, stdout=None if line[0] == there else subprocess.DEVNULL).returncode:
             say(f"FAILED: {python}, {archive.name}: {' '.join(str(w)[:60] for w in line)}")
             return False
@@ -119,12 +125,13 @@ def main():
     parser.add_argument("--built", action="store_true", help="do not build: try what dist/ holds")
     arguments = parser.parse_args()
     folder = ROOT / "dist"
+    files = known("demlaws")
     if not arguments.built:
         build(folder)
     archives = sorted(folder.glob("*.whl")) + sorted(folder.glob("*.tar.gz"))
     good = len(archives) == 2
     for archive in archives:
-        missing = sorted(set(known("demlaws")) - contents(archive))
+        missing = sorted(set(files) - contents(archive))
         say(f"{archive.name}: {archive.stat().st_size / 1e6:.1f} MB" + (f", FAILED: without {missing}" if missing else ""))
         good &= not missing
     found = pythons()
@@ -139,7 +146,7 @@ def main():
                 good = False
                 continue
             for archive in archives:
-                good &= tried(python, archive.resolve(), Path(scratch))
+                good &= tried(python, archive.resolve(), files, Path(scratch))
     say("all is well" if good else "FAILED")
     return 0 if good else 1
 

@@ -60,7 +60,8 @@ def test_the_command(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("demlaws.validation.report.GROUPS", {"A cone": GROUPS["A cone"]})
     assert main(["--no-engines", "--out", str(tmp_path / "page")]) == 0
     assert "1 rows pass, 0 fail" in capsys.readouterr().out
-    assert (tmp_path / "page" / "deviations.png").stat().st_size > 1000
+    for name in ("deviations.png", "asperity.png"):
+        assert (tmp_path / "page" / name).stat().st_size > 1000 and name in (tmp_path / "page" / "validation.md").read_text()
     monkeypatch.setattr("demlaws.validation.report.GROUPS", {"wrong": lambda: [between("x", "Python", 0, 1, 2, "bem")]})
     assert main(["--no-engines", "--out", str(tmp_path / "page")]) == 1
 
@@ -79,6 +80,19 @@ MUTATIONS = {
                         ["Elastic rough spheres (Greenwood & Tripp)"]),
     "asperity": ("solvers/patches.py", "4.0 * math.sqrt(2.0) / 3.0 * p.modulus", "2.0 * math.sqrt(2.0) / 3.0 * p.modulus",
                  ["Height maps against boundary elements"]),
+    "thornton-ning": ("laws/thornton_ning.py", "2.0 / 3.0 * stiffness", "1.0 / 3.0 * stiffness",
+                      ["Plastic laws of the literature"]),
+    "jackson-green": ("laws/jackson_green.py", "4.0 * 2.84 /", "2.0 * 2.84 /", ["Plastic laws of the literature"]),
+    "kogut-etsion": ("laws/kogut_etsion.py", "_FACTOR2, _POWER2 = 1.03, 1.425, 1.40", "_FACTOR2, _POWER2 = 1.03, 1.425, 0.70",
+                     ["Plastic laws of the literature"]),
+    "conical-damage": ("laws/conical_damage.py", "ratio = 0.5 * math.pi", "ratio = 0.25 * math.pi",
+                       ["Plastic laws of the literature"]),
+    "walton-braun": ("laws/walton_braun.py", "first, growth = shape", "first, growth = 0.5 * shape",
+                     ["Plastic laws of the literature"]),
+    "luding": ("laws/luding.py", "shape.plasticity_depth * 2.0", "shape.plasticity_depth * 1.0",
+               ["Plastic laws of the literature"]),
+    "eepa": ("laws/eepa.py", "k1, shape.stiffness_ratio * k1", "k1, 0.5 * shape.stiffness_ratio * k1",
+             ["Plastic laws of the literature"]),
 }  # fmt: skip
 
 
