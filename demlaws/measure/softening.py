@@ -271,6 +271,8 @@ def summary(run: Run, found: dict) -> dict:
         return {"failed": found["failed"]}
     held = found["held"]
     forces = np.array(held["forces"])
+    if not forces.size or not np.all(np.isfinite(forces)):
+        return {"failed": "no grain touches another in the end"}
     row = {
         "steps": found["steps"],
         "seconds": found["seconds"],
