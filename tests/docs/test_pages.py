@@ -18,6 +18,7 @@ NEEDS = {
     PROJECT / "README.md": ("yade", "liggghts", "lammps"),
     DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
     DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
+    DOCS / "lammps.md": ("lammps",),
 }
 PLAIN = [
     DOCS / "tutorials" / "first.md",
