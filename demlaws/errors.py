@@ -29,3 +29,7 @@ class ValidityWarning(UserWarning):
     >>> said[0].category is dl.ValidityWarning
     True
     """
+
+
+class LargeOverlap(ValidityWarning):
+    """An overlap beyond a tenth of the effective radius."""

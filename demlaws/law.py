@@ -21,7 +21,7 @@ from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, f
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.core.unloading import Elastic
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.laws.registry import is_own
 from demlaws.soundness import refuse_unsound
 
@@ -335,7 +335,7 @@ class Law:
         text = check_overlaps(overlap, self.contact.radius)
         if text is not None and "large overlap" not in self._warned:
             self._warned.add("large overlap")
-            warnings.warn(f"{self.name}: {text}", ValidityWarning, stacklevel=4)
+            warnings.warn(f"{self.name}: {text}", LargeOverlap, stacklevel=4)
 
     def _single(self):
         if self.contact.size is not None:

@@ -129,7 +129,7 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
     if law.unloading_law is not None:
         return with_curve(tabulate(law.joined("elastic"), rtol, max_force), law.unloading_law)
     if definition.rule(law.unloading).curve == "law" and not isinstance(law, Table):
-        return with_own_rule(tabulate(law.joined("elastic"), rtol, max_force), law.unloading)
+        return with_own_rule(tabulate(law.joined("elastic"), rtol, max_force), definition.rule(law.unloading))
     largest = 0.1 * np.max(np.asarray(contact.radius) / _lengths(definition, contact))
     index, one = _pick(contact)
     over_roughness, over_radius = _length(definition, one)
@@ -199,15 +199,25 @@ def take(law, rule, curve=None):
     if law.unloading_law is None:
         plain.said_to_collapse = law.said_to_collapse
     if own:
-        return with_own_rule(plain, rule)
+        return with_own_rule(plain, law.definition.rule(rule))
     return plain if curve is None else with_curve(plain, curve)
 
 
-def with_own_rule(table, rule):
-    """A `Table` of an elastic one and a rule of the law's own, which reads what it needs from the law beside the table."""
-    definition, options = table.definition, table.options
-    shape = JoinedShape(loading_part(table.shape), definition.shape(table.contact, **options), 1.0, 1.0, 1.0)
-    law = Law(definition, table.contact, rule, options, shape)
+def with_own_rule(table, rule, numbers=None):
+    """A `Table` of an elastic one and a rule of the law's own.
+
+    The rule reads beside the curve what its numbers make (from a file, else the law's for this contact), or, of a rule
+    without numbers, the law itself.
+    """
+    definition, options, own = table.definition, table.options, table.loading_shape
+    beside = definition.shape(table.contact, **options) if numbers is None else None
+    if rule.shape is not None:
+        if numbers is None:
+            params = one_of(bind_params(beside, table.contact), 0)
+            numbers = definition.rule_numbers(params, float(np.ravel(table.length)[0]))
+        beside = rule.shape(*map(float, numbers), own.length_over_roughness, own.length_over_radius)
+    shape = JoinedShape(own, beside, 1.0, 1.0, 1.0)
+    law = Law(definition, table.contact, rule.name, options, shape)
     joined = Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
     joined.said_to_collapse = table.said_to_collapse
     return joined
@@ -419,6 +429,8 @@ class Table(Law):
             header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
             header["yield_area"] = repr(shape.bulk.area)
             header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
+        if rule.keys:
+            header |= {key: repr(value) for key, value in zip(rule.keys, self.shape.unloading, strict=False)}
         if curve is not None:
             about = {
                 "law": curve.name,
@@ -458,7 +470,10 @@ class Table(Law):
         bulk = NO_YIELD
         if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
             bulk = BulkYield(values["yield_area"], values["yield_area_slope"] / 0.75)
-        if file.unloading is None:
+        rule = table_file.rules()[values["unloading"]]
+        if rule.curve == "law":
+            result = with_own_rule(table("", "elastic", values["contact"], bulk), rule, [values[key] for key in rule.keys])
+        elif file.unloading is None:
             result = table("", values["unloading"], values["contact"], bulk)
         else:
             first = table("", "elastic", values["contact"], bulk)
@@ -472,10 +487,15 @@ class Table(Law):
 def _definition(file, prefix):
     """`Definition` of a file's law, or what the file itself says of a law that is not here."""
     name, header = file.values[f"{prefix}law"], file.header
+    rule = table_file.rules()[file.values["unloading"]]
     try:
-        return find(name)
+        definition = find(name)
+        if rule.name in definition.offered():
+            return definition
+        return definition._replace(rules=(rule,) if rule.curve == "law" else (), refused={})  # the file knows it otherwise
     except DemlawsError:
         return Definition(
+            rules=(rule,) if rule.curve == "law" else (),
             name=name,
             prepare=_not_here,
             equation="",

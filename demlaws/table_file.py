@@ -16,6 +16,7 @@ from demlaws.contact import Contact
 from demlaws.core.grid import MOST_BITS, MOST_KINKS, Nodes, node, node_number
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
+from demlaws.laws.registry import registry
 
 FORMAT = "# demlaws-table"
 VERSIONS = (1, 2)
@@ -73,6 +74,16 @@ def _one_of(*words):
         return text
 
     return read
+
+
+def rules():
+    """Name → the rules that a file may name: the general ones, and those of single laws that readers in C++ have, too."""
+    own = (rule for definition in registry().values() for rule in definition.rules if rule.number is not None)
+    return RULES | {rule.name: rule for rule in own}
+
+
+def _rule(text):
+    return _one_of(*rules())(text)
 
 
 def _name(text):
@@ -136,7 +147,7 @@ _CURVE = (
     Key(BELOW, _one_of("power", "straight"), 2),
 )
 _SHARED = (
-    Key("unloading", _one_of(*RULES)),
+    Key("unloading", _rule),
     Key("collapses", _one_of("yes", "no")),
     Key("length", _positive),
     Key("length_over_roughness", _not_negative),
@@ -239,6 +250,9 @@ def parse(data, name):
     keys = [key for key in (*_CURVE, *_SHARED) if key.version <= version]
     if any(key.name in header for key in _YIELD):
         keys += _YIELD
+    rule = rules().get(header.get("unloading"))
+    # the second number of each rule is a growth, which may be 0
+    keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
     if header.get("unloading") == GIVEN:
         keys += [key._replace(name=UNLOADING + key.name) for key in _CURVE if key.version <= version]
     values = {}

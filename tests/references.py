@@ -273,6 +273,254 @@ class WaltonBraun(Reference):
         return max(mpf(0), k2 * (mpf(overlap) - mpf(maximum) * (1 - self.k1 / k2)))
 
 
+class ThorntonNing(Reference):
+    """Hertz to p_y = 2 E* a_y/(π R), then P = P_y + π p_y R (δ - δ_y); R_p = (4E*/(3P)) ((2P + P_y)/(2π p_y))^1.5."""
+
+    def __init__(self, radius, modulus, yield_pressure, **_):
+        self.radius, self.modulus, self.pressure = map(mpf, (radius, modulus, yield_pressure))
+        self.hertz = Hertz(radius, modulus)
+        self.overlap_at_yield = (mp.pi * self.radius * self.pressure / (2 * self.modulus)) ** 2 / self.radius
+        self.force_at_yield = self.hertz.force(self.overlap_at_yield)
+        self.slope = mp.pi * self.pressure * self.radius
+        self.kinks = (self.overlap_at_yield,)
+
+    def force(self, overlap):
+        overlap = mpf(overlap)
+        if overlap <= self.overlap_at_yield:
+            return self.hertz.force(overlap)
+        return self.force_at_yield + self.slope * (overlap - self.overlap_at_yield)
+
+    def stiffness(self, overlap):
+        return self.slope if mpf(overlap) > self.overlap_at_yield else self.hertz.stiffness(overlap)
+
+    def overlap(self, force):
+        force = mpf(force)
+        if force <= self.force_at_yield:
+            return self.hertz.overlap(force)
+        return self.overlap_at_yield + (force - self.force_at_yield) / self.slope
+
+    def energy(self, overlap):
+        low = min(mpf(overlap), self.overlap_at_yield)
+        more = mpf(overlap) - low
+        return self.hertz.energy(low) + more * self.force_at_yield + self.slope * more**2 / 2
+
+    def unloading(self, maximum, overlap):
+        force = self.force(maximum)
+        radius = (
+            4 * self.modulus / (3 * force) * ((2 * force + self.force_at_yield) / (2 * mp.pi * self.pressure)) ** mpf("1.5")
+        )
+        if mpf(maximum) <= self.overlap_at_yield:
+            return self.force(overlap)
+        curve = Hertz(radius, self.modulus)
+        return curve.force(max(mpf(0), mpf(overlap) - mpf(maximum) + curve.overlap(force)))
+
+
+class ConicalDamage(Reference):
+    """As Suhr & Six write it: u_N = u + (R0 - R) A; where (2E*/π) √(u_N/R) > σmax, R = (u + R0 A)/(h + A)."""
+
+    def __init__(self, radius, modulus, strength, angle, **_):
+        self.r0, self.modulus, self.strength = map(mpf, (radius, modulus, strength))
+        self.a = (1 - mpmath.sin(mpf(angle))) / mpmath.sin(mpf(angle))
+        self.h = (mp.pi * self.strength / (2 * self.modulus)) ** 2
+        self.kinks = (self.h * self.r0,)
+
+    def radius(self, overlap):
+        overlap = mpf(overlap)
+        crushed = 2 * self.modulus / mp.pi * mpmath.sqrt(overlap / self.r0) > self.strength
+        return (overlap + self.r0 * self.a) / (self.h + self.a) if crushed else self.r0
+
+    def on(self, radius, overlap):
+        elastic = mpf(overlap) + (self.r0 - radius) * self.a
+        return 4 * self.modulus / 3 * mpmath.sqrt(radius) * elastic ** mpf("1.5") if elastic > 0 else mpf(0)
+
+    def force(self, overlap):
+        return self.on(self.radius(overlap), overlap)
+
+    def stiffness(self, overlap):
+        radius = self.radius(overlap)
+        if radius == self.r0:
+            return 2 * self.modulus * mpmath.sqrt(radius * mpf(overlap))
+        return 8 * self.modulus / 3 * self.h ** mpf("1.5") * radius / (self.h + self.a)
+
+    def overlap(self, force):
+        hertz = Hertz(self.r0, self.modulus)
+        if mpf(force) <= hertz.force(self.kinks[0]):
+            return hertz.overlap(force)
+        radius = mpmath.sqrt(mpf(force) / (4 * self.modulus / 3 * self.h ** mpf("1.5")))
+        return radius * (self.h + self.a) - self.r0 * self.a
+
+    def energy(self, overlap):
+        low = min(mpf(overlap), self.kinks[0])
+        work = Hertz(self.r0, self.modulus).energy(low)
+        radius = self.radius(overlap)
+        # ∫ c R² dδ with dδ = (h + A) dR
+        return work + 4 * self.modulus / 9 * self.h ** mpf("1.5") * (self.h + self.a) * (radius**3 - self.r0**3)
+
+    def unloading(self, maximum, overlap):
+        return self.on(self.radius(maximum), overlap)
+
+
+class Luding(WaltonBraun):
+    """k1 δ to δ* = k̂2/(k̂2 - k1) φ_f 2R, then k̂2; back along k2 (δ - δ0), k2 = k1 + (k̂2 - k1) δmax/δ*."""
+
+    def __init__(self, radius, loading_stiffness, stiffness_ratio, plasticity_depth, **_):
+        self.k1 = mpf(loading_stiffness)
+        self.largest = self.k1 * mpf(stiffness_ratio)
+        self.limit = self.largest / (self.largest - self.k1) * mpf(plasticity_depth) * 2 * mpf(radius)
+        self.kinks = (self.limit,)
+
+    def force(self, overlap):
+        overlap = mpf(overlap)
+        return self.k1 * overlap if overlap <= self.limit else self.k1 * self.limit + self.largest * (overlap - self.limit)
+
+    def stiffness(self, overlap):
+        return self.k1 if mpf(overlap) <= self.limit else self.largest
+
+    def overlap(self, force):
+        force = mpf(force)
+        if force <= self.k1 * self.limit:
+            return force / self.k1
+        return self.limit + (force - self.k1 * self.limit) / self.largest
+
+    def energy(self, overlap):
+        low = min(mpf(overlap), self.limit)
+        more = mpf(overlap) - low
+        return self.k1 * low**2 / 2 + self.k1 * low * more + self.largest * more**2 / 2
+
+    def unloading(self, maximum, overlap):
+        k2 = self.k1 + (self.largest - self.k1) * min(1, mpf(maximum) / self.limit)
+        return max(mpf(0), self.force(maximum) - k2 * (mpf(maximum) - mpf(overlap)))
+
+
+class Eepa(Reference):
+    """k1 δ^1.5; back along k2 (δ^1.5 - δp^1.5), δp = (1 - k1/k2)^(1/1.5) δmax."""
+
+    def __init__(self, radius, modulus, stiffness_ratio, softness=1.0, **_):
+        self.hertz, self.softness, self.ratio = Hertz(radius, modulus), mpf(softness), mpf(stiffness_ratio)
+
+    def force(self, overlap):
+        return self.softness * self.hertz.force(overlap)
+
+    def stiffness(self, overlap):
+        return self.softness * self.hertz.stiffness(overlap)
+
+    def overlap(self, force):
+        return self.hertz.overlap(mpf(force) / self.softness)
+
+    def energy(self, overlap):
+        return self.softness * self.hertz.energy(overlap)
+
+    def unloading(self, maximum, overlap):
+        plastic = mpmath.cbrt(1 - 1 / self.ratio) ** 2 * mpf(maximum)
+        return max(mpf(0), self.ratio * (self.force(overlap) - self.force(plastic)))
+
+
+class KogutEtsion(Reference):
+    """ω_c = (π K H/(2E*))² R, K = 0.454 + 0.41 ν, H = 2.8 Y; the smallest of ω^1.5, 1.03 ω^1.425, 1.40 ω^1.263."""
+
+    BRANCHES = ((mpf(1), mpf("1.5")), (mpf("1.03"), mpf("1.425")), (mpf("1.40"), mpf("1.263")))
+
+    def __init__(self, radius, modulus, yield_strength, poisson=0.3, **_):
+        self.modulus = mpf(modulus)
+        k = mpf("0.454") + mpf("0.41") * mpf(poisson)
+        self.critical = (mp.pi * k * mpf("2.8") * mpf(yield_strength) / (2 * mpf(modulus))) ** 2 * mpf(radius)
+        self.hertz = Hertz(radius, modulus)
+        self.carried = self.hertz.force(self.critical)
+        pairs = itertools.pairwise(self.BRANCHES)
+        self.kinks = tuple(self.critical * (c / b) ** (1 / (p - q)) for (b, p), (c, q) in pairs)
+
+    def branch(self, overlap):
+        return min(self.BRANCHES, key=lambda one: one[0] * (mpf(overlap) / self.critical) ** one[1])
+
+    def force(self, overlap):
+        factor, power = self.branch(overlap)
+        return self.carried * factor * (mpf(overlap) / self.critical) ** power
+
+    def stiffness(self, overlap):
+        return self.branch(overlap)[1] * self.force(overlap) / mpf(overlap)
+
+    def overlap(self, force):
+        return self.critical * max((mpf(force) / self.carried / factor) ** (1 / power) for factor, power in self.BRANCHES)
+
+    def energy(self, overlap):
+        corners = [mpf(0), *(k for k in self.kinks if k < overlap), mpf(overlap)]
+        total = mpf(0)
+        for (a, b), (factor, power) in zip(itertools.pairwise(corners), self.BRANCHES, strict=False):
+            part = (b / self.critical) ** (power + 1) - (a / self.critical) ** (power + 1)
+            total += self.carried * self.critical * factor / (power + 1) * part
+        return total
+
+    def contact_radius(self, overlap):
+        ratio = mpf(overlap) / self.critical
+        return mpmath.sqrt(self.hertz_radius * self.critical * max(ratio, mpf("0.94") * ratio ** mpf("1.146")))
+
+    @property
+    def hertz_radius(self):
+        return (self.hertz.c * 3 / 4 / self.modulus) ** 2
+
+    def unloading(self, maximum, overlap):
+        """R_p = 4 E* a³/(3 F), δ_res = δmax - 3F/(4 E* a): Etsion, Kligerman & Kadin as Jackson et al. 2010 give them."""
+        force, a = self.force(maximum), self.contact_radius(maximum)
+        residual = mpf(maximum) - 3 * force / (4 * self.modulus * a)
+        return Hertz(4 * self.modulus * a**3 / (3 * force), self.modulus).force(max(mpf(0), mpf(overlap) - residual))
+
+
+class JacksonGreen(KogutEtsion):
+    """P/P_c = exp(-ω^(5/12)/4) ω^1.5 + (4 H_G/(C S_y)) (1 - exp(-ω^(5/9)/25)) ω, where that is less than Hertz's ω^1.5."""
+
+    def __init__(self, radius, modulus, yield_strength, poisson=0.3, **_):
+        self.modulus = mpf(modulus)
+        self.c = mpf("1.295") * mpmath.exp(mpf("0.736") * mpf(poisson))
+        self.critical = (mp.pi * self.c * mpf(yield_strength) / (2 * self.modulus)) ** 2 * mpf(radius)
+        self.hertz = Hertz(radius, modulus)
+        self.carried = self.hertz.force(self.critical)
+        self.b = mpf("0.14") * mpmath.exp(23 * min(mpf(yield_strength) / self.modulus, mpf("0.1")))
+        self.joint = mpmath.findroot(
+            lambda w: self.plastic(w) / w ** mpf("1.5") - 1, (mpf("1.9"), mpf("2.0")), tol=mpf(10) ** -40
+        )
+        self.kinks = (self.joint * self.critical,)
+
+    def plastic(self, w):
+        a = mpmath.sqrt(self.critical / self.hertz_radius * w * (w / mpf("1.9")) ** self.b)
+        hardness = mpf("2.84") * (1 - mpmath.exp(mpf("-0.82") * a ** mpf("-0.7")))
+        deep = 1 - mpmath.exp(-(w ** (mpf(5) / 9)) / 25)
+        return mpmath.exp(-(w ** (mpf(5) / 12)) / 4) * w ** mpf("1.5") + 4 * hardness / self.c * deep * w
+
+    def force(self, overlap):
+        w = mpf(overlap) / self.critical
+        return self.carried * (self.plastic(w) if w > self.joint else w ** mpf("1.5"))
+
+    def stiffness(self, overlap):
+        w = mpf(overlap) / self.critical
+        if w <= self.joint:
+            return self.hertz.stiffness(overlap)
+        with mp.workdps(80):
+            return self.carried / self.critical * mpmath.diff(self.plastic, w, h=w * mpf(10) ** -25)
+
+    def overlap(self, force):
+        if mpf(force) <= self.carried * self.joint ** mpf("1.5"):
+            return self.hertz.overlap(force)
+        target = mpf(force) / self.carried
+        start = mpmath.log(self.joint) + mpf("0.8") * mpmath.log(target / self.joint ** mpf("1.5"))
+        root = mpmath.findroot(
+            lambda x: mpmath.log(self.plastic(mpmath.exp(x)) / target), (start, start + mpf("0.01")), tol=mpf(10) ** -40
+        )
+        return self.critical * mpmath.exp(root)
+
+    def energy(self, overlap):
+        low = min(mpf(overlap), self.kinks[0])
+        work = self.hertz.energy(low)
+        if mpf(overlap) > low:
+            ends = [mpmath.log(self.joint), mpmath.log(mpf(overlap) / self.critical)]
+            part = mpmath.quad(lambda x: self.plastic(mpmath.exp(x)) * mpmath.exp(x), mpmath.linspace(*ends, 5))
+            work += self.carried * self.critical * part
+        return work
+
+    def contact_radius(self, overlap):
+        ratio = mpf(overlap) / self.critical
+        return mpmath.sqrt(self.hertz_radius * mpf(overlap) * max(mpf(1), ratio / mpf("1.9")) ** self.b)
+
+
 REFERENCES = {
     "hertz": Hertz,
     "rms": Rms,
@@ -281,6 +529,12 @@ REFERENCES = {
     "rough-plastic": RoughPlastic,
     "bahrami": Bahrami,
     "walton-braun": WaltonBraun,
+    "thornton-ning": ThorntonNing,
+    "conical-damage": ConicalDamage,
+    "luding": Luding,
+    "eepa": Eepa,
+    "kogut-etsion": KogutEtsion,
+    "jackson-green": JacksonGreen,
 }
 
 

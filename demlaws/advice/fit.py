@@ -252,8 +252,9 @@ def fit(
 
     points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
     `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
-    map); unloading: one rule (default: each that the law takes, if the points unload; else elastic); free: names of the
-    fitted quantities among `fit.PARAMETERS` (default: `Definition.free`); options: law name → options that stay as
+    map, but for those whose parameters are calibrated, not measured); unloading: one rule (default: each that the law
+    takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default:
+    `Definition.free`); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
     uncertainty, else the scatter of the points about the law does; compliance [m/N]: how far the apparatus gives way, taken
     off the displacement (to fit it, name "compliance" in `free`); progress: wraps the list of fits, as tqdm does.
@@ -338,7 +339,7 @@ def _texts(given, name):
 
 
 def _default_laws():
-    return [name for name, definition in registry().items() if not definition.needs_map]
+    return [name for name, definition in registry().items() if definition.from_tests and not definition.needs_map]
 
 
 def _suspicions(best, one, contact, displacement):

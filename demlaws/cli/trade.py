@@ -2,6 +2,7 @@
 
 from demlaws.cli import example
 from demlaws.cli.arguments import law_name, output, whole
+from demlaws.errors import DemlawsError
 
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
 ENGINES = tuple(NAMES)
@@ -13,10 +14,13 @@ def register(subparsers):
         "trade",
         description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
         "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE, "
-        "LIGGGHTS or LAMMPS step that a law takes, and the engines' own models; with --scene the errors of a whole packing.",
+        "LIGGGHTS or LAMMPS step that a law takes, and the engines' own models; with --scene the errors of a whole packing; "
+        "with --softening those of softer grains, faster loading and longer steps against time to solution.",
         **example(
             "  demlaws trade --engines --csv trade.csv --figure trade.png\n"
             "  demlaws trade --scene yade liggghts lammps --figure scene.png\n"
+            "  demlaws trade --softening --figure softening.png                 (the rows that demlaws keeps)\n"
+            "  demlaws trade --softening rows.jsonl --engines yade --quick      (runs what rows.jsonl does not hold yet)\n"
             "  demlaws trade --law hertz --law pohrt-popov"
         ),
     )
@@ -37,7 +41,15 @@ def register(subparsers):
         metavar="ENGINE",
         help="only this: 1,000 spheres settle and are compressed under each law in yade, liggghts or lammps, or in several",
     )
-    parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds in the engines")
+    parser.add_argument(
+        "--softening",
+        nargs="?",
+        const="",
+        metavar="FILE",
+        help="only this: grains softer by 1 to 1000, with σ scaled and not, faster, in other steps; with FILE the study is run "
+        "in the engines (--engines), hours, and goes on from the rows that FILE holds; without, kept rows are shown",
+    )
+    parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds or runs in the engines")
     parser.add_argument("--csv", type=output, help="file to write every figure to")
     parser.add_argument("--figure", type=output, help="picture to draw: error against cost with the Pareto front")
     parser.set_defaults(func=run)
@@ -54,6 +66,8 @@ def run(arguments):
 
     if arguments.scene:
         return _scenes(arguments)
+    if arguments.softening is not None:
+        return _softening(arguments)
     engines = [] if arguments.engines is None else trade.installed(arguments.engines)
     laws = [find(n).name for n in arguments.law] if arguments.law else None
 
@@ -99,3 +113,33 @@ def _scenes(arguments):
         print(granite.save_csv(arguments.csv, packings.TITLES, rows))
     if arguments.figure is not None:
         print(plots.save(plots_choose.scene_figure(found, setup), arguments.figure))
+
+
+def _softening(arguments):
+    from pathlib import Path
+
+    from tqdm import tqdm
+
+    from demlaws import granite, plots
+    from demlaws.measure import softening, trade
+    from demlaws.plots.softening import softening_figure
+
+    path = Path(arguments.softening) if arguments.softening else softening.KEPT
+    if arguments.softening:
+        unknown = set(arguments.engines or ()) - set(softening.ENGINES)
+        if unknown:
+            raise DemlawsError(f"--softening runs in {' and '.join(softening.ENGINES)}, not in {', '.join(sorted(unknown))}")
+        for engine in trade.installed(arguments.engines or softening.ENGINES):
+            runs = softening.plan(engine, arguments.quick)
+            left = softening.missing(runs, softening.load(path))
+            print(f"{NAMES[engine]}: {len(runs)} runs, {len(left)} of them to be made")
+            with tqdm(total=len(left), desc=engine, leave=False, disable=None) as bar:
+                softening.execute(runs, path, lambda run, bar=bar: bar.update())
+    points = softening.points(softening.load(path))
+    if not points:
+        raise DemlawsError(f"{path} holds no rows of a study: demlaws trade --softening FILE makes them")
+    print(softening.table(points))
+    if arguments.csv is not None:
+        print(granite.save_csv(arguments.csv, softening.TITLES, map(softening.csv_row, points)))
+    if arguments.figure is not None:
+        print(plots.save(softening_figure(points), arguments.figure))

@@ -125,7 +125,8 @@ def _same(rule, p, overlap, force, stiffness, state):
 
 
 @kernel
-def _of_hertz(rule, p, overlap, force, stiffness, state):
+def of_hertz(rule, p, overlap, force, stiffness, state):
+    """Shear stiffness's normal stiffness [N/m] by Hertz: 1.5 P/(δ - δp) where first loading ends, else the tangent."""
     # K = 1.5 P/(δ - δp) on the whole curve, its upper end included
     elastic = overlap - state[1]
     return 1.5 * force / elastic if overlap >= state[0] and elastic > 0.0 else stiffness
@@ -138,14 +139,15 @@ def _of_curve(rule, p, overlap, force, stiffness, state):
 
 
 @kernel
-def _of_first_loading(rule, p, overlap, force, stiffness, state):
+def of_first_loading(rule, p, overlap, force, stiffness, state):
+    """The tangent of first loading [N/m] at the same force [N]."""
     return stiffness if overlap >= state[0] else at_force(p, force)
 
 
 bind(Elastic, unloading_stiffness=_same, loading_stiffness=_same)
-bind(Hertz, unloading_stiffness=_of_hertz, loading_stiffness=_of_first_loading)
-bind(Thornton, unloading_stiffness=_of_hertz, loading_stiffness=_of_first_loading)
-bind(Given, unloading_stiffness=_of_curve, loading_stiffness=_of_first_loading)
+bind(Hertz, unloading_stiffness=of_hertz, loading_stiffness=of_first_loading)
+bind(Thornton, unloading_stiffness=of_hertz, loading_stiffness=of_first_loading)
+bind(Given, unloading_stiffness=_of_curve, loading_stiffness=of_first_loading)
 
 
 @loop

@@ -7,6 +7,7 @@ that type. The state is a tuple of floats; all zeros is a virgin contact, and a 
 """
 
 import math
+from collections.abc import Callable
 from typing import NamedTuple
 
 from numba.extending import overload
@@ -57,6 +58,8 @@ class Rule(NamedTuple):
     # "law": what its law says, which sees to it that no path returns work
     number: int | None  # in demlaws_table.h; None: C++ does not have it
     description: str  # one line
+    keys: tuple = ()  # of a law's own rule: names of the numbers that a table holds for it; `Definition.rule_numbers`
+    shape: Callable | None = None  # those numbers, length over σ, length over R → Shape that the rule reads in a table
 
 
 _OVERLAPS = ("maximum_overlap", "plastic_overlap")
@@ -82,7 +85,8 @@ def own_rule(rule: Rule) -> Rule:
     """Make a law's own rule known to compiled code, for its `Definition.rules`.
 
     Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
-    `parts(p)[1]`, so that they serve a table of the law, too, and the force of first loading from `virgin(p, overlap)`.
+    `parts(p)[1]`, so that they serve a table of the law, too, and the force of first loading from `virgin(p, overlap)`. A rule
+    with a `number` has `keys` and a `shape`: in a table `parts(p)[1]` is then what `shape` makes of the file's numbers.
     TypeError: a name that a general rule or another law's rule has, or a state larger than engines keep.
     """
     other = _OWN.get(rule.name)

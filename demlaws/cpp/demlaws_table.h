@@ -36,15 +36,29 @@
 
 namespace demlaws {
 
-enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3 };
+// The first four any law may have; the others are rules of single laws, with numbers of their own in the file.
+enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3, LINEAR = 4, EEPA = 5, ETSION = 6 };
+constexpr int RULES = 7;
 
 inline const char *unloading_name(int rule) {
-  static const char *const names[] = {"elastic", "hertz", "thornton", "table"};
+  static const char *const names[RULES] = {"elastic", "hertz", "thornton", "table", "linear", "eepa", "etsion"};
   return names[rule];
 }
 
 // Number of doubles a contact must keep: the first so many of state_name().
-constexpr int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == THORNTON ? 3 : 2; }
+constexpr int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == THORNTON || rule == ETSION ? 3 : 2; }
+
+// Keys of the numbers that a rule needs, without units; NULL beyond the last.
+inline const char *rule_key(Unloading rule, int i) {
+  static const char *const keys[RULES][4] = {{NULL},
+                                             {NULL},
+                                             {NULL},
+                                             {NULL},
+                                             {"linear_first", "linear_growth", "linear_largest", NULL},
+                                             {"eepa_stiffness", "eepa_plastic", NULL},
+                                             {"etsion_overlap", "etsion_power", NULL}};
+  return keys[rule][i];
+}
 
 inline const char *state_name(int i) {
   static const char *const names[] = {"maximum_overlap", "plastic_overlap", "radius_ratio"};
@@ -52,7 +66,7 @@ inline const char *state_name(int i) {
 }
 
 inline bool unloading_from_name(const std::string &name, Unloading &rule) {
-  for (int i = ELASTIC; i <= GIVEN; i++)
+  for (int i = ELASTIC; i < RULES; i++)
     if (name == unloading_name(i)) {
       rule = (Unloading)i;
       return true;
@@ -358,8 +372,8 @@ inline bool plain_number(const std::string &text, double &x) {
 
 class Table {
 public:
-  Table() : version_(0), fingerprint_(0), rule_(ELASTIC) {}
-  explicit Table(const std::string &path) : version_(0), fingerprint_(0), rule_(ELASTIC) { read(path); }
+  Table() : version_(0), fingerprint_(0), unloads_(ELASTIC) {}
+  explicit Table(const std::string &path) : version_(0), fingerprint_(0), unloads_(ELASTIC) { read(path); }
 
   // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
   void read(const std::string &path) { parse(contents(path), path); }
@@ -392,7 +406,7 @@ public:
   bool collapses() const { return text("collapses") == "yes"; }
   double rtol() const { return number("rtol", 0.); }
   int version() const { return version_; }
-  Unloading unloading() const { return rule_; }
+  Unloading unloading() const { return unloads_; }
   double first_overlap() const { return loading_.first(); }
   double last_overlap() const { return loading_.last(); }
   double last_force() const { return f_last_; }
@@ -426,6 +440,17 @@ public:
     return yield_s_ + (s * sqrt(s) - yield_s_ * sqrt(yield_s_)) * yield_area_slope_;
   }
 
+  // The same of a law that has a contact radius of its own (rule ETSION): by the overlap, not by the force.
+  inline double area_of_overlap(double u) const { return u <= numbers_[0] ? u : u * pow(u / numbers_[0], numbers_[1]); }
+
+  // Stiffness of rule LINEAR over E* sqrt(R length), by the largest overlap; of EEPA over E* sqrt(R).
+  inline double linear_stiffness(double largest) const {
+    const double stiffness = numbers_[0] + numbers_[1] * largest;
+    return stiffness <= numbers_[2] ? stiffness : numbers_[2];
+  }
+  inline double eepa_stiffness() const { return numbers_[0]; }
+  inline double eepa_plastic() const { return numbers_[1]; } // plastic over largest overlap
+
   // Dimensionless work of virgin loading from 0 to u.
   double energy(double u) const { return loading_.energy(u); }
 
@@ -436,7 +461,8 @@ private:
   std::map<std::string, std::string> header_;
   std::map<std::string, int> lines_; // where a key stands
   std::map<std::string, double> contact_;
-  Unloading rule_;
+  Unloading unloads_;
+  double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
   double f_last_, yield_s_, yield_area_slope_;
 
@@ -555,7 +581,7 @@ inline void Table::check(const std::string &name, Kind kind, int titles) {
     const bool good = kind == NAME     ? !value.empty()
                       : kind == OBJECT ? Json(value).is_object()
                       : kind == BELOW  ? value == "power" || value == "straight"
-                      : kind == RULE   ? unloading_from_name(value, rule_)
+                      : kind == RULE   ? unloading_from_name(value, unloads_)
                                        : value == "yes" || value == "no";
     if (!good) fail(line, name + ": '" + value + "' will not do");
   }
@@ -662,7 +688,12 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   bool yields = false;
   for (int i = 0; i < 4; i++) yields = yields || has(of_yield[i]);
   for (int i = 0; yields && i < 4; i++) check(of_yield[i], POSITIVE, lacking);
-  for (size_t i = 0; rule_ == GIVEN && i < sizeof of_curve / sizeof *of_curve; i++)
+  for (int i = 0; i < 3; i++) numbers_[i] = 0.;
+  for (int i = 0; rule_key(unloads_, i); i++) {
+    check(rule_key(unloads_, i), i == 1 ? NOT_NEGATIVE : POSITIVE, lacking); // the second is a growth: it may be 0
+    numbers_[i] = number(rule_key(unloads_, i), 0.);
+  }
+  for (size_t i = 0; unloads_ == GIVEN && i < sizeof of_curve / sizeof *of_curve; i++)
     if (of_curve[i].version <= version_) check(std::string("unloading_") + of_curve[i].name, of_curve[i].kind, lacking);
   if ((number("length_over_roughness", 0.) > 0.) == (number("length_over_radius", 0.) > 0.))
     fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
@@ -675,11 +706,11 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
     yield_s_ = area;
     yield_area_slope_ = number("yield_area_slope", 0.) / 0.75; // by s^1.5, not by f
   }
-  if ((rule_ == GIVEN) != (into == 1))
+  if ((unloads_ == GIVEN) != (into == 1))
     fail(lines_["unloading"], "rows of an unloading curve belong to 'unloading: table', and only to it");
   build(loading_, rows[0], "", first_line[0], 0.);
   if (yield_s_ >= loading_.last_s()) yield_s_ = HUGE_VAL;
-  if (rule_ != GIVEN) return;
+  if (unloads_ != GIVEN) return;
   // its power law goes as far down in force as the other's, so that it stays the stiffer one
   build(unloading_, rows[1], "unloading_", first_line[1], loading_.seat() > 0. ? 0. : loading_.floor_s());
   reverse_.build_reverse(unloading_);
@@ -940,7 +971,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   double hertz_overlap, slope = 1., effective_radius = radius;
   const bool loads = RULE == ELASTIC || !(overlap < state[0]); // NaN, too
   double length = 0., inverse_length = 0.;
-  if (RULE == GIVEN || loads) {
+  if (RULE == GIVEN || RULE == LINEAR || loads) {
     length = pair.length;
     inverse_length = pair.inverse_length;
     if (!(length > 0.)) {
@@ -957,8 +988,14 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
       state[0] = overlap;
       if (RULE == HERTZ) state[1] = overlap - hertz_overlap;
       else if (RULE == GIVEN) state[1] = overlap - pair.table->recover(s) * length;
+      else if (RULE == LINEAR) // P/k2
+        state[1] = overlap - (4. / 3.) * s * sqrt(s) / pair.table->linear_stiffness(overlap * inverse_length) * length;
+      else if (RULE == EEPA) state[1] = pair.table->eepa_plastic() * overlap;
       else {
-        const double ratio = s / pair.table->area(s); // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
+        // R_p/R = (area/s)^1.5, recoverable overlap s (R/R_p)^(1/3)
+        const double area =
+            RULE == ETSION ? pair.table->area_of_overlap(overlap * inverse_length) : pair.table->area(s);
+        const double ratio = s / area;
         state[1] = overlap - hertz_overlap * sqrt(ratio);
         state[2] = 1. / (ratio * sqrt(ratio));
       }
@@ -966,12 +1003,23 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   } else {
     hertz_overlap = overlap - state[1];
     if (hertz_overlap <= 0.) return now;
+    if (RULE == LINEAR) {
+      now.stiffness = pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] * inverse_length);
+      now.force = now.stiffness * hertz_overlap;
+      return now;
+    }
+    if (RULE == EEPA) {
+      const double k2 = pair.modulus * sqrt(radius) * pair.table->eepa_stiffness(), root = sqrt(overlap);
+      now.force = k2 * (root * overlap - sqrt(state[1]) * state[1]);
+      now.stiffness = 1.5 * k2 * root;
+      return now;
+    }
     if (RULE == GIVEN) {
       double s;
       pair.table->unloading_curve().evaluate(hertz_overlap * inverse_length, s, slope);
       hertz_overlap = s * length;
     }
-    if (RULE == THORNTON) effective_radius *= state[2];
+    if (RULE == THORNTON || RULE == ETSION) effective_radius *= state[2];
   }
   const double root = pair.modulus * sqrt(effective_radius * hertz_overlap);
   now.force = (4. / 3.) * root * hertz_overlap;
@@ -983,11 +1031,20 @@ inline Force step(const Pair &pair, double radius, double overlap, double *state
   if (pair.rule == ELASTIC) return step_rule<ELASTIC>(pair, radius, overlap, state, update);
   if (pair.rule == HERTZ) return step_rule<HERTZ>(pair, radius, overlap, state, update);
   if (pair.rule == THORNTON) return step_rule<THORNTON>(pair, radius, overlap, state, update);
+  if (pair.rule == LINEAR) return step_rule<LINEAR>(pair, radius, overlap, state, update);
+  if (pair.rule == EEPA) return step_rule<EEPA>(pair, radius, overlap, state, update);
+  if (pair.rule == ETSION) return step_rule<ETSION>(pair, radius, overlap, state, update);
   return step_rule<GIVEN>(pair, radius, overlap, state, update);
 }
 
 inline Force step(const Pair &pair, double radius, double overlap, State &state) {
   return step(pair, radius, overlap, &state.maximum_overlap);
+}
+
+// Integral of x^1.5 - plastic^1.5 from the plastic overlap, as a product: the difference of its terms would cancel.
+inline double eepa_energy(double overlap, double plastic) {
+  const double a = sqrt(overlap), b = sqrt(plastic);
+  return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
 }
 
 // What the tangential stiffness K_t is the ratio of an elastic contact of (docs/shear.md).
@@ -1018,7 +1075,8 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
   if (shear == ELASTIC_SHEAR) {
     if (!loads) return now.stiffness;
     const bool known = overlap == state[0];
-    if (RULE <= THORNTON && known) return 1.5 * now.force / (overlap - state[1]); // K = 1.5 P / (recoverable overlap)
+    if ((RULE <= THORNTON || RULE == ETSION) && known)
+      return 1.5 * now.force / (overlap - state[1]); // K = 1.5 P / (recoverable overlap)
     double own[3] = {0., 0., 0.};
     for (int i = 0; i < state_size(RULE); i++) own[i] = state[i];
     if (!known) step_rule<RULE>(pair, radius, overlap, own, true);
@@ -1034,6 +1092,9 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
   if (pair.rule == ELASTIC) return shear_stiffness<ELASTIC>(shear, pair, radius, overlap, now, state);
   if (pair.rule == HERTZ) return shear_stiffness<HERTZ>(shear, pair, radius, overlap, now, state);
   if (pair.rule == THORNTON) return shear_stiffness<THORNTON>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == LINEAR) return shear_stiffness<LINEAR>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == EEPA) return shear_stiffness<EEPA>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == ETSION) return shear_stiffness<ETSION>(shear, pair, radius, overlap, now, state);
   return shear_stiffness<GIVEN>(shear, pair, radius, overlap, now, state);
 }
 
@@ -1057,7 +1118,20 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
     dissipated = scale * (pair.table->energy(state[0] / length) - (held - below));
     return;
   }
-  const double r = pair.rule == THORNTON ? radius * state[2] : radius;
+  if (pair.rule == LINEAR) {
+    const double k2 = pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] / length);
+    const double elastic = std::max(0., overlap - state[1]), whole = state[0] - state[1];
+    if (overlap > 0.) stored = 0.5 * k2 * elastic * elastic;
+    dissipated = scale * pair.table->energy(state[0] / length) - 0.5 * k2 * whole * whole;
+    return;
+  }
+  if (pair.rule == EEPA) {
+    const double k2 = pair.modulus * sqrt(radius) * pair.table->eepa_stiffness();
+    if (overlap > state[1]) stored = k2 * eepa_energy(overlap, state[1]);
+    dissipated = scale * pair.table->energy(state[0] / length) - k2 * eepa_energy(state[0], state[1]);
+    return;
+  }
+  const double r = pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius;
   const double recoverable = state[0] - state[1], left = overlap - state[1];
   const double hertz = (8. / 15.) * pair.modulus * sqrt(r);
   // a law with a seating load has a negative plastic overlap: what lies below zero overlap never comes back

@@ -10,5 +10,11 @@ MODULES = (
     "yip_venart",
     "greenwood_tripp",
     "asperity",
+    "thornton_ning",
+    "jackson_green",
+    "kogut_etsion",
+    "conical_damage",
     "walton_braun",
+    "luding",
+    "eepa",
 )

@@ -123,6 +123,12 @@ PRESSURE = -2 / 3
 """`Option.softens` of a pressure."""
 
 
+STIFFNESS = -2 / 3
+"""`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
+LENGTH = 2 / 3
+"""`Option.softens` of an overlap."""
+
+
 def slope_softens(value: Any, factor: float) -> float:
     """`Option.softens` of an angle [rad] whose tangent is a slope: normal lengths grow by s^(2/3), lateral ones by s^(1/3)."""
     return math.atan(float(np.cbrt(factor)) * math.tan(number(value, "slope", "rad", 0.0, 1.0, allow_low=True)))
@@ -177,6 +183,7 @@ class Definition(NamedTuple):
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form
     solved: bool = False  # the curve comes from a solver and is a table from the start
+    from_tests: bool = True  # whether tests on single contacts, as the granite ones, tell its parameters
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
@@ -188,6 +195,7 @@ class Definition(NamedTuple):
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
+    rule_numbers: Callable | None = None  # params of one contact, length [m] → values, without units, of its rule's `keys`
     default_unloading: str = "elastic"  # the rule where a user names none
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter

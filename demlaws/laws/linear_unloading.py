@@ -3,8 +3,9 @@
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, energy, parts, virgin
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_overlap
+from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 
 
@@ -88,7 +89,49 @@ def _unloaded(rule, p, force, state):
     return state[1] + force / _stiffness(parts(p)[1], state[0])
 
 
-bind(Linear, step=_step, stored_and_dissipated=_stored_and_dissipated, unloaded=_unloaded)
+@kernel
+def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
+    return _stiffness(parts(p)[1], overlap) if overlap >= state[0] and overlap > 0.0 else stiffness
+
+
+bind(
+    Linear,
+    step=_step,
+    stored_and_dissipated=_stored_and_dissipated,
+    unloaded=_unloaded,
+    unloading_stiffness=_unloading_stiffness,
+    loading_stiffness=of_first_loading,
+)
+
+
+class LinearNumbers(NamedTuple):
+    """k2 in a table, without units."""
+
+    first: float  # k2/(E* √(R length)) of a contact hardly loaded
+    growth: float  # of that by δmax/length
+    largest: float
+    length_over_roughness: float
+    length_over_radius: float
+
+
+class LinearTableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    first_stiffness: float  # [N/m]
+    stiffening: float  # [N/m²]
+    largest_stiffness: float  # [N/m]
+
+
+@kernel
+def _table_scale(shape, radius, modulus, roughness):
+    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
+    unit = modulus * sqrt(radius * length)
+    coefficient = hertz_coefficient(radius, modulus)
+    return LinearTableParams(coefficient, shape.first * unit, shape.growth * unit / length, shape.largest * unit)
+
+
+bind(LinearNumbers, scale=_table_scale)
 
 LINEAR = own_rule(
     Rule(
@@ -96,11 +139,20 @@ LINEAR = own_rule(
         Linear(),
         ("maximum_overlap", "plastic_overlap"),
         "law",
-        None,
+        4,
         "back along a straight line, P = k2 (δ - δp), k2 as the law says",
+        ("linear_first", "linear_growth", "linear_largest"),
+        LinearNumbers,
     )
 )
 """The rule of every law of straight branches."""
+
+
+def numbers(p, length):
+    """k2/(E* √(R length)) of a contact hardly loaded, its growth by δmax/length, and the largest."""
+    scale = 0.75 * p.hertz_coefficient * length**0.5
+    return p.first_stiffness / scale, p.stiffening * length / scale, p.largest_stiffness / scale
+
 
 ONLY_STRAIGHT = dict.fromkeys(
     ("hertz", "thornton"),

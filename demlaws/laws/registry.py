@@ -17,6 +17,7 @@ from typing import Any
 
 from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError
+from demlaws.files import as_path
 from demlaws.laws import MODULES
 from demlaws.laws.definition import Definition
 
@@ -165,7 +166,7 @@ def load_laws(file: str | os.PathLike) -> list[str]:
 
     A file that has been loaded or imported in this process is left as it is. Processes started from here load it, too.
     """
-    path = os.path.realpath(file)
+    path = os.path.realpath(as_path(file))
     if path not in _loaded and not _imported(path):
         _loaded.add(path)
         try:

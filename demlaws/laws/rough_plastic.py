@@ -99,6 +99,10 @@ def _loading_definition(loading):
     from demlaws.laws.registry import find  # the registry imports this module
 
     definition = find(loading)
+    if definition.default_unloading != "elastic":
+        raise DemlawsError(
+            f"loading={loading!r} is a law that yields by itself: give the law that holds before, or that law alone"
+        )
     if definition.name == LAW.name:
         raise DemlawsError(f"loading={loading!r}: give the rough law that holds before yield, for instance 'pohrt-popov'")
     return definition

@@ -9,9 +9,9 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.definition import STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended
-from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams
+from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
 
 
 class WaltonBraunShape(NamedTuple):
@@ -59,6 +59,7 @@ LAW = Definition(
     description="straight branches, plastic",
     limits=no_limits,
     length="radius",
+    from_tests=False,
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0},
     example_curve={"loading_stiffness": 6e6},
@@ -66,6 +67,7 @@ LAW = Definition(
     advise=plastic_from_the_start,
     unloading=("elastic", "linear"),
     rules=(LINEAR,),
+    rule_numbers=numbers,
     default_unloading="linear",
     refused=ONLY_STRAIGHT,
     fitted={
@@ -82,8 +84,8 @@ LAW = Definition(
     label="Walton-Braun",
     colour="#7b3294",
     options={
-        "loading_stiffness": Option("N/m", "above 0", "k1; needed"),
+        "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
         "stiffness_ratio": Option("", "from 1", "k2/k1; this or growth is needed"),
-        "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio"),
+        "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio", STIFFNESS),
     },
 )

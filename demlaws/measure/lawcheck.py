@@ -35,6 +35,7 @@ class Check(NamedTuple):
 
     @property
     def passed(self) -> bool:
+        """Whether the value is within what is allowed."""
         return self.value <= self.allowed
 
 
@@ -46,6 +47,7 @@ class LawCheck(NamedTuple):
 
     @property
     def passed(self) -> bool:
+        """Whether every check passed."""
         return all(check.passed for check in self.checks)
 
     @property

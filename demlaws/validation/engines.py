@@ -9,9 +9,18 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.granite import HERTZ
 from demlaws.measure.costs import available
 from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, packing_jobs, shear_jobs
-from demlaws.validation.published import IMPACT_TOLERANCE, IMPACTS, SPEEDS, bound, quiet, restitution_of
+from demlaws.validation.published import (
+    BRANCHES,
+    IMPACT_TOLERANCE,
+    IMPACTS,
+    SPEEDS,
+    bound,
+    quiet,
+    restitution_of,
+)
 from demlaws.validation.row import between, missing, near
 
 
@@ -19,9 +28,12 @@ def impact_rows(engine, found):
     """Rows of the published impacts in an engine."""
     for one, answer in zip(IMPACTS, found, strict=False):
         yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
-    for ratio, answer in zip(SPEEDS, found[len(IMPACTS) :], strict=True):
+    first, second = len(IMPACTS), len(IMPACTS) + len(SPEEDS)
+    for ratio, answer in zip(SPEEDS, found[first:second], strict=True):
         wanted = restitution_of(ratio)
         yield near(f"restitution at V/V_y = {ratio:g}", engine, wanted, answer["restitution"], 1e-4, "thornton")
+    for (name, _, _, wanted), answer in zip(BRANCHES, found[second:], strict=True):
+        yield near(f"{name}: restitution", engine, wanted, answer["restitution"], 1e-4, name)
 
 
 # --- regular arrays
@@ -162,6 +174,7 @@ def in_liggghts(jobs):
 
 
 def in_lammps(jobs):
+    """Answers of LAMMPS to the jobs."""
     from demlaws.validation.in_lammps import answer
 
     return answer(jobs)
@@ -176,7 +189,7 @@ def packing_rows(found):
         pressure, stiffness = np.array(answer).T
         exponent = np.polyfit(np.log(pressure), np.log(stiffness), 1)[0]
         what = f"random packing, {job['law']}: exponent of bulk stiffness over pressure"
-        if job["law"] == "hertz":
+        if job["law"] == HERTZ:
             note = "smooth grains: below what is measured, the reason for rough laws"
             yield between(what, "YADE", 0.30, 0.45, exponent, "sands", note=note)
         else:

@@ -71,6 +71,10 @@ SOURCES = {
     "sneddon": Source("Sneddon 1965, Int. J. Eng. Sci. 3, 47: rigid cone; Johnson 1985, ch. 5", FACTS),
     "jackson-green": Source("Jackson & Green 2005, J. Tribol. 127, 343 (10.1115/1.1866166): finite elements", FACTS),
     "kogut-etsion": Source("Kogut & Etsion 2002, J. Appl. Mech. 69, 657 (10.1115/1.1490373): finite elements", FACTS),
+    "conical-damage": Source("Harkness et al. 2016, Granular Matter 18:65; Suhr & Six 2017, Granular Matter 19:64", FACTS),
+    "walton-braun": Source("Walton & Braun 1986, J. Rheol. 30, 949 (10.1122/1.549893)", FACTS),
+    "luding": Source("Luding 2008, Granular Matter 10, 235 (10.1007/s10035-008-0099-x)", FACTS),
+    "eepa": Source("Thakur et al. 2014, Granular Matter 16, 383 (10.1007/s10035-014-0506-4)", FACTS),
     "bem": Source("ContactMechanics (L. Pastewka and others), elastic boundary elements", "MIT: results computed with it"),
     "sands": Source("small-strain stiffness of sands ∝ pressure^0.5: Hardin & Richart 1963, J. Soil Mech. 89, 33", FACTS),
 }

@@ -122,13 +122,24 @@ def draw_law(law, folder):
     return name
 
 
-def draw_rule(name, folder):
-    """Two cycles to 50 and 100 N of a yielding rough contact under the rule, and under none."""
+def rules():
+    """Name → (rule, name of a law that shows it): the general rules on a yielding rough contact, a law's own on that law."""
+    found = {name: (rule, "rough-plastic") for name, rule in RULES.items()}
+    for name, definition in registry().items():
+        for rule in definition.rules:
+            found.setdefault(rule.name, (rule, name))
+    return found
+
+
+def draw_rule(name, shown_by, folder):
+    """Two cycles to 50 and 100 N of a contact under the rule, and under "elastic" where the law takes it."""
     from demlaws import plots
 
     fig, left = plots.figure(width=6.0, height=3.6)
     for rule, colour in (("elastic", "0.6"), (name, "#d62728")):
-        law = quietly(example, "rough-plastic", GRANITE, rule)
+        if rule == "elastic" != name and "elastic" not in registry()[shown_by].offered():
+            continue
+        law = quietly(example, shown_by, GRANITE, rule)
         path = quietly(dl.driver.force_controlled, law, [50.0, 0.0, 100.0, 0.0])
         left.plot(np.asarray(path.overlap) * 1e6, path.force, color=colour, label=rule)
         if name == "elastic":
@@ -169,11 +180,11 @@ def cautions(definition, law):
 
 
 def rules_of(name, law):
-    """(rule, "yes" or why not) for each rule."""
+    """(rule, "yes" or why not) for each rule that any law may take, and for the law's own."""
     out = []
-    for rule in RULES:
+    for rule in {**RULES, **registry()[name].offered()}:
         try:
-            curve = quietly(example_curve, name, law.contact, **law.options) if rule == GIVEN else rule
+            curve = quietly(example_curve, name, law.contact, **law.options).joined("elastic") if rule == GIVEN else rule
             quietly(law.joined, curve)
             out.append((f"[{rule}](rule-{rule}.md)", "yes"))
         except NotPassive as refused:
@@ -213,7 +224,8 @@ def law_page(name, definition, folder, costs):
     text.append(
         "## When not to use it\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["Nothing known."]) + "\n"
     )
-    text.append("## Unloading\n\n" + table(["rule", "taken"], rules_of(name, law)))
+    text.append(f"## Unloading\n\nWhere none is named: `{definition.default_unloading}`.\n")
+    text.append(table(["rule", "taken"], rules_of(name, law)))
     text.append("## Error and cost\n")
     worst = rounding(definition, law)
     if worst is None:
@@ -242,13 +254,15 @@ def call(name, law):
     return ", ".join(shown)
 
 
-def rule_page(rule, folder):
+def rule_page(rule, shown_by, folder):
     """The page of one unloading rule."""
-    picture = draw_rule(rule.name, folder)
+    picture = draw_rule(rule.name, shown_by, folder)
     state = ", ".join(f"`{name}`" for name in rule.state) or "nothing: no state"
     curves = {"own": "its own curve of first loading", "hertz": "a Hertz curve", "given": "a curve that you give"}
+    curves["law"] = f"a curve of the law's own parameters; only laws that bring the rule take it, such as `{shown_by}`"
     spelled = f'unloading="{rule.name}"' if rule.curve != "given" else 'unloading=dl.law("hertz", contact)'
     number_text = "none: C++ does not have it" if rule.number is None else f"{rule.number}"
+    law = quietly(example, shown_by, GRANITE, rule.name)
     return "\n".join(
         [
             f"# Unloading: {rule.name}\n",
@@ -262,10 +276,10 @@ def rule_page(rule, folder):
                     ("number in demlaws_table.h", number_text),
                 ],
             ),
-            f'```python\nlaw = dl.law("rough-plastic", contact, yield_pressure=1.66e9, {spelled})\n```\n',
+            f"```python\nlaw = dl.law({call(shown_by, law)}, {spelled})\n```\n",
             f"![Force against overlap, rule {rule.name}]({picture})\n",
-            f"*rough-plastic, loaded to 50 N, released, loaded to 100 N, released; {SHOWN}.*\n",
-            "A law whose stiffness anywhere exceeds that of the unloading curve is refused this rule: it would return more "
+            f"*{shown_by}, loaded to 50 N, released, loaded to 100 N, released; {SHOWN}.*\n",
+            "A law whose stiffness anywhere exceeds that of the unloading curve is refused a rule: it would return more "
             "work than it took. A contact whose bodies part is virgin again.\n",
         ]
     )
@@ -277,6 +291,6 @@ def write(folder):
     costs = kept_costs()
     for name, definition in registry().items():
         (folder / f"{name}.md").write_text(law_page(name, definition, folder, costs))
-    for rule in RULES.values():
-        (folder / f"rule-{rule.name}.md").write_text(rule_page(rule, folder))
-    return list(registry()), [f"rule-{name}" for name in RULES]
+    for rule, shown_by in rules().values():
+        (folder / f"rule-{rule.name}.md").write_text(rule_page(rule, shown_by, folder))
+    return list(registry()), [f"rule-{name}" for name in rules()]

@@ -13,9 +13,11 @@ import demlaws as dl
 from demlaws.core import dispatch
 from demlaws.core.loops import energies_loop, unloaded_loop
 from demlaws.core.unloading import GIVEN, RULES, rule_of
+from demlaws.laws.registry import registry
 
 PACKAGE = Path(dl.__file__).parent
-IN_CPP = [rule for rule in RULES.values() if rule.number is not None]
+OWN = {rule.name: rule for definition in registry().values() for rule in definition.rules}
+IN_CPP = [rule for rule in (*RULES.values(), *OWN.values()) if rule.number is not None]
 
 
 def test_records_agree_with_one_another():
@@ -41,7 +43,9 @@ def header(tmp_path_factory):
             const demlaws::Unloading rule = static_cast<demlaws::Unloading>(n);
             demlaws::Unloading back = static_cast<demlaws::Unloading>(-1);
             const bool known = demlaws::unloading_from_name(demlaws::unloading_name(rule), back);
-            std::printf("%s %d %d\\n", demlaws::unloading_name(rule), demlaws::state_size(rule), known ? back : -1);
+            std::printf("%s %d %d", demlaws::unloading_name(rule), demlaws::state_size(rule), known ? back : -1);
+            for (int i = 0; demlaws::rule_key(rule, i); i++) std::printf(" %s", demlaws::rule_key(rule, i));
+            std::printf("\\n");
           }
           demlaws::State state;
           const double *const values = &state.maximum_overlap;
@@ -56,7 +60,7 @@ def header(tmp_path_factory):
 
 def test_the_header_has_the_same_rules(header):
     for rule in IN_CPP:
-        assert header[rule.number] == f"{rule.name} {len(rule.state)} {rule.number}"
+        assert header[rule.number] == " ".join((rule.name, str(len(rule.state)), str(rule.number), *rule.keys))
     assert sorted(rule.number for rule in IN_CPP) == list(range(len(IN_CPP)))
     longest = max((rule.state for rule in IN_CPP), key=len)
     assert header[-1] == f"{longest.index('plastic_overlap')} {longest.index('radius_ratio')}"

@@ -19,7 +19,7 @@ int main() {
   std::string word;
   while (std::cin >> word) {
     if (word == "rules") {
-      for (int i = demlaws::ELASTIC; i <= demlaws::GIVEN; i++) {
+      for (int i = demlaws::ELASTIC; i < demlaws::RULES; i++) {
         printf("%s", demlaws::unloading_name(i));
         for (int k = 0; k < demlaws::state_size((demlaws::Unloading)i); k++) printf(" %s", demlaws::state_name(k));
         printf("\n");

@@ -67,6 +67,13 @@ def path_of(law, force):
         ("goddard", "table", {"slope": 0.035}),
         ("rough-plastic", "table", {"yield_pressure": 1.66e9}),
         ("yip-venart", "table", {}),
+        ("thornton-ning", "thornton", {"yield_pressure": 0.3e9}),
+        ("conical-damage", "thornton", {"strength": 0.5e9}),
+        ("walton-braun", "linear", {}),
+        ("luding", "linear", {"plasticity_depth": 2e-4}),
+        ("eepa", "eepa", {}),
+        ("kogut-etsion", "etsion", {"yield_strength": 0.1e9}),
+        ("jackson-green", "etsion", {"yield_strength": 0.1e9}),
     ],
 )
 def test_header_agrees_with_python(example, tmp_path, name, unloading, options):

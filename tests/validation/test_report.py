@@ -79,6 +79,19 @@ MUTATIONS = {
                         ["Elastic rough spheres (Greenwood & Tripp)"]),
     "asperity": ("solvers/patches.py", "4.0 * math.sqrt(2.0) / 3.0 * p.modulus", "2.0 * math.sqrt(2.0) / 3.0 * p.modulus",
                  ["Height maps against boundary elements"]),
+    "thornton-ning": ("laws/thornton_ning.py", "2.0 / 3.0 * stiffness", "1.0 / 3.0 * stiffness",
+                      ["Plastic laws of the literature"]),
+    "jackson-green": ("laws/jackson_green.py", "4.0 * 2.84 /", "2.0 * 2.84 /", ["Plastic laws of the literature"]),
+    "kogut-etsion": ("laws/kogut_etsion.py", "_FACTOR2, _POWER2 = 1.03, 1.425, 1.40", "_FACTOR2, _POWER2 = 1.03, 1.425, 0.70",
+                     ["Plastic laws of the literature"]),
+    "conical-damage": ("laws/conical_damage.py", "ratio = 0.5 * math.pi", "ratio = 0.25 * math.pi",
+                       ["Plastic laws of the literature"]),
+    "walton-braun": ("laws/walton_braun.py", "first, growth = shape", "first, growth = 0.5 * shape",
+                     ["Plastic laws of the literature"]),
+    "luding": ("laws/luding.py", "shape.plasticity_depth * 2.0", "shape.plasticity_depth * 1.0",
+               ["Plastic laws of the literature"]),
+    "eepa": ("laws/eepa.py", "k1, shape.stiffness_ratio * k1", "k1, 0.5 * shape.stiffness_ratio * k1",
+             ["Plastic laws of the literature"]),
 }  # fmt: skip
 
 

@@ -4,7 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from examples import shared, telling
+from examples import rules_of, shared, telling
 from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
 
 import demlaws as dl
@@ -16,7 +16,7 @@ TOLERANCE = 1e-14
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 REFUSED = [("bahrami", rule) for rule in RULES if rule != "elastic"]
 SLOW = [("asperity", GIVEN)]  # to make, not to run
-COMBINATIONS = [(name, rule) for name in dl.laws() for rule in RULES if (name, rule) not in REFUSED + SLOW]
+COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if (name, rule) not in REFUSED + SLOW]
 
 
 def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):

@@ -1,0 +1,159 @@
+"""Conical Damage Model (Harkness et al. 2016; Suhr & Six 2016): Hertz whose radius grows where the tip crushes.
+
+Beyond the load at which Hertz's peak pressure is σ_max the contact keeps that pressure: the radius becomes
+R = (δ + R0 A)/(h + A) with h = (π σ_max/(2E*))², A = (1 - sin α)/sin α, and the overlap of the blunted tip is
+u = δ - (R - R0) A = h R, so that P = (4/3) E* √R u^1.5 = (4/3) E* h^1.5 R². Contact area and load are then proportional,
+a²/P = 3/(2π σ_max), and unloading along Hertz's curve of R from u is rule `thornton`.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.checks import number
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import LENGTH, PRESSURE, Definition, Option, Parameter, elastic_bulk, no_limits, power_of
+from demlaws.laws.extended import PI, extended
+from demlaws.materials import GRANITE_YIELD_PRESSURE
+
+
+class ConicalDamageShape(NamedTuple):
+    """The strength and the cone."""
+
+    strength: float  # σ_max [Pa]
+    blunting: float  # A = (1 - sin α)/sin α
+
+
+class ConicalDamageParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R0 [N/m^1.5]
+    yield_overlap: float  # h R0 [m]
+    yield_force: float  # P where the peak pressure is σ_max [N]
+    growth: float  # d(R/R0)/dδ = 1/(R0 (h + A)) [1/m]
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    ratio = 0.5 * math.pi * shape.strength / modulus
+    h = ratio * ratio
+    overlap = h * radius
+    coefficient = hertz_coefficient(radius, modulus)
+    return ConicalDamageParams(
+        coefficient, overlap, coefficient * overlap * sqrt(overlap), 1.0 / (radius * (h + shape.blunting))
+    )
+
+
+@kernel
+def _virgin(p, overlap):
+    crushed = overlap - p.yield_overlap
+    ratio = 1.0 + p.growth * (0.0 if crushed <= 0.0 else crushed)  # R/R0
+    root = p.hertz_coefficient * sqrt(overlap)
+    force = p.yield_force * ratio * ratio
+    stiffness = 2.0 * p.yield_force * p.growth * ratio
+    equivalent = hertz_overlap(p, force)
+    # a² = u R = h R²: over R0
+    area = p.yield_overlap * ratio * ratio
+    if crushed <= 0.0:
+        return root * overlap, 1.5 * root, overlap, overlap
+    return force, stiffness, equivalent, area
+
+
+@kernel
+def _inverse(p, force):
+    if force <= p.yield_force:
+        return hertz_overlap(p, force)
+    return p.yield_overlap + (sqrt(force / p.yield_force) - 1.0) / p.growth
+
+
+@kernel
+def _energy(p, overlap):
+    low = overlap if overlap <= p.yield_overlap else p.yield_overlap
+    work = 0.4 * p.hertz_coefficient * low * low * sqrt(low)
+    if overlap <= p.yield_overlap:
+        return work
+    more = overlap - p.yield_overlap
+    x = p.growth * more
+    return work + p.yield_force * more * (1.0 + x + x * x / 3.0)
+
+
+bind(ConicalDamageShape, scale=_scale)
+bind(ConicalDamageParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+
+
+def _prepare(contact, strength=None, angle=None):
+    if strength is None or angle is None:
+        raise DemlawsError("law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=..., angle=...)")
+    strength, angle = number(strength, "strength", "Pa"), number(angle, "angle", "rad", 0.0, 0.5 * math.pi)
+    if angle >= 0.5 * math.pi:
+        raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")
+    return ConicalDamageShape(strength, (1.0 - math.sin(angle)) / math.sin(angle))
+
+
+def _angle_softens(angle, factor):
+    """A = (1 - sin α)/sin α is a depth over a radius."""
+    sine = math.sin(number(angle, "angle", "rad", 0.0, 0.5 * math.pi))
+    return math.asin(1.0 / (1.0 + (1.0 - sine) / sine * power_of(factor, LENGTH)))
+
+
+def _kinks(p, **_):
+    return [p.yield_overlap]
+
+
+def _bulk(p):
+    return p.yield_overlap, p.yield_overlap, p.yield_overlap / p.yield_force
+
+
+def _exact(contact, overlap, strength, angle):
+    delta, radius, modulus = (extended(v) for v in (overlap, contact.radius, contact.modulus))
+    sine = np.sin(extended(angle))
+    blunting, h = (1 - sine) / sine, (PI * extended(strength) / (2 * modulus)) ** 2
+    now = np.maximum((delta + radius * blunting) / (h + blunting), radius)
+    elastic = delta - (now - radius) * blunting
+    force = 4 * modulus / 3 * np.sqrt(now) * elastic * np.sqrt(elastic)
+    slope = 1 / (h + blunting)
+    crushed = 8 * modulus / 3 * h * np.sqrt(h) * now * slope
+    return force, np.where(now > radius, crushed, 2 * modulus * np.sqrt(now * elastic))
+
+
+def _advise(conditions):
+    return elastic_bulk(conditions, False, f"{conditions.state}: calibrated on ballast in bulk, not measured on contacts")
+
+
+LAW = Definition(
+    name="conical-damage",
+    prepare=_prepare,
+    equation="Hertz to p0 = σ_max, then p0 = σ_max: R = (δ + R0 A)/(h + A), P = (4/3) E* h^1.5 R²",
+    source="Harkness et al. 2016, Granular Matter 18:65; Suhr & Six 2016, 2017, Granular Matter 19:64",
+    description="tips that crush, for ballast",
+    limits=no_limits,
+    kinks=_kinks,
+    bulk=_bulk,
+    length="radius",
+    from_tests=False,
+    collapses=False,
+    example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2},
+    exact=_exact,
+    advise=_advise,
+    unloading=("elastic", "hertz", "thornton"),
+    default_unloading="thornton",
+    fitted={
+        "strength": Parameter(
+            "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.array([0.02, 0.1]), option=True
+        ),
+        "angle": Parameter("rad", True, lambda c: (0.02, 1.57), lambda c: [0.5, 1.3], option=True),
+    },
+    free=("strength", "angle"),
+    smooth=True,
+    label="CDM",
+    colour="#5254a3",
+    line="-.",
+    options={
+        "strength": Option("Pa", "above 0", "σ_max, peak pressure at which the tip crushes; needed", PRESSURE),
+        "angle": Option("rad", "0 to π/2", "α of the cone that it becomes: blunt near π/2; needed", _angle_softens),
+    },
+)

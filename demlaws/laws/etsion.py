@@ -1,0 +1,97 @@
+"""Unloading of a yielded sphere from its largest force, contact radius and overlap (Etsion, Kligerman & Kadin 2005)."""
+
+import math
+from typing import NamedTuple
+
+from demlaws.core.dispatch import bind, parts, virgin
+from demlaws.core.fastmath import exp2, kernel, log2, sqrt
+from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.shear import of_first_loading, of_hertz
+from demlaws.core.unloading import Rule, own_rule, thornton_stored_and_dissipated, thornton_unloaded
+
+
+class Etsion(NamedTuple):
+    """Back along Hertz's curve of R_p = 4 E* a_max³/(3 Pmax) from δp = δmax - 3 Pmax/(4 E* a_max); reloading likewise.
+
+    The formula is Thornton's; the contact radius a is the law's own function of the overlap, not that of a limit pressure.
+    """
+
+
+@kernel
+def _step(rule, p, overlap, state):
+    positive = 0.0 if overlap <= 0.0 else overlap
+    if overlap >= state[0]:
+        force, stiffness, hertz_overlap, _ = virgin(p, positive)
+        area = virgin(parts(p)[1], positive)[3]  # of a table, too, the law's; LLVM leaves out what is not used
+        growth = area / hertz_overlap
+        ratio = growth * sqrt(growth)
+        maximum, plastic = overlap, overlap - area / ratio
+    else:
+        maximum, plastic, ratio = state
+        elastic = positive - plastic
+        elastic = 0.0 if elastic <= 0.0 else elastic
+        root = p.hertz_coefficient * sqrt(ratio * elastic)
+        force, stiffness = root * elastic, 1.5 * root
+    if overlap <= 0.0:
+        force, stiffness, maximum, plastic, ratio = 0.0, 0.0, 0.0, 0.0, 0.0
+    return force, stiffness, (maximum, plastic, ratio)
+
+
+bind(
+    Etsion,
+    step=_step,
+    stored_and_dissipated=thornton_stored_and_dissipated,
+    unloaded=thornton_unloaded,
+    unloading_stiffness=of_hertz,
+    loading_stiffness=of_first_loading,
+)
+
+
+class EtsionNumbers(NamedTuple):
+    """Contact radius in a table, without units: a²/(R δ) = max(1, u/overlap)^power."""
+
+    overlap: float
+    power: float
+    length_over_roughness: float
+    length_over_radius: float
+
+
+class EtsionTableParams(NamedTuple):
+    """One contact."""
+
+    hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
+    inverse_overlap: float  # [1/m]
+    power: float
+
+
+@kernel
+def _table_scale(shape, radius, modulus, roughness):
+    length = shape.length_over_roughness * roughness + shape.length_over_radius * radius
+    return EtsionTableParams(hertz_coefficient(radius, modulus), 1.0 / (shape.overlap * length), shape.power)
+
+
+@kernel
+def _table_area(p, overlap):
+    """As `virgin`, of which nothing but the contact radius is known here."""
+    ratio = overlap * p.inverse_overlap
+    area = overlap * exp2(p.power * log2(ratio if ratio > 1.0 else 1.0))
+    return math.nan, math.nan, math.nan, area
+
+
+bind(EtsionNumbers, scale=_table_scale)
+bind(EtsionTableParams, virgin=_table_area)
+
+ETSION = own_rule(
+    Rule(
+        "etsion",
+        Etsion(),
+        ("maximum_overlap", "plastic_overlap", "radius_ratio"),
+        "law",
+        6,
+        "back along Hertz's curve of the radius that Pmax and the law's own contact radius leave",
+        ("etsion_overlap", "etsion_power"),
+        EtsionNumbers,
+    )
+)
+
+NOT_THORNTON = {"thornton": "a limit pressure gives that rule its contact radius; 'etsion' takes this law's own"}

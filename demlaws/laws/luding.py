@@ -1,0 +1,97 @@
+"""Luding 2008 without adhesion: straight branches whose unloading stiffens up to a limit overlap, elastic beyond."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.checks import number
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+from demlaws.core.hertz import hertz_coefficient
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import LENGTH, STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.extended import extended
+from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
+
+
+class LudingShape(NamedTuple):
+    """The stiffnesses are those of every contact."""
+
+    loading_stiffness: float  # k1 [N/m]
+    stiffness_ratio: float  # k̂2/k1
+    plasticity_depth: float  # φ_f
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    k1 = shape.loading_stiffness
+    largest = shape.stiffness_ratio * k1
+    # δ* = k̂2/(k̂2 - k1) φ_f 2 a1 a2/(a1 + a2); R = a1 a2/(a1 + a2)
+    limit = shape.stiffness_ratio / (shape.stiffness_ratio - 1.0) * shape.plasticity_depth * 2.0 * radius
+    return LinearParams(hertz_coefficient(radius, modulus), k1, k1, (largest - k1) / limit, largest, limit)
+
+
+bind(LudingShape, scale=_scale)
+
+
+def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, plasticity_depth=None):
+    if None in (loading_stiffness, stiffness_ratio, plasticity_depth):
+        raise DemlawsError(
+            "law 'luding' needs loading_stiffness k1 in N/m, stiffness_ratio k̂2/k1 above 1 and plasticity_depth φ_f"
+        )
+    ratio = number(stiffness_ratio, "stiffness_ratio", "", 1.0, 1e6)
+    depth = number(plasticity_depth, "plasticity_depth", "", 0.0, 1.0)
+    return LudingShape(number(loading_stiffness, "loading_stiffness", "N/m"), ratio, depth)
+
+
+def _kinks(p, **_):
+    return [p.limit]
+
+
+def _exact(contact, overlap, loading_stiffness, stiffness_ratio, plasticity_depth):
+    k1, ratio, delta = extended(loading_stiffness), extended(stiffness_ratio), extended(overlap)
+    limit = ratio / (ratio - 1) * extended(plasticity_depth) * 2 * extended(contact.radius)
+    more = np.maximum(delta - limit, 0)
+    return k1 * (delta - more) + ratio * k1 * more, np.where(more > 0, ratio * k1, k1)
+
+
+LAW = Definition(
+    name="luding",
+    prepare=_prepare,
+    equation="P = k1 δ to δ*, then k̂2; back along k2 (δ - δp), k2 = k1 + (k̂2 - k1) δmax/δ*",
+    source="Luding 2008, Granular Matter 10, 235 (10.1007/s10035-008-0099-x), without its adhesive branch",
+    description="straight branches, plastic to a depth",
+    limits=no_limits,
+    kinks=_kinks,
+    length="radius",
+    from_tests=False,
+    collapses=False,
+    example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},
+    example_curve={"loading_stiffness": 1.5e7},
+    exact=_exact,
+    advise=plastic_from_the_start,
+    unloading=("elastic", "linear"),
+    rules=(LINEAR,),
+    rule_numbers=numbers,
+    default_unloading="linear",
+    refused=ONLY_STRAIGHT,
+    fitted={
+        "loading_stiffness": Parameter(
+            "N/m",
+            True,
+            lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
+            lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
+            option=True,
+        ),
+        "stiffness_ratio": Parameter("", True, lambda c: (1.001, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+        "plasticity_depth": Parameter("", True, lambda c: (1e-6, 0.5), lambda c: [1e-3], option=True, unloading=True),
+    },
+    free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
+    label="Luding",
+    colour="#c51b7d",
+    options={
+        "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
+        "stiffness_ratio": Option("", "above 1", "k̂2/k1, of the stiffest unloading; needed"),
+        "plasticity_depth": Option("", "0 to 1", "φ_f, largest plastic overlap over 2R; needed", LENGTH),
+    },
+)

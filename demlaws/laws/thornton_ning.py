@@ -1,0 +1,108 @@
+"""Thornton & Ning 1998 without adhesion: Hertz to a limit contact pressure, then a straight line; Thornton's unloading."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.checks import number
+from demlaws.core.dispatch import bind
+from demlaws.core.fastmath import kernel
+from demlaws.core.hertz import hertz_coefficient
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import PRESSURE, Definition, Option, Parameter, no_limits
+from demlaws.laws.extended import PI, extended, from_hertz
+from demlaws.laws.hertz import HertzParams
+from demlaws.laws.rough_plastic import RoughPlasticParams
+from demlaws.materials import GRANITE_YIELD_PRESSURE
+
+
+class ThorntonNingShape(NamedTuple):
+    """The limit pressure."""
+
+    yield_pressure: float  # p_y [Pa]
+
+
+@kernel
+def _scale(shape, radius, modulus, roughness):
+    # p_y = 2 E* a_y/(π R), δ_y = a_y²/R; then dP/dδ = π R p_y: Params and curve of a smooth contact that yields
+    ratio = 0.5 * math.pi * shape.yield_pressure / modulus
+    overlap = ratio * ratio * radius
+    stiffness = math.pi * radius * shape.yield_pressure
+    coefficient = hertz_coefficient(radius, modulus)
+    force = 2.0 / 3.0 * stiffness * overlap  # there Hertz's stiffness, 1.5 P/δ, is that of the line
+    return RoughPlasticParams(coefficient, HertzParams(coefficient), overlap, force, stiffness, overlap, 1.0 / stiffness)
+
+
+bind(ThorntonNingShape, scale=_scale)
+
+
+def _prepare(contact, yield_pressure=None):
+    if yield_pressure is None:
+        raise DemlawsError(
+            "law 'thornton-ning' needs yield_pressure p_y in Pa: a fit parameter, about 1.6 times the yield strength where a "
+            f"contact first yields, 4.2 times for contacts far beyond (granite cones: {GRANITE_YIELD_PRESSURE / 1e9:g}e9)"
+        )
+    return ThorntonNingShape(number(yield_pressure, "yield_pressure", "Pa"))
+
+
+def _kinks(p, **_):
+    return [p.yield_overlap]
+
+
+def _bulk(p):
+    return p.yield_overlap, p.yield_area, p.area_slope
+
+
+def _exact(contact, overlap, yield_pressure):
+    delta, radius, modulus = (extended(v) for v in (overlap, contact.radius, contact.modulus))
+    pressure = extended(yield_pressure)
+    yields = (PI * pressure / (2 * modulus)) ** 2 * radius
+    stiffness = PI * radius * pressure
+    force, tangent = from_hertz(contact, np.minimum(delta, yields), 1)
+    return force + stiffness * np.maximum(delta - yields, 0), np.where(delta > yields, stiffness, tangent)
+
+
+def _advise(conditions):
+    if not conditions.yields:
+        return False, f"{conditions.state}: the bulk is elastic; hertz or a rough law will do"
+    smooth = conditions.pressure_drop > 0.95
+    part = "the bulk yields" if smooth else "the bulk yields, but the surface is rough: see rough-plastic"
+    return bool(smooth), f"{conditions.state}: {part}"
+
+
+LAW = Definition(
+    name="thornton-ning",
+    prepare=_prepare,
+    equation="P = (4/3) E* √R δ^1.5 to p_y, then dP/dδ = π R p_y; back along Hertz's curve of R_p",
+    source="Thornton 1997; Thornton & Ning 1998, Powder Technology 99, 154 (10.1016/S0032-5910(98)00099-0), without adhesion",
+    description="smooth spheres whose bulk yields",
+    limits=no_limits,
+    kinks=_kinks,
+    bulk=_bulk,
+    length="radius",
+    collapses=False,
+    example={"yield_pressure": GRANITE_YIELD_PRESSURE},
+    exact=_exact,
+    advise=_advise,
+    unloading=("elastic", "hertz", "thornton"),
+    default_unloading="thornton",
+    fitted={
+        "yield_pressure": Parameter(
+            "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.geomspace(0.01, 0.3, 4), option=True
+        )
+    },
+    free=("yield_pressure",),
+    smooth=True,
+    label="Thornton-Ning",
+    colour="#bcbd22",
+    line="--",
+    options={
+        "yield_pressure": Option(
+            "Pa",
+            "above 0",
+            "limit contact pressure p_y, a fit parameter: 1.6 (first yield) to 4.2 times the yield strength; needed",
+            PRESSURE,
+        ),
+    },
+)
