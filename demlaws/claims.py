@@ -332,7 +332,7 @@ def _cone_claims(get, measured):
             test.name,
             f"the elastic models hold to {load:g} N",
             f"the rough law with p_y = {test.yield_pressure / 1e9:.2f} GPa (K_y = {stiff:.0f} N/mm) yields at "
-            f"{p.yield_force:.1f} N: one p_y ties both",
+            f"{p.yield_force:.1f} N: one p_y ties both, unless the law is told the load (yield_load, built in then)",
             _verdict(abs(p.yield_force / load - 1.0) < 0.1),
         )
         yield _measured_claim(
@@ -383,11 +383,13 @@ def _cone_claims(get, measured):
     above = (10.0, 20.0)
     elastic = {f: stiffness_at(get(POHRT_POPOV, small.name), f) / 1e3 for f in above}
     ran = {f: stiffness_at(fc.law, f) / 1e3 for f in above}
+    jump = law(ROUGH_PLASTIC, small.contact, yield_pressure=small.yield_pressure, yield_at="load")
     yield Claim(
         small.name,
         "above 7 N much stiffer than Pohrt-Popov",
         ", ".join(f"at {f:g} N rough-plastic {ran[f]:.0f} N/mm, Pohrt-Popov {elastic[f]:.0f}" for f in above)
-        + ": a law that yields is never the stiffer one",
+        + f"; yielding at a smooth tip's load ({jump.params.yield_force:.1f} N, yield_at='load') K jumps up: "
+        + ", ".join(f"{stiffness_at(jump, f) / 1e3:.0f} N/mm at {f:g} N" for f in above),
         _verdict(all(ran[f] > 1.2 * elastic[f] for f in above)),
     )
     other = {round(s.maximum_force): s.plastic_overlap for s in stages_of(fc) if s.stage == 4}

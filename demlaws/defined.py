@@ -45,6 +45,14 @@ def define(
     `Definition`, for instance equation, source, description, limits, kinks, fitted, free, colour.
 
     One curve serves one contact unless facts say collapses=True with length="radius" or "roughness". Raises DemlawsError.
+
+    >>> def force(p, overlap):
+    ...     return p.factor * overlap**1.7
+    >>> def stiffness(p, overlap):
+    ...     return 1.7 * p.factor * overlap**0.7
+    >>> mine = dl.define("power", force, stiffness, options={"factor": (3e9, "N/m^1.7", "of the overlap")})
+    >>> mine.name, list(mine.options)
+    ('power', ['factor'])
     """
     for what, function in (("force", force), ("stiffness", stiffness), ("overlap", overlap), ("energy", energy)):
         pure = inspect.isfunction(function) or hasattr(function, "py_func")  # what numba can compile

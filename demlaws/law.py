@@ -3,6 +3,7 @@
 The compiled loops know any law and any unloading rule; `Law` checks input, keeps units and shapes, and raises errors.
 """
 
+import importlib
 import itertools
 import math
 import os
@@ -112,6 +113,12 @@ class Law:
     largest_overlap, largest_force = math.inf, math.inf  # [m], [N]: where a table ends
     _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
 
+    @classmethod
+    def _made_by(cls):
+        if cls._maker is None:  # a table that was read or made of a function, before any law was
+            importlib.import_module("demlaws.make")
+        return cls._maker
+
     def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
         self.definition = definition
         self.name = definition.name
@@ -143,7 +150,7 @@ class Law:
 
         Raises DemlawsError where the pair is not passive.
         """
-        return self._maker.joined(self, unloading)
+        return self._made_by().joined(self, unloading)
 
     def bound_to(self, contact: Contact) -> "Law":
         """The same law and options for another contact (or array of contacts), elastic."""
@@ -421,7 +428,7 @@ class Law:
 
     def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> Any:
         """A `Table` of this law whose force and stiffness are within `rtol`, measured between its nodes."""
-        return self._maker.tabulate(self, rtol=rtol, max_force=max_force)
+        return self._made_by().tabulate(self, rtol=rtol, max_force=max_force)
 
 
 def _as_given(array):

@@ -87,6 +87,11 @@ def register(definition: Definition, replace: bool = False) -> Definition:
     A name that the package has, or that another file registered, is refused (replace=True: the other file's law goes).
     Registered again from the same file, module or notebook the new law takes the place of the old one; laws that were made
     before stay as they are.
+
+    >>> mine = dl.register(dl.define("spring", lambda p, x: 1e6 * x, lambda p, x: 1e6))
+    >>> law = dl.law("spring", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> round(law.force(1e-6), 9), dl.laws()[-1]
+    (1.0, 'spring')
     """
     return _register(definition, _home(sys._getframe(1).f_globals), replace)
 
@@ -165,6 +170,13 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     """Run a Python file that registers laws (or has a `LAW = Definition(...)`, as this package's files); their names.
 
     A file that has been loaded or imported in this process is left as it is. Processes started from here load it, too.
+
+    >>> import pathlib, tempfile
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "mine.py"
+    >>> text = "import demlaws as dl; dl.register(dl.define('mine', lambda p, x: 1e6 * x, lambda p, x: 1e6))"
+    >>> _ = file.write_text(text)
+    >>> dl.load_laws(file)
+    ['mine']
     """
     path = os.path.realpath(as_path(file))
     if path not in _loaded and not _imported(path):

@@ -423,6 +423,7 @@ class Attachment:
         return True
 
     def forget_deep(self):
+        """Clear the note that a contact went deep."""
         self.context[kernel.DEEP] = 0
 
     def take_unlisted(self):

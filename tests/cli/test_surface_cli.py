@@ -112,6 +112,13 @@ def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
     assert "reloading, elastic" in capsys.readouterr().out
 
 
+def test_the_law_of_a_map_is_drawn_without_a_load(capsys, tmp_path, map_file):
+    table, figure = tmp_path / "map.tbl", tmp_path / "law.png"
+    given = ["surface", "contact", map_file, *ALUMINIUM, *BALL, *PLASTIC, "--table", str(table), "--figure", str(figure)]
+    assert cli.main([*given, "--rtol", "1e-3"]) == 0
+    assert figure.stat().st_size > 10000 and str(figure) in capsys.readouterr().out
+
+
 def test_published_repeated_contact(capsys, tmp_path):
     figure = tmp_path / "repeated.png"
     assert cli.main(["surface", "contact", "isotropic", "--figure", str(figure)]) == 0
