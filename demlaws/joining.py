@@ -79,11 +79,9 @@ def largest_stiffness_ratio(law, points=2000):
         p = one_of(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
-        loading = loading_part(p)  # where K may jump up, between two points: kinks
-        if isinstance(loading, TableParams):
-            steps = [u * loading.length for u in loading.grid.kinks]
-        else:
-            steps = law.definition.kinks(loading, **law.options)
+        part = loading_part(p)
+        # where K may jump up, between two points; a table is of a law that was looked at in closed form
+        steps = [] if isinstance(part, TableParams) else law.definition.kinks(part, **law.options)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
         force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
