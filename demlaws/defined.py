@@ -45,10 +45,21 @@ def define(
     `Definition`, for instance equation, source, description, limits, kinks, fitted, free, colour.
 
     One curve serves one contact unless facts say collapses=True with length="radius" or "roughness". Raises DemlawsError.
+
+    >>> def force(p, overlap):
+    ...     return p.factor * overlap**1.7
+    >>> def stiffness(p, overlap):
+    ...     return 1.7 * p.factor * overlap**0.7
+    >>> mine = dl.define("power", force, stiffness, options={"factor": (3e9, "N/m^1.7", "of the overlap")})
+    >>> mine.name, list(mine.options)
+    ('power', ['factor'])
     """
     for what, function in (("force", force), ("stiffness", stiffness), ("overlap", overlap), ("energy", energy)):
-        if not callable(function) and not (function is None and what in ("overlap", "energy")):
-            raise DemlawsError(f"law {name!r:.60}: {what} must be a function of a contact and a number, got {function!r:.60}")
+        pure = inspect.isfunction(function) or hasattr(function, "py_func")  # what numba can compile
+        if not pure and not (function is None and what in ("overlap", "energy")):
+            raise DemlawsError(
+                f"law {name!r:.60}: {what} must be a Python function of a contact and a number, got {function!r:.60}"
+            )
     described = {n: _described(name, n, value) for n, value in dict(options or {}).items()}
     needs = tuple(facts.get("needs", ()))
     clash = [n for n in described if n in (*_CONTACT, *_OF_CONTACT, "contact") or not n.isidentifier() or keyword.iskeyword(n)]

@@ -3,6 +3,7 @@
 The compiled loops know any law and any unloading rule; `Law` checks input, keeps units and shapes, and raises errors.
 """
 
+import importlib
 import itertools
 import math
 import os
@@ -21,7 +22,7 @@ from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, f
 from demlaws.core.params import bind_params, loading_part, map_leaves
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.core.unloading import Elastic
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.laws.registry import is_own
 from demlaws.soundness import refuse_unsound
 
@@ -112,6 +113,12 @@ class Law:
     largest_overlap, largest_force = math.inf, math.inf  # [m], [N]: where a table ends
     _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
 
+    @classmethod
+    def _made_by(cls):
+        if cls._maker is None:  # a table that was read or made of a function, before any law was
+            importlib.import_module("demlaws.make")
+        return cls._maker
+
     def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
         self.definition = definition
         self.name = definition.name
@@ -143,7 +150,7 @@ class Law:
 
         Raises DemlawsError where the pair is not passive.
         """
-        return self._maker.joined(self, unloading)
+        return self._made_by().joined(self, unloading)
 
     def bound_to(self, contact: Contact) -> "Law":
         """The same law and options for another contact (or array of contacts), elastic."""
@@ -335,7 +342,7 @@ class Law:
         text = check_overlaps(overlap, self.contact.radius)
         if text is not None and "large overlap" not in self._warned:
             self._warned.add("large overlap")
-            warnings.warn(f"{self.name}: {text}", ValidityWarning, stacklevel=4)
+            warnings.warn(f"{self.name}: {text}", LargeOverlap, stacklevel=4)
 
     def _single(self):
         if self.contact.size is not None:
@@ -421,7 +428,7 @@ class Law:
 
     def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> Any:
         """A `Table` of this law whose force and stiffness are within `rtol`, measured between its nodes."""
-        return self._maker.tabulate(self, rtol=rtol, max_force=max_force)
+        return self._made_by().tabulate(self, rtol=rtol, max_force=max_force)
 
 
 def _as_given(array):

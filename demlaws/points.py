@@ -126,6 +126,63 @@ class Points(NamedTuple):
         ours = bound.overlap(after[:end]) - bound.overlap(after[0])
         return float(np.sqrt(np.mean((self.displacement[peak : peak + end] - self.displacement[peak] - ours) ** 2)))
 
+    def branches(self):
+        """(first, last) index of every stretch of loading, first and later; a turn within the noise (`UNLOADED`) ends none."""
+        force, found = self.force, []
+        smallest = 1e-3 * float(np.max(force))
+        rising, start, turn = True, 0, 0
+        for k in range(1, force.size):
+            if rising:
+                if force[k] >= force[turn]:
+                    turn = k
+                elif force[turn] - force[k] > max(UNLOADED * force[turn], smallest):
+                    found.append((start, turn))
+                    rising, turn = False, k
+            elif force[k] <= force[turn]:
+                turn = k
+            elif force[k] - force[turn] > max(UNLOADED * force[turn], smallest):
+                rising, start, turn = True, turn, k
+        if rising and turn > start:
+            found.append((start, turn))
+        return found
+
+    def tangent(self, branch=None, ratio=1.3, fewest=4):
+        """Force [N] and tangent stiffness [N/m] along a branch of loading (default: the first loading).
+
+        A straight line of displacement over force in each window of forces from F to `ratio` F, wider where it would hold
+        fewer than `fewest` points; windows whose slope is lost in the noise are left out.
+        """
+        if branch is None:
+            displacement, force = self.loading()
+        else:
+            part = slice(branch[0], branch[1] + 1)
+            keep = self.force[part] >= 0.1
+            displacement, force = self.displacement[part][keep], self.force[part][keep]
+        loads, found, start = [], [], 0
+        while start + fewest <= force.size:
+            stop = max(int(np.searchsorted(np.maximum.accumulate(force), ratio * force[start], side="right")), start + fewest)
+            x, y = force[start:stop], displacement[start:stop]
+            spread = float(np.sum((x - x.mean()) ** 2))
+            slope = float(np.sum((x - x.mean()) * (y - y.mean()))) / spread if spread > 0.0 else 0.0
+            noise = (
+                math.sqrt(float(np.sum((y - y.mean() - slope * (x - x.mean())) ** 2)) / (x.size - 2) / spread)
+                if spread
+                else 0.0
+            )
+            if slope > 3.0 * noise and slope > 0.0:
+                loads.append(float(x.mean()))
+                found.append(1.0 / slope)
+            start = stop
+        return np.array(loads), np.array(found)
+
+    def contact_radius(self, contact):
+        """α and a*/a_H of first loading, as Fig. 4 of the granite paper takes them: a*² = R δ, δ from the first point on."""
+        displacement, force = self.loading()
+        overlap = displacement - float(self.displacement[0])
+        keep = overlap > 0.0
+        hertz = (9.0 * force[keep] ** 2 / (16.0 * contact.radius * contact.modulus**2)) ** (1 / 3)
+        return contact.roughness / hertz, np.sqrt(overlap[keep] / hertz)
+
     def residuals(self):
         """(largest force so far, displacement left after it) of every unloading to below 5 % of that force, in order."""
         found, largest = [], 0.0

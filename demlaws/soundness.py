@@ -65,17 +65,18 @@ def values_of(params, overlap):
 
 def fault_of_values(overlap: np.ndarray, force: np.ndarray, stiffness: np.ndarray | None = None) -> str | None:
     """What is wrong with forces [N] (and stiffnesses) at rising overlaps [m] > 0, or None."""
+    falls = np.flatnonzero(force[1:] < force[:-1] * (1.0 - 1e-12))
+    first_fall = int(falls[0]) + 1 if falls.size else force.size
     for name, unit, values in (("force", "N", force), ("stiffness", "N/m", stiffness)):
         if values is None:
             continue
         bad = np.flatnonzero(~np.isfinite(values) | (values < 0.0))
-        if bad.size:
+        if bad.size and (bad[0] < first_fall or (name == "force" and bad[0] == first_fall)):
             value = float(values[bad[0]])
             what = "must not be negative" if math.isfinite(value) else "must be a finite number"
             return f"at overlap {overlap[bad[0]]:.6g} m the {name} is {value:g} {unit}: it {what}"
-    falls = np.flatnonzero(force[1:] < force[:-1] * (1.0 - 1e-12))
     if falls.size:
-        i = int(falls[0])
+        i = first_fall - 1
         return (
             f"from overlap {overlap[i]:.6g} m to {overlap[i + 1]:.6g} m the force falls from {force[i]:.6g} N to "
             f"{force[i + 1]:.6g} N: it must rise with the overlap"

@@ -9,13 +9,16 @@ bits of u. A cell with a kink is split there, and all cells right of it move up 
 import json
 import math
 import os
+import re
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from demlaws import table_file
-from demlaws.checks import number
+from demlaws.checks import SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.curve import BulkYield
 from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes
@@ -24,27 +27,28 @@ from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamp
 from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, write_atomically
+from demlaws.given import Called, GivenCurve, Knots, MeasuredCurve, residual_overlap
 from demlaws.joining import joined_law
-from demlaws.law import Law
+from demlaws.law import Law, _as_given
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import find, is_own
+from demlaws.laws.registry import find, is_own, registry
 from demlaws.soundness import refuse_unless_collapses
 from demlaws.table_file import UNLOADING, Rows
 
 
 class Source(NamedTuple):
-    """A curve to tabulate: Params of one contact, and the scales of the table."""
+    """A curve to tabulate, of one contact, and the scales of the table."""
 
-    params: tuple
+    exact: Callable  # overlaps [m] → force [N], stiffness [N/m]
     length: float  # [m]
     hertz_coefficient: float  # [N/m^1.5]
     kinks: list  # u
     solved: bool
+    aside: float = 1e-14  # how far beside a kink its one-sided stiffness is read, over its overlap
 
     def curve(self, u):
         """s(u) and ds/du."""
-        force, stiffness = np.empty(u.size), np.empty(u.size)
-        evaluate_loop(Elastic(), self.params, u * self.length, (), force, stiffness)
+        force, stiffness = self.exact(u * self.length)
         equivalent = np.cbrt(force / self.hertz_coefficient) ** 2
         return equivalent / self.length, stiffness / (1.5 * self.hertz_coefficient * np.sqrt(equivalent))
 
@@ -54,8 +58,8 @@ class Source(NamedTuple):
         place = u.copy()
         for kink in kinks:  # one-sided stiffness: just left and just right of the kink
             first, second = np.flatnonzero(u == kink)
-            place[first] = kink * (1.0 - 1e-14)
-            place[second] = kink * (1.0 + 1e-14)
+            place[first] = kink * (1.0 - self.aside)
+            place[second] = kink * (1.0 + self.aside)
         s, slope = self.curve(place)
         for kink in kinks:
             second = np.flatnonzero(u == kink)[1]
@@ -63,9 +67,10 @@ class Source(NamedTuple):
                 s[second] = s[second - 1]
         return Nodes.from_curve(u, s, slope)
 
-    def lowest(self, rtol):
+    def lowest(self, rtol, largest):
         """Largest u, but at least 2^-30, below which the curve is its own power law within a small part of rtol."""
         u = 2.0 ** np.arange(-30.0, 1.0)
+        u = u[u <= max(largest, u[0])]
         s, slope = self.curve(u)
         exponent = u * slope / s
         with np.errstate(all="ignore"):
@@ -81,12 +86,22 @@ class Source(NamedTuple):
         fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
         width = np.diff(u)
         points = (u[:-1, None] + width[:, None] * fractions).ravel() * self.length
-        force, stiffness, exact_force, exact_stiffness = (np.empty(points.size) for _ in range(4))
-        evaluate_loop(Elastic(), table, points, (), force, stiffness)
-        evaluate_loop(Elastic(), self.params, points, (), exact_force, exact_stiffness)
+        force, stiffness = _curve_of(table)(points)
+        exact_force, exact_stiffness = self.exact(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
         return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
+
+
+def _curve_of(params):
+    """`Source.exact` of a law's params."""
+
+    def exact(overlap):
+        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+        evaluate_loop(Elastic(), params, overlap, (), force, stiffness)
+        return force, stiffness
+
+    return exact
 
 
 class Certificate(NamedTuple):
@@ -112,12 +127,7 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
     power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness; without
     `max_force` it ends at a tenth of a radius ten times as large.
     """
-    try:
-        rtol = float(rtol)
-    except (TypeError, ValueError):
-        rtol = math.nan
-    if not 1e-12 <= rtol <= 0.1:
-        raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
+    rtol = _tolerance(rtol)
     definition, contact = law.definition, law.contact
     _refuse_too_fine(law, rtol)
     if is_own(definition) and law.collapses and type(law) is Law:
@@ -142,8 +152,8 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
         largest = float(np.max(law.overlap(np.broadcast_to(force, contact.size or ()))) / length) * (1.0 + 1e-9)
     params = loading_part(bind_params(law.shape, one))
     kinks = [k / length for k in _kinks_of_one(law, index)]
-    source = Source(params, length, params.hertz_coefficient, kinks, definition.solved)
-    smallest = min(source.lowest(rtol), largest / 64.0)
+    source = Source(_curve_of(params), length, params.hertz_coefficient, kinks, definition.solved)
+    smallest = min(source.lowest(rtol, largest), largest / 64.0)
     straight = _starts_from_force(law)
     for bits_per_octave in range(1, MOST_BITS + 1):
         nodes = source.nodes(smallest, largest, bits_per_octave)
@@ -152,12 +162,22 @@ def tabulate(law: Law, rtol: float = 1e-5, max_force: float | None = None) -> "T
         certificate = source.certify(shape, bind_params(shape, one))
         if max(certificate) <= rtol:
             return Table(law, shape, nodes, certificate, rtol)
-    raise _out_of_reach(law, rtol, certificate)
+    raise _out_of_reach(law.name, rtol, certificate)
 
 
-def _out_of_reach(law, rtol, certificate):
+def _tolerance(rtol):
+    try:
+        rtol = float(rtol)
+    except (TypeError, ValueError):
+        rtol = math.nan
+    if not 1e-12 <= rtol <= 0.1:
+        raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
+    return rtol
+
+
+def _out_of_reach(name, rtol, certificate):
     return DemlawsError(
-        f"rtol = {rtol:g} is out of reach: with {2**MOST_BITS} cells an octave the table of {law.name!r} errs by "
+        f"rtol = {rtol:g} is out of reach: with {2**MOST_BITS} cells an octave the table of {name!r} errs by "
         f"{max(certificate):.2g}; ask for more than that"
     )
 
@@ -196,6 +216,7 @@ def take(law, rule, curve=None):
     own = law.definition.rule(rule).curve == "law"
     joined = elastic if curve is not None or own else joined_law(elastic, rule)
     plain = Table(joined, shape, law.nodes, certificate, law.rtol)
+    plain.knots = law.knots
     if law.unloading_law is None:
         plain.said_to_collapse = law.said_to_collapse
     if own:
@@ -232,7 +253,7 @@ def with_curve(table, curve):
     params = bind_params(joined.shape, one)
     length, coefficient = params.loading.length, params.hertz_coefficient
     kinks = [k / length for k in _kinks_of_one(curve, index)]
-    source = Source(params.unloading, length, coefficient, kinks, curve.definition.solved)
+    source = Source(_curve_of(params.unloading), length, coefficient, kinks, curve.definition.solved)
     end, top = 0.75 * coefficient * length**1.5 * table.nodes.force[-1], np.empty(1)
     for bits_per_octave in range(52 - own.grid.shift, MOST_BITS + 1):
         # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
@@ -243,7 +264,7 @@ def with_curve(table, curve):
                 "larger max_force, or this one with a smaller"
             )
         largest = top[0] / length
-        nodes = source.nodes(min(source.lowest(table.rtol), largest / 64.0), largest, bits_per_octave)
+        nodes = source.nodes(min(source.lowest(table.rtol, largest), largest / 64.0), largest, bits_per_octave)
         if not np.all(np.isfinite(nodes.force)):  # a table as the curve ends within the last cell
             continue
         lengths = own.length_over_roughness, own.length_over_radius
@@ -254,7 +275,7 @@ def with_curve(table, curve):
             rows = Table(law, shape, nodes, certificate, table.rtol)
             rows.made_for = curve.made_for if isinstance(curve, Table) else curve.contact
             return _joined_table(table, rows)
-    raise _out_of_reach(curve, table.rtol, certificate)
+    raise _out_of_reach(curve.name, table.rtol, certificate)
 
 
 def _floor(shape):
@@ -266,7 +287,9 @@ def _joined_table(table, rows):
     """`table` with another table in its scales as its unloading curve."""
     shape = JoinedShape(loading_part(table.shape), quick_to_invert(rows.shape, rows.nodes.kinks), 1.0, 1.0, 1.0)
     law = Law(table.definition, table.contact, GIVEN, table.options, shape, None, rows)
-    return Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
+    result = Table(law, shape, table.nodes, (table.force_error, table.stiffness_error), table.rtol)
+    result.knots = table.knots
+    return result
 
 
 def _starts_from_force(law):
@@ -294,6 +317,72 @@ def _lengths(definition, contact):
     return clamped_roughnesses(contact)
 
 
+# --- curves that a user brings
+
+
+def _given(curve, contact, name, description, scales_with, rtol):
+    """The `Table` of a curve (`given.GivenCurve` or `MeasuredCurve`), elastic."""
+    rtol = _tolerance(rtol)
+    if scales_with not in (None, "radius", "roughness"):
+        raise DemlawsError(f"scales_with={scales_with!r}: None (this contact only), 'radius' or 'roughness'")
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII) or name in registry():
+        raise DemlawsError(f"name={name!r:.60}: one word that is no law's name ({', '.join(registry())})")
+    if not isinstance(description, str) or not description.isprintable():
+        raise DemlawsError(f"description must be one line of text, got {description!r:.60}")
+    rough = scales_with == "roughness"
+    if rough and contact.roughness == 0.0:
+        raise DemlawsError("scales_with='roughness', but the contact's roughness is 0 m: give it, or scales_with=None")
+    length = contact.roughness if rough else contact.radius
+    definition = Definition(
+        name=name,
+        prepare=_not_here,
+        equation="",
+        source="its user",
+        description=description,
+        limits=_no_limits,
+        length="roughness" if rough else "radius",
+        collapses=scales_with is not None,
+        unloading=("elastic",),
+    )
+    coefficient = 4.0 * contact.modulus * math.sqrt(contact.radius) / 3.0
+    source = Source(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
+    largest = curve.largest / length * (1.0 - 1e-12)
+    smallest = min(source.lowest(rtol, largest), largest / 64.0)
+    start, slope = (float(v[0]) for v in curve.evaluate(np.array([smallest * length])))
+    exponent = slope * smallest * length / start
+    if exponent < 1.0 - 1e-6:
+        raise DemlawsError(
+            f"{name}: towards overlap 0 the force goes as δ^{exponent:.4g} (at overlap {smallest * length:.3g} m it is "
+            f"{start:.3g} N), and the stiffness grows without bound: it must go as δ or a higher power"
+        )
+    for bits_per_octave in range(1, MOST_BITS + 1):
+        nodes = source.nodes(smallest, largest, bits_per_octave)
+        shape = shape_from_nodes(nodes, bits_per_octave, float(rough), float(not rough))
+        certificate = source.certify(shape, bind_params(shape, contact))
+        if max(certificate) <= rtol:
+            return Table(Law(definition, contact, "elastic", {}, shape), shape, nodes, certificate, rtol)
+    raise _out_of_reach(name, rtol, certificate)
+
+
+_REACH = 3.2  # of an unloading curve beyond its table's end, whose last cells are wide where the table is rough
+
+
+def _unloading_along(table, curve, scales_with):
+    """`table` with another curve of the user's to unload along; its rows are certified against that curve."""
+    name = f"{table.name}-unloading"
+    other = _given(curve, table.contact, name, f"unloading of {table.name}", scales_with, max(0.1 * table.rtol, 1e-11))
+    result = table.joined(other)
+    result.unloading_law.force_error += other.force_error
+    result.unloading_law.stiffness_error += other.stiffness_error
+    return result
+
+
+def _one_contact(contact):
+    if not isinstance(contact, Contact) or contact.size is not None:
+        raise DemlawsError(f"contact must be one demlaws.Contact, that of the curve, got {contact!r:.60}")
+    return contact
+
+
 # --- the table as a law, and its file
 
 
@@ -315,6 +404,7 @@ class Table(Law):
         self.force_error, self.stiffness_error = certificate
         self.rtol = rtol
         self.said_to_collapse = None  # what a file says, where the table comes from one
+        self.knots: Knots | None = getattr(law, "knots", None)  # of a table made of points
         self.made_for = self.contact  # of a table that is the unloading curve of another: the contact of its law
 
     def __repr__(self):
@@ -336,6 +426,105 @@ class Table(Law):
     def collapses(self) -> bool:
         """Whether one dimensionless curve serves all contacts of this law."""
         return super().collapses if self.said_to_collapse is None else self.said_to_collapse
+
+    @classmethod
+    def from_function(
+        cls,
+        force: Callable,
+        contact: Contact,
+        largest_overlap: float | None = None,
+        stiffness: Callable | None = None,
+        unloading: Any = "elastic",
+        kinks: Any = (),
+        scales_with: str | None = None,
+        rtol: float = 1e-5,
+        name: str = "function",
+        description: str = "a function of its user's",
+    ) -> "Table":
+        """The smallest `Table` of any rising force(overlap) [N] of overlap [m], within `rtol` of it and of its derivative.
+
+        force: takes one number or an array; from overlap 0, where it is 0 and goes as δ or a higher power, to
+        largest_overlap [m] (default a tenth of R; the last cell may go on a little, as a power law). stiffness(overlap) [N/m]:
+        its derivative, checked, else found from the force; kinks: overlaps [m] where it jumps (those that are not given are
+        looked for). unloading: a rule, a law or a `Table` as `law` takes it, or another function of the overlap past the foot
+        δp, the curve that the contact unloads along. The table holds for `contact` only, unless scales_with says that P/(E* R²)
+        is a function of δ/R ("radius"), or P/(E* √R σ^1.5) of δ/σ ("roughness").
+
+        Raises DemlawsError, with the overlap and the value, where the function raises, is not finite, negative, falls, jumps,
+        or has another derivative.
+        """
+        _one_contact(contact)
+        end = SMALL_OVERLAP * float(contact.radius)
+        if largest_overlap is not None:
+            end = number(largest_overlap, "largest_overlap", "m", 0.0, float(contact.radius))
+        table = _given(GivenCurve(force, end, stiffness, kinks), contact, name, description, scales_with, rtol)
+        if not callable(unloading):
+            return table if unloading == "elastic" else table.joined(unloading)
+        # as far as the loading in force, and some more for the last cell
+        called = Called(unloading, "unloading", "N", np.array([end]))
+        other = GivenCurve(unloading, _overlap_of(lambda d: called(np.array([d]))[0], _REACH * table.largest_force, end))
+        return _unloading_along(table, other, scales_with)
+
+    @classmethod
+    def from_points(
+        cls,
+        overlap: ArrayLike,
+        force: ArrayLike,
+        contact: Contact,
+        unloading: Any = "elastic",
+        uncertainty: ArrayLike | None = None,
+        residual: float | None = None,
+        knots: int = 24,
+        scales_with: str | None = None,
+        rtol: float = 1e-3,
+        name: str = "points",
+        description: str = "measured points",
+    ) -> "Table":
+        """`Table` of a rising curve through measured points: overlaps [m] and forces [N] of first loading, in any order.
+
+        Up to `knots` points are interpolated as they are, more are averaged (`given.MeasuredCurve`); `table.knots` holds the
+        knots with the standard uncertainty of their force, from `uncertainty` [N] (one, or one a point) or from the scatter,
+        and what was smoothed; `rtol` is the table's distance from that curve. unloading: a rule, a law, a `Table`, or
+        (overlaps, forces) measured after the largest force, whose curve past their foot δp (`residual` [m]; else found,
+        `given.residual_overlap`) the contact then unloads along from any largest force. Below the first point the curve is a
+        power law. The table holds for `contact` only, see `from_function`.
+
+        Raises DemlawsError, with overlap and force, where points do not follow a rising curve or unloading does not begin where
+        loading ends.
+        """
+        _one_contact(contact)
+        curve = MeasuredCurve(overlap, force, uncertainty, knots)
+        check_overlaps(curve.largest, contact.radius)
+        table = _given(curve, contact, name, description, scales_with, rtol)
+        if isinstance(unloading, tuple | list) and len(unloading) == 2:
+            past, back, foot = residual_overlap(unloading[0], unloading[1], residual)
+            other = MeasuredCurve(past, back, None, knots, "unloading")
+            top, reached = float(past.max() + foot), float(back.max())
+            expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
+            if abs(reached / expected - 1.0) > MeasuredCurve.MOST:
+                raise DemlawsError(
+                    f"unloading begins at overlap {top:.6g} m with {reached:.6g} N, where loading has {expected:.6g} N: "
+                    "both must be of one test, with one zero of the overlap"
+                )
+            reach = _overlap_of(lambda d: other.evaluate(np.array([d]))[0][0], _REACH * table.largest_force, float(past.max()))
+            other.largest = max(other.largest, reach)
+            table = _unloading_along(table, other, scales_with)
+            table.unloading_law.knots = other.knots
+        elif unloading != "elastic":
+            table = table.joined(unloading)
+        table.knots = curve.knots
+        return table
+
+    def uncertainty(self, overlap: ArrayLike) -> float | np.ndarray:
+        """Standard uncertainty [N] of the force at overlaps [m], between those of the knots; NaN where unknown."""
+        if self.knots is None:
+            raise DemlawsError(
+                f"the table of {self.name!r} was not made of measured points: it has no uncertainty but its certificate"
+            )
+        at, shape = self._shaped(overlap, "overlap", "m")
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.interp(np.log(at), np.log(self.knots.overlap), self.knots.uncertainty)
+        return _as_given(found.reshape(shape))
 
     @property
     def rows(self) -> Rows:
@@ -409,7 +598,7 @@ class Table(Law):
             )
         header = {
             "law": self.name,
-            "description": f"{self.definition.description}; {self.definition.equation}",
+            "description": _about(self.definition),
             "source": self.definition.source,
             "unloading": self.unloading,
             "options": json.dumps(self.options, default=lambda value: value.record()),
@@ -421,6 +610,7 @@ class Table(Law):
             "length_over_radius": repr(shape.length_over_radius),
             **table_file.describe_rows(self.rows, (self.force_error, self.stiffness_error)),
             "rtol": repr(self.rtol),
+            **({} if self.knots is None else {"points": self.knots.text()}),
             "demlaws": __version__,
         }
         if math.isfinite(shape.bulk.area):
@@ -434,12 +624,14 @@ class Table(Law):
         if curve is not None:
             about = {
                 "law": curve.name,
-                "description": f"{curve.definition.description}; {curve.definition.equation}",
+                "description": _about(curve.definition),
                 "source": curve.definition.source,
                 "options": json.dumps(curve.options, default=lambda value: value.record()),
                 "contact": json.dumps(_first(curve.made_for).as_dict()),
                 **table_file.describe_rows(curve.rows, (curve.force_error, curve.stiffness_error)),
             }
+            if isinstance(curve, Table) and curve.knots is not None:
+                about["points"] = curve.knots.text()
             header |= {UNLOADING + key: value for key, value in about.items()}
         return table_file.compose(header, self.rows, None if curve is None else curve.rows)
 
@@ -465,7 +657,10 @@ class Table(Law):
             # bound to the file's curve, not to the law's own: a solved law would be solved again, a measured one is not here
             source = Law(_definition(file, prefix), contact, unloading, values[f"{prefix}options"], shape)
             certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
-            return cls(source, shape, rows.nodes, certificate, values["rtol"])
+            made = cls(source, shape, rows.nodes, certificate, values["rtol"])
+            if f"{prefix}points" in file.header:
+                made.knots = _knots(file.header[f"{prefix}points"], path)
+            return made
 
         bulk = NO_YIELD
         if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
@@ -482,6 +677,10 @@ class Table(Law):
             result = _joined_table(first, curve)
         result.said_to_collapse = values["collapses"] == "yes"
         return result
+
+
+def _about(definition):
+    return "; ".join(filter(None, (definition.description, definition.equation)))
 
 
 def _definition(file, prefix):
@@ -505,6 +704,24 @@ def _definition(file, prefix):
             length="radius" if file.values["length_over_radius"] > 0.0 else "roughness",
             collapses=file.values["collapses"] == "yes",
         )
+
+
+def _knots(text, path):
+    try:
+        return Knots.from_text(text)
+    except (ValueError, KeyError, TypeError):
+        raise DemlawsError(f"{path}: the line 'points' does not hold the points of a table") from None
+
+
+def _overlap_of(function, force, start):
+    """An overlap [m] at which a user's rising function carries `force` [N], or as near as it comes."""
+    overlap = start
+    for _ in range(200):
+        value = float(np.asarray(function(overlap)).ravel()[0])
+        if not value < force:
+            break
+        overlap *= 1.1
+    return overlap
 
 
 def _not_here(contact, **options):

@@ -176,7 +176,7 @@ def test_gwyddion_header(tmp_path):
 @pytest.mark.parametrize(("name", "content", "words"), [
     ("a.csv", b"1,2,3,4\n1,2,3\n", "line 2: 3 columns, but line 1 has 4"),
     ("a.csv", b"1,2,3,4\n1,x,3,4\n", "line 2: 'x' is not a height"),
-    ("a.csv", b"", "no heights"),
+    ("a.csv", b"\n", "no heights"),
     ("a.csv", b"1,2\n3,4\n", "at least 4 by 4"),
     ("a.csv", b",,,,,\n" * 5, "every pixel"),
     ("a.npy", b"nonsense", "not a numpy array"),
@@ -214,6 +214,14 @@ def test_other_files_need_surface_topography(tmp_path, monkeypatch):
         surface.read(tmp_path / "map.opd")
 
 
+@pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc", ".sur", ".x3p"])
+def test_an_empty_file_is_said_to_be_empty(tmp_path, suffix):
+    """Before: an instrument's was asked for a `physical_sizes` that no option of ours gives."""
+    (tmp_path / f"map{suffix}").touch()
+    with pytest.raises(dl.DemlawsError, match="is empty"):
+        surface.read(tmp_path / f"map{suffix}", pixel=1e-6)
+
+
 def test_instrument_files_go_through_surface_topography(tmp_path):
     """A map written by SurfaceTopography (NetCDF), with a unit, missing pixels and a shape."""
     topography = pytest.importorskip("SurfaceTopography")
@@ -238,3 +246,52 @@ def test_an_asc_grid_may_have_rectangular_pixels(tmp_path):
     back = surface.read(surface.write(tmp_path / "map.asc", made))
     assert (back.pixel_x, back.pixel_y) == (made.pixel_x, made.pixel_y)
     np.testing.assert_allclose(back.heights, made.heights, rtol=1e-8)
+
+
+# --- fields of view, curvature, plain counting
+
+
+def cap(radius_x, radius_y, angle=0.0, shape=(120, 150), roughness=0.0):
+    y, x = (np.indices(shape) - 60.0) * 1e-6
+    u, v = x * math.cos(angle) + y * math.sin(angle), y * math.cos(angle) - x * math.sin(angle)
+    z = -(u**2) / (2.0 * radius_x) - v**2 / (2.0 * radius_y)
+    if roughness:
+        z = z + self_affine(shape, 1e-6, 0.8, roughness, 1, longest=20e-6).heights
+    return HeightMap(z, 1e-6)
+
+
+def test_radius_of_a_tip():
+    """The cone RFC10 has a tip of 0.96 mm; a toric cap keeps both radii however it is turned; a cylinder has one."""
+    assert cap(0.96e-3, 0.96e-3).radii_of_curvature() == pytest.approx((0.96e-3, 0.96e-3), rel=1e-9)
+    assert cap(1e-3, 4e-3, 0.7).radii_of_curvature() == pytest.approx((1e-3, 4e-3), rel=1e-9)
+    assert cap(1e-3, -4e-3, 0.7).radii_of_curvature() == pytest.approx((1e-3, -4e-3), rel=1e-9)
+    assert cap(1e-3, math.inf).radii_of_curvature() == (pytest.approx(1e-3), math.inf)
+    assert cap(0.96e-3, 0.96e-3, roughness=0.2e-6).radii_of_curvature() == pytest.approx((0.96e-3, 0.96e-3), rel=0.1)
+    missing = cap(0.96e-3, 0.96e-3).heights.copy()
+    missing[30:50, 70:90] = np.nan
+    assert HeightMap(missing, 1e-6).radii_of_curvature() == pytest.approx((0.96e-3, 0.96e-3), rel=1e-9)
+
+
+def test_field_of_view():
+    heights = HeightMap(np.arange(20.0 * 30.0).reshape(20, 30) * 1e-9, 1e-6, 2e-6)
+    part = heights.cropped("10um", "20um")
+    assert part.shape == (10, 10) and part.heights[0, 0] == heights.heights[5, 10]
+    corner = heights.cropped(4e-6, 8e-6, centre=(2e-6, 4e-6))
+    np.testing.assert_array_equal(corner.heights, heights.heights[:4, :4])
+    assert (part.pixel_x, part.pixel_y) == (1e-6, 2e-6)
+    for field in ({"width": 31e-6}, {"width": 10e-6, "centre": (2e-6, 20e-6)}, {"width": 2e-6}):
+        with pytest.raises(dl.DemlawsError, match="field of view"):
+            heights.cropped(**field)
+    with pytest.raises(dl.DemlawsError, match="positive"):
+        heights.cropped(-1.0)
+
+
+@pytest.mark.parametrize("hurst", [0.3, 0.8])
+def test_plain_box_counting_is_not_the_calibrated_one(hurst):
+    """On a map of known dimension: plain counting errs by up to 0.4, and shows why the other is calibrated."""
+    heights = self_affine(256, 1e-6, hurst, 1e-6, 3)
+    plain, calibrated = (heights.fractal_dimension_by_boxes(plain=p) for p in (True, False))
+    assert abs(calibrated - (3.0 - hurst)) < 0.05 < 0.4
+    assert abs(plain - (3.0 - hurst)) < 0.4
+    if hurst == 0.3:
+        assert plain < calibrated - 0.1

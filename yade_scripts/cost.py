@@ -4,8 +4,8 @@ Shows: native Hertz-Mindlin, native linear, YADE's Conical Damage Model, the bri
 table, and the public way; with 1 and with 2 threads. The ratio of a law of ours is taken within one scene and one run: the
 same functor alternates between our code and its own every two steps, of which the second is timed, over the same contacts in
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
-Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--threads 1 2] [--out FOLDER]
-Takes: about 2 min (quick: 20 s, fewer contacts). Saves cost.png.
+Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--out FOLDER]
+Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it). Saves cost.png.
 """
 
 import argparse
@@ -164,31 +164,50 @@ def measure_peers(side, rounds, steps):
     return {name: (min(values), *spread(np.divide(values, native)), 0.0) for name, values in times.items()}
 
 
-def child(quick):
-    side, rounds, steps = (9, 3, 80) if quick else (14, 9, 240)
-    peers = measure_peers(side, rounds, steps // 2)
+def child(size, quick, bridge):
+    """size: number of contacts, about; a sphere of the packing has 5.4 in the middle."""
+    side = round((size / 5.4) ** (1 / 3))
+    steps = 4 * round(np.clip((0.3e6 if quick else 0.9e6) / size, 12, 120))
+    rounds = 3 if quick else 9
+    peers = {} if bridge else measure_peers(side, rounds, steps // 2)
     results, contacts = measure_bridge(side, rounds, steps)
     print("RESULT " + json.dumps({"contacts": contacts, "times": {**peers, **results}}))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--quick", action="store_true", help="fewer repetitions")
+    parser.add_argument("--quick", action="store_true", help="fewer repetitions, 4,000 contacts unless sizes are given")
+    parser.add_argument("--sizes", type=int, nargs="+", help="numbers of contacts, about (default 15000)")
+    parser.add_argument("--bridge", action="store_true", help="our laws alone, without YADE's other models and the public way")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], help="numbers of threads (default 1 2)")
     parser.add_argument("--out", default=".", help="folder of the picture")
-    parser.add_argument("--child", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.child:
-        child(arguments.quick)
+        child(arguments.child, arguments.quick, arguments.bridge)
         return
+    for size in arguments.sizes or [4000 if arguments.quick else 15000]:
+        results = measure(arguments, size)
+        tell(arguments, results)
+    draw(arguments, results)
+
+
+def measure(arguments, size):
+    """Number of threads → what `child` found."""
     results = {}
     for threads in arguments.threads:
-        options = ["--child", *(["--quick"] if arguments.quick else [])]
+        flags = [f"--{name}" for name in ("quick", "bridge") if getattr(arguments, name)]
+        options = ["--child", str(size), *flags]
         done = run(sys.argv[0], options, threads, capture_output=True, text=True)
         line = next((x for x in done.stdout.splitlines() if x.startswith("RESULT ")), None)
         if line is None:
             raise SystemExit(done.stdout + done.stderr)
         results[threads] = json.loads(line.removeprefix("RESULT "))
+    return results
+
+
+def tell(arguments, results):
+    """A table of every model at one size."""
     contacts = results[arguments.threads[0]]["contacts"]
     print(f"interaction loop, {contacts} contacts; ratio to native Hertz-Mindlin (median, range of rounds), ns a contact")
     head = "".join(f"{f'{n} thread(s)':>30}" for n in arguments.threads)
@@ -198,7 +217,12 @@ def main():
         rows = [results[n]["times"][name] for n in arguments.threads]
         cells = "".join(f"{ratio:9.3f} ({low:.3f}-{high:.3f}){ns:8.1f}" for ns, ratio, low, high, _ in rows)
         guard = rows[0][4]
-        print(f"{name:44}{cells}" + (f"{guard:8.1f} µs/step" if guard else ""))
+        print(f"{name:44}{cells}" + (f"{guard:8.1f} µs/step" if guard else ""), flush=True)
+
+
+def draw(arguments, results):
+    """The ratios of the last size."""
+    names = list(results[arguments.threads[0]]["times"])
     figure, axis = plt.subplots(figsize=(8, 4), constrained_layout=True)
     shown = [name for name in names if not name.startswith("public")]
     for n, threads in enumerate(arguments.threads):

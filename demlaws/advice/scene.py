@@ -17,6 +17,8 @@ from demlaws.measure.errors import QUANTITIES, Sample
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 _POINTS = 2800
+TEMPLATE = Path(__file__).with_name("template.toml")
+"""A scene file with every key and its meaning (`demlaws choose --template`)."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,7 @@ class Scene:
     porosity: float = 0.4
     coordination: float = 6.0
     classes: tuple = ()
+    rate: float | None = None
     name: str = ""
 
     def __post_init__(self):
@@ -97,6 +100,8 @@ class Scene:
         number(self.tolerance, "tolerance", "", 0.0, 1.0)
         number(self.porosity, "porosity", "", 0.0, 0.95)
         number(self.coordination, "coordination", "", 0.0, 20.0)
+        if self.rate is not None:
+            object.__setattr__(self, "rate", number(self.rate, "rate", "1/s"))
         if self.yield_pressure is not None:
             object.__setattr__(self, "yield_pressure", number(self.yield_pressure, "yield_pressure", "Pa"))
         for label, known in (("quantity", QUANTITIES), ("engine", ENGINES)):
@@ -105,7 +110,7 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":
-        """A scene from a TOML file; its keys are the fields, see the examples of `demlaws choose --help`."""
+        """A scene from a TOML file; its keys are the fields, see `demlaws choose --template`."""
         return _from_toml(Path(path))
 
     def with_fit(self, fit: Fit) -> "Scene":

@@ -14,7 +14,7 @@ COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
     "laws": ("laws", "list the laws, or one law's options"),
     "curve": ("curve", "one law, one contact, any path"),
-    "table": ("curve", "a law as a certified table"),
+    "table": ("table", "a law, or measured points, as a certified table"),
     "regime": ("regime", "do asperities or the bulk deform, and which law fits"),
     "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
     "fit": ("fit", "fit laws to measured points and rank them"),

@@ -6,38 +6,23 @@ from demlaws.cli import example
 from demlaws.cli.arguments import output
 from demlaws.errors import DemlawsError
 
-SCENE = """
-ballast.toml (SI units):
-  name = "ballast under a train"
-  quantity = "stiffness"        # force, stiffness, overlap, energy, restitution
-  tolerance = 0.1
-  engine = "yade"               # python, yade, liggghts, lammps
-  cyclic = true
-  radii = [0.01, 0.03]          # smallest and largest grain, or classes = [0.01, 0.02, 0.03]: the sizes there are
-  force = [1, 500]              # or pressure = [1e4, 2e5], or speed = 0.5
-  yield_pressure = 1.66e9       # leave out if the bulk stays elastic
-  [material]
-  young = 60.6e9
-  poisson = 0.25
-  hardness = 6.27e9
-  density = 2680
-  [surface]                     # of each grain
-  roughness = 1.7e-6
-  fractal_dimension = 2.22
-  # [measured]                  # or take surface and law from a fit to measured points
-  # points = "points.csv"
-  # radius = 4.35e-3"""
-
 
 def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "choose",
         description="Ranks laws, unloading rules and evaluations for a scene by measured cost among those that meet its "
-        "tolerance; says what is left out and what that costs in error.",
-        **example("  demlaws choose ballast.toml --out ballast.tbl\n" + SCENE),
+        "tolerance; says what is left out and what that costs in error. For a packing under pressure it also says how soft its "
+        "grains may be made and how fast they may be loaded.",
+        **example(
+            "  demlaws choose --template > ballast.toml      (every key of a scene, with its meaning)\n"
+            "  demlaws choose ballast.toml --out ballast.tbl\n"
+            "  demlaws choose ballast.toml --soften --out ballast.tbl"
+        ),
     )
-    parser.add_argument("scene", type=Path, help="scene file (TOML)")
+    parser.add_argument("scene", type=Path, nargs="?", help="scene file (TOML)")
+    parser.add_argument("--template", action="store_true", help="only print a scene file with every key and its meaning")
+    parser.add_argument("--soften", action="store_true", help="choose, and write, for the softer grains that are advised")
     parser.add_argument("--all", action="store_true", help="list also those that miss the tolerance")
     parser.add_argument(
         "--out",
@@ -55,11 +40,19 @@ def run(arguments):
 
     from demlaws import granite, plots
     from demlaws.advice.choose import choose, table_name
-    from demlaws.advice.scene import Scene
+    from demlaws.advice.scene import TEMPLATE, Scene
     from demlaws.measure.errors import QUANTITIES
     from demlaws.plots import choose as plots_choose
 
+    if arguments.template:
+        print(TEMPLATE.read_text(encoding="utf-8"), end="")
+        return
+    if arguments.scene is None:
+        raise DemlawsError("give a scene file, or --template for one to fill in")
     scene = Scene.load(arguments.scene)
+    advice = _advice(scene, arguments.soften)
+    if arguments.soften:
+        scene = advice.scene
     choices = choose(scene, progress=lambda plans: tqdm(plans, desc="choose", unit="law", leave=False, disable=None))
     print(f"{scene.name or arguments.scene.stem}: {scene.quantity} within {scene.tolerance:g} ({QUANTITIES[scene.quantity]})")
     low, high = scene.force_range(scene.contacts(scene.effective_radii()[1])[0])
@@ -122,6 +115,9 @@ def run(arguments):
     print(f"\nchosen: {best.describe()}, stable step {best.step:.3g} s")
     for what, error in best.left_out:
         print(f"  left out: {what}: costs {error:.2g} in {scene.quantity}")
+    if advice is not None:
+        print(f"softer grains, {'which all this is of' if arguments.soften else 'with --soften'}:")
+        print("\n".join(advice.lines()))
     table = arguments.out or Path("law.tbl")
     print(best.script(table))
     if arguments.out is None:
@@ -133,3 +129,22 @@ def run(arguments):
         path = table_name(arguments.out, scene, kinds)
         made.save(path)
         print(f"wrote {path}")
+
+
+def _advice(scene, wanted):
+    """How soft and how fast, or None where nothing is known of that; an error where it is wanted."""
+    from demlaws.advice import modulus
+    from demlaws.advice.choose import reference_plan
+
+    problem = None
+    try:
+        plan = reference_plan(scene)
+        found = modulus.advise(scene, plan.name, dict(plan.options))
+    except DemlawsError as error:
+        found, problem = None, error
+    if wanted and found is None:
+        raise problem or DemlawsError(
+            f"tolerance = {scene.tolerance:g}: no softening and no rate are known whose error is within it; ask for a larger "
+            "one, or keep the modulus and load more slowly"
+        )
+    return found

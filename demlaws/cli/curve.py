@@ -1,4 +1,4 @@
-"""`demlaws curve` (one law, one contact, any path) and `demlaws table` (a certified table)."""
+"""`demlaws curve`: one law, one contact, any path; and the arguments that name a law and a contact."""
 
 from demlaws.cli import example, option
 from demlaws.cli.arguments import force, law_name, length, output, plain, pressure, whole
@@ -8,9 +8,11 @@ from demlaws.errors import DemlawsError
 SIGMA = "give --sigma, the combined σ = √(Sq1² + Sq2²) of the two surfaces"
 
 
-def add_law_arguments(parser):
+def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument("--law", type=law_name, required=True, help="name of the law (--law ? or demlaws laws lists them)")
+    parser.add_argument(
+        "--law", type=law_name, required=law_required, help="name of the law (--law ? or demlaws laws lists them)"
+    )
     parser.add_argument(
         "--unloading",
         help="elastic, hertz, thornton, a rule of the law's own (demlaws laws NAME), or a table file whose curve the contact "
@@ -121,22 +123,6 @@ def register(subparsers):
     curve.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     curve.set_defaults(func=run_curve)
 
-    table = subparsers.add_parser(
-        "table",
-        description="Writes the dimensionless force and stiffness table of a law, with its certificate in the header.",
-        **example(
-            '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
-            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
-            "      --unloading-law pohrt-popov --unloading-sigma 0.5e-6"
-        ),
-    )
-    add_law_arguments(table)
-    table.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance in force and stiffness (default 1e-5)")
-    table.add_argument("--max-force", type=force, help="end of the table in N (default: overlap of a tenth of the radius)")
-    table.add_argument("--out", type=output, required=True, help="file to write")
-    table.add_argument("--figure", type=output, help="picture of the table and its errors")
-    table.set_defaults(func=run_table)
-
 
 def run_curve(arguments):
     """Do what the command's arguments ask."""
@@ -158,27 +144,3 @@ def run_curve(arguments):
         curve = law.unloading_law
         title = f"{law.name}, {f'{law.unloading} unloading' if curve is None else f'unloading along {curve.name}'}"
         print(plots.save(plots.path_figure(path, title), arguments.figure))
-
-
-def run_table(arguments):
-    """Do what the command's arguments ask."""
-    from demlaws import plots
-
-    law = law_from(arguments)
-    table = law.tabulate(arguments.rtol, arguments.max_force)
-    table.save(arguments.out)
-    print(
-        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.rows.bits} cells an octave, "
-        f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
-        f"stiffness {table.stiffness_error:.1e}"
-    )
-    curve = table.unloading_law
-    if curve is not None:
-        print(
-            f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
-            f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
-        )
-    if not table.collapses:
-        print(f"the curve of {law.name!r} has no single dimensionless form: this table holds for this contact only")
-    if arguments.figure is not None:
-        print(plots.save(plots.table_figure(table, law), arguments.figure))

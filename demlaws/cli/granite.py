@@ -7,7 +7,7 @@ import warnings
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import law_name
+from demlaws.cli.arguments import figures, law_name
 from demlaws.errors import DemlawsError, ValidityWarning
 
 
@@ -20,6 +20,9 @@ def register(subparsers):
         **example(
             "  demlaws granite --out granite\n"
             '  demlaws granite --data "SS(18-18)=my_points.csv" --fit-compliance --out mine\n'
+            "  demlaws granite --figures 3-9,11-14 --out paper\n"
+            '  demlaws granite --figures 8 --data "SS(18-18)=my_points.csv"\n'
+            "  demlaws granite --tables\n"
             '  demlaws granite --test "SS(18-18)" --law pohrt-popov --data my_points.csv --out mine\n\n'
             "my_points.csv: two columns with units in the header, for instance\n"
             "  displacement (um),force (N)"
@@ -38,6 +41,13 @@ def register(subparsers):
     parser.add_argument(
         "--fit-compliance", action="store_true", help="fit the apparatus's compliance together with each misfit"
     )
+    parser.add_argument(
+        "--figures",
+        type=figures(*range(3, 10), *range(11, 15)),
+        metavar="LIST",
+        help="only these figures of the paper, by number, with what stands in them: all, or for instance 4,8 or 11-14",
+    )
+    parser.add_argument("--tables", action="store_true", help="only tables 1 to 3 of the paper, with what follows from them")
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
     parser.set_defaults(func=run)
 
@@ -48,6 +58,13 @@ def run(arguments):
 
     from demlaws import claims, granite
     from demlaws.laws.registry import find
+
+    if arguments.tables:
+        print_printed_tables(granite)
+    if arguments.figures:
+        _only_figures(arguments)
+    if arguments.tables or arguments.figures:
+        return
 
     tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
@@ -72,6 +89,59 @@ def run(arguments):
         files = write_csv(granite, arguments.out, tests, runs, notes, found)
         files += draw(granite, arguments.out, tests, runs, points, whole=not (arguments.test or arguments.law))
     print(f"\n{len(files)} files written to {arguments.out}/")
+
+
+def _only_figures(arguments):
+    from demlaws import granite
+    from demlaws.plots import granite as pictures
+
+    if arguments.law is not None:
+        raise DemlawsError("--figures draws the laws that the paper draws: leave out --law")
+    tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
+    draw_figures(pictures.FIGURES, arguments.figures, arguments.out, pictures.Paper(_points(arguments, tests)))
+
+
+def print_printed_tables(granite):
+    """Tables 1 to 3 as printed, and beside each what follows from it."""
+    stone = granite.GRANITE
+    print("Table 1 (printed: relative density 2.68, ν 0.25, E 60.6 GPa, Shore hardness 77 = 639 kgf/mm² Vickers)")
+    print(
+        f"  computed: E* = {stone.plane_modulus / 2e9:.3f} GPa (granite on granite), G = "
+        f"{stone.young / (2e9 * (1 + stone.poisson)):.2f} GPa, H = {stone.hardness / 1e9:.3f} GPa, H/E* = "
+        f"{2 * stone.hardness / stone.plane_modulus:.3f}"
+    )
+    print("\nTable 2, spheres: of both stones and of the pair as printed, then what is computed from the stones")
+    print(
+        f"  {'test':10} {'radii (mm)':>13} {'Sq (µm)':>13} {'Df':>13} {'R (mm)':>7} {'σ (µm)':>7} | {'R':>6} {'σ':>6} "
+        f"{'mean Df':>8} {'F (N)':>7} {'A0 (mm²)':>9} {'α 10 N':>7} {'α 100 N':>8}"
+    )
+    for test in granite.TESTS:
+        if not test.bodies:
+            continue
+        (r1, s1, d1), (r2, s2, d2) = test.bodies
+        radius, sigma = 1.0 / (1.0 / r1 + 1.0 / r2), math.hypot(s1, s2)
+        contact = test.contact
+        threshold = granite.threshold_force(test)
+        area = math.pi * (0.75 * threshold * test.radius / contact.modulus) ** (2 / 3)
+        flat = "flat" if math.isinf(r2) else f"{r2 * 1e3:.2f}"
+        print(
+            f"  {test.name:10} {f'{r1 * 1e3:.2f}/{flat}':>13} {f'{s1 * 1e6:.2f}/{s2 * 1e6:.2f}':>13} {f'{d1}/{d2}':>13} "
+            f"{test.radius * 1e3:7.2f} {test.roughness * 1e6:7.2f} | {radius * 1e3:6.3f} {sigma * 1e6:6.3f} "
+            f"{(d1 + d2) / 2:8.3f} {threshold:7.2f} {area * 1e6:9.4f} {contact.roughness_parameter(10.0):7.2f} "
+            f"{contact.roughness_parameter(100.0):8.3f}"
+        )
+    print("\nTable 3 and text, cones: what is printed; the rest is assumed, and said to be")
+    for test in granite.TESTS:
+        if test.bodies:
+            continue
+        loads = "; ".join(", ".join(f"{f:g}" for f in stage if f > 0.0) for stage in test.stages)
+        print(f"  {test.name:6} R = {test.radius * 1e3:.2f} mm, loads to (N): {loads}")
+        limit = test.contact.modulus
+        print(
+            f"         computed with p_y = {test.yield_pressure / 1e9:.2f} GPa: K_y = "
+            f"{math.pi * test.radius * test.yield_pressure / 1e3:.0f} N/mm, a smooth tip yields at "
+            f"{math.pi**3 * test.radius**2 * test.yield_pressure**3 / (6 * limit**2):.1f} N; {test.assumed}"
+        )
 
 
 def _points(arguments, tests):
@@ -140,6 +210,8 @@ def print_stages(granite, result):
         print(
             f"    {s.stage:5} {s.maximum_force:7.0f} {reload} {s.final_stiffness / 1e3:20.0f} {s.plastic_overlap * 1e6:21.2f}"
         )
+    if result.beyond:
+        print(f"    {result.beyond}")
 
 
 def print_claims(found):
@@ -203,9 +275,8 @@ def write_csv(granite, out, tests, runs, notes, found):
 
 def draw(granite, out, tests, runs, points, whole):
     """Draw all figures of these tests; returns the files."""
-    import numpy as np
-
     from demlaws import plots
+    from demlaws.plots import granite as pictures
 
     if not plots.available():
         print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
@@ -220,25 +291,24 @@ def draw(granite, out, tests, runs, points, whole):
         keep(f"force-{test.key}", plots.granite_force(test, runs[test.name], points.get(test.name)))
         if not test.cyclic and len(test.stages[0]) == 2:
             elastic = [granite.bind(r.law.name, test, "elastic") for r in runs[test.name]]
-            hertz = granite.run_test("pohrt-popov", test)[0].paths[0]
+            hertz = granite.run_test(granite.POHRT_POPOV, test)[0].paths[0]
             keep(f"unloading-{test.key}", plots.granite_unloading(test, elastic, hertz, points.get(test.name)))
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
-                keep(f"cycles-{test.key}", plots.granite_cycles(result, granite.stages_of(result)))
+                keep(f"cycles-{test.key}", plots.granite_cycles(result, granite.stages_of(result), points.get(test.name)))
     if not whole:
         return files
-    keep("stiffness", plots.granite_stiffness([(by_name[n], runs[n]) for n in granite.ROUGH_SPHERES]))
+    keep("stiffness", plots.granite_stiffness([(by_name[n], runs[n]) for n in granite.ROUGH_SPHERES], points))
     first = by_name["SS(18-18)"]
-    pair = [granite.bind(n, first, "elastic") for n in ("hertz", "pohrt-popov")]
+    pair = [granite.bind(n, first, "elastic") for n in (granite.HERTZ, granite.POHRT_POPOV)]
     keep("crossover-ss-18-18", plots.granite_crossover(first, pair, granite.threshold_force(first)))
     trio = [by_name[n] for n in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
-    keep("roughness", plots.granite_roughness(trio, lambda name, test: granite.bind(name, test, "elastic")))
+    keep("roughness", plots.granite_roughness(trio, lambda name, test: granite.bind(name, test, "elastic"), points))
     series = []
     for name in ("RFC10", "FC5"):
         result = next(r for r in runs[name] if r.law.definition.before_yield is not None)
         stages = granite.stages_of(result)
         series.append((name, [s for s in stages if s.stage == (4 if name == "FC5" else 1)]))
-    keep("plastic-overlap", plots.granite_plastic(series))
-    alpha = np.geomspace(0.03, 30.0, 60)
-    keep("effective-radius", plots.granite_radius(alpha, granite.effective_radius(alpha)))
+    keep("plastic-overlap", plots.granite_plastic(series, points))
+    keep("effective-radius", pictures.radius(pictures.Paper(points))[0])
     return files

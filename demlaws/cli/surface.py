@@ -1,6 +1,7 @@
 """`demlaws surface`: height maps, their contact, their law."""
 
 import dataclasses
+import math
 from pathlib import Path
 
 from demlaws.cli import example
@@ -18,16 +19,21 @@ def register(subparsers):
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface contact isotropic|anisotropic [options]\n"
         "       demlaws surface synthetic --out FILE [options]\n"
+        "       demlaws surface summits FILE [--radius R] [options]\n"
+        "       demlaws surface change BEFORE AFTER [options]\n"
         "       demlaws surface paper [--figures LIST] [--out FOLDER]",
         description="FILE: .npy, .csv, .txt, .tsv or .asc, or what an instrument writes (through SurfaceTopography). The first "
         "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `contact isotropic` and `contact "
-        "anisotropic` repeat the tests of Jamari & Schipper 2008; `synthetic` makes a self-affine map; `paper` draws the "
+        "anisotropic` repeat the tests of Jamari & Schipper 2008; `summits` counts nine-point summits; `change` lays a map "
+        "over the one before it and shows what has changed; `synthetic` makes a self-affine map; `paper` draws the "
         "figures of that paper.",
         **example(
             "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
             "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
             "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png\n"
+            "  demlaws surface summits map.asc --radius 5mm --crop 0.2mm\n"
+            "  demlaws surface change before.asc after.asc --figure change.png --out change.npy\n"
             "  demlaws surface paper --figures 2,7-12 --out jamari-2008"
         ),
     )
@@ -35,6 +41,11 @@ def register(subparsers):
     surface.add_argument("--pixel", help="pixel size, for files that do not say it: 0.8um, or 0.8um,1um for x and y")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
     surface.add_argument("--form", type=whole(-1, 8), help="order of the polynomial removed (default 2; -1: none)")
+    surface.add_argument(
+        "--crop",
+        metavar="W[,H[,X,Y]]",
+        help="field of view about the middle, or about x, y from the first pixel: 0.2mm or 0.2mm,0.1mm,1mm,1mm",
+    )
     surface.add_argument(
         "--wavelengths", type=length, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
     )
@@ -97,8 +108,15 @@ def run_surface(arguments):
         if len(rest) != 1:
             raise DemlawsError("`demlaws surface contact` takes one height map (or isotropic, anisotropic)")
         return _contact(arguments, rest[0])
+    if first == "summits" and len(rest) == 1:
+        return _summits(arguments, rest[0])
+    if first == "change":
+        if len(rest) != 2:
+            raise DemlawsError("`demlaws surface change` takes two height maps: before and after")
+        return _change(arguments, rest)
     if rest:
         raise DemlawsError(f"one height map at a time, got {' '.join(arguments.words)}")
+    _form(_cropped(arguments, first))
     heights = _levelled(arguments, first)
     _describe(heights, arguments.wavelengths)
     _write(arguments.out, heights)
@@ -106,12 +124,80 @@ def run_surface(arguments):
     return 0
 
 
-def _levelled(arguments, path):
+def _cropped(arguments, path):
+    """The map as it was read, without what lies outside the field of view asked for."""
     from demlaws import surface
 
     heights = surface.read(path, arguments.pixel, arguments.unit)
+    if arguments.crop is None:
+        return heights
+    sides = [surface.length(part.strip(), "--crop") for part in arguments.crop.split(",")]
+    if len(sides) not in (1, 2, 4):
+        raise DemlawsError(f"--crop {arguments.crop}: give width, width and height, or these and x and y of the middle")
+    return heights.cropped(*sides[:2], centre=tuple(sides[2:]) or None)
+
+
+def _levelled(arguments, path):
+    heights = _cropped(arguments, path)
     order = 2 if arguments.form is None else arguments.form
     return heights if order == -1 else heights.without_form(order)
+
+
+def _form(heights):
+    """What the form is that levelling takes away: the radius of a ball's cap, or of a cone's tip."""
+    first, second = heights.radii_of_curvature()
+    kind = "a cap" if min(first, second) > 0.0 else "a hollow" if max(first, second) < 0.0 else "a saddle"
+    text = f"form before levelling: {kind} with radii of curvature {first * 1e3:.4g} and {second * 1e3:.4g} mm"
+    if first * second > 0.0 and math.isfinite(first * second):
+        text += f", √(R1 R2) = {math.sqrt(first * second) * 1e3:.4g} mm"
+    print(text)
+
+
+def _summits(arguments, path):
+    from demlaws.solvers import patches
+
+    heights = _levelled(arguments, path)
+    found = patches.summits(heights)
+    print(
+        f"{found.total} nine-point summits on {heights.field_of_view[0] * 1e6:.4g} x {heights.field_of_view[1] * 1e6:.4g} µm, "
+        f"pixels of {heights.pixel_x * 1e6:.4g} µm: η = {found.density * 1e-12:.4g} /µm²"
+    )
+    print(
+        f"β = {found.radius * 1e6:.4g} µm (one over the mean curvature; mean of the radii {found.mean_radius * 1e6:.4g} µm), "
+        f"summits {found.height * 1e6:.4g} µm above the mean plane, rms {found.spread * 1e6:.4g} µm; "
+        f"Sq = {found.roughness * 1e6:.4g} µm"
+    )
+    if arguments.radius is not None:
+        print(f"μ = (8/3) η σ √(2Rβ) = {found.mu(arguments.radius):.4g} for R = {arguments.radius * 1e3:g} mm and σ = Sq")
+    draw(arguments.figure, lambda plots: plots.nine_point_figure(heights))
+    return 0
+
+
+def _change(arguments, paths):
+    import numpy as np
+
+    from demlaws.matching import matched
+
+    before, after = (_cropped(arguments, path) for path in paths)
+    match = matched(before, after)
+    changed, pixel = match.changed(), before.pixel_x * before.pixel_y
+    heights = match.difference.heights
+    lowered = float(np.nansum(np.where(changed & (heights < 0), -heights, 0.0))) * pixel
+    raised = float(np.nansum(np.where(changed & (heights > 0), heights, 0.0))) * pixel
+    print(
+        f"the second map is moved by {match.shift_x * 1e6:.4g}, {match.shift_y * 1e6:.4g} µm and turned by "
+        f"{math.degrees(match.angle):.4g}°; {100 * np.isfinite(heights).mean():.3g} % of the first is seen in both"
+    )
+    share = 100 * changed.mean()
+    print(f"noise of the difference {match.noise * 1e9:.4g} nm; {share:.3g} % of the map differ by more than 4 times that")
+    print(
+        f"largest lowering {max(-np.nanmin(heights), 0.0) * 1e6:.4g} µm, "
+        f"largest rise {max(np.nanmax(heights), 0.0) * 1e6:.4g} µm; "
+        f"volume lowered {lowered * 1e18:.4g} µm³, raised {raised * 1e18:.4g} µm³"
+    )
+    _write(arguments.out, match.difference)
+    draw(arguments.figure, lambda plots: plots.change_figure(before, match))
+    return 0
 
 
 def _describe(heights, wavelengths):
@@ -125,7 +211,8 @@ def _describe(heights, wavelengths):
     if heights.sq == 0:
         return
     for name, method in (
-        ("box counting", heights.fractal_dimension_by_boxes),
+        ("box counting, calibrated", heights.fractal_dimension_by_boxes),
+        ("plain box counting", lambda range: heights.fractal_dimension_by_boxes(range, plain=True)),
         ("spectrum", heights.fractal_dimension_by_spectrum),
     ):
         try:
@@ -249,6 +336,8 @@ def _table(arguments, contact, load):
     )
     table = bound.tabulate(arguments.rtol)
     table.save(arguments.table)
+    if load is None:
+        draw(arguments.figure, lambda plots: plots.law_figure(contact, {arguments.curve: bound}))
     print(
         f"{arguments.table}: law asperity ({arguments.curve}, {unloading} unloading), {table.nodes.u.size} rows, "
         f"error of force {table.force_error:.1e}, of stiffness {table.stiffness_error:.1e}"

@@ -126,6 +126,7 @@ def _same(rule, p, overlap, force, stiffness, state):
 
 @kernel
 def of_hertz(rule, p, overlap, force, stiffness, state):
+    """Shear stiffness's normal stiffness [N/m] by Hertz: 1.5 P/(δ - δp) where first loading ends, else the tangent."""
     # K = 1.5 P/(δ - δp) on the whole curve, its upper end included
     elastic = overlap - state[1]
     return 1.5 * force / elastic if overlap >= state[0] and elastic > 0.0 else stiffness
@@ -139,6 +140,7 @@ def _of_curve(rule, p, overlap, force, stiffness, state):
 
 @kernel
 def of_first_loading(rule, p, overlap, force, stiffness, state):
+    """The tangent of first loading [N/m] at the same force [N]."""
     return stiffness if overlap >= state[0] else at_force(p, force)
 
 

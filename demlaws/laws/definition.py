@@ -85,7 +85,12 @@ def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
 
 
 class Parameter(NamedTuple):
-    """A quantity that a fit may vary."""
+    """A quantity that a fit may vary.
+
+    >>> thickness = dl.Parameter("m", True, lambda contact: (1e-9, 1e-4), lambda contact: [1e-6])
+    >>> thickness.unit, thickness.option
+    ('m', False)
+    """
 
     unit: str
     logarithmic: bool  # fitted and reported as ln(value): positive by nature
@@ -111,7 +116,11 @@ OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": D
 
 
 class Option(NamedTuple):
-    """An option of a law, as users are told of it; its default stands in the signature of `prepare`."""
+    """An option of a law, as users are told of it; its default stands in the signature of `prepare`.
+
+    >>> dl.Option("Pa", "above 0", "pressure at which the bulk yields; needed").values
+    'above 0'
+    """
 
     unit: str
     values: str  # the range, or the words that it can be
@@ -121,8 +130,6 @@ class Option(NamedTuple):
 
 PRESSURE = -2 / 3
 """`Option.softens` of a pressure."""
-
-
 STIFFNESS = -2 / 3
 """`Option.softens` of a stiffness [N/m], and of its growth with force [1/m]."""
 LENGTH = 2 / 3
@@ -168,7 +175,12 @@ SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where
 
 
 class Definition(NamedTuple):
-    """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to."""
+    """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to.
+
+    >>> from demlaws.laws.registry import find
+    >>> find("hertz").equation, find("pohrt-popov").needed()
+    ('P = (4/3) E* √R δ^1.5', ('fractal_dimension',))
+    """
 
     name: str
     prepare: Callable

@@ -17,6 +17,7 @@ from typing import Any
 
 from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError
+from demlaws.files import as_path
 from demlaws.laws import MODULES
 from demlaws.laws.definition import Definition
 
@@ -86,6 +87,11 @@ def register(definition: Definition, replace: bool = False) -> Definition:
     A name that the package has, or that another file registered, is refused (replace=True: the other file's law goes).
     Registered again from the same file, module or notebook the new law takes the place of the old one; laws that were made
     before stay as they are.
+
+    >>> mine = dl.register(dl.define("spring", lambda p, x: 1e6 * x, lambda p, x: 1e6))
+    >>> law = dl.law("spring", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> round(law.force(1e-6), 9), dl.laws()[-1]
+    (1.0, 'spring')
     """
     return _register(definition, _home(sys._getframe(1).f_globals), replace)
 
@@ -164,8 +170,15 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     """Run a Python file that registers laws (or has a `LAW = Definition(...)`, as this package's files); their names.
 
     A file that has been loaded or imported in this process is left as it is. Processes started from here load it, too.
+
+    >>> import pathlib, tempfile
+    >>> file = pathlib.Path(tempfile.mkdtemp()) / "mine.py"
+    >>> text = "import demlaws as dl; dl.register(dl.define('mine', lambda p, x: 1e6 * x, lambda p, x: 1e6))"
+    >>> _ = file.write_text(text)
+    >>> dl.load_laws(file)
+    ['mine']
     """
-    path = os.path.realpath(file)
+    path = os.path.realpath(as_path(file))
     if path not in _loaded and not _imported(path):
         _loaded.add(path)
         try:

@@ -11,7 +11,7 @@ from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
 from demlaws.criterion import hertz_pressure
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, Definition, Option, Parameter
+from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, STIFFNESS, Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
@@ -248,7 +248,7 @@ LAW = Definition(
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
         "yield_load": Option("N", "above 0", "load at which one contact was seen to yield, in place of yield_at"),
-        "post_yield_pressure": Option("Pa", "above 0", "p_K of the stiffness after yield, K_y = π R p_K, if not p_y"),
-        "yield_stiffness": Option("N/m", "above 0", "K_y of one contact, in place of post_yield_pressure"),
+        "post_yield_pressure": Option("Pa", "above 0", "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
+        "yield_stiffness": Option("N/m", "above 0", "K_y of one contact, in place of post_yield_pressure", STIFFNESS),
     },
 )

@@ -209,6 +209,9 @@ def check_law(
     every rule that it takes (random paths), the certificate of its table, the tests of its `exact` reference where it has
     one. contact: one contact (default: the granite pair SS(18-18)); rules: these only; options: of the law, beside those of
     its example. A law that is no law (NaN, falling, wrong derivative) raises DemlawsError with the overlap and the value.
+
+    >>> dl.check_law("hertz", rules=("elastic",), paths=100).passed
+    True
     """
     name = find(name).name
     contact = GRANITE if contact is None else contact

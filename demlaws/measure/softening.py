@@ -66,6 +66,7 @@ class Run(NamedTuple):
 
     @property
     def surface(self) -> Surface:
+        """Surface of the grains of this run."""
         return Surface(self.rough * SURFACE.roughness, SURFACE.fractal_dimension, SURFACE.hardness)
 
     def softened(self) -> tuple:
@@ -129,6 +130,8 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
     runs = [r for run in both for r in _copies(run, 3)]
     if quick:
         return runs
+    if engine == "yade":
+        runs += scenes(engine, OTHERS) + scenes(engine)
     once = one._replace(cycles=1)
     for rate in (1e-3, 1e-2, 1e-4):
         runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s, inertial=rate), 3)]
@@ -148,7 +151,7 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
     return runs + [r for run in thousand for r in _copies(run, 2)]
 
 
-HELD_BACK: tuple[dict[str, Any], ...] = (
+OTHERS: tuple[dict[str, Any], ...] = (
     {"stress": 1.0e5, "factor": 5.0},
     {"stress": 1.0e5, "factor": 30.0},
     {"stress": 1.0e6, "factor": 5.0},
@@ -160,13 +163,26 @@ HELD_BACK: tuple[dict[str, Any], ...] = (
     {"rough": 3.0, "factor": 10.0, "inertial": 1e-3},
     {"stress": 2.0e5, "size": 0.5, "rough": 0.5, "factor": 50.0, "inertial": 1e-3},
 )
-"""Scenes that the study does not hold, on which its predictions are tested: other radii, pressures, roughness, factors."""
+"""Scenes of other radii, pressures and roughness, from which predictions are made, too."""
+HELD_BACK: tuple[dict[str, Any], ...] = (
+    {"stress": 5.0e4, "factor": 10.0},
+    {"stress": 5.0e4, "factor": 10.0, "scaled": False},
+    {"stress": 7.0e5, "factor": 20.0},
+    {"size": 0.4, "factor": 5.0},
+    {"size": 2.0, "factor": 40.0},
+    {"rough": 0.4, "factor": 15.0},
+    {"rough": 0.4, "factor": 5.0, "scaled": False},
+    {"rough": 2.0, "factor": 25.0},
+    {"stress": 1.5e5, "size": 1.5, "factor": 8.0, "inertial": 1e-3},
+    {"stress": 5.0e5, "size": 0.7, "rough": 0.6, "factor": 60.0, "inertial": 5e-4},
+)
+"""Scenes from which no prediction is made: predictions are tested on them."""
 
 
-def held_back(engine: str) -> list[Run]:
-    """The runs on which predictions are tested: each scene softened, and at full modulus, two copies of it."""
+def scenes(engine: str, chosen: tuple = HELD_BACK) -> list[Run]:
+    """The runs of other scenes: each softened, and two copies of it at full modulus."""
     runs = []
-    for scene in HELD_BACK:
+    for scene in chosen:
         run = Run(engine, "cycles", **scene)
         runs += [*_copies(run.reference, 2), run]
     return list(dict.fromkeys(runs))
@@ -386,8 +402,8 @@ def _first(run):
     return run._replace(copy=0, cycles=1)
 
 
-def points(rows: dict, tested: bool = False) -> list[Point]:
-    """A `Point` of every way that the rows hold, those of the process as it is among them; tested: of held-back scenes."""
+def points(rows: dict, others: bool = False) -> list[Point]:
+    """A `Point` of every way that the rows hold, those of the process as it is among them; others: of the other scenes."""
     groups: dict = {}
     for run, row in rows.items():
         if "failed" not in row:
@@ -399,7 +415,7 @@ def points(rows: dict, tested: bool = False) -> list[Point]:
             first.process == "cycles" and first.stress != STRESS
         )
         reference = groups.get(_first(first.reference)) if first.process == "cycles" else _base_of(groups, first)
-        if other != tested or not reference:
+        if other != others or not reference:
             continue
         errors, chance = _compare(first, found, reference)
         steps = _steps(first)

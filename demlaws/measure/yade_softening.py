@@ -25,6 +25,7 @@ def grains_of(given, run, centres, kind=Box):
 
 
 def shaken(centres, run):
+    """Centres [m] moved at random, as this copy of the run wants."""
     random = np.random.default_rng(run["copy"])
     return centres + run["shake"] * random.uniform(-1.0, 1.0, centres.shape)
 
@@ -89,6 +90,7 @@ class Sheared(Box):
         return self.rows
 
     def look(self):
+        """Called by YADE every few steps: note stress and size, set the walls' speeds."""
         if self.reached is not None:  # the box's own
             return Box.look(self)
         run = self.run_of
@@ -128,6 +130,7 @@ def shear(given, run):
 
 
 def main():
+    """Read the specification, do each run, write what was found."""
     with open(sys.argv[1]) as file:
         given = json.load(file)
     for number, run in enumerate(given["runs"]):

@@ -108,12 +108,41 @@ def table_figure(table, law):
     return fig
 
 
+def points_figure(table, measured):
+    """Measured points with the table's curve, its 95 % band and, where it has one, an unloading from the largest force.
+
+    measured: (overlaps [m], forces [N]) of first loading, and of unloading.
+    """
+    fig, (left, right) = figure(columns=2)
+    knots = table.knots
+    at = np.linspace(0.0, knots.overlap[-1], 600)[1:]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        force, band = table.force(at), 1.96 * table.uncertainty(at)
+        for axes, name in ((left, "points"), (right, None)):
+            for (overlap, load), colour in zip(measured, ("k", "tab:blue"), strict=False):
+                axes.plot(overlap * 1e6, load, ".", ms=3, color=colour, label=name)
+                name = name and "unloading"
+            axes.plot(at * 1e6, force, "-", color="tab:red", lw=1.0, label="table")
+            axes.fill_between(at * 1e6, force - band, force + band, color="tab:red", alpha=0.25, lw=0.0)
+            axes.plot(knots.overlap * 1e6, knots.force, "o", ms=4, mfc="none", color="tab:red", label="knots")
+            axes.set(xlabel="overlap (µm)", ylabel="force (N)")
+        if len(measured) > 1:
+            back = table.follow(np.append(measured[1][0].max(), np.linspace(measured[1][0].max(), 0.0, 400)[1:]))
+            left.plot(back.overlap * 1e6, back.force, "--", color="tab:blue", lw=1.0, label="table, unloading")
+    right.set(xscale="log", yscale="log", title=f"stiffness within {table.stiffness_error:.1e} of the curve's")
+    left.set_title(f"{table.definition.description}: {knots.points} points")
+    left.legend(fontsize=8)
+    return fig
+
+
 # --- the granite tests
 
 
-def granite_force(test, runs, points=None):
+def granite_force(test, runs, points=None, ax=None):
     """Force against displacement of one test, every law; displacement counted from 0.1 N as in the tables."""
-    fig, ax = figure(width=6.4, height=4.8)
+    if ax is None:
+        _, ax = figure(width=6.4, height=4.8)
     for run in runs:
         path = run.paths[0]
         zero = float(
@@ -128,7 +157,7 @@ def granite_force(test, runs, points=None):
     ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
     ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
     ax.legend(fontsize=8)
-    return fig
+    return ax.figure
 
 
 def _first_peak(force):
@@ -136,13 +165,22 @@ def _first_peak(force):
     return int(falls[0]) + 1 if falls.size else force.size
 
 
-def granite_stiffness(tests_and_runs):
-    """Stiffness against load on logarithmic axes, one panel a test."""
+def _tangent(ax, points, name="measured", branch=None, **style):
+    """Stiffness of measured points: slopes over windows of force."""
+    load, stiffness = points.tangent(branch)
+    ax.plot(load, stiffness / 1e3, **{"marker": ".", "ls": "none", "color": "k", "ms": 4, **style}, label=name)
+
+
+def granite_stiffness(tests_and_runs, points=None):
+    """Stiffness against load on logarithmic axes, one panel a test; points: measured ones by test name."""
     fig, axes = figure(columns=2, rows=2, width=5.0)
     for ax, (test, runs) in zip(np.ravel(axes), tests_and_runs, strict=False):
         load = np.geomspace(0.1, 100.0, 200)
         for run in runs:
             _line(ax, load, run.law.stiffness(run.law.overlap(load)) / 1e3, run.law.name, lw=1.3)
+        if points and test.name in points:
+            _tangent(ax, points[test.name], f"measured: {points[test.name].source}")
+            ax.legend(fontsize=7)
         ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=test.name)
     np.ravel(axes)[0].legend(fontsize=7)
     return fig
@@ -163,8 +201,8 @@ def granite_crossover(test, laws, threshold):
     return fig
 
 
-def granite_roughness(tests, make):
-    """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz."""
+def granite_roughness(tests, make, points=None):
+    """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz; points: by test name."""
     fig, (left, right) = figure(columns=2)
     load = np.geomspace(0.05, 100.0, 300)
     for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
@@ -173,6 +211,10 @@ def granite_roughness(tests, make):
         label = f"{test.name}, σ = {test.roughness * 1e6:.2f} µm"
         left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=shade, label=label)
         right.loglog(load, bound.stiffness(overlap) / 1e3, color=shade, label=label)
+        if points and test.name in points:
+            one = points[test.name]
+            left.plot((one.displacement - one.zero([bound])[0]) * 1e6, one.force, ".", color=shade, ms=3, label="measured")
+            _tangent(right, one, color=shade)
     hertz = make("hertz", tests[1])
     left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
     right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")
@@ -215,15 +257,20 @@ def _step_colour(number, count):
     return colormaps["viridis"](0.9 * number / max(count - 1, 1))
 
 
-def granite_cycles(run, stages):
-    """Cycles of a cone: force against displacement stage by stage, and stiffness of each loading branch."""
+def granite_cycles(run, stages, points=None):
+    """Cycles of a cone: force against displacement stage by stage, and stiffness of each loading branch; points: measured."""
     fig, (left, right) = figure(columns=2, width=5.6, height=4.4)
     for number, path in enumerate(run.paths):
         label = f"stage {number + 1}" if len(run.paths) > 1 else run.law.name
         # later stages are thinner: they lie over the earlier ones that they repeat
         width = 1.0 + 0.5 * (len(run.paths) - 1 - number)
         left.plot(path.overlap * 1e6, path.force, color=_step_colour(number, len(run.paths)), lw=width, label=label)
-    left.set(xlabel="overlap (µm)", ylabel="force (N)", title=f"{run.test.name}: {run.law.name}, {run.law.unloading} unloading")
+    if points is not None:
+        start = points.displacement[0]
+        left.plot((points.displacement - start) * 1e6, points.force, "k.", ms=2, label=f"measured: {points.source}")
+    title = f"{run.test.name}: {run.law.name}, {run.law.unloading} unloading"
+    left.set(xlabel="overlap (µm)", ylabel="force (N)", title=title + (f"\n{run.beyond}" if run.beyond else ""))
+    left.title.set_fontsize(9 if run.beyond else 12)
     path = run.paths[0] if len(run.paths) == 1 else run.paths[3]
     rising = np.flatnonzero(np.r_[False, np.diff(path.force) > 0] & (path.force > 0.5))
     branches = np.split(rising, np.flatnonzero(np.diff(rising) > 1) + 1)
@@ -238,17 +285,24 @@ def granite_cycles(run, stages):
     load = np.geomspace(0.5, path.force.max(), 100)
     hertz = (6.0 * load * run.test.radius * run.test.contact.modulus**2) ** (1 / 3)
     right.loglog(load, hertz / 1e3, "k--", lw=1, label="Hertz")
+    if points is not None:
+        for number, branch in enumerate(measured := points.branches()):
+            top = points.force[branch[1]]
+            _tangent(right, points, f"measured, to {top:.0f} N", branch, color=_step_colour(number, len(measured)), marker="x")
     right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="loading stiffness, stage by stage")
     left.legend(fontsize=8)
     right.legend(fontsize=7)
     return fig
 
 
-def granite_plastic(series):
-    """Cumulative plastic overlap against the largest load."""
+def granite_plastic(series, points=None):
+    """Cumulative plastic overlap against the largest load; points: measured ones by test name."""
     fig, ax = figure(width=5.6, height=4.2)
     for (name, stages), marker in zip(series, "os^", strict=False):
         ax.plot([s.maximum_force for s in stages], [s.plastic_overlap * 1e6 for s in stages], marker + "-", label=name)
+        if points and name in points and (left := points[name].residuals()):
+            load, residual = np.array(left).T
+            ax.plot(load, residual * 1e6, "k" + marker, mfc="none", label=f"measured {name}: {points[name].source}")
     ax.set(xlabel="maximum force (N)", ylabel="plastic overlap (µm)", title="cumulative plastic overlap")
     ax.legend()
     return fig
@@ -260,7 +314,7 @@ def granite_radius(alpha, curves):
     for (name, values), style in zip(curves.items(), ("-", "--", ":"), strict=True):
         ax.semilogx(alpha, values, style, lw=1.6, label=name)
     ax.axvspan(1.0, alpha.max(), color="k", alpha=0.05, lw=0)
-    ax.text(1.1, ax.get_ylim()[1] * 0.95, "beyond the data of the fit", fontsize=8, va="top")
+    ax.text(1.1, 0.04, "beyond the data of the fit", fontsize=8, transform=ax.get_xaxis_transform())
     ax.set(xlabel="α = σR/a_H²", ylabel="a*/a_H", title="effective contact radius")
     ax.legend()
     return fig

@@ -265,6 +265,42 @@ def repeated_figure(contact, history, name="", others=None):
     return fig
 
 
+def nine_point_figure(heights):
+    """Nine-point summits on the map, and how their radii and heights are distributed."""
+    from demlaws.solvers.patches import nine_point_summits
+
+    x, y, z, radius = nine_point_summits(heights)
+    fig, (left, right) = figure(columns=2, width=5.4, height=4.2)
+    show(fig, left, heights, heights.heights * MICRO, "height (µm)")
+    left.plot(x * MICRO, y * MICRO, "r.", ms=2)
+    left.set_title(f"{x.size} nine-point summits", fontsize=10)
+    right.semilogx(np.abs(radius) * MICRO, z * MICRO, ".", ms=3)
+    right.set(xlabel="radius of curvature (µm)", ylabel="height of the summit (µm)")
+    return fig
+
+
+def change_figure(before, match):
+    """A map, what has changed after it was laid over a second one, and profiles of that through its middle of change."""
+    fig, (left, middle, right) = figure(columns=3, width=5.0, height=4.2)
+    show(fig, left, before, before.heights * MICRO, "height (µm)")
+    left.set_title("before", fontsize=10)
+    change = match.difference.heights * MICRO
+    limit = max(float(np.nanmax(np.abs(change))), 1e-9)
+    show(fig, middle, before, change, "after - before (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
+    middle.set_title(f"difference, noise {match.noise * 1e9:.3g} nm", fontsize=10)
+    weight = np.where(match.changed(), np.abs(np.nan_to_num(change)), 0.0) + 1e-300
+    row = int(np.argmax(weight.sum(axis=1)))
+    column = int(np.argmax(weight.sum(axis=0)))
+    for values, pixel, place in (
+        (change[row], before.pixel_x, f"along x at y = {row * before.pixel_y * MICRO:.0f} µm"),
+        (change[:, column], before.pixel_y, f"along y at x = {column * before.pixel_x * MICRO:.0f} µm"),
+    ):
+        right.plot(np.arange(values.size) * pixel * MICRO, values, lw=1.0, label=place)
+    right.set(xlabel="distance (µm)", ylabel="after - before (µm)")
+    right.legend(fontsize=8)
+    return fig
+
+
 def law_figure(contact, laws):
     """Force against overlap of loading and reloading laws of a map, beside Hertz and the model's own points.
 

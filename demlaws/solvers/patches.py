@@ -965,6 +965,41 @@ def nine_point_summits(heights, cut=-math.inf):
     return j * heights.pixel_x, i * heights.pixel_y, z[i, j], 2.0 / curvature
 
 
+class Summits(NamedTuple):
+    """The nine-point summits of a map as Greenwood & Tripp's model takes them."""
+
+    total: int
+    density: float  # η [1/m²]
+    radius: float  # β = 1/⟨curvature⟩ [m]
+    mean_radius: float  # ⟨radius⟩ [m] of those that are convex: few flat ones make it larger
+    height: float  # mean height of the summits over the mean plane [m]
+    spread: float  # their rms height about that [m]
+    roughness: float  # Sq of the surface [m]: the σ_s of Jamari & Schipper
+
+    def mu(self, radius):
+        """μ = (8/3) η σ √(2Rβ) against a ball of `radius` [m], σ the surface's Sq as in the paper of 2006."""
+        return 8.0 / 3.0 * self.density * self.roughness * math.sqrt(2.0 * number(radius, "radius", "m") * self.radius)
+
+
+def summits(heights):
+    """`Summits` of a levelled height map; raises DemlawsError where it has none. η and β depend on the pixel."""
+    _, _, z, radius = nine_point_summits(heights)
+    if z.size == 0:
+        raise DemlawsError("the map has no pixel that is higher than its eight neighbours")
+    rows, columns = heights.shape
+    area = (rows - 2) * heights.pixel_y * (columns - 2) * heights.pixel_x
+    convex = radius[radius > 0]
+    return Summits(
+        total=z.size,
+        density=z.size / area,
+        radius=float(1.0 / np.mean(1.0 / radius)),
+        mean_radius=float(np.mean(convex[np.isfinite(convex)])),
+        height=float(np.mean(z) - np.nanmean(heights.heights)),
+        spread=float(np.std(z)),
+        roughness=heights.sq,
+    )
+
+
 def published_contact(kind, seed=2, memory="pressure"):
     """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.granite import HERTZ
 from demlaws.measure.costs import available
 from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, packing_jobs, shear_jobs
 from demlaws.validation.published import (
@@ -188,7 +189,7 @@ def packing_rows(found):
         pressure, stiffness = np.array(answer).T
         exponent = np.polyfit(np.log(pressure), np.log(stiffness), 1)[0]
         what = f"random packing, {job['law']}: exponent of bulk stiffness over pressure"
-        if job["law"] == "hertz":
+        if job["law"] == HERTZ:
             note = "smooth grains: below what is measured, the reason for rough laws"
             yield between(what, "YADE", 0.30, 0.45, exponent, "sands", note=note)
         else:

@@ -5,6 +5,7 @@ import math
 from demlaws.contact import Contact
 from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
+from demlaws.granite import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.validation.published import BRANCHES, IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
 SMOOTH = 1e-12
@@ -17,7 +18,7 @@ STEPS = 400
 PROBE = 1e-9
 """Strain of the probes for C11, C12, C44."""
 ROUGH = {"roughness": 1.0e-6, "fractal_dimension": 2.22, "hardness": 6.27e9}
-LAWS = (("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz"))
+LAWS = ((HERTZ, "elastic"), (POHRT_POPOV, "elastic"), (POHRT_POPOV, "hertz"))
 
 
 def contact_of(job):
@@ -31,12 +32,12 @@ def impact_jobs():
     """The printed impacts, then the yielding ones."""
     jobs = []
     for one in IMPACTS:
-        exact = quiet(impact, bound("hertz", one.contact), one.mass, one.speed, 2000)
+        exact = quiet(impact, bound(HERTZ, one.contact), one.mass, one.speed, 2000)
         jobs.append(
             {
                 **{name: getattr(one, name) for name in ("young", "poisson", "density", "radius", "speed", "plane")},
                 "kind": "impact",
-                "law": "hertz",
+                "law": HERTZ,
                 "unloading": "elastic",
                 "options": {},
                 "surface": {"roughness": 0.0},
@@ -58,10 +59,10 @@ def impact_jobs():
         contact = contact_of(job)
         mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
         pressure = YIELD_RATIO * contact.modulus
-        options = {"yield_pressure": pressure, "loading": "hertz"}
+        options = {"yield_pressure": pressure, "loading": HERTZ}
         job["speed"] = ratio * yield_speed(contact, pressure, mass)
-        exact = quiet(impact, bound("rough-plastic", contact, "thornton", **options), mass, job["speed"], 4000)
-        job |= {"kind": "impact", "law": "rough-plastic", "unloading": "thornton", "options": options}
+        exact = quiet(impact, bound(ROUGH_PLASTIC, contact, "thornton", **options), mass, job["speed"], 4000)
+        job |= {"kind": "impact", "law": ROUGH_PLASTIC, "unloading": "thornton", "options": options}
         jobs.append(
             job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
         )
@@ -98,7 +99,7 @@ def array_jobs():
     for array in ARRAYS:
         for name, unloading in LAWS:
             job = {"kind": "lattice", "array": array, **ARRAY, "law": name, "unloading": unloading, "options": {}}
-            job["surface"] = ROUGH if name != "hertz" else {"roughness": 0.0}
+            job["surface"] = ROUGH if name != HERTZ else {"roughness": 0.0}
             # probes of a contact with history would leave its loading curve: for those compression and back alone
             path = PATH if unloading == "elastic" else {k: v for k, v in PATH.items() if k in ("loading", "unloading")}
             jobs.append({**job, "path": path, "steps": STEPS, "dt": 1e-9})
@@ -110,7 +111,7 @@ def shear_jobs(peaks=(PEAK,), steps=STEPS):
     jobs = []
     for choice in CHOICES:
         for peak in peaks:
-            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": "pohrt-popov", "unloading": "hertz", "surface": ROUGH}
+            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": POHRT_POPOV, "unloading": "hertz", "surface": ROUGH}
             path = {"loading": diagonal(-peak), "shear": PATH["shear"]}
             jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": steps, "dt": 1e-9})
     return jobs
@@ -122,9 +123,9 @@ PRESSURES = (50e3, 100e3, 200e3)
 def packing_jobs():
     """A random packing of granite grains of 10 mm, smooth and rough."""
     jobs = []
-    for name, unloading in (("hertz", "elastic"), ("pohrt-popov", "elastic")):
+    for name, unloading in ((HERTZ, "elastic"), (POHRT_POPOV, "elastic")):
         job = {"kind": "packing", "radius": 0.005, "young": 60.6e9, "poisson": 0.25, "density": 2650.0, "law": name}
-        job |= {"unloading": unloading, "options": {}, "surface": ROUGH if name != "hertz" else {"roughness": 0.0}}
+        job |= {"unloading": unloading, "options": {}, "surface": ROUGH if name != HERTZ else {"roughness": 0.0}}
         job |= {"count": 150, "friction": 0.3, "dt": 1e-6, "rate": 5.0, "slow": 0.5, "longest": 200_000, "unbalanced": 1e-3}
         job |= {"probe": 2e-6, "pressures": PRESSURES}
         jobs.append(job)

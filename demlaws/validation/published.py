@@ -9,7 +9,19 @@ from demlaws import driver
 from demlaws.contact import Contact
 from demlaws.criterion import central_pressure
 from demlaws.errors import ValidityWarning
-from demlaws.granite import displacement_gained, find_test, options_for, stiffness_at
+from demlaws.granite import (
+    BAHRAMI,
+    GODDARD,
+    HERTZ,
+    POHRT_POPOV,
+    RMS,
+    ROUGH_PLASTIC,
+    YIP_VENART,
+    displacement_gained,
+    find_test,
+    options_for,
+    stiffness_at,
+)
 from demlaws.make import law
 from demlaws.regime import PRINTED_RATIOS
 from demlaws.solvers.axisymmetric import solve_greenwood_tripp, solve_yip_venart
@@ -69,7 +81,7 @@ IMPACT_TOLERANCE = 1e-5
 def impacts():
     """Rows: peak force of the published impacts."""
     for one in IMPACTS:
-        peak = driver.impact(bound("hertz", one.contact), one.mass, one.speed, 4000).peak_force
+        peak = driver.impact(bound(HERTZ, one.contact), one.mass, one.speed, 4000).peak_force
         yield near(f"peak force: {one.name}", PYTHON, one.peak, peak, IMPACT_TOLERANCE, "chung-ooi", "N")
 
 
@@ -89,14 +101,14 @@ def _verlet(one, mass, place, speed, dt, steps):
 def lammps_impacts():
     """The positions that LAMMPS's own tests keep, after the same steps of the same size."""
     # each sphere of two moves half the approach; k_n = 4/3 E*
-    two = bound("hertz", Contact(0.005, 0.75 * 3.33333e10))
+    two = bound(HERTZ, Contact(0.005, 0.75 * 3.33333e10))
     mass = 4.0 / 3.0 * math.pi * 0.01**3 * 2800.0
     states = _verlet(two, 0.5 * mass, 2.0 * (0.0101 - 0.01), -20.0, 2e-8, (500, 1008, 1000))
     for (place, _), kept, label in zip(
         states, (9.9999999999997261e-03, 9.8629436218504573e-03, 9.9982053375566714e-03), ("500", "1508", "2508"), strict=True
     ):
         yield near(f"two spheres, position after {label} steps", PYTHON, kept, 0.01 + 0.5 * place, 1e-12, "lammps", "m")
-    wall = bound("hertz", Contact(0.0025, 0.75 * 7.11111e10))
+    wall = bound(HERTZ, Contact(0.0025, 0.75 * 7.11111e10))
     mass = 4.0 / 3.0 * math.pi * 0.0025**3 * 7000.0
     states = _verlet(wall, mass, 0.00255 - 0.0025, -3.9, 1e-8, (1300, 838, 900))
     for (place, _), kept, label in zip(
@@ -132,7 +144,7 @@ def restitution():
     """Rows: restitution of a yielding sphere against Thornton's equation."""
     contact, mass = Contact(0.005, 30e9, roughness=0.0), 0.01
     pressure = YIELD_RATIO * contact.modulus
-    elastoplastic = bound("rough-plastic", contact, "thornton", yield_pressure=pressure, loading="hertz")
+    elastoplastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=pressure, loading=HERTZ)
     for ratio in SPEEDS:
         found = quiet(driver.impact, elastoplastic, mass, ratio * yield_speed(contact, pressure, mass), 40000).restitution
         yield near(f"restitution at V/V_y = {ratio:g}", PYTHON, restitution_of(ratio), found, 1e-5, "thornton")
@@ -159,7 +171,7 @@ def indentation():
     _, overlap, load = _jackson_green(1.0, strength, contact)
     errors = {}
     for factor in (1.64, 2.8, 4.1, 4.2, 4.3, 4.4):
-        plastic = bound("rough-plastic", contact, "thornton", yield_pressure=factor * strength, loading="hertz")
+        plastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=factor * strength, loading=HERTZ)
         errors[factor] = quiet(plastic.force, ratios * overlap) / load / wanted - 1.0
     note = "a limit of the law, not an agreement: known from an independent program"
     for factor, low, high in ((1.64, -0.68, -0.65), (2.8, -0.46, -0.41)):
@@ -172,11 +184,11 @@ def indentation():
     # Kogut & Etsion's fits stand on their own ω_c: K = 0.454 + 0.41 ν, H = 2.8 Y
     k = 0.454 + 0.41 * 0.3
     critical = (math.pi * k * 2.8 * strength / (2.0 * contact.modulus)) ** 2 * contact.radius
-    carried = float(quiet(bound("hertz", contact).force, critical))
-    smooth = bound("hertz", contact)
+    carried = float(quiet(bound(HERTZ, contact).force, critical))
+    smooth = bound(HERTZ, contact)
     found = float(quiet(smooth.force, critical)) / carried
     yield near("Hertz at Kogut & Etsion's ω_c: P/P_c of their fit", PYTHON, 1.03, found, 0.031, "kogut-etsion", note="a fit")
-    plastic = bound("rough-plastic", contact, "thornton", yield_pressure=4.2 * strength, loading="hertz")
+    plastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=4.2 * strength, loading=HERTZ)
     ratios = np.geomspace(6.0, 110.0, 30)
     error = quiet(plastic.force, ratios * critical) / carried / (1.40 * ratios**1.263) - 1.0
     yield between(
@@ -332,7 +344,7 @@ GRANITE = (
     ("SF(12)", (9.5, 7238), (17.2, 3264), (18.8, 3143), (20.8, 3300), (13.0, 4886)),
     ("RS(18-18)", (10.8, 6404), (17.1, 3498), (18.5, 3224), (20.0, 3463), (13.7, 4257)),
 )
-GRANITE_LAWS = ("hertz", "rms", "pohrt-popov", "yip-venart", "bahrami")
+GRANITE_LAWS = (HERTZ, RMS, POHRT_POPOV, YIP_VENART, BAHRAMI)
 
 
 def granite():
@@ -340,13 +352,13 @@ def granite():
     for name, *values in GRANITE:
         test = find_test(name)
         for law_name, (displacement, stiffness) in zip(GRANITE_LAWS, values, strict=True):
-            options = {**options_for(law_name, test), **({"constant": 1.605} if law_name == "bahrami" else {})}
+            options = {**options_for(law_name, test), **({"constant": 1.605} if law_name == BAHRAMI else {})}
             one = bound(law_name, test.contact, **options)
             gained = 1e6 * quiet(displacement_gained, one)
             yield near(
                 f"{name}, {law_name}: displacement from 0.1 to 100 N", PYTHON, displacement, gained, 7e-3, "granite", "µm"
             )
-            if law_name == "yip-venart":
+            if law_name == YIP_VENART:
                 continue  # the only stiffness at hand is our own
             found = 1e-3 * quiet(stiffness_at, one, 10.0)
             yield near(f"{name}, {law_name}: stiffness at 10 N", PYTHON, stiffness, found, 1e-3, "granite", "N/mm")
@@ -355,7 +367,7 @@ def granite():
 def cone():
     """Rows: Goddard's law against Sneddon's cone."""
     slope, contact = 0.05, Contact(0.004, 30e9, roughness=0.0)
-    one = bound("goddard", contact, slope=slope)
+    one = bound(GODDARD, contact, slope=slope)
     limit = 9.0 * math.pi**3 / 128.0 * contact.modulus * contact.radius**2 * math.tan(slope) ** 3
     overlap = 0.5 * float(one.overlap(limit))
     wanted = 2.0 * contact.modulus / (math.pi * math.tan(slope)) * overlap**2
@@ -373,7 +385,7 @@ def boundary_elements():
     One map scatters by a third; what is compared is the geometric mean of eight.
     """
     rows = read_csv("bem.csv")
-    one = bound("pohrt-popov", Contact(4.35e-3, 32.32e9, 2.40e-6, 2.2, 6.266e9))
+    one = bound(POHRT_POPOV, Contact(4.35e-3, 32.32e9, 2.40e-6, 2.2, 6.266e9))
     ours = np.log(quiet(one.stiffness, quiet(one.overlap, ELEMENT_LOADS)))
     for longest, (low, high) in ELEMENTS.items():
         maps = []

@@ -6,6 +6,7 @@ from pathlib import Path
 from demlaws import __version__
 from demlaws.files import write_atomically
 from demlaws.validation import engines as engine_rows
+from demlaws.validation.maps import read_csv
 from demlaws.validation.published import GROUPS
 from demlaws.validation.row import SOURCES
 
@@ -59,10 +60,13 @@ def page(groups):
 def write(groups, folder):
     """Write folder/validation.md and its figures; the page's path."""
     from demlaws.plots import save
+    from demlaws.plots.surface import boundary_element_figure
     from demlaws.plots.validation import deviations
 
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     save(deviations(groups), folder / "deviations.png")
+    save(boundary_element_figure(read_csv("asperity_bem.csv")), folder / "asperity.png")
     text = page(groups) + "\n![Deviation over tolerance of every row](deviations.png)\n"
+    text += "\n![Load and contact area of the asperity model over boundary elements](asperity.png)\n"
     return write_atomically(folder / "validation.md", text)

@@ -2,13 +2,15 @@
 
 import math
 import threading
+import warnings
 from collections import deque
 
 import numpy as np
 import yade
 import yade.utils
 
-from demlaws.errors import DemlawsError
+from demlaws.checks import SMALL_OVERLAP, large_overlap, too_large_overlap
+from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.yade import kernel, native
 from demlaws.yade.contacts import Totals, is_ours, real_contacts, rows_of, state_of
 from demlaws.yade.pairs import FLATS, NOT_SERVED, Pairs
@@ -55,7 +57,7 @@ class Binding:
             self.attachment.unlisted_served = pairs.needs_no_judgement
         self.unlisted_served = pairs.needs_no_judgement
         self.scene, self.left, self.guards, self.runner = None, None, 0, None
-        self.share, self.warned = None, False
+        self.share, self.warned, self.deep_told = None, False, False
         self._requests = deque()
 
     @property
@@ -79,11 +81,12 @@ class Binding:
         """Begin to act in a scene, with what was dissipated in it before; a scene that was left is gone on with."""
         if scene != self.left:
             self.banked = banked
-        self.scene, self.left, self.guards, self.warned = scene, None, 0, False
+        self.scene, self.left, self.guards, self.warned, self.deep_told = scene, None, 0, False, False
         self.held = Held()
         if self.attachment is not None:
             self.attachment.take_fault()
             self.attachment.take_unlisted()
+            self.attachment.forget_deep()
 
     def leave(self):
         """The law is no longer in its scene's engine list."""
@@ -210,6 +213,9 @@ class Binding:
         self.raise_fault()
         self.answer()
         self.judge_unlisted(self.attachment.take_unlisted())
+        if self.attachment.take_deep():
+            rows = rows_of(real_contacts())
+            self.tell_deep(rows[rows["tag"] > 0])
         self.attachment.make_room(O.interactions.countReal)
         if self.guards in LOOKS or self.guards % 1000 == 0:
             self.verify()
@@ -258,6 +264,18 @@ class Binding:
             self.attachment.unlisted_served = True
         return True
 
+    def tell_deep(self, rows):
+        """Warn once in a scene of contacts beyond SMALL_OVERLAP of their R, out of an array of `kernel.CONTACT`."""
+        rows = rows[rows["modulus"] > 0.0]
+        ratio = rows["overlap"] / rows["radius"]
+        count = int(np.sum(ratio > SMALL_OVERLAP))
+        if self.deep_told or not count:
+            return
+        self.deep_told = True
+        worst = rows[np.argmax(ratio)]
+        text = large_overlap(float(worst["overlap"]), float(worst["radius"]), count, len(rows))
+        warnings.warn(f"law {self.label!r}: {text}", ValidityWarning, stacklevel=2)
+
     def check_bodies(self, thoroughly=False):
         """No body may move with a velocity that is no number, or (thoroughly: a look at each) be where no number says.
 
@@ -297,6 +315,9 @@ class Binding:
                 f"contact {first}+{second} is not described by ScGeom and MindlinPhys, but by classes that the law cannot act "
                 "on: native Mindlin acted on it; use Ig2_…_ScGeom functors and Ip2_FrictMat_FrictMat_MindlinPhys"
             )
+        if kind == kernel.TOO_DEEP:
+            radius = O.interactions[first, second].phys.momentBend[1]
+            raise DemlawsError(f"contact {first}+{second}: {too_large_overlap(overlap, radius)}")
         if kind == kernel.WRONG_CONTACT:
             raise DemlawsError(f"contact {first}+{second} with R = {overlap:g} m: {NOT_SERVED}")
         if kind == kernel.TOO_ROUGH:

@@ -14,6 +14,7 @@ from llvmlite import ir
 from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
+from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
 from demlaws.core.fastmath import callback, cbrt, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
@@ -37,6 +38,7 @@ FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36
 ALARM = 38  # address of the guard's PyRunner.nDone, or 0: a zero written there makes it run before the next step's contacts
 FLATS, SHAPE, FACET, WALL, BOX = 40, 41, 42, 43, 44  # FLATS 1: R of a sphere on one of these shapes is the sphere's radius
 UNLISTED, UNLISTED_SEEN, UNLISTED_BODY1, UNLISTED_BODY2 = 45, 46, 47, 48  # contacts of materials without a surface
+DEEP = 50  # 1 once a contact was beyond SMALL_OVERLAP of its R
 SHEAR_FORCE = 49  # where MindlinPhys keeps its elastic shear force [bytes]
 CONTEXT_WORDS = 56
 
@@ -63,7 +65,7 @@ LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 2
 
 SLACK = 1e-11
 
-WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH = 1, 2, 3, 4
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP = 1, 2, 3, 4, 5
 
 # A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
 RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
@@ -465,6 +467,19 @@ def fault(context, kind, interaction, overlap):
 
 
 @numba.njit(error_model="numpy", nogil=True)
+def deep(context, history, overlap):
+    """TOO_DEEP or 0 for an overlap beyond SMALL_OVERLAP of R, which the guard is told of once."""
+    if load_double(history + MODULUS) == 0.0:
+        return 0  # a marker
+    if overlap > LARGEST_OVERLAP * load_double(history + RADIUS):
+        return TOO_DEEP
+    if word(context, DEEP) == 0:
+        store_word(context + 8 * DEEP, 1)
+        alarm(context)
+    return 0
+
+
+@numba.njit(error_model="numpy", nogil=True)
 def serves(record, radius, modulus):
     """Whether the pair's law may be used at this R and E*: a table of a law that does not collapse is for one contact."""
     only_radius, only_modulus = load_double(record + RECORD_RADIUS), load_double(record + RECORD_MODULUS)
@@ -623,10 +638,14 @@ def act(kind, params_kind, shear, rule, context, this, geom_pointer, phys_pointe
             force, stiffness, sideways, new = answer(shear, without_own(rule), p, overlap, old)
         else:
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
-    if force - force != 0.0:
-        fault(context, NOT_FINITE, interaction, overlap)
+    wrong = NOT_FINITE if force - force != 0.0 else 0
+    if overlap > SMALL_OVERLAP * load_double(history + RADIUS):
+        wrong = max(wrong, deep(context, history, overlap))
+    if wrong != 0:
+        fault(context, wrong, interaction, overlap)
+        force, stiffness, sideways, new = math.nan, 0.0, 0.0, old
         if word(context, ALARM) != 0:  # else nobody watches: the number that is none shall be seen
-            force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
+            force = 0.0
     if overlap > 0.0:
         kno, kso = coefficients(force, sideways, overlap, load_double(phys + word(context, SPARE)))
         limit_shear(shear, context, phys, kno, kso, overlap)

@@ -415,6 +415,17 @@ class Attachment:
         overlap = float(self.context[kernel.FAULT_OVERLAP : kernel.FAULT_OVERLAP + 1].view(np.float64)[0])
         return kind, first, second, overlap
 
+    def take_deep(self):
+        """Whether a contact has gone beyond SMALL_OVERLAP of its R since this was first asked in a scene: true once."""
+        if self.context[kernel.DEEP] != 1:
+            return False
+        self.context[kernel.DEEP] = 2
+        return True
+
+    def forget_deep(self):
+        """Clear the note that a contact went deep."""
+        self.context[kernel.DEEP] = 0
+
     def take_unlisted(self):
         """Bodies of a contact of materials without a surface that has not been judged yet, or None; it is cleared."""
         if not self.context[kernel.UNLISTED_SEEN]:

@@ -8,6 +8,7 @@ InteractionLoop are hidden from him, as the guard of the native way is (see `sce
 import numpy as np
 import yade
 
+from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, too_large_overlap
 from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
@@ -115,6 +116,12 @@ def step(binding):
         at_rest = ending.copy()
         at_rest["overlap"] = 0.0
         binding.banked += float(pairs.energies(at_rest)["dissipated"].sum())
+    deepest = rows[rows["overlap"] > SMALL_OVERLAP * rows["radius"]]
+    if len(deepest) and np.any(deepest["modulus"] > 0.0):
+        for (first, second, _), row in zip(held.keys, rows, strict=True):
+            if row["overlap"] > LARGEST_OVERLAP * row["radius"] and row["modulus"] > 0.0:
+                raise DemlawsError(f"contact {first}+{second}: {too_large_overlap(row['overlap'], row['radius'])}")
+        binding.tell_deep(rows)
     answer, bad = pairs.respond(rows)
     if bad >= 0:
         first, second, _ = held.keys[bad]

@@ -50,9 +50,10 @@ def claims(folder, out, printed):
 
 
 def report(folder, out, printed):
-    """The validation's own page, below our title, with its figure beside it."""
+    """The validation's own page, below our title, with its figures beside it."""
     text = (out / "validation.md").read_text().split("\n", 2)[2]
-    (folder / "deviations.png").write_bytes((out / "deviations.png").read_bytes())
+    for picture in out.glob("*.png"):
+        (folder / picture.name).write_bytes(picture.read_bytes())
     return text
 
 

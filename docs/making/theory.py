@@ -184,7 +184,7 @@ def rules_of(name, law):
     out = []
     for rule in {**RULES, **registry()[name].offered()}:
         try:
-            curve = quietly(example_curve, name, law.contact, **law.options) if rule == GIVEN else rule
+            curve = quietly(example_curve, name, law.contact, **law.options).joined("elastic") if rule == GIVEN else rule
             quietly(law.joined, curve)
             out.append((f"[{rule}](rule-{rule}.md)", "yes"))
         except NotPassive as refused:

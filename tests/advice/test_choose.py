@@ -1,15 +1,19 @@
 """Choices: the predicted error bounds the measured one, and the chosen law is about the cheapest that meets the tolerance."""
 
+import dataclasses
 import math
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from examples import shared
 
 import demlaws as dl
+from demlaws.advice import modulus
 from demlaws.advice.choose import Plan, reference_plan
 from demlaws.advice.scene import samples
+from demlaws.cli import main
 from demlaws.errors import NotPassive
 from demlaws.materials import GRANITE
 from demlaws.measure.errors import error_of
@@ -117,7 +121,7 @@ def test_range_rules():
         ({"quantity": "colour"}, "choose one of force"),
         ({"tolerance": -0.1}, "tolerance"),
         ({"radii": ()}, "radii is empty"),
-        ({"engine": "lammps"}, "choose one of python"),
+        ({"engine": "esys"}, "choose one of python"),
         ({"materials": (GRANITE, STEEL), "surfaces": (ROUGH, ROUGH, ROUGH)}, "2 materials and 3 surfaces"),
     ],
 )
@@ -309,3 +313,47 @@ def test_no_law_answers_for_a_force_that_no_bead_carries():
     """Before: 1e12 N on a bead had a choice, at an overlap of a million radii."""
     with pytest.raises(dl.DemlawsError, match=r"times the effective radius R = 0.000125 m"):
         dl.choose(dl.Scene(radii=0.25e-3, materials=GLASS, force=(1.0, 1e12)), tables=False)
+
+
+def test_the_template_names_every_key_and_is_a_scene(tmp_path, capsys):
+    """Every field of a scene, of its material and surface; uncommented lines load, and the page shows the same file."""
+    tomllib = pytest.importorskip("tomllib")
+    assert main(["choose", "--template"]) == 0
+    text = capsys.readouterr().out
+    file = tmp_path / "scene.toml"
+    file.write_text(text)
+    scene = dl.Scene.load(file)
+    assert scene.pressure == (1e4, 2e5) and scene.rate == 10.0 and scene.materials[0].density == 2680
+    keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
+    fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
+    assert fields - keys == {"materials", "surfaces", "reference_options"}  # sections, and part of reference
+    assert text in (Path(__file__).parents[2] / "docs/reference/scene-file.md").read_text()
+    for line in text.splitlines():
+        if line.startswith("#- ") and "=" in line:
+            tomllib.loads(line.removeprefix("#- "))
+
+
+def test_a_scene_is_needed(capsys):
+    assert main(["choose"]) == 2
+    assert "--template" in capsys.readouterr().err
+
+
+def test_softer_grains_are_advised_and_written(tmp_path, capsys):
+    """With --soften the choice, and the table, are for the softened grains: σ is scaled with the modulus."""
+    file = tmp_path / "scene.toml"
+    file.write_text(
+        "radii = 4e-3\nquantity = 'stiffness'\ntolerance = 0.5\npressure = [1e4, 1e5]\ncyclic = true\n"
+        "[material]\nyoung = 60e9\npoisson = 0.25\n[surface]\nroughness = 1.7e-6\nfractal_dimension = 2.2\n"
+    )
+    advice = modulus.advise(dl.Scene.load(file))
+    assert advice.factor > 1.0
+    table = tmp_path / "law.tbl"
+    assert main(["choose", str(file), "--soften", "--out", str(table)]) == 0
+    said = capsys.readouterr().out
+    assert f"modulus / {advice.factor:g}" in said and "predicted error of the packing" in said
+    whole = dl.Scene.load(file).contacts(2e-3)[0]
+    assert dl.Table.load(table).contact.modulus == pytest.approx(whole.modulus / advice.factor)
+    assert dl.Table.load(table).contact.roughness == pytest.approx(whole.roughness * advice.factor ** (2 / 3))
+    file.write_text(file.read_text().replace("0.5", "1e-5"))
+    assert main(["choose", str(file), "--soften"]) == 2
+    assert "tolerance = 1e-05" in capsys.readouterr().err

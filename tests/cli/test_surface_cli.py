@@ -64,9 +64,31 @@ def test_surface_prints_and_writes(capsys, tmp_path, map_file):
     out, figure = tmp_path / "level.npy", tmp_path / "map.png"
     assert cli.main(["surface", map_file, "--form", "2", "--out", str(out), "--figure", str(figure)]) == 0
     text = capsys.readouterr().out
-    for words in ("128 x 128 pixels", "order 2", "Sq =", "Sa =", "box counting: Df = 2.", "spectrum: Df = 2.", "0 % missing"):
+    for words in (
+        "128 x 128 pixels",
+        "order 2",
+        "Sq =",
+        "Sa =",
+        "box counting, calibrated: Df = 2.",
+        "plain box counting: Df = 2.",
+        "radii of curvature",
+        "spectrum: Df = 2.",
+        "0 % missing",
+    ):
         assert words in text
     assert np.load(out).shape == (128, 128) and figure.stat().st_size > 10000
+
+
+def test_summits_and_a_field_of_view(capsys, tmp_path, map_file):
+    figure = tmp_path / "summits.png"
+    assert cli.main(["surface", "summits", map_file, "--radius", "5mm", "--crop", "200um", "--figure", str(figure)]) == 0
+    text = capsys.readouterr().out
+    assert "nine-point summits on 200 x 200 µm" in text and "for R = 5 mm" in text and figure.stat().st_size > 10000
+    assert cli.main(["surface", map_file, "--crop", "200um,160um,120um,110um"]) == 0
+    assert "100 x 80 pixels" in capsys.readouterr().out
+    for crop, says in (("1mm", "does not lie in this map"), ("1,2,3", "give width"), ("x", "--crop")):
+        assert cli.main(["surface", map_file, "--crop", crop]) == 2
+        assert says in capsys.readouterr().err
 
 
 def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
@@ -88,6 +110,13 @@ def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
     assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
     assert cli.main([*arguments, "--curve", "reloading", "--on", map_file]) == 0
     assert "reloading, elastic" in capsys.readouterr().out
+
+
+def test_the_law_of_a_map_is_drawn_without_a_load(capsys, tmp_path, map_file):
+    table, figure = tmp_path / "map.tbl", tmp_path / "law.png"
+    given = ["surface", "contact", map_file, *ALUMINIUM, *BALL, *PLASTIC, "--table", str(table), "--figure", str(figure)]
+    assert cli.main([*given, "--rtol", "1e-3"]) == 0
+    assert figure.stat().st_size > 10000 and str(figure) in capsys.readouterr().out
 
 
 def test_published_repeated_contact(capsys, tmp_path):

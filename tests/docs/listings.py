@@ -50,22 +50,33 @@ def commands(text):
 
 def same(shown, printed, tolerance):
     """Whether a printed text is the one shown: words equal, numbers within `tolerance`, `...` anything, spaces as they come."""
-    pieces = re.split(r"\s*\.\.\.\s*", "\n".join(shown))
-    pattern, numbers = [], []
-    for piece in pieces:
-        out, place = [], 0
-        for match in NUMBER.finditer(piece):
-            out.append(re.escape(piece[place : match.start()]))
-            out.append(f"({NUMBER.pattern})")
-            numbers.append(float(match.group().replace("−", "-")))
-            place = match.end()
-        out.append(re.escape(piece[place:]))
-        pattern.append(re.sub(r"(?:\\\s|\s)+", r"\\s+", "".join(out)))
-    match = re.search(r"[\s\S]*?".join(pattern), printed)
-    if match is None:
-        return False
-    found = [float(text.replace("−", "-")) for text in match.groups()]
-    return all(abs(a - b) <= tolerance * max(abs(a), abs(b)) for a, b in zip(numbers, found, strict=True))
+    place = 0
+    for piece in re.split(r"\s*\.\.\.\s*", "\n".join(shown)):
+        pattern, numbers = _pattern(piece.strip())
+        while match := pattern.search(printed, place):
+            found = [_number(text) for text in match.groups()]
+            if all(abs(a - b) <= tolerance * max(abs(a), abs(b)) for a, b in zip(numbers, found, strict=True)):
+                place = match.end()
+                break
+            place = match.start() + 1
+        else:
+            return False
+    return True
+
+
+def _number(text):
+    return float(text.replace("−", "-"))
+
+
+def _pattern(piece):
+    """(pattern whose groups are the numbers, the numbers) of a piece of what is shown."""
+    out, numbers, place = [], [], 0
+    for match in NUMBER.finditer(piece):
+        out += [re.escape(piece[place : match.start()]), f"({NUMBER.pattern})"]
+        numbers.append(_number(match.group()))
+        place = match.end()
+    out.append(re.escape(piece[place:]))
+    return re.compile(re.sub(r"(?:\\\s|\s)+", r"\\s+", "".join(out))), numbers
 
 
 @contextlib.contextmanager

@@ -42,6 +42,19 @@ def test_a_silent_function_is_found(tmp_path):
     assert silent(path) == ["demlaws/made_up.py:3 A.b"]
 
 
+@pytest.fixture
+def registered_here(monkeypatch):
+    """A law that an example registers goes with it."""
+    from demlaws.laws import registry
+
+    monkeypatch.setenv(registry.VARIABLE, "")
+    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
+    yield
+    for known, old in kept:
+        known.clear()
+        known.update(old)
+
+
 def examples(name):
     """Doctests of a public name: of a module those of its public functions, of a class its own and its methods'."""
     value = getattr(dl, name)
@@ -55,7 +68,7 @@ def examples(name):
 
 
 @pytest.mark.parametrize("name", dl.__all__)
-def test_public_names_show_an_example_that_runs(name):
+def test_public_names_show_an_example_that_runs(name, registered_here):
     found = [test for test in examples(name) if test.examples]
     assert found, f"demlaws.{name} shows no example"
     for test in found:

@@ -8,6 +8,8 @@ def test_numbers_within_the_tolerance_words_as_they_are():
     assert not listings.same(["force 1.00 N"], "force 1.02 N", 0.01)
     assert not listings.same(["force 1.00 N"], "farce 1.00 N", 0.01)
     assert listings.same(["a   1.0", "b -2e3"], "a 1.0\n b -2000", 0.01)
+    assert listings.same(["x", "...", "3 4 ..."], "x 1 2 30 3 4 5", 0.01)
+    assert not listings.same(["x", "...", "3 5 ..."], "x 1 2 30 3 4 5", 0.01)
     assert listings.same(["x ... end 3"], "x 1 2 end 3", 0.01)
 
 

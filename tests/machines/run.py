@@ -3,6 +3,7 @@
 
     sudo python3 tests/machines/run.py debian-13                    # everything
     sudo python3 tests/machines/run.py debian-sid --do granite      # only `make granite` on the bare system
+    sudo python3 tests/machines/run.py debian-sid --do granite make-test     # README's two commands, nothing else
     sudo python3 tests/machines/run.py debian-13 --keep --do tests -- tests/engines/yade -k wall
 
 A root is made by mmdebstrap with what `apt-get install git make` brings, the last commit is cloned in, and the steps run
@@ -31,6 +32,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parents[2]
 RELEASES = {"debian-12": "bookworm", "debian-13": "trixie", "debian-sid": "sid"}
 STEPS = ("granite", "checks", "tests")
+EVERY = (*STEPS, "make-test")  # what can be asked for; `make test` holds the engine tests and much else
 NO_ROOT = 75  # EX_TEMPFAIL of sysexits.h
 GIGABYTES = 9  # that must be free before a root is made; with engines, venv and pip's cache it holds about 5
 DAYS = 7  # after which a kept root is made anew
@@ -329,6 +331,8 @@ def steps(wanted, pytest_arguments):
     plan = []
     if "granite" in wanted:
         plan.append(("make granite", lambda root: make(root, "granite", f"{INSIDE}/.venv/.plots")))
+    if "make-test" in wanted:
+        plan.append(("make test", lambda root: make(root, "test", f"{INSIDE}/.venv/.test")))
     if {"checks", "tests"} & set(wanted):
         plan.append((PREPARED, prepare))
     if "checks" in wanted:
@@ -360,7 +364,9 @@ def default_folder():
 def arguments(argv):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("release", choices=RELEASES)
-    parser.add_argument("--do", nargs="+", choices=STEPS, default=list(STEPS), metavar="STEP", help=f"of {', '.join(STEPS)}")
+    parser.add_argument(
+        "--do", nargs="+", choices=EVERY, default=list(STEPS), metavar="STEP", help=f"of {', '.join(EVERY)} (all but the last)"
+    )
     parser.add_argument("--folder", type=Path, default=default_folder(), help="where roots stand (default %(default)s)")
     parser.add_argument("--keep", action="store_true", help=f"leave the root for later runs, which use it for {DAYS} days")
     parser.add_argument("--minutes", type=float, default=60.0, help="time for everything (default %(default)g)")

@@ -86,6 +86,28 @@ def granite_stiffness():
     assert len(lines(fig.axes[0])) == 2 and labels(fig.axes[0]) == ["hertz", "pohrt-popov"]
 
 
+def test_measured_points_are_laid_over_stiffness_cycles_and_residuals():
+    """A user's points stand in stiffness, cycles and plastic overlap, too, not in the forces alone."""
+    run = run_of("rough-plastic", "RFC10")
+    path = run.paths[0]
+    keep = np.unique(np.linspace(1, path.force.size - 1, 1200).astype(int))
+    points = granite.Points(path.overlap[keep] + 2e-6, path.force[keep], "mine.csv")
+    left, right = plots.granite_cycles(run, granite.stages_of(run), points).axes
+    assert "measured: mine.csv" in labels(left)
+    measured = [text for text in labels(right) if text.startswith("measured, to")]
+    assert len(measured) == 6
+    (ax,) = plots.granite_plastic([("RFC10", granite.stages_of(run))], {"RFC10": points}).axes
+    laws, mine = lines(ax)
+    np.testing.assert_allclose(mine[:, 0], laws[:, 0], rtol=0.02)
+    np.testing.assert_allclose(mine[:, 1], laws[:, 1], rtol=0.05, atol=0.2)
+    smooth = run_of("hertz", "SS(18-18)")
+    up = np.geomspace(0.05, 100.0, 200)
+    points = granite.Points(smooth.law.overlap(up), up, "mine.csv")
+    fig = plots.granite_stiffness([(smooth.test, [smooth])], {smooth.test.name: points})
+    law, mine = lines(fig.axes[0])
+    np.testing.assert_allclose(np.interp(mine[5:-1, 0], law[:, 0], law[:, 1]), mine[5:-1, 1], rtol=0.02)
+
+
 def granite_crossover():
     test = granite.find_test("SS(18-18)")
     laws = [granite.bind(name, test, "elastic") for name in ("hertz", "pohrt-popov")]
@@ -248,6 +270,25 @@ def repeated_figure():
     assert np.min(change) < 0.0  # it wears
 
 
+def nine_point_figure():
+    heights = self_affine(64, 1e-6, 0.8, 0.5e-6, 1)
+    left, right, *_ = surface.nine_point_figure(heights).axes
+    count = len(patches.nine_point_summits(heights)[0])
+    assert left.get_title() == f"{count} nine-point summits" and len(lines(right)[0]) == count
+
+
+def change_figure():
+    from demlaws.matching import matched
+
+    heights = self_affine(96, 1e-6, 0.8, 0.5e-6, 1, shortest=5e-6)
+    lower = heights.heights.copy()
+    lower[40:50, 30:40] -= 1e-6
+    match = matched(heights, heights.with_heights(lower))
+    _, middle, right, *_ = surface.change_figure(heights, match).axes
+    np.testing.assert_allclose(np.asarray(middle.images[0].get_array()), match.difference.heights * 1e6)
+    assert np.nanmin(lines(right)[0][:, 1]) == pytest.approx(-1.0, abs=0.05)
+
+
 def law_figure():
     law = make("asperity")
     contact = patches.RoughContact(registry()["asperity"].example["surface"], law.contact)
@@ -270,7 +311,7 @@ DRAWN = {
         *(path_figure, table_figure, granite_force, granite_stiffness, granite_crossover, granite_roughness),
         *(granite_unloading, granite_cycles, granite_plastic, granite_radius, fit_figure, choices_figure),
         *(stability_figure, trade_figure, scene_figure, deviations, regime_figure, surface_figure),
-        *(contact_figure, repeated_figure, law_figure, boundary_element_figure),
+        *(contact_figure, repeated_figure, nine_point_figure, change_figure, law_figure, boundary_element_figure),
     )
 }
 

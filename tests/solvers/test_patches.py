@@ -418,3 +418,20 @@ def test_the_law_of_many_contacts():
         own = {n: float(np.broadcast_to(getattr(several, n), 4)[i]) for n in ("radius", "modulus", "roughness")}
         one = dl.law("asperity", contact.pair.with_values(**own), surface=contact.heights, poisson=0.34)
         assert blended[i] == pytest.approx(one.force(overlaps[i]), rel=1e-9 if i in (0, 3) else 0.02)
+
+
+def test_nine_point_summits_of_known_bumps():
+    """Spherical bumps of one radius on a square grid: η, β and μ are those they were made with."""
+    pitch, radius, pixel, count = 20, 30e-6, 1e-6, 8
+    y, x = np.indices((count * pitch, count * pitch))
+    r2 = ((x % pitch - 10) ** 2 + (y % pitch - 10) ** 2) * pixel**2
+    heights = HeightMap(np.maximum(-r2 / (2.0 * radius), -1.2e-6), pixel)
+    found = asperity.summits(heights)
+    assert found.total == count**2
+    assert found.density == pytest.approx(1.0 / (pitch * pixel) ** 2, rel=0.03)  # less the rim, which has no neighbours
+    assert (found.radius, found.mean_radius) == pytest.approx((radius, radius), rel=1e-9)
+    assert found.roughness == heights.sq and found.spread == 0.0
+    expected = 8.0 / 3.0 * found.density * heights.sq * math.sqrt(2.0 * 5e-3 * radius)
+    assert found.mu(5e-3) == pytest.approx(expected, rel=1e-12)
+    with pytest.raises(dl.DemlawsError, match="no pixel that is higher"):
+        asperity.summits(HeightMap(np.zeros((8, 8)), pixel))

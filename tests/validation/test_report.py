@@ -60,7 +60,8 @@ def test_the_command(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("demlaws.validation.report.GROUPS", {"A cone": GROUPS["A cone"]})
     assert main(["--no-engines", "--out", str(tmp_path / "page")]) == 0
     assert "1 rows pass, 0 fail" in capsys.readouterr().out
-    assert (tmp_path / "page" / "deviations.png").stat().st_size > 1000
+    for name in ("deviations.png", "asperity.png"):
+        assert (tmp_path / "page" / name).stat().st_size > 1000 and name in (tmp_path / "page" / "validation.md").read_text()
     monkeypatch.setattr("demlaws.validation.report.GROUPS", {"wrong": lambda: [between("x", "Python", 0, 1, 2, "bem")]})
     assert main(["--no-engines", "--out", str(tmp_path / "page")]) == 1
 

@@ -1,21 +1,22 @@
 // The granular sub-models of demlaws, included once for each layout after granular_abi.h (no include guard).
 //   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X] [extrapolation on]
+//            [shear elastic|tangent|loading]
 //            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it:
-//            the length in FILE); against: the other body is of another material
+//            the length in FILE); against: the other body is of another material; shear: what K_t goes by
 //   damping  demlaws/tangent
 //            eta is the coefficient of restitution; c = c(e) sqrt(m K) with the tangent stiffness K of the table
 namespace DEMLAWS_LAYOUT {
 
 class Table : public NormalMod {
 public:
-  enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, FINGERPRINT, COEFFICIENTS };
+  enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, SHEAR, FINGERPRINT, COEFFICIENTS };
   enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
   enum { MOST_STATE = 3 };
 
   // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
   Table(Model *m, const std::string &named, const demlaws::Table &table)
-      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
-        radius_(0.) {
+      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.), radius_(0.),
+        shear_(demlaws::ELASTIC_SHEAR) {
     name = named;
     material_properties = 1;
     // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
@@ -26,6 +27,7 @@ public:
     transfer_history_factor = new double[MOST_STATE];
     std::fill(transfer_history_factor, transfer_history_factor + MOST_STATE, 1.);
     coeffs[TOLERANCE] = 0.01;
+    coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
     coeffs[FINGERPRINT] = table.fingerprint();
   }
 
@@ -45,6 +47,7 @@ public:
     } catch (const std::exception &problem) {
       refuse(problem.what());
     }
+    shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
     radius_ = 0.;
     if (table_.collapses()) return;
     radius_ = table_.of_contact("radius", 0.);
@@ -77,6 +80,8 @@ public:
     coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
     coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
     coeffs[EXTRAPOLATE] = std::min(a[EXTRAPOLATE], b[EXTRAPOLATE]);
+    if (a[SHEAR] != b[SHEAR]) refuse("both types must have the same 'shear' to be mixed");
+    coeffs[SHEAR] = a[SHEAR];
     coeffs[FINGERPRINT] = a[FINGERPRINT];
     coeffs_to_local();
   }
@@ -95,8 +100,9 @@ protected:
     if (__builtin_expect(now.outside || m->delta > SMALL_OVERLAP * m->Reff, 0)) far(now);
     if (__builtin_expect(radius_ > 0. && !(fabs(m->Reff - radius_) <= coeffs[TOLERANCE] * radius_), 0)) refuse_radius();
     stiffness_ = now.stiffness;
-    m->contact_radius =
-        now.stiffness / (2. * pair_.modulus); // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+    // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+    m->contact_radius = demlaws::shear_stiffness(shear_, pair_, m->Reff, m->delta, now, m->history + history_index) /
+                        (2. * pair_.modulus);
     return now.force;
   }
   // After a step that somebody wants to know more of.
@@ -136,6 +142,7 @@ protected:
   Ledger &ledger_;
   demlaws::Pair pair_;
   double stiffness_, radius_; // radius_ > 0: the only one the table holds for
+  demlaws::Shear shear_;
 
 private:
   __attribute__((noinline, cold)) void refuse(const std::string &what) const {
@@ -291,7 +298,7 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
   if (at + 4 > count)
     raise(error, true,
           "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-          "[extrapolation on]");
+          "[extrapolation on] [shear elastic|tangent|loading]");
   name += std::string(" ") + arg[at++];
   static const char *const names[3] = {"E", "eta", "nu"};
   double c[3];
@@ -306,6 +313,15 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
       const std::string said = at + 1 < count ? arg[at + 1] : "nothing";
       if (said != "on" && said != "off") raise(error, true, "demlaws/table: extrapolation is on or off, not " + said);
       into[Table::EXTRAPOLATE] = said == "on";
+      at += 2;
+      continue;
+    }
+    if (word == "shear") {
+      const std::string said = at + 1 < count ? arg[at + 1] : "nothing";
+      demlaws::Shear shear;
+      if (!demlaws::shear_from_name(said, shear))
+        raise(error, true, "demlaws/table: shear is elastic, tangent or loading, not " + said);
+      into[Table::SHEAR] = shear;
       at += 2;
       continue;
     }

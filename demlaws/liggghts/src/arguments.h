@@ -8,7 +8,7 @@
 
 namespace demlaws {
 
-// Takes 'table FILE' and 'pairtable I J FILE' out of the arguments, for as long as it lives.
+// Takes 'table FILE', 'pairtable I J FILE' and 'shear WORD' out of the arguments, for as long as it lives.
 class Arguments {
 public:
   Arguments(LAMMPS *lmp, int &count, char **&arguments) : lmp_(lmp), instance_(Instance::of(lmp)) {
@@ -23,6 +23,12 @@ public:
         if (i + 3 >= count) refuse("'pairtable' needs two types and a file name");
         add(types_of(type(arguments[i + 1]), type(arguments[i + 2])), arguments[i + 3]);
         i += 3;
+      } else if (word == "shear") {
+        if (i + 1 >= count || !shear_from_name(arguments[i + 1], line.shear))
+          refuse("'shear' must be tangent, elastic or loading" +
+                 (i + 1 < count ? std::string(", got '") + arguments[i + 1] + "'" : std::string()));
+        line.given.insert(word);
+        i++;
       } else {
         static const char *const early[] = {"primitive",        "mesh",     "tangential",
                                             "rolling_friction", "cohesion", "surface"};

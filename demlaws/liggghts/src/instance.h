@@ -29,6 +29,8 @@ inline Types types_of(int i, int j) { return i < j ? Types(i, j) : Types(j, i); 
 struct Line {
   Files files;
   std::set<std::string> given;
+  Shear shear;
+  Line() : shear(ELASTIC_SHEAR) {}
 };
 
 // What walls take over from the pair style unless their own line says otherwise.
@@ -36,7 +38,8 @@ struct PairSettings {
   Files files;
   bool use_roughness, extrapolate;
   double radius_tolerance;
-  PairSettings() : use_roughness(false), extrapolate(false), radius_tolerance(0.01) {}
+  Shear shear; // what K_t goes by
+  PairSettings() : use_roughness(false), extrapolate(false), radius_tolerance(0.01), shear(ELASTIC_SHEAR) {}
 };
 
 // Holds the wall contacts of the last step, for what they store.

@@ -113,6 +113,7 @@ public:
   void postSettings(IContactHistorySetup *setup, ContactModelBase *base) {
     given_ = instance_->line.given;
     own_.files = instance_->line.files;
+    own_.shear = instance_->line.shear;
     if (!wall_) {
       if (own_.files.empty())
         error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
@@ -211,7 +212,7 @@ public:
     if (limit_force_ && normal < 0.) normal = 0.;
     data.Fn = normal;
     data.kn = data.deltan > 0. ? now.force / data.deltan : 0.;
-    data.kt = type.tangential * now.stiffness;
+    data.kt = type.tangential * demlaws::shear_stiffness(now_.shear, type.pair, radius, data.deltan, now, state);
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
@@ -277,6 +278,7 @@ private:
       if (!given_.count("surfaceRoughness")) now_.use_roughness = from.use_roughness;
       if (!given_.count("radius_tolerance")) now_.radius_tolerance = from.radius_tolerance;
       if (!given_.count("extrapolation")) now_.extrapolate = from.extrapolate;
+      if (!given_.count("shear")) now_.shear = from.shear;
     }
     state_size_ = 0;
     for (demlaws::Files::const_iterator it = now_.files.begin(); it != now_.files.end(); ++it) {

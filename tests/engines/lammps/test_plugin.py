@@ -18,6 +18,7 @@ from inputs_for_lammps import (
 )
 
 import demlaws as dl
+from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from demlaws.lammps.check import WALL, follow
 from demlaws.make import example
@@ -125,6 +126,26 @@ def test_unlike_materials(tmp_path, granite_pair, way):
     stiffness = law.follow(log["overlap"]).stiffness[-1]
     tangential = 4 * shear_modulus(*granite, *steel) / pair.modulus * stiffness  # 8 G* a with a = K / 2 E*
     assert log["side"][-1] == pytest.approx(-tangential * 1e-9, rel=1e-3)  # the normal turns with the slip
+
+
+@pytest.mark.parametrize("choice", CHOICES)
+def test_what_the_tangential_stiffness_goes_by(tmp_path, granite_pair, choice):
+    """Press, slide by 1 nm; and after going back a little. With Mindlin's K_t = 8 G* a, a = K/2 E*."""
+    law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
+    save(law, tmp_path / "law.tbl", rtol=1e-8)
+    words = TABLE.replace(" tangential", f" shear {choice} tangential")
+    ratio = 2 * (1 - 0.25) / (2 - 0.25)
+    for moves in ([(-0.2, 0, 1000)], [(-0.2, 0, 1000), (0.2, 0, 200)]):
+        log = simulate(tmp_path, two_spheres(words, [*moves, (0, 0.001, 20)]))
+        path = law.follow(log["overlap"])
+        found = -log["side"][-1] / 1e-9 + path.force[-1] / 17.4e-3  # the normal turns with the slip
+        expected = law.shear_stiffness([*log["overlap"], log["overlap"][-1] * (1 - 1e-9)], ratio, choice)[-2:]
+        # at rest at the largest overlap the last bit of it decides on which branch "tangent" is
+        assert min(abs(found / expected - 1)) < 2e-3
+        if choice != "tangent":
+            assert expected[1] == pytest.approx(expected[0], rel=1e-6)
+    with pytest.raises(DemlawsError, match="shear is elastic, tangent or loading, not secant"):
+        simulate(tmp_path, two_spheres(words.replace(choice, "secant"), [(-0.2, 0, 10)]))
 
 
 @pytest.mark.parametrize("restitution", [0.2, 0.8])

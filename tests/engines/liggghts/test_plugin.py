@@ -11,6 +11,7 @@ from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
 from demlaws import table_file
+from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
 from demlaws.liggghts.build import SOURCES
@@ -121,6 +122,32 @@ def test_tangential_stiffness_follows_the_normal_tangent(tmp_path, granite_pair)
     assert log["side"][-1] == pytest.approx(
         -4 * shear / modulus() * stiffness * 1e-9, rel=1e-3
     )  # the normal turns with the slip
+
+
+@pytest.mark.parametrize("moves", [[(-0.2, 0, 50000)], [(-0.2, 0, 50000), (0.2, 0, 10000)]], ids=["loading", "unloading"])
+@pytest.mark.parametrize("choice", CHOICES)
+def test_what_the_tangential_stiffness_goes_by(tmp_path, granite_pair, choice, moves):
+    """Press, back or not, then slide by 1 nm."""
+    law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
+    table = save(law, tmp_path / "law.tbl", rtol=1e-8)
+    log = simulate(tmp_path, two_spheres(GRAN + f"table {table} shear {choice}", [*moves, (0, 0.001, 1000)], every=1000))
+    ratio = 2 * (1 - 0.25) / (2 - 0.25)
+    path = law.follow(log["overlap"])
+    expected = law.shear_stiffness(log["overlap"], ratio, choice)[-1]
+    turned = path.force[-1] / 17.4e-3  # the normal turns with the slip
+    # at rest the last step of the slip decides on which branch "tangent" is
+    other = ratio * law.follow([*log["overlap"], log["overlap"][-1] * (1 - 1e-9)]).stiffness[-1]
+    found = -log["side"][-1] / 1e-9
+    near = [pytest.approx(value - turned, rel=2e-3) for value in {expected, other if choice == "tangent" else expected}]
+    assert any(found == one for one in near)
+    if choice != "tangent" and len(moves) == 1:
+        assert abs(expected / (ratio * path.stiffness[-2]) - 1) > 0.05 or choice == "loading"
+
+
+def test_shear_is_one_of_three(tmp_path, granite_pair):
+    save(dl.law("hertz", granite_pair), tmp_path / "law.tbl")
+    message = refused(tmp_path, two_spheres(GRAN + "table law.tbl shear secant", LOAD_UNLOAD))
+    assert "'shear' must be tangent, elastic or loading, got 'secant'" in message
 
 
 @pytest.mark.parametrize("restitution", [0.2, 0.8])

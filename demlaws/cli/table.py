@@ -1,0 +1,137 @@
+"""`demlaws table`: a law, or measured points, as a certified table."""
+
+from pathlib import Path
+
+from demlaws.cli import example
+from demlaws.cli.arguments import force, length, output, plain, whole
+from demlaws.cli.curve import add_law_arguments, contact_from, law_from
+from demlaws.errors import DemlawsError
+
+
+def register(subparsers):
+    """Add the command `table`."""
+    table = subparsers.add_parser(
+        "table",
+        description="Writes the dimensionless force and stiffness table of a law, or of a curve through measured points, "
+        "with its certificate in the header.",
+        **example(
+            '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
+            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
+            "      --unloading-law pohrt-popov --unloading-sigma 0.5e-6\n"
+            "  demlaws table --points test.csv --unloading test.csv --radius 4mm --modulus 32GPa --out measured.tbl\n\n"
+            "test.csv: two columns with units in the header, for instance\n"
+            "  overlap (um),force (N)"
+        ),
+    )
+    add_law_arguments(table, law_required=False)
+    points = table.add_argument_group(
+        "measured points in place of --law; --unloading then also takes a file of points measured after the largest force"
+    )
+    points.add_argument("--points", type=Path, metavar="FILE", help="text file of first loading: overlap and force with units")
+    points.add_argument(
+        "--zero", type=length, default=0.0, help="displacement in m at which the bodies touch (default 0: overlaps are given)"
+    )
+    points.add_argument(
+        "--force-noise", type=force, metavar="N", help="standard uncertainty of a force in N (default: scatter)"
+    )
+    points.add_argument("--knots", type=whole(2, 30), default=24, help="most knots of the curve (default 24)")
+    points.add_argument("--residual", type=length, help="overlap in m at which unloading ends (default: found from the points)")
+    table.add_argument(
+        "--rtol", type=plain, help="relative tolerance in force and stiffness (default 1e-5; of points 1e-3, about their curve)"
+    )
+    table.add_argument("--max-force", type=force, help="end of the table in N (default: overlap of a tenth of the radius)")
+    table.add_argument("--out", type=output, required=True, help="file to write")
+    table.add_argument("--figure", type=output, help="picture of the table and its errors, or of the points and the table")
+    table.set_defaults(func=run)
+
+
+def _is_table(path):
+    from demlaws.table_file import FORMAT
+
+    try:
+        with open(path, "rb") as file:
+            return file.read(len(FORMAT)) == FORMAT.encode()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {path}: {error.strerror or error}") from error
+
+
+def measured_table(arguments):
+    """The table of the points, and the (overlap, force) of first loading and unloading for a figure."""
+    import numpy as np
+
+    from demlaws.points import read_points
+    from demlaws.table import Table
+
+    if arguments.law is not None or arguments.option or arguments.max_force is not None:
+        raise DemlawsError("--points stand in place of --law, --option and --max-force: give one or the other")
+    test = read_points(arguments.points)
+    first = test.first_loading()
+    shown = [(test.displacement[first] - arguments.zero, test.force[first])]
+    unloading = "elastic" if arguments.unloading is None else arguments.unloading
+    if arguments.unloading_law is not None:
+        raise DemlawsError("--unloading-law goes with --law: with --points give --unloading FILE, a table or points")
+    text = str(unloading)
+    if ("/" in text or "." in text) and not _is_table(text):
+        back = read_points(Path(text))
+        peak = int(np.argmax(back.force))
+        end = peak + int(np.argmin(back.force[peak:])) + 1
+        unloading = (back.displacement[peak:end] - arguments.zero, back.force[peak:end])
+        shown.append(unloading)
+    table = Table.from_points(
+        *shown[0],
+        contact_from(arguments),
+        unloading=unloading,
+        uncertainty=arguments.force_noise,
+        residual=None if arguments.residual is None else arguments.residual - arguments.zero,
+        knots=arguments.knots,
+        rtol=1e-3 if arguments.rtol is None else arguments.rtol,
+        description=f"points of {arguments.points.name}",
+    )
+    left = int(test.force.size - np.count_nonzero(first))
+    knots = table.knots
+    print(
+        f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; the points lie up to "
+        f"{knots.departure:.3g} N from the curve"
+    )
+    if left and len(shown) == 1:
+        print(
+            f"{left} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them"
+        )
+    if not np.isnan(knots.uncertainty).all():
+        k = int(np.nanargmax(knots.uncertainty / knots.force))
+        print(
+            f"standard uncertainty of the force: at most {100 * knots.uncertainty[k] / knots.force[k]:.2g} % "
+            f"(at {knots.force[k]:.3g} N)"
+        )
+    return table, shown
+
+
+def run(arguments):
+    """Do what the command's arguments ask."""
+    from demlaws import plots
+
+    shown = law = None
+    if arguments.points is not None:
+        table, shown = measured_table(arguments)
+    elif arguments.law is None:
+        raise DemlawsError("give --law NAME, or measured points with --points FILE")
+    else:
+        law = law_from(arguments)
+        table = law.tabulate(1e-5 if arguments.rtol is None else arguments.rtol, arguments.max_force)
+    table.save(arguments.out)
+    print(
+        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.rows.bits} cells an octave, "
+        f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
+        f"stiffness {table.stiffness_error:.1e}"
+    )
+    curve = table.unloading_law
+    if curve is not None:
+        print(
+            f"unloading along {curve.name!r}: {curve.nodes.u.size} rows, to {curve.largest_force:.4g} N; "
+            f"largest relative error: force {curve.force_error:.1e}, stiffness {curve.stiffness_error:.1e}"
+        )
+    if not table.collapses:
+        print(f"the curve of {table.name!r} has no single dimensionless form: this table holds for this contact only")
+    if arguments.figure is not None:
+        made = plots.table_figure(table, law) if shown is None else plots.points_figure(table, shown)
+        print(plots.save(made, arguments.figure))

@@ -1,0 +1,71 @@
+"""Overlaps that no law of small strains is for: warned of beyond R/10, refused beyond R."""
+
+import warnings
+
+import pytest
+from yade_scenes import functor, material, set_engines
+
+import demlaws as dl
+
+RADIUS = 0.01  # of two spheres: R = 5 mm
+
+
+def pressed(law, overlap, young=60.6e9, speed=0.0):
+    import yade
+    from yade.utils import sphere
+
+    omega = yade.O
+    omega.reset()
+    below, above = material(), material(young=young)
+    for place in (0.0, 0.2):
+        omega.bodies.append(sphere((0, 0, place), RADIUS, fixed=True, material=below))
+        omega.bodies.append(sphere((0, 0, place + 2 * RADIUS - overlap), RADIUS, fixed=True, material=above))
+    omega.bodies[1].state.vel = (0, 0, -speed)
+    set_engines(law, 1e-6)
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+@pytest.mark.parametrize("rule", ["elastic", "hertz"])
+def test_a_large_overlap_is_warned_of_once(omega, way, rule):
+    law = functor("pohrt-popov", rule, bridge=way)
+    pressed(law, 0.6e-3)
+    with pytest.warns(dl.ValidityWarning, match=r"law 'demlaws': overlap 0.0006 m is 0.12 of .* R = 0.005 m \(2 of 2 con"):
+        omega.run(2, True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", dl.ValidityWarning)
+        omega.run(20, True)
+    assert omega.interactions[0, 1].phys.normalForce.norm() > 0
+    pressed(law, 0.6e-3)  # another scene: again
+    with pytest.warns(dl.ValidityWarning, match="2 of 2"):
+        omega.run(2, True)
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_small_overlap_is_not(omega, way):
+    law = functor(bridge=way)
+    pressed(law, 0.499e-3)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", dl.ValidityWarning)
+        omega.run(5, True)
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_an_overlap_beyond_the_radius_stops(omega, way):
+    """Sphere 1 is driven in at 200 m/s; no force is applied at that overlap."""
+    law = functor(bridge=way, neverErase=True)
+    pressed(law, 4.9e-3, speed=200.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        with pytest.raises(RuntimeError, match=r"contact 0\+1: overlap 0.005\d* m is 1.\d* times .* R = 0.005 m.*check units"):
+            omega.run(20, True)
+    assert omega.iter < 5
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_marker_may_be_anywhere(omega, way):
+    law = functor(bridge=way)
+    pressed(law, 8e-3, young=0.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        omega.run(5, True)
+    assert omega.forces.f(1).norm() == 0

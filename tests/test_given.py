@@ -1,0 +1,278 @@
+"""Tables of any function and of measured points: exact to their certificate, and everything that is no curve refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.given import GivenCurve, MeasuredCurve
+
+CONTACT = dl.Contact(radius=4e-3, modulus=3e10)
+OVERLAP = np.geomspace(1e-10, 3.9e-4, 4000)
+
+
+def power(overlap):
+    return 3e9 * overlap**1.7
+
+
+CURVES = {
+    "power": (power, lambda d: 5.1e9 * d**0.7),
+    "scalar": (lambda d: 3e9 * float(d) ** 1.7 if d > 0 else 0.0, lambda d: 5.1e9 * d**0.7),
+    "kink": (lambda d: 1e6 * d + 5e6 * np.maximum(d - 3.3e-5, 0), lambda d: np.where(d < 3.3e-5, 1e6, 6e6)),
+    "bend": (lambda d: 1e6 * d + 5e11 * np.maximum(d - 3.3e-5, 0) ** 2, lambda d: 1e6 + 1e12 * np.maximum(d - 3.3e-5, 0)),
+    "two kinks": (
+        lambda d: 1e6 * d + 1e6 * np.maximum(d - 1e-5, 0) + 2e6 * np.maximum(d - 1.2e-5, 0),
+        lambda d: 1e6 + 1e6 * (d > 1e-5) + 2e6 * (d > 1.2e-5),
+    ),
+    "a sharp rise": (
+        lambda d: 1e6 * d * (1 + 0.5 * np.tanh((d - 2e-5) / 1e-6)),
+        lambda d: 1e6 * (1 + 0.5 * np.tanh((d - 2e-5) / 1e-6)) + 0.5 * d / np.cosh((d - 2e-5) / 1e-6) ** 2 * 1e12,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CURVES)
+@pytest.mark.parametrize("given", [True, False])
+def test_a_function_becomes_a_table_within_its_certificate(name, given):
+    """Against the function and its derivative written out, at overlaps that the table did not choose; kinks are found."""
+    force, stiffness = CURVES[name]
+    table = dl.Table.from_function(force, CONTACT, stiffness=stiffness if given else None)
+    at = OVERLAP[np.all([np.abs(OVERLAP / k - 1) > 1e-6 for k in (1e-5, 1.2e-5, 3.3e-5)], axis=0)]
+    with np.errstate(over="ignore"):
+        expected = np.array([float(force(d)) for d in at]), np.array([float(stiffness(d)) for d in at])
+    assert np.max(np.abs(table.force(at) / expected[0] - 1)) <= 1e-5 >= table.force_error
+    assert np.max(np.abs(table.stiffness(at) / expected[1] - 1)) <= 1.01e-5 and table.stiffness_error <= 1e-5
+    assert table.largest_overlap >= 4e-4 * (1 - 1e-9) and not table.collapses
+
+
+def test_it_is_a_table_like_any_other(tmp_path):
+    table = dl.Table.from_function(power, CONTACT, unloading="hertz", name="mine", description="what I measured")
+    read = dl.Table.load(table.save(tmp_path / "mine.tbl"))
+    assert (read.name, read.definition.description, read.unloading) == ("mine", "what I measured", "hertz")
+    path = np.array([2e-5, 1.5e-5, 1.9e-5, 3e-5, 0.0])
+    np.testing.assert_array_equal(read.follow(path).force, table.follow(path).force)
+    assert table.follow(path).dissipated[-1] > 0
+    assert "what I measured" in (tmp_path / "mine.tbl").read_text()
+    import pickle
+
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(read)).follow(path).force, table.follow(path).force)
+
+
+def test_unloading_along_another_function():
+    table = dl.Table.from_function(power, CONTACT, unloading=lambda d: 9e9 * d**1.65)
+    assert table.unloading == "table" and table.unloading_law.force_error <= 2e-5
+    top = power(2e-5)
+    foot = 2e-5 - (top / 9e9) ** (1 / 1.65)
+    path = table.follow(np.array([2e-5, foot + 1e-6, foot, 2e-5]))
+    np.testing.assert_allclose(path.force, [top, 9e9 * 1e-6**1.65, 0.0, top], rtol=3e-5, atol=1e-9)
+    with pytest.raises(dl.DemlawsError, match="would return more work"):
+        dl.Table.from_function(power, CONTACT, unloading=lambda d: 2e9 * d**1.7)
+    with pytest.raises(dl.DemlawsError, match="the unloading function raises ZeroDivisionError at overlap"):
+        dl.Table.from_function(power, CONTACT, unloading=lambda d: 1 / 0)
+
+
+def test_a_table_of_one_contact_serves_no_other_unless_told(tmp_path):
+    other = CONTACT.with_values(radius=8e-3)
+    table = dl.Table.from_function(power, CONTACT)
+    table.save(tmp_path / "one.tbl")
+    for one in (table, dl.Table.load(tmp_path / "one.tbl")):
+        with pytest.raises(dl.DemlawsError, match="holds for the contact it was made for only"):
+            one.bound_to(other)
+    told = dl.Table.from_function(power, CONTACT, scales_with="radius").bound_to(other)
+    assert told.force(2e-6) == pytest.approx(4 * power(1e-6), rel=1e-5)  # P/(E* R²) of δ/R
+    rough = dl.Contact(radius=4e-3, modulus=3e10, roughness=1e-6)
+    told = dl.Table.from_function(power, rough, scales_with="roughness").bound_to(rough.with_values(roughness=4e-6))
+    assert told.force(4e-6) == pytest.approx(8 * power(1e-6), rel=1e-5)  # P/(E* √R σ^1.5) of δ/σ
+    with pytest.raises(dl.DemlawsError, match="roughness is 0 m"):
+        dl.Table.from_function(power, CONTACT, scales_with="roughness")
+
+
+def raises_above(overlap):
+    if np.any(overlap > 1e-5):
+        raise RuntimeError("out of\nrange")
+    return 3e9 * overlap**1.7
+
+
+BAD = {
+    "nan": (lambda d: np.where(d > 1e-5, np.nan, power(d)), r"at overlap 1\.\d+e-05 m the force is nan N"),
+    "inf": (lambda d: np.where(d > 1e-5, np.inf, power(d)), r"at overlap 1\.\d+e-05 m the force is inf N"),
+    "negative": (lambda d: -power(d), r"the force is -.* N: it must not be negative"),
+    "decreasing": (
+        lambda d: 1e6 * d - 4e9 * d**2,
+        r"from overlap 0\.000\d+ m to 0\.000\d+ m the force falls from .* N to .* N",
+    ),
+    "zero": (lambda d: 0.0 * d, r"the force is 0 N: it must rise"),
+    "constant": (lambda d: 3.0, r"at overlap .* m it is 3 N"),
+    "raises": (raises_above, r"the force function raises RuntimeError at overlap 1\.\d+e-05 m: out of range"),
+    "text": (lambda d: "much", r"gives 'much' at overlap .*: one number in N is needed"),
+    "nothing": (lambda d: None, r"gives None at overlap"),
+    "two numbers": (lambda d: [1.0, 2.0], r"gives \[1\.0, 2\.0\] at overlap"),
+    "complex": (lambda d: 1j * d, r"one number in N is needed"),
+    "jump": (lambda d: power(d) + (d > 1e-5), r"at overlap 1e-05 m the force jumps from 9\.\d+ N to 10\.\d+ N"),
+    "root": (lambda d: 1e3 * d**0.5, r"goes as δ\^0\.5 .*grows without bound"),
+    "noise": (lambda d: power(d) * (1 + 1e-5 * np.sin(1e9 * d)), r"noise|noisy|falls|derivative"),
+    "no function": (3.0, "force must be a function of the overlap in m"),
+}
+
+
+@pytest.mark.parametrize("fault", BAD)
+def test_functions_that_are_refused(fault):
+    function, said = BAD[fault]
+    with pytest.raises(dl.DemlawsError, match=said) as caught:
+        dl.Table.from_function(function, CONTACT)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_wrong_derivative_is_refused():
+    with pytest.raises(dl.DemlawsError, match=r"at overlap .* m the stiffness is .* N/m, the derivative of the force .*"):
+        dl.Table.from_function(power, CONTACT, stiffness=lambda d: 5.2e9 * d**0.7)
+    with pytest.raises(dl.DemlawsError, match=r"the stiffness is nan N/m"):
+        dl.Table.from_function(power, CONTACT, stiffness=lambda d: math.nan)
+
+
+def test_whatever_a_function_gives_that_is_a_number_will_do():
+    """Integers, lists of one, arrays without shape, numpy's scalars; a function that changes its argument."""
+
+    def greedy(overlap):
+        result = power(overlap)
+        if isinstance(overlap, np.ndarray):
+            overlap[...] = -1.0
+        return result
+
+    expected = dl.Table.from_function(power, CONTACT).nodes.force
+    for function in (lambda d: [power(d)], lambda d: np.float32(0) + power(d), lambda d: np.array(power(float(d))), greedy):
+        np.testing.assert_allclose(dl.Table.from_function(function, CONTACT).nodes.force, expected, rtol=1e-12)
+    whole = dl.Table.from_function(lambda d: np.asarray(np.asarray(d) * 10**9, object) if False else 10**6 * d, CONTACT)
+    assert whole.force(1e-5) == pytest.approx(10.0, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"largest_overlap": 0.0}, r"largest_overlap = 0 m"),
+        ({"largest_overlap": 5e-3}, r"largest_overlap = 0\.005 m"),
+        ({"rtol": 1.0}, "rtol = 1"),
+        ({"name": "hertz"}, "no law's name"),
+        ({"name": "two words"}, "one word"),
+        ({"description": "two\nlines"}, "one line"),
+        ({"scales_with": "height"}, "scales_with='height'"),
+        ({"unloading": "rubber"}, "rubber"),
+        ({"kinks": ["x"]}, "kinks"),
+    ],
+)
+def test_what_else_is_refused(changes, said):
+    with pytest.raises(dl.DemlawsError, match=said):
+        dl.Table.from_function(power, CONTACT, **changes)
+    with pytest.raises(dl.DemlawsError, match="contact must be one"):
+        dl.Table.from_function(power, CONTACT.with_values(radius=np.array([1e-3, 2e-3])))
+
+
+def test_no_call_beyond_the_largest_overlap():
+    """A function may end where it is said to."""
+    seen = []
+
+    def ends(overlap):
+        seen.append(float(np.max(overlap)))
+        return power(overlap)
+
+    GivenCurve(ends, 2e-5).evaluate(np.array([1e-5, 3e-5]))
+    assert max(seen) <= 2e-5
+
+
+# --- points
+
+
+def test_points_are_kept_where_they_are_few():
+    overlap, force = [1e-6, 2e-6, 5e-6, 1e-5], [0.1, 0.4, 3.0, 10.0]
+    table = dl.Table.from_points(overlap, force, CONTACT, rtol=1e-4)
+    np.testing.assert_allclose(table.force(np.array(overlap)), force, rtol=1e-4)
+    assert table.knots.points == 4 and table.knots.smoothing == "none: a knot a point, 4"
+    assert np.all(np.diff(table.force(np.linspace(0, 1e-5, 2000))) > 0)
+    assert math.isnan(table.uncertainty(3e-6))
+    two = dl.Table.from_points([1e-6, 2e-6], [1.0, 3.0], CONTACT)
+    assert two.force(1.5e-6) == pytest.approx(1.5 ** math.log2(3), rel=1e-3)
+    assert two.force(5e-7) == pytest.approx(0.5 ** math.log2(3), rel=1e-3)  # the power law goes on below
+    shuffled = dl.Table.from_points(overlap[::-1], force[::-1], CONTACT, rtol=1e-4)
+    np.testing.assert_array_equal(shuffled.nodes.force, table.nodes.force)
+    twice = dl.Table.from_points([*overlap, 2e-6], [*force, 0.4], CONTACT, rtol=1e-4)
+    np.testing.assert_allclose(twice.nodes.force, table.nodes.force, rtol=1e-12)
+
+
+def test_noise_is_averaged_and_its_uncertainty_kept(tmp_path, rng):
+    overlap = np.linspace(2e-7, 1.4e-5, 400)
+    true = 3e9 * overlap**1.6
+    sigma = 0.2 + 0.01 * true
+    noisy = true + sigma * rng.standard_normal(400)
+    assert np.any(np.diff(noisy) < 0)
+    table = dl.Table.from_points(overlap, noisy, CONTACT, uncertainty=sigma)
+    assert "averaged to" in table.knots.smoothing and table.knots.overlap.size <= 24
+    inside = (overlap > 2e-6) & (overlap < 1.3e-5)
+    standard = table.uncertainty(overlap[inside])
+    # a knot is the mean of some 17 points: closer to the truth than a point, as its uncertainty says
+    assert np.all(standard < 0.6 * sigma[inside])
+    assert np.mean(((table.force(overlap[inside]) - true[inside]) / standard) ** 2) < 4.0
+    read = dl.Table.load(table.save(tmp_path / "points.tbl"))
+    np.testing.assert_array_equal(read.uncertainty(overlap), table.uncertainty(overlap))
+    assert read.knots.departure == table.knots.departure > 0
+    guessed = dl.Table.from_points(overlap, noisy, CONTACT)
+    assert 0.3 < np.median(guessed.uncertainty(overlap[inside]) / standard) < 3.0
+
+
+def test_unloading_points(tmp_path):
+    """The curve past the foot, from any largest force; the foot from a point without force, from the lowest two, or given."""
+    overlap = np.linspace(0.5e-6, 14e-6, 20)
+    force = 50.0 * (overlap / 14e-6) ** 1.6
+    back = np.linspace(4e-6, 14e-6, 21)
+    carried = 50.0 * np.maximum((back - 4e-6) / 10e-6, 0.0) ** 1.5
+    for points in ((back, carried), (back[1:], carried[1:])):
+        table = dl.Table.from_points(overlap, force, CONTACT, unloading=points)
+        path = table.follow(np.array([14e-6, 9e-6, 4.5e-6]))
+        np.testing.assert_allclose(path.force, [50.0, 50 * 0.5**1.5, 50 * 0.05**1.5], rtol=2e-3)
+        assert path.plastic_overlap[-1] == pytest.approx(4e-6, rel=1e-3)
+    again = dl.Table.load(table.save(tmp_path / "both.tbl"))
+    np.testing.assert_array_equal(again.follow(path.overlap).force, path.force)
+    assert again.unloading_law.knots.points == 20
+    with pytest.raises(dl.DemlawsError, match=r"residual = 5e-06 m: unloading still carries .* N at overlap 4\.5e-06 m"):
+        dl.Table.from_points(overlap, force, CONTACT, unloading=(back[1:], carried[1:]), residual=5e-6)
+    with pytest.raises(dl.DemlawsError, match=r"unloading begins at overlap 1\.4e-05 m with 25 N, where loading has 50 N"):
+        dl.Table.from_points(overlap, force, CONTACT, unloading=(back, 0.5 * carried))
+
+
+UP = np.linspace(1e-6, 1e-5, 12)
+REFUSED = {
+    "falling": ((UP, 10.0 - 9e5 * UP), r"first loading: .*(rise|rising)"),
+    "a loop": (
+        (np.r_[UP, UP], np.r_[3e9 * UP**1.7, 1e9 * UP**1.7]),
+        r"first loading: at overlap .* m the force is .* N, .* rising curve",
+    ),
+    "one point": (([1e-6], [1.0]), "1 points with an overlap and a force above 0; at least 2"),
+    "one overlap": (([1e-6, 1e-6], [1.0, 2.0]), "1 points with an overlap"),
+    "unequal": (([1e-6, 2e-6], [1.0]), r"2 overlaps \[m\] and 1 forces \[N\]"),
+    "nan": (([1e-6, np.nan], [1.0, 2.0]), "overlap of point 1 is nan m"),
+    "text": (("1", "2"), "two rows of numbers"),
+    "in µm": ((UP * 1e6, 3e9 * UP**1.7), r"overlap 10 m is 2\.5e\+03 times the effective radius"),
+    "no force": ((UP, 0 * UP), "0 points with an overlap"),
+}
+
+
+@pytest.mark.parametrize("fault", REFUSED)
+def test_points_that_are_refused(fault):
+    points, said = REFUSED[fault]
+    with pytest.raises(dl.DemlawsError, match=said):
+        dl.Table.from_points(*points, CONTACT)
+    for wrong in (-1.0, np.nan, [1.0], "much"):
+        with pytest.raises(dl.DemlawsError, match="uncertaint"):
+            dl.Table.from_points(UP, 3e9 * UP**1.7, CONTACT, uncertainty=wrong)
+
+
+def test_the_curve_through_knots_rises_whatever_they_are(rng):
+    for _ in range(50):
+        overlap, force = np.cumsum(rng.exponential(1.0, 8)) * 1e-6, np.cumsum(rng.exponential(1.0, 8) ** 3) + 1e-3
+        curve = MeasuredCurve(overlap, force)
+        at = np.sort(
+            np.concatenate([overlap * (1 - 1e-9), overlap * (1 + 1e-9), rng.uniform(0.1 * overlap[0], 1.5 * overlap[-1], 400)])
+        )
+        value, slope = curve.evaluate(at)
+        assert np.all(np.diff(value) >= -1e-15 * value[1:]) and np.all(slope > 0)
+        np.testing.assert_allclose(curve.evaluate(overlap)[0], force, rtol=1e-12)
