@@ -1,7 +1,7 @@
 """`demlaws trade`: cost against error."""
 
 from demlaws.cli import example
-from demlaws.cli.arguments import law_name, output, whole
+from demlaws.cli.arguments import law_name, output, pressure, whole
 from demlaws.errors import DemlawsError
 
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
@@ -49,6 +49,9 @@ def register(subparsers):
         help="only this: grains softer by 1 to 1000, with σ scaled and not, faster, in other steps; with FILE the study is run "
         "in the engines (--engines), hours, and goes on from the rows that FILE holds; without, kept rows are shown",
     )
+    parser.add_argument(
+        "--stress", type=pressure, help="stress that --scene compresses to (default 500 kPa; 5MPa makes contacts yield)"
+    )
     parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds or runs in the engines")
     parser.add_argument("--csv", type=output, help="file to write every figure to")
     parser.add_argument("--figure", type=output, help="picture to draw: error against cost with the Pareto front")
@@ -95,13 +98,17 @@ def run(arguments):
 
 
 def _scenes(arguments):
+    from dataclasses import replace
+
     from tqdm import tqdm
 
-    from demlaws import granite, plots
+    from demlaws import checks, granite, plots
     from demlaws.measure import candidates, packings, trade
     from demlaws.plots import choose as plots_choose
 
     setup = packings.QUICK if arguments.quick else packings.Setup()
+    if arguments.stress is not None:
+        setup = replace(setup, stress=checks.number(arguments.stress, "stress", "Pa", 1e4, 1e8, allow_low=True))
     found = {}
     for engine in trade.installed(arguments.scene):
         with tqdm(total=len(candidates.ways(engine)), desc=engine, leave=False, disable=None) as bar:

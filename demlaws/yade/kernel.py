@@ -599,14 +599,23 @@ def _limit_shear(shear, context, phys, kno, kso, overlap):
         return lambda shear, context, phys, kno, kso, overlap: None
 
     def limit(shear, context, phys, kno, kso, overlap):
-        old_kno, old_kso = load_double(phys + word(context, KNO)), load_double(phys + word(context, KSO))
-        share = kept_share(kno, kso, overlap, old_kno, old_kso, load_double(phys + word(context, SPARE) + 16))
-        if share < 1.0:
-            place = phys + word(context, SHEAR_FORCE)
-            for axis in range(3):
-                store_double(place + 8 * axis, share * load_double(place + 8 * axis))
+        # K_t = kso √δ has not fallen where neither has
+        fallen = kso < load_double(phys + word(context, KSO)) * (1.0 - SLACK)
+        if fallen or overlap < load_double(phys + word(context, SPARE) + 16):
+            lessen_shear(context, phys, kno, kso, overlap)
 
     return limit
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def lessen_shear(context, phys, kno, kso, overlap):
+    """Of a contact whose K_t may have fallen; phys is as the last step left it."""
+    old_kno, old_kso = load_double(phys + word(context, KNO)), load_double(phys + word(context, KSO))
+    share = kept_share(kno, kso, overlap, old_kno, old_kso, load_double(phys + word(context, SPARE) + 16))
+    if share < 1.0:
+        place = phys + word(context, SHEAR_FORCE)
+        for axis in range(3):
+            store_double(place + 8 * axis, share * load_double(place + 8 * axis))
 
 
 @kernel
