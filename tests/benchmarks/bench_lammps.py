@@ -1,6 +1,6 @@
 """Cost of a step in LAMMPS: demlaws/table against stock hertz/material, in a block of touching spheres.
 
-    python tests/benchmarks/bench_lammps.py [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
+    python tests/benchmarks/bench_lammps.py [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--warm 100] [--portable]
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
@@ -40,7 +40,7 @@ compute         ends all reduce sum c_touching
 variable        contacts equal 0.5*c_ends
 thermo_style    custom step ke v_contacts
 thermo          ${steps}
-run             100
+run             ${warm}
 run             ${steps}
 """
 )
@@ -73,6 +73,7 @@ def main():
     parser.add_argument("--ranks", type=int, nargs="+", default=[1, 2])
     parser.add_argument("--rounds", type=int, default=9)
     parser.add_argument("--steps", type=int, default=300)
+    parser.add_argument("--warm", type=int, default=100, help="steps before the clock starts")
     parser.add_argument("--sides", type=int, nargs="+", default=[22, 46], help="spheres along an edge (22: 10,648; 46: 97,336)")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
     options = parser.parse_args()
@@ -89,7 +90,13 @@ def main():
             ours = name in OURS
             normal = f"demlaws/table {OURS[name]}" if ours else "hertz/material"
             own = {"normal": normal, "eta": 0.5 if ours else 100.0, "damping": "demlaws/tangent" if ours else "viscoelastic"}
-            log = run(folder / "in.cost", ranks, {**own, "steps": options.steps}, plugin=ours, portable=options.portable)
+            log = run(
+                folder / "in.cost",
+                ranks,
+                {**own, "steps": options.steps, "warm": options.warm},
+                plugin=ours,
+                portable=options.portable,
+            )
             return log["contacts"][-1], timings(folder / "log.lammps")
 
         for side in options.sides:
