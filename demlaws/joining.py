@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from demlaws.core.curve import TableParams
 from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import loading_part, one_of
 from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
@@ -78,7 +79,9 @@ def largest_stiffness_ratio(law, points=2000):
         p = one_of(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
-        steps = law.definition.kinks(loading_part(p), **law.options)  # where K may jump up, between two points
+        part = loading_part(p)
+        # where K may jump up, between two points; a table is of a law that was looked at in closed form
+        steps = [] if isinstance(part, TableParams) else law.definition.kinks(part, **law.options)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
         force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
         evaluate_loop(Elastic(), p, overlap, (), force, stiffness)

@@ -132,9 +132,9 @@ class Choice:
         """Largest force [N] of the scene, and half as much again: where a table ends."""
         return self.judge.max_force
 
-    def batch(self, seed: int = 1) -> Batch:
-        """Random contacts of the scene in the states that occur, to time."""
-        return self.judge.batch(self.plan, seed)
+    def batch(self, seed: int = 1, kind: int = 0) -> Batch:
+        """Random contacts of one pair of kinds of grain (`Scene.kinds`) in the states that occur, to time."""
+        return self.judge.batch(self.plan, seed, kind)
 
     def describe(self) -> str:
         """One line: law, unloading, evaluation."""
@@ -350,10 +350,11 @@ class _Judge:
                 steps.append(stable / math.sqrt(max(self.scene.coordination / 2.0, 1.0)))
         return min(steps)
 
-    def batch(self, plan, seed=1):
-        """Random contacts of the scene in the states that occur, for timing."""
+    def batch(self, plan, seed=1, kind=0):
+        """Random contacts of a pair of kinds of grain in the states that occur, for timing."""
         random = np.random.default_rng(seed)
-        sample = samples(self.scene, _TIMED, random)[0]
+        found = samples(self.scene, _TIMED, random)
+        sample = found[kind * (len(found) // len(self.scene.kinds()))]
         contact = sample.contact
         if np.ptp(contact.radius) == 0.0:
             contact = contact.with_values(radius=float(contact.radius[0]))
@@ -467,14 +468,17 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
             named.setdefault(why, []).append(label.split(",")[0])
         reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in named.items())
         raise DemlawsError(f"no law can serve this scene: {reasons}")
-    batches = {}
+    batches, pairs = {}, range(len(scene.kinds()))
     for plan in list(judged):
         try:
-            batches[plan] = judge.batch(plan)
+            batches |= {(plan, pair): judge.batch(plan, kind=pair) for pair in pairs}
         except DemlawsError as error:
             ruled_out[_label(plan)] = str(error)
             del judged[plan]
-    cost, floor = nanoseconds(batches, rounds=21)
+    batches = {key: batch for key, batch in batches.items() if key[0] in judged}
+    every, floor = nanoseconds(batches, rounds=21)
+    # how often each pair of kinds meets is not known: all alike
+    cost = {plan: sum(every[plan, pair] for pair in pairs) / len(pairs) for plan in judged}
     in_engine, measured_in = _engine_costs(judge, list(judged), notes)
     base = judge.step(reference)
     choices = []
@@ -516,10 +520,10 @@ def _rank(choice, least):
 
 
 def _engine_costs(judge, plans, notes):
-    """Plan → ns a contact and step, measured in the scene's engine (nothing where it cannot be), and what that is of."""
-    from demlaws.liggghts.export import Grain
+    """Plan → ns a contact and step in the scene's engine, the mean over every kind of grain (nothing where it cannot be
+    measured), and what that is of."""
     from demlaws.measure.candidates import NAMES, Way
-    from demlaws.measure.costs import available, plugin_costs, yade_costs
+    from demlaws.measure.costs import available
 
     scene, alone = judge.scene, "the law alone"
     if scene.engine == "python":
@@ -527,39 +531,46 @@ def _engine_costs(judge, plans, notes):
     name = NAMES[scene.engine]
     problem = available(scene.engine)
     if problem is None:
-        contact = scene.contacts(scene.effective_radii()[1])[0]
-        radius = scene.radii[1]
-        if not scene.walls:
-            contact = scene.contacts(0.5 * radius)[0]
-        low, high = (float(v) for v in scene.force_range(contact))
-        material, surface = scene.materials[0], scene.surfaces[0]
-        given = {
-            "young": material.young,
-            "poisson": material.poisson,
-            "density": DENSITY if material.density is None else material.density,
-            "surface": {**vars(surface), "hardness": contact.hardness},
-            "radius": radius,
-            "overlap": float(judge.reference.bind(contact).overlap(math.sqrt(low * high))),
-        }
         ways = []
         for plan in plans:
             own = scene.engine != "yade" and plan.evaluation != "table"
             law, model = ("", find(plan.name).native[scene.engine]) if own else (plan.name, "")
             ways.append(Way(_label(plan), law, plan.unloading, plan.rtol, model, plan.options))
         try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", ValidityWarning)
-                if scene.engine == "yade":
-                    costs = yade_costs(ways, given, scene.contacts(0.5 * radius)[0])
-                else:
-                    grains = [Grain(r, material, surface) for r in (radius, 1.01 * radius)]
-                    given |= {"contact": scene.contacts(0.5 * radius)[0], "grains": grains}
-                    costs = plugin_costs(scene.engine, ways, given)
-            return {plan: cost.step for plan, cost in zip(plans, costs, strict=True)}, f"a step of {name}"
+            steps = np.zeros(len(plans))
+            alike = dict.fromkeys(zip(scene.materials, scene.surfaces, strict=True))
+            for material, surface in alike:
+                costs = _costs_of_kind(judge, ways, material, surface)
+                steps += [cost.step / len(alike) for cost in costs]
+            return dict(zip(plans, map(float, steps), strict=True)), f"a step of {name}"
         except DemlawsError as error:
             problem = str(error)
     notes.append(f"the cost in {name} could not be measured ({problem}): ranked by the cost of the law alone")
     return {}, alone
+
+
+def _costs_of_kind(judge, ways, material, surface):
+    """`StepCost` of each way in the scene's engine, in a packing of the largest grains of one kind."""
+    from demlaws.liggghts.export import Grain
+    from demlaws.measure.costs import plugin_costs, yade_costs
+
+    scene, radius = judge.scene, judge.scene.radii[1]
+    pair = replace(scene, materials=material, surfaces=surface).contacts(0.5 * radius)[0]
+    low, high = (float(v) for v in scene.force_range(pair))
+    given = {
+        "young": material.young,
+        "poisson": material.poisson,
+        "density": DENSITY if material.density is None else material.density,
+        "surface": {**vars(surface), "hardness": pair.hardness},
+        "radius": radius,
+    }
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        given["overlap"] = float(judge.reference.bind(pair).overlap(math.sqrt(low * high)))
+        if scene.engine == "yade":
+            return yade_costs(ways, given, pair)
+        grains = [Grain(r, material, surface) for r in (radius, 1.01 * radius)]
+        return plugin_costs(scene.engine, ways, given | {"contact": pair, "grains": grains})
 
 
 def _label(plan):

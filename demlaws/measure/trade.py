@@ -15,10 +15,12 @@ import numpy as np
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
 from demlaws.core.fastmath import loop
+from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import registry
 from demlaws.liggghts.export import Grain
+from demlaws.make import example
 from demlaws.make import law as bind_law
 from demlaws.measure import candidates, peers
 from demlaws.measure.costs import StepCost, available, plugin_costs, yade_costs
@@ -143,9 +145,11 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
         for name, definition in registry().items():
             if definition.needs_map or (laws and name not in laws):
                 continue
-            for rule in definition.unloading:
+            # along another curve: of laws that choices are made of
+            given = (GIVEN,) if definition.candidate and not definition.smooth else ()
+            for rule in (*definition.unloading, *given):
                 try:
-                    bound[name, rule] = _bind(name, rule)
+                    bound[name, rule] = example(name, GRANITE, rule)
                 except DemlawsError:
                     continue
         made, batches = {}, {}

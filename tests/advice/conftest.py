@@ -7,8 +7,9 @@ LAWS = {"hertz": 1.0, "goddard": 1.5, "rms": 2.0, "pohrt-popov": 3.0, "rough-pla
 RULES = {"elastic": 0.0, "hertz": 1.0, "thornton": 1.5}
 
 
-def cost_of(plan):
+def cost_of(key):
     """ns a contact, as measured on an idle machine, to the nearest half."""
+    plan, _ = key
     if plan.evaluation == "table":
         return 2.5 + RULES.get(plan.unloading, 1.0)
     branch = 0.5 if dict(plan.options).get("branch") else 1.0

@@ -357,3 +357,29 @@ def test_softer_grains_are_advised_and_written(tmp_path, capsys):
     file.write_text(file.read_text().replace("0.5", "1e-5"))
     assert main(["choose", str(file), "--soften"]) == 2
     assert "tolerance = 1e-05" in capsys.readouterr().err
+
+
+def test_every_kind_of_grain_is_measured(monkeypatch):
+    """In the engine: each kind once, and the cost is their mean; alone: every pair of kinds."""
+    from demlaws.measure.costs import StepCost
+
+    seen, timed = [], []
+
+    def costs(ways, given, contact):
+        seen.append((given["young"], contact.modulus))
+        return [StepCost(way, 100.0 * len(seen), 1.0, 0.1, 0.2) for way in ways]
+
+    def timing(batches, rounds):
+        timed.extend(batches)
+        return {key: float(1 + key[1]) for key in batches}, 1.0
+
+    monkeypatch.setattr("demlaws.measure.costs.available", lambda engine: None)
+    monkeypatch.setattr("demlaws.measure.costs.yade_costs", costs)
+    monkeypatch.setattr("demlaws.advice.choose.nanoseconds", timing)
+    two = {"materials": (GRANITE, STEEL), "surfaces": (ROUGH, ROUGH)}
+    choices = dl.choose(scene(engine="yade", **two), tables=False)
+    assert [young for young, _ in seen] == [GRANITE.young, STEEL.young] and len({m for _, m in seen}) == 2
+    assert {c.engine_ns for c in choices} == {150.0}
+    assert {key[1] for key in timed} == {0, 1, 2} and {c.ns for c in choices} == {2.0}
+    batches = [choices.best.batch(kind=pair) for pair in range(3)]
+    assert len({float(np.max(b.overlap)) for b in batches}) == 3

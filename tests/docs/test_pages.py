@@ -18,6 +18,7 @@ NEEDS = {
     PROJECT / "README.md": ("yade", "liggghts", "lammps"),
     DOCS / "tutorials" / "yade-oedometer.md": ("yade",),
     DOCS / "tutorials" / "liggghts-ballast.md": ("liggghts",),
+    DOCS / "lammps.md": ("lammps",),
     DOCS / "tutorials" / "which-law.md": (),  # measures costs: half a minute
 }
 PLAIN = [

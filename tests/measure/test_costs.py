@@ -24,7 +24,7 @@ def test_engines_that_are_not_there(monkeypatch):
     monkeypatch.setenv("YADE", "nowhere")
     monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
     assert "nowhere" in costs.available("yade") and "nowhere" in costs.available("liggghts")
-    assert costs.available("abacus") == "engine 'abacus': choose yade or liggghts"
+    assert costs.available("abacus") == "engine 'abacus': choose yade, liggghts, lammps"
 
 
 def test_shares_of_a_step_in_yade(monkeypatch):

@@ -1,7 +1,6 @@
 """The study of softer grains: its plan, its rows, what it makes of them; and in the engine, that softening is a similarity."""
 
 import json
-import math
 
 import numpy as np
 import pytest
@@ -108,11 +107,8 @@ def test_rows_that_failed_are_left_out():
 def test_kept_rows_say_what_the_documents_say():
     """Of the study that demlaws keeps: σ scaled, E/10 errs by some 15 %; σ alone by four times that; chance is far below."""
     found = softening.points(softening.load())
-    by = {
-        (p.run.factor, p.run.scaled): p
-        for p in found
-        if p.run.engine == "yade" and p.run.inertial == 3e-4 and p.run.part == 0.5
-    }
+    plain = Run("yade", "cycles")
+    by = {(p.run.factor, p.run.scaled): p for p in found if p.run._replace(factor=1.0, scaled=True, cycles=1) == plain}
     chance = max(by[1.0, True].chance[n] for n in ("low", "loading", "unloading"))
     assert chance < 0.01
     assert 0.1 < softening.worst(by[10.0, True]) < 0.2
@@ -131,18 +127,16 @@ def test_the_command(tmp_path, capsys):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("engine", ["yade", "liggghts"])
-def test_softening_is_a_similarity(engine, tmp_path):
-    """150 grains to 20 kPa: softer by 3 with σ scaled, stiffness times s^(2/3) is that of the unscaled packing within the
-    geometry's part and chance; with σ alone it is not, nor is its exponent."""
+def test_softening_keeps_the_exponent_where_sigma_is_scaled(engine, tmp_path):
+    """150 grains to 375 kPa at a tenth of the modulus. With σ scaled the exponent of stiffness is that of the packing as it is,
+    to 0.03, and stiffness times s^(2/3) to 20 %, which is geometry's part, not chance (0.3 %); with σ alone neither."""
     if available(engine):
         pytest.skip(available(engine))
-    runs = [Run(engine, "cycles", stress=2e4, factor=f, scaled=s) for f, s in ((1.0, True), (3.0, True), (3.0, False))]
-    runs.insert(1, runs[0]._replace(copy=1))
+    runs = [Run(engine, "cycles", factor=f, scaled=s) for f, s in ((1.0, True), (10.0, True), (10.0, False))]
     softening.execute(runs, tmp_path / "rows.jsonl")
     rows = {r: softening.values(r, v) for r, v in softening.load(tmp_path / "rows.jsonl").items()}
-    one, again, scaled, alone = (rows[r] for r in runs)
+    one, scaled, alone = (rows[r] for r in runs)
+    assert abs(scaled["exponent"] - one["exponent"]) < 0.03 < 0.1 < one["exponent"] - alone["exponent"]
     for name in ("low", "loading"):
-        chance = abs(again[name] / one[name] - 1.0)
-        assert abs(scaled[name] / one[name] - 1.0) < 0.1 + 3.0 * chance
-        assert alone[name] / one[name] - 1.0 > 0.15
-    assert math.isfinite(alone["exponent"])
+        assert abs(scaled[name] / one[name] - 1.0) < 0.2
+        assert alone[name] / one[name] - 1.0 > 0.3

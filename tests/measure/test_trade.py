@@ -23,6 +23,9 @@ def test_entries(measured):
     closed = {e[:2]: e for e in entries if e.evaluation == "closed form"}
     assert closed["rough-plastic", "thornton"].richest["force"] < 1e-12
     assert closed["pohrt-popov", "hertz"].richest["stiffness"] > 0.01  # the bulk yields
+    given = {e.evaluation: e for e in entries if e[:2] == ("pohrt-popov", "table")}  # along a given curve
+    assert {"closed form", "float32", "table", "lazy"} <= set(given) and given["closed form"].own["force"] < 1e-12
+    assert given["closed form"].state_bytes == 16 and given["closed form"].richest["energy"] > 0.0
     tables = [e for e in entries if e[:3] == ("pohrt-popov", "hertz", "table")]
     assert len(tables) >= 4
     errors = [e.own["stiffness"] for e in tables]

@@ -69,6 +69,17 @@ def table_figure():
     assert 1e-5 < max(drawn["force"][:, 1].max(), drawn["stiffness"][:, 1].max()) <= 1e-3
 
 
+def points_figure():
+    force = np.geomspace(0.5, 50.0, 15)
+    overlap = dl.law("rms", PAIR).overlap(force)
+    table = dl.Table.from_points(overlap, force, PAIR)
+    left, right = plots.points_figure(table, [(overlap, force)]).axes
+    assert labels(left) == ["points", "table", "knots"] and right.get_xscale() == "log"
+    np.testing.assert_allclose(lines(left)[0], np.column_stack([overlap * 1e6, force]))
+    _, (at, curve), *_ = (xy.T for xy in lines(left))
+    np.testing.assert_allclose(np.interp(overlap[3:] * 1e6, at, curve), force[3:], rtol=0.02)  # it goes through them
+
+
 # --- the granite tests
 
 
@@ -308,7 +319,7 @@ def boundary_element_figure():
 DRAWN = {
     function.__name__: function
     for function in (
-        *(path_figure, table_figure, granite_force, granite_stiffness, granite_crossover, granite_roughness),
+        *(path_figure, table_figure, points_figure, granite_force, granite_stiffness, granite_crossover, granite_roughness),
         *(granite_unloading, granite_cycles, granite_plastic, granite_radius, fit_figure, choices_figure),
         *(stability_figure, trade_figure, scene_figure, deviations, regime_figure, surface_figure),
         *(contact_figure, repeated_figure, nine_point_figure, change_figure, law_figure, boundary_element_figure),

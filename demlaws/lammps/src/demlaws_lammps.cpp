@@ -264,8 +264,13 @@ void pair_init_here(void *pair) {
 }
 
 // A position that is no number touches nothing: a particle with one would drop out of the model silently.
-void check_positions(void *lmp, void *error) {
+void check_positions(void *object) {
+  void *const lmp = instance_of(object), *const error = *((void ***)object)[3];
   const Stock &stock = Stock::get();
+  Range &range = Range::of(lmp);
+  const void *const now = range.used ? stock.global(lmp, "ntimestep") : NULL;
+  if (!now || *(const long long *)now == range.checked) return;
+  range.checked = *(const long long *)now;
   const double *const *const x = (const double *const *)stock.atom(lmp, "x");
   const long count = 3 * (long)stock.setting(lmp, "nlocal");
   if (!x || !count) return;
@@ -289,18 +294,19 @@ void check_positions(void *lmp, void *error) {
 }
 
 void pair_forces_here(void *pair, int eflag, int vflag) {
-  void *const lmp = instance_of(pair);
-  if (Range::of(lmp).used) check_positions(lmp, *((void ***)pair)[3]);
-  Ledger::of(lmp).begin(NULL);
+  check_positions(pair);
+  Ledger::of(instance_of(pair)).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
 void wall_forces_here(void *wall, int vflag) {
+  check_positions(wall); // there may be no pair style
   Ledger &ledger = Ledger::of(instance_of(wall));
   ledger.begin(wall);
   Stock::get().wall_forces(wall, vflag);
   ledger.end();
 }
 void region_forces_here(void *wall, int vflag) {
+  check_positions(wall); // there may be no pair style
   Ledger &ledger = Ledger::of(instance_of(wall));
   ledger.begin(wall);
   Stock::get().region_forces(wall, vflag);

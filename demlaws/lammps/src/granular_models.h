@@ -15,8 +15,8 @@ public:
 
   // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
   Table(Model *m, const std::string &named, const demlaws::Table &table)
-      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.), radius_(0.),
-        shear_(demlaws::ELASTIC_SHEAR) {
+      : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
+        per_stiffness_(0.), radius_(0.), shear_(demlaws::ELASTIC_SHEAR) {
     name = named;
     material_properties = 1;
     // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
@@ -47,6 +47,7 @@ public:
     } catch (const std::exception &problem) {
       refuse(problem.what());
     }
+    per_stiffness_ = 0.5 / pair_.modulus;
     shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
     radius_ = 0.;
     if (table_.collapses()) return;
@@ -86,23 +87,19 @@ public:
     coeffs_to_local();
   }
 
-  bool touch() {
-    if (gm->rsq < gm->radsum * gm->radsum) return true;
-    if (__builtin_expect(gm->rsq != gm->rsq, 0)) refuse_position();
-    return false;
-  }
   double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
   double stiffness() const { return stiffness_; }
 
 protected:
-  inline double finish(const demlaws::Force &now) {
+  template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
     Model *const m = gm;
-    if (__builtin_expect(now.outside || m->delta > SMALL_OVERLAP * m->Reff, 0)) far(now);
+    if (__builtin_expect(now.outside || m->delta > SMALL_OVERLAP * m->Reff, 0)) far(now.force, now.outside);
     if (__builtin_expect(radius_ > 0. && !(fabs(m->Reff - radius_) <= coeffs[TOLERANCE] * radius_), 0)) refuse_radius();
     stiffness_ = now.stiffness;
     // K = 2 E* a: what mindlin, viscoelastic and heat scale with
-    m->contact_radius = demlaws::shear_stiffness(shear_, pair_, m->Reff, m->delta, now, m->history + history_index) /
-                        (2. * pair_.modulus);
+    m->contact_radius =
+        demlaws::shear_stiffness<RULE>(shear_, pair_, m->Reff, m->delta, now, m->history + history_index) *
+        per_stiffness_;
     return now.force;
   }
   // After a step that somebody wants to know more of.
@@ -141,19 +138,19 @@ protected:
   const demlaws::Table &table_;
   Ledger &ledger_;
   demlaws::Pair pair_;
-  double stiffness_, radius_; // radius_ > 0: the only one the table holds for
+  double stiffness_, per_stiffness_, radius_; // radius_ > 0: the only one the table holds for
   demlaws::Shear shear_;
 
 private:
   __attribute__((noinline, cold)) void refuse(const std::string &what) const {
     raise(*of.error, true, name + ": " + what);
   }
-  // The bodies by their numbers, as far as they are known: before the forces a wall's model is told of neither.
-  __attribute__((noinline, cold)) std::string who(bool before) const {
+  // The bodies by their numbers, as far as they are known: a wall's model is told of its particle's velocity alone.
+  __attribute__((noinline, cold)) std::string who() const {
     const Stock &stock = Stock::get();
     const void *const tags = stock.atom(of.lmp, "id");
     const bool wall = gm->contact_type != 0;
-    const long at[2] = {wall ? before ? -1 : ledger_.particle("v", gm->vi) : ledger_.particle("x", gm->xi),
+    const long at[2] = {wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", gm->xi),
                         wall ? -1 : ledger_.particle("x", gm->xj)};
     std::ostringstream what;
     what << name << ": " << (wall ? "particle " : "particles ");
@@ -169,44 +166,39 @@ private:
   }
   // An overlap that is large for any law of small strains is warned of and counted; beyond R, or the last row of the
   // table, it is refused, or counted with `extrapolation on`.
-  __attribute__((noinline, cold)) void far(const demlaws::Force &now) const {
+  __attribute__((noinline, cold)) void far(double force, bool outside) const {
     const double ratio = gm->delta / gm->Reff, last = table_.last_overlap() * pair_.length_of(gm->Reff);
     const bool extrapolates = coeffs[EXTRAPOLATE] > 0., counted = gm->history_update != 0;
     Range &range = Range::of(of.lmp);
     if (ratio > SMALL_OVERLAP * (1. + 1e-9)) {
       std::ostringstream what;
       const bool none = ratio > LARGEST_OVERLAP;
-      what << who(false) << "overlap " << gm->delta << " m is " << std::setprecision(3) << ratio
-           << (none ? " times" : " of") << std::setprecision(6) << " the effective radius R = " << gm->Reff
+      what << who() << "overlap " << gm->delta << " m is " << std::setprecision(3) << ratio << (none ? " times" : " of")
+           << std::setprecision(6) << " the effective radius R = " << gm->Reff
            << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
            << (none ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
       if (none && !extrapolates) raise(*of.error, false, what.str() + ", or say 'extrapolation on'");
       Range::report(of.lmp, *of.error, range.deep, ratio / SMALL_OVERLAP, counted, what.str());
     }
-    if (!now.outside) return;
+    if (!outside) return;
     std::ostringstream what;
-    what << who(false) << "overlap " << gm->delta << " m is beyond the last row of " << table_.path() << ", " << last
+    what << who() << "overlap " << gm->delta << " m is beyond the last row of " << table_.path() << ", " << last
          << " m";
     if (extrapolates) {
       what << ": its last power law goes on, uncertified";
       Range::report(of.lmp, *of.error, range.beyond, gm->delta / last, counted, what.str());
       return;
     }
-    what << " (some " << now.force << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
+    what << " (some " << force << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
          << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
     raise(*of.error, false, what.str());
   }
   __attribute__((noinline, cold)) void refuse_radius() const {
     std::ostringstream what;
-    what << who(false) << "contact radius " << gm->Reff << " m, but law " << table_.text("law")
+    what << who() << "contact radius " << gm->Reff << " m, but law " << table_.text("law")
          << " does not collapse and the table holds for " << radius_ << " m (radius_tolerance " << coeffs[TOLERANCE]
          << "); make a table of this pair of types or widen the tolerance";
     raise(*of.error, false, what.str());
-  }
-  // A position that is no number touches nothing: without this the particle would drop out of the model silently.
-  __attribute__((noinline, cold)) void refuse_position() const {
-    raise(*of.error, false,
-          who(true) + "a position is not a number; take a smaller time step, look at what was done to this particle");
   }
 };
 
@@ -214,16 +206,22 @@ private:
 template <demlaws::Unloading RULE> class Ruled : public Table {
 public:
   Ruled(Model *m, const std::string &named, const demlaws::Table &table) : Table(m, named, table) {}
-  double calculate_forces() {
+  __attribute__((flatten)) double calculate_forces() {
+    Model *const m = gm;
+    if (__builtin_expect(ledger_.busy | m->calculate_svector, 0)) return watched();
+    return this->template finish<RULE>(
+        demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, m->history + history_index, m->history_update != 0));
+  }
+
+private:
+  __attribute__((noinline, cold)) double watched() {
     Model *const m = gm;
     double *const state = m->history + history_index;
-    if (__builtin_expect(ledger_.busy || m->calculate_svector, 0)) {
-      const double before[MOST_STATE] = {state[0], state[1], state[2]};
-      const double force = finish(demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, state, m->history_update != 0));
-      account(before, state);
-      return force;
-    }
-    return finish(demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, state, m->history_update != 0));
+    const double before[MOST_STATE] = {state[0], state[1], state[2]};
+    const double force =
+        this->template finish<RULE>(demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, state, m->history_update != 0));
+    account(before, state);
+    return force;
   }
 };
 

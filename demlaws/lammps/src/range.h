@@ -22,7 +22,8 @@ struct Excess {
 struct Range {
   Excess deep, beyond; // than SMALL_OVERLAP; the last row
   bool used;           // there is a table
-  Range() : deep(), beyond(), used(false) {}
+  long long checked;   // the step in which positions were looked at
+  Range() : deep(), beyond(), used(false), checked(-1) {}
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;

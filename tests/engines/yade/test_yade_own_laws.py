@@ -1,0 +1,82 @@
+"""A law of a user's own file, and a table of a user's function, inside YADE: the force that was applied against both."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from yade_scenes import Recorder, functor, material, set_engines
+
+import demlaws as dl
+from demlaws.laws import registry
+
+PAGE = (Path(__file__).parents[3] / "docs" / "own-laws.md").read_text()
+MODULUS = 60.6e9 / (1 - 0.25**2) / 2
+SMOOTH = {"granite": dl.Surface()}
+
+
+@pytest.fixture
+def page(tmp_path):
+    """The files of the page, written as a reader would."""
+    for name, text in re.findall(r"<!-- file: (\w+\.py) -->\n```python\n(.*?)```", PAGE, re.DOTALL):
+        (tmp_path / name).write_text(text)
+    return tmp_path
+
+
+def two_spheres(law):
+    import yade
+    from yade.utils import sphere
+
+    stone = material()
+    yade.O.bodies.append(sphere((0, 0, 0), 8e-3, fixed=True, material=stone))
+    yade.O.bodies.append(sphere((0, 0, 16.001e-3), 8e-3, material=stone))
+    yade.O.bodies[1].state.vel = (0.02, 0, -0.3)
+    set_engines(law)
+    recorder = Recorder()
+    recorder.step(700)
+    return recorder
+
+
+def test_a_law_of_ones_own_is_exact(omega, page, monkeypatch):
+    monkeypatch.setenv(registry.VARIABLE, "")
+    dl.load_laws(page / "my_law.py")
+    try:
+        recorder = two_spheres(functor("power", "hertz", SMOOTH, bridge="native", factor=0.9))
+        wrong, tangent, steps = recorder.worst("power", "hertz", dl.Surface(), factor=0.9)
+        assert steps > 300 and wrong <= 1e-14 and tangent <= 1e-13
+    finally:
+        registry._own.pop("power"), registry._homes.pop("power")
+
+
+def test_a_table_of_a_function_is_the_function_within_its_certificate(omega):
+    def force(overlap):
+        return 3e9 * overlap**1.7
+
+    table = dl.Table.from_function(force, dl.Contact(radius=4e-3, modulus=MODULUS), unloading="hertz")
+    recorder = two_spheres(functor(table, None, SMOOTH, bridge="native"))
+    (rows,) = recorder.lives.values()
+    overlap, found = np.array(rows).T[:2]
+    path = table.follow(overlap[overlap >= 0])
+    np.testing.assert_allclose(found[overlap >= 0], path.force, rtol=1e-12, atol=1e-13 * path.force.max())
+    top = int(np.argmax(overlap))
+    assert (
+        top > 100 and abs(found[: top + 1] / force(overlap[: top + 1]) - 1).max() <= table.force_error * 1.01
+    )  # measured at 12 places a cell
+
+
+def test_a_table_of_one_contact_is_refused_for_another(omega):
+    table = dl.Table.from_function(lambda overlap: 3e9 * overlap**1.7, dl.Contact(radius=5e-3, modulus=MODULUS))
+    with pytest.raises((dl.DemlawsError, RuntimeError), match=r"(radius|R)"):
+        two_spheres(functor(table, None, SMOOTH, bridge="native"))
+
+
+def test_the_pages_script(page):
+    line = [sys.executable, "-m", "demlaws", "yade", "run", "--laws", "my_law.py", "-x", "mine_yade.py"]
+    done = subprocess.run(line, capture_output=True, text=True, cwd=page, timeout=600, env={**os.environ, "DEMLAWS_LAWS": ""})
+    assert done.returncode == 0, done.stdout + done.stderr
+    overlap, force = map(float, re.search(r"at (\S+) m (\S+) N", done.stdout).groups())
+    coefficient = 4 / 3 * MODULUS * 4e-3**0.5
+    assert force == pytest.approx(coefficient * overlap**1.7, rel=1e-13)
