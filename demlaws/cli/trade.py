@@ -53,9 +53,30 @@ def register(subparsers):
         "--stress", type=pressure, help="stress that --scene compresses to (default 500 kPa; 5MPa makes contacts yield)"
     )
     parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds or runs in the engines")
+    parser.add_argument(
+        "--peers",
+        action="store_true",
+        help="only this: each law that other codes have (--law: these) fitted to a granite reference, loading and unloading",
+    )
     parser.add_argument("--csv", type=output, help="file to write every figure to")
     parser.add_argument("--figure", type=output, help="picture to draw: error against cost with the Pareto front")
     parser.set_defaults(func=run)
+
+
+def _peers(arguments):
+    from tqdm import tqdm
+
+    from demlaws import granite
+    from demlaws.laws.registry import find
+    from demlaws.measure import peers
+
+    laws = tuple(find(n).name for n in arguments.law) if arguments.law else peers.PEERS
+    rows = peers.held_together(laws, progress=lambda jobs: tqdm(jobs, desc="peers", leave=False, disable=None))
+    print(peers.held_table(rows))
+    if arguments.csv is not None:
+        titles = ("test", "law", "unloading", "rms", "worst", "loading", "left", "parameters")
+        lines = [(r.test, r.law, r.unloading, r.rms, r.worst, r.loading, r.left, str(r.parameters)) for r in rows]
+        print(granite.save_csv(arguments.csv, titles, lines))
 
 
 def run(arguments):
@@ -71,6 +92,8 @@ def run(arguments):
         return _scenes(arguments)
     if arguments.softening is not None:
         return _softening(arguments)
+    if arguments.peers:
+        return _peers(arguments)
     engines = [] if arguments.engines is None else trade.installed(arguments.engines)
     laws = [find(n).name for n in arguments.law] if arguments.law else None
 

@@ -1,12 +1,19 @@
 """How far the engines' own contact models are from a law, at the same overlaps."""
 
 import math
+import warnings
+from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.advice.fit import fit
+from demlaws.driver import force_controlled
+from demlaws.errors import ValidityWarning
+from demlaws.granite import find_test, options_for
 from demlaws.liggghts.export import stock_fit
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
+from demlaws.measure.candidates import RICHEST
 from demlaws.measure.costs import under_yade
 from demlaws.measure.errors import FRACTIONS, Loaded, Sample, error_of
 
@@ -83,3 +90,62 @@ def force_error(way, reference, peaks, yield_pressure):
     law = bind_law("hertz", reference.contact) if way.model == "hertz" else way.bind(reference.contact)
     worst = float(error_of(law, reference, sample, "force", True).max())
     return worst if math.isfinite(worst) else math.nan
+
+
+# --- the laws that users of other codes have, each fitted as well as it can be
+
+
+PEERS = ("hertz", "thornton-ning", "conical-damage", "walton-braun", "luding", "eepa")
+TESTS_HELD = (("SS(12-18)", 100.0), ("RFC10", 450.0))
+"""Granite tests, and the largest force [N] of each."""
+
+
+class Held(NamedTuple):
+    """A peer fitted to a granite contact, loaded to half the force, unloaded, loaded to all of it, unloaded."""
+
+    test: str
+    law: str
+    unloading: str
+    parameters: dict  # name → value, SI
+    rms: float  # difference in displacement over the largest displacement: root mean square
+    worst: float  # largest
+    loading: float  # largest on first loading to the largest force
+    left: float  # of the displacement left at the end of unloading
+
+
+def made_points(test, force, steps=30):
+    """(displacement [m], force [N]) of `candidates.RICHEST` on a granite test's contact, unloaded twice, to 2 % of the load."""
+    reference = bind_law(RICHEST.law, test.contact, RICHEST.unloading, **options_for(RICHEST.law, test))
+    path = force_controlled(reference, [0.5 * force, 0.01 * force, force, 0.02 * force], steps)
+    keep = path.force >= 0.005 * force
+    return path.overlap[keep], path.force[keep]
+
+
+def held_together(laws=PEERS, tests=TESTS_HELD, progress=iter):
+    """`Held` of each law on each test: its best fit (`fit`, every rule that it is fitted with) to the reference's points."""
+    found = []
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ValidityWarning)
+        for (name, force), law in progress([(test, law) for test in tests for law in laws]):
+            test = find_test(name)
+            displacement, loads = made_points(test, force)
+            best = fit(np.stack([displacement, loads], 1), test.contact, laws=[law]).best
+            off = np.abs(best.displacement - displacement) / displacement.max()
+            first = loads >= np.maximum.accumulate(loads)
+            values = {n: e.value for n, e in best.parameters.items()}
+            rms, left = float(np.sqrt(np.mean(off**2))), float(off[-1])
+            found.append(Held(name, law, best.unloading, values, rms, float(off.max()), float(off[first].max()), left))
+    return found
+
+
+def held_table(rows):
+    """The rows as text."""
+    lines = [
+        f"{'':12}{'law':16}{'unloading':11}{'rms':>8}{'worst':>8}{'loading':>9}{'left':>8}   fitted",
+        f"{'':39}{'difference in displacement over the largest (%)':>33}",
+    ]
+    for r in rows:
+        values = ", ".join(f"{name} {value:.3g}" for name, value in r.parameters.items())
+        errors = f"{100 * r.rms:8.2f}{100 * r.worst:8.2f}{100 * r.loading:9.2f}{100 * r.left:8.2f}"
+        lines.append(f"{r.test:12}{r.law:16}{r.unloading:11}{errors}   {values}")
+    return "\n".join(lines)
