@@ -160,6 +160,8 @@ private:
 __attribute__((noinline, cold, noreturn)) void raise(void *error, bool every_rank, const std::string &what) {
   const Stock &stock = Stock::get();
   const std::string file = "demlaws";
+  fflush(stdout); // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
+  setvbuf(stdout, NULL, _IONBF, 0);
   if (every_rank && stock.all4) stock.all4(error, file, 0, -2, what);
   if (every_rank && stock.all) stock.all(error, file, 0, what);
   if (stock.one4) stock.one4(error, file, 0, -2, what);
