@@ -191,14 +191,18 @@ def scenes(engine: str, chosen: tuple = HELD_BACK) -> list[Run]:
 
 def load(path: Path = KEPT) -> dict[Run, dict]:
     """Run → its row, of a file of JSON lines; a line cut off by an end that came too early is left out."""
-    rows = {}
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                row = json.loads(line)
-                rows[Run(**row["run"])] = row
-            except (json.JSONDecodeError, TypeError, KeyError):
-                continue
+    rows: dict[Run, dict] = {}
+    if not path.exists():
+        return rows
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    for line in lines:
+        try:
+            row = json.loads(line)
+            rows[Run(**row["run"])] = row
+        except (ValueError, TypeError, KeyError):
+            continue
+    if len(lines) > 1 and not rows:  # one line may be the cut-off first
+        raise DemlawsError(f"{path} is no file of a study: none of its {len(lines)} lines is a row; name another, or a new one")
     return rows
 
 
