@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from demlaws.contact import Contact as Contact
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
-    from demlaws.core.fastmath import kernel as kernel
     from demlaws.defined import define as define
     from demlaws.driver import timestep as timestep
     from demlaws.errors import DemlawsError as DemlawsError
@@ -49,7 +48,6 @@ _HOMES = {
     "define": "demlaws.defined",
     "driver": "demlaws.driver",
     "fit": "demlaws.advice.fit",
-    "kernel": "demlaws.core.fastmath",
     "law": "demlaws.make",
     "laws": "demlaws.laws.registry",
     "load_laws": "demlaws.laws.registry",

@@ -5,7 +5,6 @@ per element. The functions here cost about as much as a square root in a vectori
 bit tricks; errors quoted are measured by tests/core/test_fastmath.py in units of ε = 2.2e-16.
 """
 
-from collections.abc import Callable
 from types import FunctionType
 
 import numba
@@ -23,7 +22,7 @@ if numba.config.DISABLE_JIT:
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
-def kernel(function: Callable) -> Callable:
+def kernel(function):
     """Compile a scalar function that is always inlined into the loop that calls it, so that the loop vectorises.
 
     ``contract`` (fused multiply-add) is the only relaxation: full fastmath would delete checks for NaN.

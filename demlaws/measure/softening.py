@@ -140,8 +140,6 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
         for other in (Run(engine, "shear", stress=1e5, inertial=1e-3), Run(engine, "pour", stress=2e3)):
             ways = [other, *(other._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
             runs += [r for way in ways for r in _copies(way, 4)]
-        fast = Run(engine, "shear", stress=1e5, inertial=1e-2)
-        runs += [r for s in (1.0, 10.0) for r in _copies(fast._replace(factor=s), 4)]
     runs += [r for part in (0.1, 0.7, 0.9, 1.2) for r in _copies(once._replace(part=part), 3)]
     for law, rule in (("hertz", "elastic"), ("rms", "hertz"), ("pohrt-popov", "elastic")):
         runs += _copies(one._replace(law=law, unloading=rule), 3)
@@ -193,14 +191,18 @@ def scenes(engine: str, chosen: tuple = HELD_BACK) -> list[Run]:
 
 def load(path: Path = KEPT) -> dict[Run, dict]:
     """Run → its row, of a file of JSON lines; a line cut off by an end that came too early is left out."""
-    rows = {}
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                row = json.loads(line)
-                rows[Run(**row["run"])] = row
-            except (json.JSONDecodeError, TypeError, KeyError):
-                continue
+    rows: dict[Run, dict] = {}
+    if not path.exists():
+        return rows
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    for line in lines:
+        try:
+            row = json.loads(line)
+            rows[Run(**row["run"])] = row
+        except (ValueError, TypeError, KeyError):
+            continue
+    if len(lines) > 1 and not rows:  # one line may be the cut-off first
+        raise DemlawsError(f"{path} is no file of a study: none of its {len(lines)} lines is a row; name another, or a new one")
     return rows
 
 
@@ -268,9 +270,11 @@ def _rounded(value):
 def summary(run: Run, found: dict) -> dict:
     """The figures of a run, from what an engine wrote. Lengths and strains are those of the softened grains."""
     if "failed" in found:
-        return {"failed": found["failed"]}
+        return {"failed": found["failed"].strip().splitlines()[-1]}  # of a traceback what it says in the end
     held = found["held"]
     forces = np.array(held["forces"])
+    if not forces.size or not np.all(np.isfinite(forces)):
+        return {"failed": "no grain touches another in the end"}
     row = {
         "steps": found["steps"],
         "seconds": found["seconds"],

@@ -194,19 +194,49 @@ def _inside(ax, closed, inside, laws):
 _MARKERS = {"closed form": "o", "float32": "^", "table": "s", "lazy": "x"}
 
 
-def _against(ax, entries, floor, errors):
-    """Force error against cost; a law's closed form and its tables are joined by a thin line."""
+def _laws_panel(ax, entries, floor):
+    """Closed forms alone, one marker a law and rule, numbered: error against the richest law over cost; all entries' front."""
     lowest = 1e-16
-    for e in entries:
-        shade, marker = colour(e.law), _MARKERS[e.evaluation]
-        size, edge = (6.0 if e.unloading == "elastic" else 4.0), {} if marker == "x" else {"mec": "white", "mew": 0.4}
-        ax.plot(e.ns, max(getattr(e, errors)["force"], lowest), marker, color=shade, ms=size, alpha=0.8, **edge)
+    closed = sorted((e for e in entries if e.evaluation == "closed form"), key=lambda e: (e.ns, -e.richest["force"]))
+    for e in closed:
+        filled = {"mfc": "white"} if e.unloading != "elastic" else {}
+        ax.plot(e.ns, max(e.richest["force"], lowest), "o", color=colour(e.law), ms=6, **filled)
+    front = sorted((e.ns, max(e.richest["force"], lowest)) for e in entries if e.front)
+    ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=0.8, zorder=0)
     ax.axvline(floor, color="k", lw=0.8, ls=":")
-    costs = [e.ns for e in entries]
-    ax.set(xscale="log", yscale="log", xlabel="ns a contact", ylabel="largest error of force")
-    # one evaluation that was held up must not press all others together
+    ax.set(xscale="log", yscale="log", xlabel="ns a contact (dotted: copy kernel)", ylabel="largest error of force")
+    _limited(ax, [floor, *(e.ns for e in closed)])
+    ax.set(title="what a law leaves out (closed forms; line: front of all ways)")
+    _number(ax, [(n + 1, (e.ns, max(e.richest["force"], lowest))) for n, e in enumerate(closed)])
+    _numbered_key(ax, [(n + 1, f"{e.law}, {e.unloading}") for n, e in enumerate(closed)], "hollow: with history")
+
+
+def _evaluations_panel(ax, entries):
+    """Tables, single precision and lazy refresh: error against the own closed form over cost relative to it."""
+    lowest = 1e-16
+    closed = {e[:2]: e.ns for e in entries if e.evaluation == "closed form"}
+    shown = [e for e in entries if e.evaluation != "closed form" and e[:2] in closed]
+    for e in shown:
+        edge = {} if e.evaluation == "lazy" else {"mec": "white", "mew": 0.4}
+        place = e.ns / closed[e[:2]], max(e.own["force"], lowest)
+        ax.plot(*place, _MARKERS[e.evaluation], color=colour(e.law), ms=5, alpha=0.8, **edge)
+    ax.axvline(1.0, color="k", lw=0.8, ls=":")
+    ax.set(xscale="log", yscale="log", xlabel="cost over that of the law's closed form", ylabel="largest error of force")
+    _limited(ax, [e.ns / closed[e[:2]] for e in shown])
+    ax.set(title="what an evaluation costs and errs, against the closed form")
+    for name, marker in _MARKERS.items():
+        if name != "closed form":
+            ax.plot([], [], marker, color="#666666", label=name, ms=4)
+    for law in registry():
+        if any(e.law == law for e in shown):
+            ax.plot([], [], "-", color=colour(law), label=law)
+    ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0))
+
+
+def _limited(ax, costs):
+    """One evaluation that was held up must not press all others together."""
     if costs:
-        ax.set_xlim(0.8 * min(floor, *costs), min(1.3 * max(costs), 30.0 * float(np.median(costs))))
+        ax.set_xlim(0.8 * min(costs), min(1.3 * max(costs), 30.0 * float(np.median(costs))))
 
 
 def trade_figure(entries, floor, steps=(), engines=None):
@@ -215,23 +245,8 @@ def trade_figure(entries, floor, steps=(), engines=None):
     fig, axes = figure(columns=2 if panels > 2 else panels, rows=(panels + 1) // 2, width=8.4, height=4.8)
     axes = list(np.ravel(axes))
     ax = axes.pop(0)
-    _against(ax, entries, floor, "richest")
-    front = sorted((e.ns, max(e.richest["force"], 1e-16), e) for e in entries if e.front)
-    ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=1.0)
-    ax.set(title="against rough-plastic, thornton; line: Pareto front")
-    _number(ax, [(n + 1, f[:2]) for n, f in enumerate(front)])
-    labels = [f"{e.law}, {e.unloading}, {e.evaluation} {e.detail}" for _, _, e in front]
-    _numbered_key(ax, [(n + 1, text) for n, text in enumerate(labels)], "Pareto front")
-    ax = axes.pop(0)
-    _against(ax, entries, floor, "own")
-    ax.set(title="against the closed form of the same law")
-    for name, marker in _MARKERS.items():
-        ax.plot([], [], marker, color="#666666", label=name, ms=4)
-    for law in registry():
-        if any(e.law == law for e in entries):
-            ax.plot([], [], "-", color=colour(law), label=law)
-    ax.plot([], [], "k:", lw=0.8, label="copy kernel")
-    ax.legend(fontsize=7, loc="upper left", bbox_to_anchor=(1.01, 1.0), title="small: with history", title_fontsize=7)
+    _laws_panel(ax, entries, floor)
+    _evaluations_panel(axes.pop(0), entries)
     if steps:
         ax = axes.pop(0)
         ax.loglog([e.steps for e in steps], [max(e.gain, 1e-17) for e in steps], "o-", ms=3, label="energy drift of an impact")

@@ -316,8 +316,7 @@ class Binding:
                 "on: native Mindlin acted on it; use Ig2_…_ScGeom functors and Ip2_FrictMat_FrictMat_MindlinPhys"
             )
         if kind == kernel.TOO_DEEP:
-            radius = O.interactions[first, second].phys.momentBend[1]
-            raise DemlawsError(f"contact {first}+{second}: {too_large_overlap(overlap, radius)}")
+            raise DemlawsError(f"contact {first}+{second}: {too_large_overlap(overlap, self.attachment.deep_radius)}")
         if kind == kernel.WRONG_CONTACT:
             raise DemlawsError(f"contact {first}+{second} with R = {overlap:g} m: {NOT_SERVED}")
         if kind == kernel.TOO_ROUGH:

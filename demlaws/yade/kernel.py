@@ -38,8 +38,9 @@ FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36
 ALARM = 38  # address of the guard's PyRunner.nDone, or 0: a zero written there makes it run before the next step's contacts
 FLATS, SHAPE, FACET, WALL, BOX = 40, 41, 42, 43, 44  # FLATS 1: R of a sphere on one of these shapes is the sphere's radius
 UNLISTED, UNLISTED_SEEN, UNLISTED_BODY1, UNLISTED_BODY2 = 45, 46, 47, 48  # contacts of materials without a surface
-DEEP = 50  # 1 once a contact was beyond SMALL_OVERLAP of its R
 SHEAR_FORCE = 49  # where MindlinPhys keeps its elastic shear force [bytes]
+DEEP = 50  # 1 once a contact was beyond SMALL_OVERLAP of its R
+DEEP_RADIUS = 51  # R of the last contact that was beyond LARGEST_OVERLAP of it (a double)
 CONTEXT_WORDS = 56
 
 # A contact outside YADE's objects: its history as in MindlinPhys, and what the law answers.
@@ -472,6 +473,7 @@ def deep(context, history, overlap):
     if load_double(history + MODULUS) == 0.0:
         return 0  # a marker
     if overlap > LARGEST_OVERLAP * load_double(history + RADIUS):
+        store_double(context + 8 * DEEP_RADIUS, load_double(history + RADIUS))
         return TOO_DEEP
     if word(context, DEEP) == 0:
         store_word(context + 8 * DEEP, 1)

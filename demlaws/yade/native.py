@@ -426,6 +426,11 @@ class Attachment:
         """Clear the note that a contact went deep."""
         self.context[kernel.DEEP] = 0
 
+    @property
+    def deep_radius(self):
+        """R [m] of the last contact that was beyond LARGEST_OVERLAP of it."""
+        return float(self.context[kernel.DEEP_RADIUS : kernel.DEEP_RADIUS + 1].view(np.float64)[0])
+
     def take_unlisted(self):
         """Bodies of a contact of materials without a surface that has not been judged yet, or None; it is cleared."""
         if not self.context[kernel.UNLISTED_SEEN]:

@@ -7,6 +7,7 @@ import pytest
 
 from demlaws.advice.soften import Softening
 from demlaws.cli import main
+from demlaws.errors import DemlawsError
 from demlaws.measure import softening
 from demlaws.measure.costs import available
 from demlaws.measure.softening import Run
@@ -95,6 +96,14 @@ def test_an_end_that_came_too_early_spoils_no_later_row(tmp_path, monkeypatch):
     monkeypatch.setattr(softening, "_in_yade", lambda runs, keep: [keep(r, _raw(r)) for r in runs])
     softening.execute([run, other], path)
     assert softening.missing([run, other], softening.load(path)) == []
+
+
+def test_a_file_of_something_else_is_left_alone(tmp_path):
+    path = tmp_path / "mine.txt"
+    path.write_bytes(bytes(range(256)) * 3)
+    with pytest.raises(DemlawsError, match="no file of a study"):
+        softening.execute(softening.plan("yade", quick=True), path)
+    assert path.read_bytes() == bytes(range(256)) * 3
 
 
 def test_rows_that_failed_are_left_out():

@@ -208,13 +208,16 @@ def entry(law, evaluation, ns, error, front=False):
 
 
 def trade_figure():
-    entries = [entry("hertz", "closed form", 1.0, 0.5, True), entry("rough-plastic", "table", 3.0, 1e-5, True)]
+    entries = [entry("hertz", "closed form", 1.0, 0.5, True), entry("rough-plastic", "closed form", 2.0, 1e-15, True)]
+    entries += [entry("rough-plastic", "table", 3.0, 1e-5), entry("rough-plastic", "lazy", 1.0, 1e-3)]
     steps = [trade.StepEntry(10, 1e-2, 1e-2, 9.0), trade.StepEntry(100, 1e-9, 1e-7, 90.0)]
     stock = candidates.Way("YADE's Hertz-Mindlin", model="hertz")
     engine = [trade.EngineEntry(StepCost(stock, 300.0, 1.0, 0.0, 0.5), 1.2, True)]
     fig = advice.trade_figure(entries, 0.5, steps, {"yade": engine})
     against, own, step, yade = fig.axes[:4]
-    assert "hertz, hertz, closed form " in labels(against) and "copy kernel" in labels(own)
+    assert labels(against) == ["hertz, hertz", "rough-plastic, hertz"]  # one marker a law and rule
+    assert {"table", "lazy", "rough-plastic"} <= set(labels(own)) and "hertz" not in labels(own)
+    assert sorted(line[0, 0] for line in lines(own) if len(line) == 1) == [0.5, 1.5]  # over the closed form's cost
     assert labels(step) == ["energy drift of an impact", "error of restitution"]
     assert "YADE's Hertz-Mindlin" in labels(yade)
     assert len(advice.trade_figure(entries, 0.5).axes) == 2
