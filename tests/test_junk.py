@@ -113,6 +113,7 @@ GOOD_OF = {
     "define": {"name": "junk", "force": lambda p, overlap: 1e6 * overlap, "stiffness": lambda p, overlap: 1e6},
     "register": {"definition": registry()["hertz"]},
     "load_laws": {"file": "/nowhere/laws.py"},
+    "HeightMap.cropped": {"width": 1e-5},
     "soften": {"thing": PAIR, "factor": 10.0},
     "sheared": {"displacement": [0.0, 1e-7], "ratio": 0.8},
 }
