@@ -626,8 +626,9 @@ def test_every_key_of_the_page_is_a_key_of_the_reader():
 
     page = (Path(__file__).parents[1] / "docs" / "table-format.md").read_text()
     rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
-    keys = {row[1].split("`")[1]: ("†" in row[1], row[-2].strip()) for row in rows}
-    assert set(keys) == {*table_file.NEEDED, *table_file.WITH_YIELD, *table_file.NOT_READ}
+    keys = {key: ("†" in row[1], row[-2].strip()) for row in rows for key in row[1].split("`")[1::2]}
+    of_rules = {key for definition in registry().values() for rule in definition.rules for key in rule.keys}
+    assert set(keys) == {*table_file.NEEDED, *table_file.WITH_YIELD, *table_file.NOT_READ, *of_rules}
     assert {key for key, (_, needed) in keys.items() if needed == "yes"} == {*table_file.NEEDED} - {table_file.BELOW}
     assert {key for key, (_, needed) in keys.items() if needed == "version 2"} == {table_file.BELOW}
     twice = {key for key, (second, _) in keys.items() if second}
@@ -676,7 +677,7 @@ def test_a_table_with_many_kinks_is_vectorised():
     table = made_up_law(GRANITE, kinks=(0.3, 1.7, 3.0)).tabulate(rtol=1e-2, max_force=100.0)
     compiled = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True)(loops.batch_loop.py_func)
     overlap, force, stiffness = np.linspace(0.0, table.largest_overlap, 64), np.empty(64), np.empty(64)
-    compiled(table.rule, table.params, overlap, (), loops.UNBOUNDED, 1.0, force, stiffness)
+    compiled(table.rule, table.params, overlap, (), loops.UNBOUNDED, loops.FINITE, force, stiffness)
     np.testing.assert_array_equal(force, table.force(overlap))
     (text,) = compiled.inspect_llvm().values()
     assert len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text)) > 10

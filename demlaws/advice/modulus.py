@@ -99,7 +99,7 @@ def curves(quantity: str, unloads: bool) -> tuple[Curve, Curve, float]:
         p
         for p in softening.points(rows)
         if (p.run.engine, p.run.process, p.run.part, p.run.scaled) == ("yade", "cycles", 0.5, True)
-        and (p.run.law, p.run.unloading) == ("pohrt-popov", "hertz")
+        and (p.run.law, p.run.unloading) == softening.STUDIED
     ]
     steady = {p.run.factor: p for p in points if p.run.inertial == STEADY}
     geometry, rate = [], []

@@ -205,7 +205,7 @@ def _imported(path: str) -> bool:
 
 def _run(path: str) -> None:
     if not os.path.isfile(path):
-        raise DemlawsError(f"no file of laws {path}: give the Python file that registers them")
+        raise DemlawsError(f"no file of laws {path:.200}: give the Python file that registers them")
     # stable, so that machine code is found again, and different for files of one name
     name = f"demlaws_own_{re.sub(r'[^A-Za-z0-9]', '_', Path(path).stem)}_{zlib.crc32(path.encode()):08x}"
     spec = importlib.util.spec_from_file_location(name, path)

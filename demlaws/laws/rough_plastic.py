@@ -219,7 +219,7 @@ def _advise(conditions):
 LAW = Definition(
     name="rough-plastic",
     prepare=_prepare,
-    equation="K = min(K_rough(P), π R p_y); or K_rough to the yield load, then π R p_K",
+    equation="K = min(K_rough(P), π R p_y)",
     source="Thornton 1997 (limit pressure); Altuhafi, Baudet & Coop 2023 (constant stiffness after yield)",
     description="any rough law, then bulk yield",
     limits=_limits,

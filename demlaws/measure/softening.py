@@ -35,6 +35,9 @@ QUANTILES = tuple(range(5, 100, 5))
 RESTING = 2870  # steps at half the stable step to come to rest under gravity
 LEAST = 0.2  # of the stress, to which a cycle unloads
 
+STUDIED = ("pohrt-popov", "hertz")
+"""Law and rule of the runs that others are held against."""
+
 
 class Run(NamedTuple):
     """One run of the study. Stress [Pa]; size: of the grains, over 3.5 and 4.5 mm; rough: Sq over 1.7 µm."""
@@ -47,8 +50,8 @@ class Run(NamedTuple):
     part: float = 0.5  # of the stable step
     copy: int = 0
     cycles: int = 1
-    law: str = "pohrt-popov"
-    unloading: str = "hertz"
+    law: str = STUDIED[0]
+    unloading: str = STUDIED[1]
     stress: float = STRESS
     size: float = 1.0
     rough: float = 1.0
@@ -498,7 +501,7 @@ def _with_front(found):
 
 def label(run: Run) -> str:
     """A way in words."""
-    law = "" if (run.law, run.unloading) == ("pohrt-popov", "hertz") else f"{run.law}, {run.unloading}; "
+    law = "" if (run.law, run.unloading) == STUDIED else f"{run.law}, {run.unloading}; "
     alone = "" if run.scaled or run.factor == 1.0 else ", σ alone"
     part = "" if run.part == 0.5 else f", {run.part:g} of the stable step"
     return f"{law}E/{run.factor:g}{alone}, I = {run.inertial:g}{part}"

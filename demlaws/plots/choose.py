@@ -241,12 +241,12 @@ def _limited(ax, costs):
 
 def trade_figure(entries, floor, steps=(), engines=None):
     """Force error against cost with the Pareto front; the time step; the same in a step of each engine, with its own models."""
-    panels = 2 + bool(steps) + len(engines or {})
+    panels = 2 * bool(entries) + bool(steps) + len(engines or {})
     fig, axes = figure(columns=2 if panels > 2 else panels, rows=(panels + 1) // 2, width=8.4, height=4.8)
     axes = list(np.ravel(axes))
-    ax = axes.pop(0)
-    _laws_panel(ax, entries, floor)
-    _evaluations_panel(axes.pop(0), entries)
+    if entries:
+        _laws_panel(axes.pop(0), entries, floor)
+        _evaluations_panel(axes.pop(0), entries)
     if steps:
         ax = axes.pop(0)
         ax.loglog([e.steps for e in steps], [max(e.gain, 1e-17) for e in steps], "o-", ms=3, label="energy drift of an impact")

@@ -13,7 +13,7 @@ _LOWEST = 1e-3  # an error below is drawn there: a part of chance
 
 def softening_figure(points):
     """One panel a process and engine: errors with the scatter of chance, modulus factors, σ scaled or alone, rates, front."""
-    from demlaws.measure.softening import first_quantity, worst
+    from demlaws.measure.softening import STUDIED, first_quantity, worst
 
     keys = sorted({(p.run.process, p.run.engine) for p in points}, key=lambda key: (key[0] != "cycles", key))
     fig, axes = figure(columns=min(2, len(keys)), rows=(len(keys) + 1) // 2, width=7.2, height=4.4)
@@ -23,7 +23,7 @@ def softening_figure(points):
         chance = max((p.chance.get(first_quantity(p), math.nan) for p in own), default=math.nan)
         for p in own:
             shade = _COLOURS.get(p.run.factor, "#2ca02c")
-            ours = (p.run.law, p.run.unloading) == ("pohrt-popov", "hertz")
+            ours = (p.run.law, p.run.unloading) == STUDIED
             shape = next(mark for end, mark in _SHAPES if p.run.inertial <= end) if ours else "*"
             value = max(worst(p), _LOWEST)
             spread = p.chance.get(first_quantity(p), 0.0)
@@ -53,6 +53,8 @@ def softening_figure(points):
 
 
 def _legend(ax, points):
+    from demlaws.measure.softening import STUDIED
+
     handles = []
 
     def entry(text, **style):
@@ -64,7 +66,7 @@ def _legend(ax, points):
     entry("hollow: σ left alone", mfc="white")
     for rate in sorted({p.run.inertial for p in points}):
         entry(f"I = {rate:g}", marker=next(mark for end, mark in _SHAPES if rate <= end))
-    if any((p.run.law, p.run.unloading) != ("pohrt-popov", "hertz") for p in points):
+    if any((p.run.law, p.run.unloading) != STUDIED for p in points):
         entry("another law", marker="*", ms=9)
     entry("Pareto front", marker="", ls="-", color="k")
     entry("chance", marker="s", color="#dddddd")

@@ -145,6 +145,7 @@ def test_what_is_not_determined_is_said():
     assert "not determined" in best.parameters["roughness"].note
 
 
+@pytest.mark.slow
 def test_ranking_finds_the_law():
     law = dl.law("pohrt-popov", PAIR, "hertz")
     ranking = dl.fit(points(law, CYCLE, 5e-8, 3), PAIR.with_values(roughness=4e-6, fractal_dimension=2.4))

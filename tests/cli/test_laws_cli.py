@@ -42,6 +42,7 @@ def test_a_file_of_laws_before_and_after_the_command(file, tmp_path):
     assert "law: power" in table.read_text()
 
 
+@pytest.mark.slow
 def test_the_check_of_one_law(file):
     done = demlaws("laws", "power", "--laws", file, "--check")
     assert done.returncode == 0 and "power: all as it must be" in done.stdout, done.stderr

@@ -60,6 +60,7 @@ def copy(folder):
     return folder
 
 
+@pytest.mark.slow
 def test_a_second_process_compiles_nothing():
     python(RUN_EVERYTHING)
     compiled, *which = python(RUN_EVERYTHING).split(maxsplit=1)

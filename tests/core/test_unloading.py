@@ -276,6 +276,7 @@ def test_a_measured_map_unloads_along_its_own_reloading_curve():
     assert path.force[1] < 10.0
 
 
+@pytest.mark.slow
 def test_contacts_in_arrays_have_curves_of_their_own(rng):
     many = GRANITE.with_values(radius=rng.uniform(2e-3, 6e-3, 50), roughness=rng.uniform(1e-6, 4e-6, 50))
     smoother = many.with_values(roughness=0.25 * many.roughness)

@@ -4,11 +4,13 @@ import re
 from pathlib import Path
 
 import listings
+import pytest
 from test_pages import DOCS, follow
 
 PAGE = DOCS / "own-laws.md"
 
 
+@pytest.mark.slow
 def test_the_page(tmp_path):
     follow(PAGE, tmp_path)
 

@@ -405,7 +405,7 @@ def test_what_is_no_definition():
     ):
         with pytest.raises(dl.DemlawsError):
             law(power, **wrong)
-    with pytest.raises(dl.DemlawsError, match="force must be a function"):
+    with pytest.raises(dl.DemlawsError, match="force must be a Python function"):
         law(3.0)
     needs = dl.register(dl.define("needs", power, slope, options={"n": None}))
     with pytest.raises(dl.DemlawsError, match="law 'needs' needs n"):

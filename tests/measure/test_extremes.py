@@ -119,7 +119,7 @@ def test_figure_of_engines_alone(tmp_path):
 def test_engines_that_are_not_there_are_told(monkeypatch, capsys):
     from demlaws.cli import main
 
-    for name in ("YADE", "DEMLAWS_LIGGGHTS"):
+    for name in ("YADE", "DEMLAWS_LIGGGHTS", "DEMLAWS_LAMMPS"):
         monkeypatch.setenv(name, "no-such-program")
     assert main(["stability", "--paths", "0", "--law", "hertz", "--engines"]) == 0
     told = capsys.readouterr().out

@@ -112,6 +112,7 @@ def test_edinburgh_meets_the_law_at_its_load():
 def test_missing_engines_are_one_line(monkeypatch, capsys):
     monkeypatch.setenv("YADE", "nowhere")
     monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
+    monkeypatch.setenv("DEMLAWS_LAMMPS", "nowhere")
     for arguments, named in (
         (["--scene", "yade"], "no 'nowhere' command was found"),
         (["--scene", "liggghts"], "'nowhere' not found"),

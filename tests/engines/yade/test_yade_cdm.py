@@ -1,7 +1,6 @@
 """The Conical Damage Model: YADE's own (Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM) against law conical-damage in one scene."""
 
 import numpy as np
-import pytest
 from yade_scenes import POISSON, YOUNG, functor
 
 import demlaws as dl
@@ -12,13 +11,12 @@ PATH = np.concatenate(
 )
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_yades_own_and_ours_on_the_same_path(omega, way):
+def test_yades_own_and_ours_on_the_same_path(omega):
     """Loading beyond first yield, unloading, reloading beyond, unloading past the plastic overlap: to 1e-12 of the largest."""
     import yade
     from yade.utils import sphere
 
-    law = functor("conical-damage", None, bridge=way, strength=STRENGTH, angle=ANGLE)
+    law = functor("conical-damage", None, bridge="native", strength=STRENGTH, angle=ANGLE)
     plain = yade.FrictMat(young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, label="granite")
     crushed = yade.FrictMatCDM(
         young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, sigmaMax=STRENGTH, alpha=ANGLE, c1=0.0, c2=0.0

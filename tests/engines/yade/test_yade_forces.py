@@ -355,6 +355,7 @@ def test_time_stepper_sees_the_tangent(omega):
     assert steps[1.0] == pytest.approx((2 * mass / tangent) ** 0.5, rel=0.5)
 
 
+@pytest.mark.slow
 def test_solved_law_needs_the_contacts(omega):
     with pytest.raises(dl.DemlawsError, match="radii="):
         functor("yip-venart", "hertz", bridge="native")

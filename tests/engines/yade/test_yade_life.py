@@ -108,6 +108,7 @@ def test_state_of_a_contact(omega):
 # --- the two ways
 
 
+@pytest.mark.slow
 def test_public_way_is_the_native_way(omega):
     """The same trajectory over 10,000 steps of a packing of hundreds."""
     import yade

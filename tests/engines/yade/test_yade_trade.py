@@ -45,6 +45,7 @@ def test_the_conical_damage_model_is_hertz_until_it_yields():
     assert np.all(np.diff(weak[1]) <= 0.0)
 
 
+@pytest.mark.slow
 def test_choice_by_the_cost_of_a_step():
     scene = Scene(
         (5e-3, 2e-2),
