@@ -283,7 +283,7 @@ class Law:
 
         good = all(in_threads(part, n)) if parallel and n >= 16 * _PIECE else part(slice(None))
         if not good:
-            bad = np.flatnonzero(~np.isfinite(force) | (overlap > end))
+            bad = np.flatnonzero(~np.isfinite(force) | ~(overlap <= end))
             if bad.size:
                 force[bad] = math.nan
                 where = f"contact {bad[0]}" if bad.size == 1 else f"contact {bad[0]} (one of {bad.size})"
@@ -292,13 +292,14 @@ class Law:
         return force, stiffness
 
     def _ends(self):
-        """Largest overlap [m] that is answered, and the force [N] above which one is looked at; one number or one a contact."""
+        """Largest overlap [m] that is answered, and `batch_loop`'s `most`; each one number or one a contact."""
         if self._end is None:
             radius = np.asarray(self.contact.radius)
             end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
             small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
-            most, stiffness = np.empty(small.size), np.empty(small.size)
-            evaluate_loop(Elastic(), self.params, small, (), most, stiffness)
+            most, stiffness = small.copy(), np.empty(small.size)
+            if self.state_size:
+                evaluate_loop(Elastic(), self.params, small, (), most, stiffness)
             whole = float if end.ndim == 0 else np.ascontiguousarray
             self._end = whole(end), whole(np.minimum(most, FINITE[0]).reshape(end.shape))
         return self._end

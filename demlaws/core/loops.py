@@ -24,11 +24,12 @@ def scale_loop(shape, radius, modulus, roughness, params):
 
 @loop
 def batch_loop(rule, params, overlap, state, end, most, force, stiffness):
-    """A step of every contact. Returns whether all forces are numbers up to `most` [N].
+    """A step of every contact. Returns whether none needs a look: without a history all overlaps [m], with one all forces
+    [N] are numbers up to `most`.
 
     end, most: tuples of one number or of an array with one entry a contact. end: the largest overlap [m] that is answered;
     one beyond it counts as NaN, with which every rule gives the force NaN and leaves the history as it was. A rule without
-    a history answers all the same.
+    a history answers all the same, and a law may give a number for an overlap that is none.
     """
     good = True
     params = dispatch.fix_tables(params)
@@ -46,7 +47,8 @@ def batch_loop(rule, params, overlap, state, end, most, force, stiffness):
         force[i] = new_force
         stiffness[i] = new_stiffness
         # last, because LLVM loses the hint where the loop ends in an inlined call
-        good &= new_force <= gather(most, i)[0]
+        looked_at = here if len(state) == 0 else new_force
+        good &= looked_at <= gather(most, i)[0]
     return good
 
 
@@ -56,7 +58,7 @@ FINITE = (np.finfo(float).max,)
 
 def evaluate_loop(rule, params, overlap, state, force, stiffness):
     """`batch_loop` of a curve that is read at overlaps of any size: whether all forces are finite."""
-    return batch_loop(rule, params, overlap, state, UNBOUNDED, FINITE, force, stiffness)
+    return batch_loop(rule, params, overlap, state, UNBOUNDED, FINITE, force, stiffness) and bool(np.isfinite(force).all())
 
 
 @loop

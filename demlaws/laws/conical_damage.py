@@ -139,7 +139,11 @@ LAW = Definition(
     example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2},
     exact=_exact,
     advise=_advise,
-    unloading=("elastic", "hertz", "thornton"),
+    unloading=("elastic", "thornton"),
+    refused={
+        "hertz": "a crushed tip is wider, and at some contacts Hertz's curve of the old radius returns more work than it took; "
+        "the law's own way is 'thornton'"
+    },
     default_unloading="thornton",
     fitted={
         "strength": Parameter(
