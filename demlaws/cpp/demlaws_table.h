@@ -1075,8 +1075,13 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
   if (shear == ELASTIC_SHEAR) {
     if (!loads) return now.stiffness;
     const bool known = overlap == state[0];
-    if ((RULE <= THORNTON || RULE == ETSION) && known)
-      return 1.5 * now.force / (overlap - state[1]); // K = 1.5 P / (recoverable overlap)
+    if ((RULE <= THORNTON || RULE == ETSION) && known) {
+      const double recoverable =
+          overlap - state[1]; // K = 1.5 P / recoverable overlap, where rounding leaves some of it
+      if (recoverable > 1e-9 * overlap) return 1.5 * now.force / recoverable;
+      const double root = sqrt(RULE == HERTZ ? radius : radius * state[2]);
+      return 2. * pair.modulus * root * cbrt(0.75 * now.force / (pair.modulus * root));
+    }
     double own[3] = {0., 0., 0.};
     for (int i = 0; i < state_size(RULE); i++) own[i] = state[i];
     if (!known) step_rule<RULE>(pair, radius, overlap, own, true);
