@@ -171,7 +171,9 @@ def test_asking_changes_no_history(name, unloading):
         np.testing.assert_array_equal(fresh, 0.0)
 
 
-@pytest.mark.parametrize("name", [n for n, rule in PAIRS if rule == "thornton" and n != "rough-plastic"])
+@pytest.mark.parametrize(
+    "name", [n for n, rule in PAIRS if rule == "thornton" and (n, "hertz") in PAIRS and n != "rough-plastic"]
+)
 def test_thornton_is_hertz_where_the_bulk_has_not_yielded(name):
     path = GRANITE.roughness * np.array([2.0, 1.9, 1.7, 5.0, 4.9, 4.5])
     a, b = make(name, "hertz").follow(path), make(name, "thornton").follow(path)
