@@ -123,6 +123,23 @@ def _home(names: dict[str, Any]) -> str:
     return os.path.realpath(file) if file else str(names.get("__name__", "?"))
 
 
+@contextlib.contextmanager
+def restored():
+    """Whatever is registered or loaded within goes again at its end: for tests and trials."""
+    known = (_own, _homes, _marks, _loaded)
+    kept = [one.copy() for one in known]
+    files = os.environ.get(VARIABLE)
+    try:
+        yield
+    finally:
+        os.environ.pop(VARIABLE, None)
+        if files is not None:
+            os.environ[VARIABLE] = files
+        for one, old in zip(known, kept, strict=True):
+            one.clear()
+            one.update(old)
+
+
 def _check(definition: Any) -> None:
     """Refuse what is no definition, with the field that is wrong."""
     if not isinstance(definition, Definition):

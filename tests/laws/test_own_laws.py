@@ -31,15 +31,9 @@ dl.register(dl.define("power", force, stiffness, options={"factor": 3e9, "expone
 
 
 @pytest.fixture(autouse=True)
-def registered_here(monkeypatch):
-    """Whatever a test registers goes with it."""
-    monkeypatch.setenv(registry.VARIABLE, "")
-    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
+def whatever_a_test_registers_goes_with_it(registered_here):
     modules = set(sys.modules)
     yield
-    for known, old in kept:
-        known.clear()
-        known.update(old)
     for name in set(sys.modules) - modules:
         if name.startswith("demlaws_own_"):
             del sys.modules[name]

@@ -72,7 +72,7 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
         law = law.tabulate(1e-3, 100.0)
     for radius in (4e-3, 4.7e-3):
         p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
-        fields = kernel._fields(numba.typeof(p), numba.typeof(law.shape))
+        fields = kernel.fields_of(numba.typeof(p), numba.typeof(law.shape))
         values = kernel.pack(law.shape, [])
         for field, kind, place in fields:
             if place is not None:
@@ -256,7 +256,7 @@ def test_bodies_come_and_go(omega):
 
     law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
     attachment = law.binding.attachment
-    attachment._renew(8)
+    attachment.renew(8)
     stone = material()
     omega.bodies.append([sphere((n, 0, 0), 0.01, fixed=True, material=stone) for n in range(12)])
     set_engines(law)

@@ -322,7 +322,7 @@ def test_foreign_functor_in_a_contact_is_noticed(omega):
     omega.run(100, True)
     law = functor(bridge="native")
     listed = _engines_of(law)
-    native.set_engines(scene._completed(listed, {"demlaws": law}, []))
+    native.set_engines(scene.completed(listed, {"demlaws": law}, []))
     law.binding.watched_by(law.binding.runner)
     with pytest.raises(RuntimeError, match="another functor holds it"):
         omega.run(5, True)
