@@ -156,6 +156,7 @@ def test_callbacks_are_told_apart_by_their_constants(tmp_path):
     assert python(code, **folders) == "20.0 1 30.0 1"
 
 
+@pytest.mark.slow
 def test_processes_that_compile_the_same_loops_at_once(tmp_path):
     """Three types of arguments for the same loops, from four processes that start together; then nothing is left to do, and
     each finds its own."""

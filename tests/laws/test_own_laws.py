@@ -226,6 +226,7 @@ def test_entry_points(tmp_path):
 # --- machine code follows the file
 
 
+@pytest.mark.slow
 def test_an_edited_file_is_never_served_from_yesterday(tmp_path):
     """The file itself, a module that it takes a function from, a number that it takes from another; and within one process."""
     write(tmp_path, "def factor():\n    return 3.0\n\nPLAIN = 1.0\n", "helper.py")

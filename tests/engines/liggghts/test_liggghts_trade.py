@@ -39,6 +39,7 @@ def test_command(tmp_path, capsys):
     assert files[1].stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_costs():
     found = trade.engine_trade("liggghts", quick=True)
     labels = {e.cost.way.label: e for e in found}

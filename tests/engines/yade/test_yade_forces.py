@@ -151,7 +151,7 @@ def test_table(omega, tmp_path):
     assert 1e-12 < wrong <= 2e-6 and tangent <= 2e-6
 
 
-@pytest.mark.parametrize("as_table", [False, True])
+@pytest.mark.parametrize("as_table", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_curve_to_unload_along(omega, as_table):
     """Given beside the law, as a law and as a table; saved with the scene."""
     from demlaws.yade.pairs import Pairs
@@ -170,6 +170,7 @@ def test_a_curve_to_unload_along(omega, as_table):
     assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
 
 
+@pytest.mark.slow
 def test_a_table_with_its_own_unloading_curve(omega, tmp_path):
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
     smoother = dl.law("pohrt-popov", contact.with_values(roughness=0.5 * contact.roughness))

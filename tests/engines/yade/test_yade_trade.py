@@ -64,6 +64,7 @@ def test_choice_by_the_cost_of_a_step():
     assert "Law2_ScGeom_MindlinPhys_Demlaws" in choices.best.script()
 
 
+@pytest.mark.slow
 def test_costs_and_peers_on_the_picture(tmp_path):
     from demlaws import plots
     from demlaws.plots import choose as plots_choose
