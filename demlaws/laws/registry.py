@@ -11,6 +11,7 @@ import traceback
 import warnings
 import zlib
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -124,7 +125,7 @@ def _home(names: dict[str, Any]) -> str:
 
 
 @contextlib.contextmanager
-def restored():
+def restored() -> Iterator[None]:
     """Whatever is registered or loaded within goes again at its end: for tests and trials."""
     known = (_own, _homes, _marks, _loaded)
     kept = [one.copy() for one in known]

@@ -71,7 +71,7 @@ def test_a_second_process_compiles_nothing():
     ("file", "old", "new", "factor"),
     [
         ("laws/hertz.py", "1.5 * stiffness", "3.0 * stiffness", 2.0),
-        ("core/hertz.py", "sqrt(radius) / 3.0", "sqrt(radius) / 6.0", 0.5),
+        pytest.param("core/hertz.py", "sqrt(radius) / 3.0", "sqrt(radius) / 6.0", 0.5, marks=pytest.mark.slow),
     ],
 )
 def test_editing_is_noticed(tmp_path, file, old, new, factor):

@@ -158,6 +158,7 @@ def test_a_file_as_the_packages_own_are(tmp_path):
         np.testing.assert_array_equal(dl.law(name, GRANITE, slope=0.035).force(overlap), expected)
 
 
+@pytest.mark.slow
 def test_the_environment_reaches_other_processes(tmp_path):
     """And what a process pickles, another with the same file takes up; a file is run once, whatever finds it."""
     file = write(tmp_path, POWER + "\nprint('ran', __name__.startswith('demlaws_own_my_laws'))\n")

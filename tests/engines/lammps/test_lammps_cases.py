@@ -42,9 +42,7 @@ def test_every_case_named_by_the_documentation_is_there():
     assert [name for name in CASES if name not in (INPUTS / "README.md").read_text()] == []
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] if c in ("ballast", "compression", "packing") else []) for c in CASES]
-)
+@pytest.mark.parametrize("case", shared(CASES, lambda case: case not in ("ballast", "compression", "packing", "energy")))
 def test_case(common, tmp_path, case):
     simulate_and_check(common, case, tmp_path)
 

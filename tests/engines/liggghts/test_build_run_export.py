@@ -35,6 +35,7 @@ HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ
 # --- build
 
 
+@pytest.mark.slow
 def test_build_is_cached(tmp_path, monkeypatch):
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
     monkeypatch.setattr(build_module, "FLAGS", [flag.replace("-O3", "-O0") for flag in build_module.FLAGS])  # not to wait long

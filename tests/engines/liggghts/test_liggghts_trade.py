@@ -28,6 +28,7 @@ def test_scene():
     assert rough.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
 
 
+@pytest.mark.slow
 def test_command(tmp_path, capsys):
     files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
     assert main(["trade", "--scene", "liggghts", "--quick", "--csv", str(files[0]), "--figure", str(files[1])]) == 0

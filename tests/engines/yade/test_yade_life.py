@@ -197,7 +197,7 @@ def test_load_tmp_load_and_reload(omega, tmp_path):
         assert law.totals() == pytest.approx(goal[1], rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["law", "table"])
+@pytest.mark.parametrize("kind", ["law", pytest.param("table", marks=pytest.mark.slow)])
 def test_new_process(omega, tmp_path, kind):
     """A saved scene goes on in a process whose script does not know this package."""
     if kind == "table":

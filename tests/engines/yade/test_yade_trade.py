@@ -13,6 +13,7 @@ NATIVE = candidates.Way("YADE's Hertz-Mindlin", model="hertz")
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.40e-6, 2.22, 6.266e9)
 
 
+@pytest.mark.slow
 def test_scene():
     wanted = [candidates.RICHEST, candidates.RICHEST._replace(label="the same, shaken", shaken=True), HERTZ, NATIVE]
     said = []
