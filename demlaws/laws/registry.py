@@ -127,7 +127,7 @@ def _home(names: dict[str, Any]) -> str:
 @contextlib.contextmanager
 def restored() -> Iterator[None]:
     """Whatever is registered or loaded within goes again at its end: for tests and trials."""
-    known = (_own, _homes, _marks, _loaded)
+    known: tuple[Any, ...] = (_own, _homes, _marks, _loaded)
     kept = [one.copy() for one in known]
     files = os.environ.get(VARIABLE)
     try:
