@@ -80,7 +80,7 @@ class Curve(NamedTuple):
         return float(self.error[0] * (place / self.place[0]) ** min(max(power, 0.5), 1.0))
 
 
-def _curve(pairs: list) -> Curve:
+def error_curve(pairs: list) -> Curve:
     ordered = sorted((x, e) for x, e in pairs if x > 0.0 and e > 0.0)
     if not ordered:
         raise DemlawsError("the study that is kept has no rows to predict from: demlaws trade --softening FILE makes them")
@@ -121,7 +121,7 @@ def curves(quantity: str, unloads: bool) -> tuple[Curve, Curve, float]:
             # so fast that a stress is passed between two looks: nothing is right
             rate.append((here.waves, max(changed) if len(changed) == len(names) else 1.0))
     chance = max((steady[1.0].chance[n] for n in names), default=0.0) if 1.0 in steady else 0.0
-    return _curve(geometry), _curve(rate), chance
+    return error_curve(geometry), error_curve(rate), chance
 
 
 def _of_run(run: Any) -> Numbers:

@@ -78,7 +78,7 @@ def test_what_is_not_known_is_said():
 
 
 def test_a_curve_between_before_and_beyond_its_points():
-    curve = modulus._curve([(1.0, 0.1), (4.0, 0.2), (2.0, 0.15), (8.0, 0.18)])
+    curve = modulus.error_curve([(1.0, 0.1), (4.0, 0.2), (2.0, 0.15), (8.0, 0.18)])
     assert curve.at(1.0) == pytest.approx(0.1) and curve.at(8.0) == pytest.approx(0.2)  # monotone
     assert curve.at(math.sqrt(2.0)) == pytest.approx(math.sqrt(0.1 * 0.15))
     assert 0.025 <= curve.at(0.25) < 0.1 and curve.at(9.0) == math.inf

@@ -18,6 +18,7 @@ pytestmark = [
 ]
 
 
+@pytest.mark.slow
 def test_peak_force_and_rebound_agree(monkeypatch):
     monkeypatch.syspath_prepend(str(INPUTS))
     monkeypatch.delitem(sys.modules, "common", raising=False)

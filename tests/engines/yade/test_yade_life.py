@@ -197,7 +197,7 @@ def test_load_tmp_load_and_reload(omega, tmp_path):
         assert law.totals() == pytest.approx(goal[1], rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["law", "table"])
+@pytest.mark.parametrize("kind", ["law", pytest.param("table", marks=pytest.mark.slow)])
 def test_new_process(omega, tmp_path, kind):
     """A saved scene goes on in a process whose script does not know this package."""
     if kind == "table":
@@ -322,7 +322,7 @@ def test_foreign_functor_in_a_contact_is_noticed(omega):
     omega.run(100, True)
     law = functor(bridge="native")
     listed = _engines_of(law)
-    native.set_engines(scene._completed(listed, {"demlaws": law}, []))
+    native.set_engines(scene.completed(listed, {"demlaws": law}, []))
     law.binding.watched_by(law.binding.runner)
     with pytest.raises(RuntimeError, match="another functor holds it"):
         omega.run(5, True)

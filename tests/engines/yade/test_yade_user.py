@@ -696,7 +696,7 @@ def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
     from demlaws.yade import native
 
     monkeypatch.setattr(native, "_layout", None)
-    real = native._read
+    real = native.read_memory
 
     def read(start, size, kind):
         words = real(start, size, kind).copy()
@@ -708,7 +708,7 @@ def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
         return words
 
     if doctored in ("two places", "no place"):
-        monkeypatch.setattr(native, "_read", read)
+        monkeypatch.setattr(native, "read_memory", read)
     elif doctored == "another class":
         monkeypatch.setattr(native, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
     else:

@@ -10,6 +10,7 @@ from demlaws.validation.jobs import contact_of, impact_jobs
 from demlaws.validation.published import bound, quiet
 
 
+@pytest.mark.slow
 def test_a_stiffness_after_yield_of_its_own_acts_in_yade():
     """Restitution and peak force of an impact: yielding at its load, softer after it than one p_y says, as in Python."""
     given = next(job for job in impact_jobs() if job["law"] == "rough-plastic" and not job["plane"])
