@@ -144,7 +144,8 @@ class Choice:
 
     def script(self, table: str = "law.tbl") -> str:
         """The lines that put this choice into the scene's engine."""
-        options = "".join(f", {k}={v!r}" for k, v in self.plan.options)
+        plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
+        options = "".join(f", {k}={v!r}" for k, v in plain)
         unloading = "" if self.unloading == "elastic" else f', unloading="{self.unloading}"'
         if self.scene.engine == "yade":
             source = f'"{self.name}"'

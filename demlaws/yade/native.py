@@ -174,8 +174,8 @@ class Layout:
         import yade.config
 
         self.version = yade.config.version
-        if not yade.config.suffix.endswith("-double"):
-            raise BridgeUnavailable(f"this YADE computes in {yade.config.suffix.strip('-')}; the bridge needs double")
+        if getattr(yade.config, "highPrecisionBits", 64) != 64:  # its suffix is whatever it was built with
+            raise BridgeUnavailable(f"this YADE computes in {yade.config.highPrecisionName}; the bridge needs double")
         if ctypes.sizeof(ctypes.c_void_p) != 8:
             raise BridgeUnavailable("the bridge needs a 64-bit machine")
         self.library = ctypes.CDLL(_mapped("/libpkg_dem.so"))

@@ -324,7 +324,7 @@ def _restored(label, known, stand_in):
     way, ratio, banked, pairs = text.split("|", 3)
     if known is not None:
         binding = known.binding
-        own = "" if binding.ratio is None else repr(binding.ratio)
+        own = "" if binding.ratio is None else repr(float(binding.ratio))
         if (binding.way, own, binding.pairs.as_text()) == (way, ratio, pairs):
             binding.banked = float(banked)
             known.updateAttrs(attributes)

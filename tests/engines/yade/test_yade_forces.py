@@ -320,6 +320,7 @@ def test_never_erase(omega):
     assert wrong <= TOLERANCE and tangent <= 1e-13
 
 
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 def test_tangential_stiffness(omega):
     two_spheres(functor(bridge="native", shear="tangent"))
     omega.run(100, True)

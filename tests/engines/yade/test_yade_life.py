@@ -145,6 +145,17 @@ def test_auto_falls_back_visibly(omega, monkeypatch):
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(law.contacts().force[0], rel=1e-13)
 
 
+def test_a_ratio_of_numpy_is_saved_as_a_number(omega):
+    class NumberOfNumpy(float):
+        def __repr__(self):
+            return f"np.float64({float(self)!r})"
+
+    from demlaws.yade.binding import Binding
+
+    law = functor(tangential_ratio=NumberOfNumpy(0.5))
+    assert Binding.from_text("again", law.binding.as_text()).ratio == 0.5
+
+
 def test_public_way_saved_and_loaded(omega, tmp_path):
     law = functor(bridge="public", label="slow")
     pair(law)

@@ -691,6 +691,22 @@ def test_missing_symbols_fail_closed(monkeypatch, name, why):
         native.layout()
 
 
+def test_a_yade_built_by_its_user_is_judged_by_its_numbers(monkeypatch):
+    """Only Debian names a build for its precision: the suffix of another one says nothing."""
+    import yade.config
+
+    from demlaws.yade import native
+
+    monkeypatch.setattr(native, "_layout", None)
+    monkeypatch.setattr(yade.config, "suffix", "-trunk")
+    assert native.layout().slot
+    monkeypatch.setattr(native, "_layout", None)
+    monkeypatch.setattr(yade.config, "highPrecisionBits", 80)
+    monkeypatch.setattr(yade.config, "highPrecisionName", "PrecisionLongDouble")
+    with pytest.raises(native.BridgeUnavailable, match="computes in PrecisionLongDouble; the bridge needs double"):
+        native.layout()
+
+
 @pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved vector"])
 def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
     from demlaws.yade import native
