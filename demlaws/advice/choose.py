@@ -155,7 +155,8 @@ class Choice:
     def script(self, table: str = "law.tbl", dt: float | None = None) -> str:
         """The lines that put this choice into the scene's engine; dt: time step [s], if not the stable one."""
         dt = self.step if dt is None else dt
-        options = "".join(f", {k}={v!r}" for k, v in self.plan.options)
+        plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
+        options = "".join(f", {k}={v!r}" for k, v in plain)
         way_back = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
         unloading = "" if self.unloading == "elastic" else f", unloading={way_back}"
         if self.scene.engine == "yade":

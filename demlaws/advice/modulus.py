@@ -109,7 +109,8 @@ class Curve(NamedTuple):
         return float(self.error[0] * (place / self.place[0]) ** min(max(power, 0.5), 1.0))
 
 
-def _curve(pairs: list) -> Curve:
+def error_curve(pairs: list) -> Curve:
+    """(knob, error) of kept runs as a curve that rises with the knob and lies above all of them."""
     largest: dict = {}
     for x, e in pairs:
         if x > 0.0 and e > 0.0:
@@ -167,7 +168,7 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
     }
     plain = points.get((1.0, base, HALF))
     if plain is None:
-        return Curves(_curve([]), None, None, None, None, 0.0)
+        return Curves(error_curve([]), None, None, None, None, 0.0)
     geometry, rate, soft, step, unbalanced = [], [], [], [], []
     for (factor, inertial, part), p in points.items():
         steady = points.get((factor, base, HALF))
@@ -188,9 +189,11 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
                 elif p.run.factor == 1.0 and p.run.inertial > base:
                     rate.append((place(p.run), change(p)))
     chance = max((plain.chance[n] for n in names if plain.chance.get(n) == plain.chance.get(n)), default=0.0)
-    moved = _curve(unbalanced) if unbalanced else None
-    long, slow = _curve(step) if step else None, process == "pour"
-    return Curves(_curve(geometry), None if slow else _curve(rate), None if slow else _curve(soft), long, moved, chance)
+    moved = error_curve(unbalanced) if unbalanced else None
+    long, slow = error_curve(step) if step else None, process == "pour"
+    return Curves(
+        error_curve(geometry), None if slow else error_curve(rate), None if slow else error_curve(soft), long, moved, chance
+    )
 
 
 def _of_run(run: Any) -> Numbers:

@@ -62,7 +62,7 @@ def measured_error(choice, seed=7, points=4000):
     return worst
 
 
-@pytest.mark.parametrize("name", shared(SCENES, ("monotonic", "cyclic", "yield", "impact", "two kinds").__contains__))
+@pytest.mark.parametrize("name", shared(SCENES, ("yield", "two kinds").__contains__))
 def test_predictions(name):
     choices = dl.choose(SCENES[name])
     assert choices.best.meets
@@ -350,6 +350,7 @@ def test_a_scene_is_needed(capsys):
     assert "--template" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_softer_grains_are_advised_and_written(tmp_path, capsys):
     """With --soften the choice, and the table, are for the softened grains: σ is scaled with the modulus."""
     file = tmp_path / "scene.toml"

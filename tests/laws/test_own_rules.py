@@ -1,6 +1,5 @@
 """A rule for unloading that a user brings with a law of their own, from a file outside the package."""
 
-import os
 import textwrap
 
 import numpy as np
@@ -111,18 +110,11 @@ PATH = np.array([1e-5, 8e-6, 5e-6, 3e-6, 9e-6, 1e-5, 2e-5, 1.5e-5, 0.0, 1e-6])
 @pytest.fixture(scope="module", autouse=True)
 def spring(tmp_path_factory):
     """The law, from a file; it goes with the module."""
-    files = os.environ.get(registry.VARIABLE)
-    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
     file = tmp_path_factory.mktemp("laws") / "my_spring.py"
     file.write_text(textwrap.dedent(SPRING))
-    assert dl.load_laws(file) == ["spring"]
-    yield
-    for known, old in kept:
-        known.clear()
-        known.update(old)
-    os.environ.pop(registry.VARIABLE)  # processes of later tests are not to know it
-    if files is not None:
-        os.environ[registry.VARIABLE] = files
+    with registry.restored():
+        assert dl.load_laws(file) == ["spring"]
+        yield
 
 
 def expected(path, lost=0.4, stiffness=2e6):
