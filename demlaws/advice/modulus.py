@@ -81,6 +81,7 @@ class Curve(NamedTuple):
 
 
 def error_curve(pairs: list) -> Curve:
+    """(knob, error) of kept runs as a curve that rises with the knob and lies above all of them."""
     ordered = sorted((x, e) for x, e in pairs if x > 0.0 and e > 0.0)
     if not ordered:
         raise DemlawsError("the study that is kept has no rows to predict from: demlaws trade --softening FILE makes them")

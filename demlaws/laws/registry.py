@@ -1,6 +1,7 @@
 """The laws by name: the package's own, and those that users register."""
 
 import contextlib
+import copyreg
 import importlib
 import importlib.metadata
 import importlib.util
@@ -179,6 +180,23 @@ def mark(definition: Definition) -> str:
     if not is_own(definition):
         return ""
     return getattr(definition.prepare, "mark", None) or _marks[definition.name]
+
+
+def _reduced(definition: Definition) -> tuple:
+    """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
+    if definition.name in registry():
+        return _of_name, (definition.name, mark(definition))
+    return Definition, tuple(definition)  # of a table whose law is not here
+
+
+def _of_name(name: str, marked: str = "") -> Definition:
+    definition = find(name)
+    if mark(definition) != marked:
+        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+    return definition
+
+
+copyreg.pickle(Definition, _reduced)
 
 
 # --- files and packages

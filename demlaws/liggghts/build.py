@@ -83,6 +83,7 @@ def mpi_libraries(compiler):
 
 
 def compile_command(portable):
+    """The compiler's command without its output, and what it links."""
     architecture = [] if portable else ["-march=native"]
     headers = _headers()
     includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}"]

@@ -532,12 +532,14 @@ def serve(engine, request):
 
 
 def as_json(value):
+    """Figures as what JSON holds; `from_json` turns them back."""
     if hasattr(value, "_asdict"):
         value = value._asdict()
     return {str(k): as_json(v) for k, v in value.items()} if isinstance(value, dict) else value
 
 
 def from_json(content):
+    """Figures of a law, as `as_json` wrote them."""
     compared, blows = content["compared"], content["impacts"]
     compared["decades"] = {int(k): v for k, v in compared["decades"].items()}
     blows["gains"] = {int(k): v for k, v in blows["gains"].items()}

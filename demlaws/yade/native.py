@@ -71,6 +71,7 @@ def _window(thing):
 
 
 def read_memory(start, size, kind):
+    """`size` bytes of this process from address `start`, as an array of a ctypes kind, not copied."""
     return np.ctypeslib.as_array((kind * (size // ctypes.sizeof(kind))).from_address(start))
 
 
