@@ -609,21 +609,21 @@ class Table(Law):
             "collapses": "yes" if self.collapses else "no",
             "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
             "length": repr(float(np.ravel(self.length)[0])),
-            "length_over_roughness": repr(float(shape.length_over_roughness)),
-            "length_over_radius": repr(float(shape.length_over_radius)),
+            "length_over_roughness": repr(shape.length_over_roughness),
+            "length_over_radius": repr(shape.length_over_radius),
             **table_file.describe_rows(self.rows, (self.force_error, self.stiffness_error)),
-            "rtol": repr(float(self.rtol)),
+            "rtol": repr(self.rtol),
             **({} if self.knots is None else {"points": self.knots.text()}),
             "demlaws": __version__,
         }
         if math.isfinite(shape.bulk.area):
             u, s, _ = self.nodes.curve()
             header["yield_overlap"] = repr(float(u[np.argmin(np.abs(s - shape.bulk.area))]))  # a kink of these laws: a row
-            header["yield_force"] = repr(float(4.0 / 3.0 * shape.bulk.area**1.5))
-            header["yield_area"] = repr(float(shape.bulk.area))
-            header["yield_area_slope"] = repr(float(0.75 * shape.bulk.slope))  # by f, not by s^1.5
+            header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
+            header["yield_area"] = repr(shape.bulk.area)
+            header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
         if rule.keys:
-            header |= {key: repr(float(value)) for key, value in zip(rule.keys, self.shape.unloading, strict=False)}
+            header |= {key: repr(value) for key, value in zip(rule.keys, self.shape.unloading, strict=False)}
         if curve is not None:
             about = {
                 "law": curve.name,

@@ -363,8 +363,8 @@ def describe_rows(rows, certificate):
         "kinks": " ".join(repr(float(k)) for k in rows.nodes.kinks),
         "range_overlap": f"{float(u[0])!r} {float(u[-1])!r}",
         "range_force": f"{float(force[0])!r} {float(force[-1])!r}",
-        "force_error": repr(float(certificate[0])),
-        "stiffness_error": repr(float(certificate[1])),
+        "force_error": repr(certificate[0]),
+        "stiffness_error": repr(certificate[1]),
         "rows": str(u.size),
     }
 
