@@ -50,13 +50,28 @@ def test_a_table_of_a_function_within_its_certificate():
 # --- a law whose unloading is its own: the code of its rule beside the table
 
 
+def two_particles_on(ranks):
+    """The self-test's input and variables: each of two ranks holds one of the spheres."""
+    variables = {"young": repr(2 * CONTACT.modulus * (1 - 0.25**2)), "radius": repr(8e-3), "table": "law.tbl"}
+    return TWO_PARTICLES.replace("processors      1 1 1", f"processors {ranks} 1 1"), variables
+
+
+def press(folder, ranks):
+    text, variables = two_particles_on(ranks)
+    (folder / "in.press").write_text(text)
+    return run(folder / "in.press", ranks, variables)
+
+
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_a_rule_of_ones_own(tmp_path, ranks):
     """From a file outside the package: within the certificate of the law, and the table's own to rounding."""
     with registered(tmp_path):
         law = dl.law("spring", CONTACT, lost=0.3)
-        overlap, force, expected = two_particles(law, 1e-6, folder=tmp_path, ranks=ranks)
-        table = law.tabulate(1e-6).follow(overlap)
+        saved = law.tabulate(1e-6)
+        saved.save(tmp_path / "law.tbl")
+        log = press(tmp_path, ranks)
+        overlap, force, expected = log["overlap"], log["force"], law.follow(log["overlap"]).force
+        table = saved.follow(overlap)
     assert (tmp_path / "law.tbl.so").is_file()
     assert overlap.max() > 1e-5 and np.count_nonzero(force) > 300
     assert np.abs(force - expected).max() <= 2e-6 * expected.max()
@@ -97,10 +112,9 @@ def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
         code.write_bytes(code.read_bytes() + b"\n")
     elif fault == "missing":
         code.unlink()
-    young = 2 * CONTACT.modulus * (1 - 0.25**2)
-    (tmp_path / "in.case").write_text(TWO_PARTICLES)
     ranks = 2 if "rank" in fault else 1
-    variables = {"young": repr(young), "radius": repr(8e-3), "table": "law.tbl"}
+    text, variables = two_particles_on(ranks)
+    (tmp_path / "in.case").write_text(text)
     line, environment = command("in.case", ranks, variables)
     if ranks > 1:  # the second rank stands elsewhere
         (tmp_path / "elsewhere").mkdir()
@@ -109,7 +123,7 @@ def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
         script.chmod(0o755)
         place = line.index(executable())
         line[place:place] = [str(script)]
-    done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, errors="replace", timeout=120)
     said = done.stdout + done.stderr
     assert done.returncode
     assert f"rank {ranks - 1}: law.tbl.so" in said
