@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from demlaws.measure.lawcheck import check_law as check_law
     from demlaws.table import Table as Table
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     "Contact": "demlaws.contact",

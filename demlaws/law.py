@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number
+from demlaws.checks import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
@@ -383,7 +383,8 @@ class Law:
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
         and K_s by `shear`: "elastic", the stiffness with which the contact would unload now; "tangent", that of the branch that
-        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each.
+        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each. Of a law
+        that keeps a history "tangent" warns once (ValidityWarning): cycles of shear and normal load return more than they took.
         """
         if shear not in CHOICES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
@@ -393,6 +394,9 @@ class Law:
         if values.ndim > 1:
             raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
         self._check_range(values)
+        if shear == "tangent" and self.state_size and self.name != "hertz" and shear not in self._warned:
+            self._warned.add(shear)
+            warnings.warn(f"{self.name}: {CREATES_ENERGY}", ValidityWarning, stacklevel=2)
         state = self.new_state(1) if state is None else state
         arrays = self._arrays_of(state, 1)
         result = np.empty(values.size)

@@ -26,6 +26,16 @@ def rng():
     return np.random.default_rng(20231)
 
 
+@pytest.fixture
+def registered_here(monkeypatch):
+    """A law that a test registers goes with it."""
+    from demlaws.laws import registry
+
+    monkeypatch.setenv(registry.VARIABLE, "")
+    with registry.restored():
+        yield
+
+
 def _under(path, folder):
     return f"tests/{folder}/" in str(path).replace(os.sep, "/")
 

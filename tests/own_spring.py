@@ -1,7 +1,6 @@
 """A file of a user's own law with a rule for unloading of its own, outside the package; tests of several engines write it."""
 
 import contextlib
-import os
 import textwrap
 
 import numpy as np
@@ -109,20 +108,15 @@ SPRING = """
 @contextlib.contextmanager
 def registered(folder, text=SPRING, name="my_spring.py"):
     """The file's law, as long as the block lasts; the path of the file."""
-    files = os.environ.get(registry.VARIABLE)
-    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded, unloading._OWN)]
-    file = folder / name
+    file, rules = folder / name, unloading._OWN.copy()
     file.write_text(textwrap.dedent(text))
-    dl.load_laws(file)
-    try:
-        yield file
-    finally:
-        for known, old in kept:
-            known.clear()
-            known.update(old)
-        os.environ.pop(registry.VARIABLE, None)  # processes of later tests are not to know it
-        if files is not None:
-            os.environ[registry.VARIABLE] = files
+    with registry.restored():
+        try:
+            dl.load_laws(file)
+            yield file
+        finally:
+            unloading._OWN.clear()
+            unloading._OWN.update(rules)
 
 
 def expected(path, lost=0.4, stiffness=2e6):

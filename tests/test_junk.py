@@ -10,6 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
+from examples import shared
 
 import demlaws as dl
 from demlaws import granite, regime, surface
@@ -202,7 +203,7 @@ def call(function, arguments):
 HEAVY = {"choose"}  # its scene is tried in Scene
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@pytest.mark.parametrize("name", shared(FUNCTIONS, lambda name: name != "fit"))
 def test_junk(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     function = FUNCTIONS[name]

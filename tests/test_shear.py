@@ -81,6 +81,23 @@ def test_the_tangent_returns_what_no_sphere_does():
     assert mine.work[-1] == pytest.approx(-0.5 * jump * 1e-18, rel=1e-3)
 
 
+@pytest.mark.filterwarnings("error::demlaws.errors.ValidityWarning")
+def test_the_tangent_is_warned_of_once():
+    """Where the choices differ: a law with a history that is not Hertz."""
+    path, sideways = [0.0, DEEP / 9, DEEP / 10], [0.0, 0.0, 1e-9]
+    law = dl.law("pohrt-popov", GRANITE, "hertz")  # one that no other test has used
+    with pytest.warns(dl.ValidityWarning, match="return a little more work than they took") as said:
+        sheared(law, path, sideways, GRANITE_RATIO, "tangent")
+        law.shear_stiffness(path, GRANITE_RATIO, "tangent")
+    assert len(said) == 1
+    for name, unloading, choice in (
+        ("pohrt-popov", "hertz", "elastic"),
+        ("pohrt-popov", "elastic", "tangent"),
+        ("hertz", "hertz", "tangent"),
+    ):
+        sheared(make(name, unloading), path, sideways, GRANITE_RATIO, choice)
+
+
 def test_sheared_work_is_stored_where_nothing_changes():
     law = make("pohrt-popov", "hertz")
     there = np.linspace(0.0, 1e-9, 30)

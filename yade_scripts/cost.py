@@ -4,7 +4,8 @@ Shows: native Hertz-Mindlin, native linear, YADE's Conical Damage Model, the bri
 table, and the public way; with 1 and with 2 threads. The ratio of a law of ours is taken within one scene and one run: the
 same functor alternates between our code and its own every two steps, of which the second is timed, over the same contacts in
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
-Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--out FOLDER]
+Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--laws LAW ...]
+    [--out FOLDER]
 Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it). Saves cost.png.
 """
 
@@ -118,22 +119,24 @@ def spread(ratios):
     return float(np.median(ratios)), float(np.min(ratios)), float(np.max(ratios))
 
 
-def measure_bridge(side, rounds, steps):
+def measure_bridge(side, rounds, steps, wanted):
     """Name → (ns a contact; ratio to the functor's native code: median, least, most of the rounds; µs of the guard)."""
     made, contacts = {}, 0
-    for n, (name, specification) in enumerate(BRIDGE.items()):
+    for n, name in enumerate(wanted):
+        specification = BRIDGE[name]
         given, unloading, options = specification()
         law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, bridge="native", label=f"law{n}", **options)
         number = scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
         guard = next(e for e in O._currEngines if isinstance(e, yade.PyRunner) and e.label != "ticker")
         O.run(5, True)  # the guard looks at every contact at the second step
-        law.binding.guards = 20  # and then now and then
+        watched = 300 if O.interactions.countReal() < 30000 else 60
+        law.binding.guards = 20 if watched == 300 else 110  # and then now and then; not within 60 steps
         guard.execTime = 0
-        O.run(300, True)
-        made[name] = (number, law, guard.execTime / 300e3)
+        O.run(watched, True)
+        made[name] = (number, law, guard.execTime / (1e3 * watched))
         guard.dead = True  # or it would put our code back
         contacts = O.interactions.countReal()
-    times = {name: ([], []) for name in BRIDGE}
+    times = {name: ([], []) for name in wanted}
     for _ in range(rounds):
         for name, (number, law, _) in made.items():
             O.switchToScene(number)
@@ -164,13 +167,13 @@ def measure_peers(side, rounds, steps):
     return {name: (min(values), *spread(np.divide(values, native)), 0.0) for name, values in times.items()}
 
 
-def child(size, quick, bridge):
+def child(size, quick, bridge, wanted):
     """size: number of contacts, about; a sphere of the packing has 5.4 in the middle."""
     side = round((size / 5.4) ** (1 / 3))
     steps = 4 * round(np.clip((0.3e6 if quick else 0.9e6) / size, 12, 120))
     rounds = 3 if quick else 9
     peers = {} if bridge else measure_peers(side, rounds, steps // 2)
-    results, contacts = measure_bridge(side, rounds, steps)
+    results, contacts = measure_bridge(side, rounds, steps, wanted)
     print("RESULT " + json.dumps({"contacts": contacts, "times": {**peers, **results}}))
 
 
@@ -179,12 +182,13 @@ def main():
     parser.add_argument("--quick", action="store_true", help="fewer repetitions, 4,000 contacts unless sizes are given")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of contacts, about (default 15000)")
     parser.add_argument("--bridge", action="store_true", help="our laws alone, without YADE's other models and the public way")
+    parser.add_argument("--laws", nargs="+", choices=BRIDGE, default=list(BRIDGE), metavar="LAW", help="some of our laws")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], help="numbers of threads (default 1 2)")
     parser.add_argument("--out", default=".", help="folder of the picture")
     parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     if arguments.child:
-        child(arguments.child, arguments.quick, arguments.bridge)
+        child(arguments.child, arguments.quick, arguments.bridge, arguments.laws)
         return
     for size in arguments.sizes or [4000 if arguments.quick else 15000]:
         results = measure(arguments, size)
@@ -197,7 +201,7 @@ def measure(arguments, size):
     results = {}
     for threads in arguments.threads:
         flags = [f"--{name}" for name in ("quick", "bridge") if getattr(arguments, name)]
-        options = ["--child", str(size), *flags]
+        options = ["--child", str(size), *flags, "--laws", *arguments.laws]
         done = run(sys.argv[0], options, threads, capture_output=True, text=True)
         line = next((x for x in done.stdout.splitlines() if x.startswith("RESULT ")), None)
         if line is None:

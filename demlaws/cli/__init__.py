@@ -83,7 +83,7 @@ def build_parser(commands=tuple(COMMANDS)):
 
     parser = Parser(
         prog="demlaws",
-        description="Contact laws of rough and yielding grains for DEM: single contacts, tables, YADE, LIGGGHTS.",
+        description="Contact laws of rough and yielding grains for DEM: single contacts, tables, YADE, LIGGGHTS, LAMMPS.",
         epilog="Example: demlaws granite --out granite",
     )
     parser.add_argument("--version", action="version", version=f"demlaws {__version__}")

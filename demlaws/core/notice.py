@@ -4,7 +4,7 @@ import threading
 
 say = None
 """Called without arguments, once in a process; None: nobody wants to know."""
-_timers = []
+timers = []
 
 
 def _tell():
@@ -20,10 +20,10 @@ def begin():
         timer = threading.Timer(1.0, _tell)
         timer.daemon = True
         timer.start()
-        _timers.append(timer)
+        timers.append(timer)
 
 
 def end():
     """The compilation that began last has ended."""
-    if _timers:
-        _timers.pop().cancel()
+    if timers:
+        timers.pop().cancel()

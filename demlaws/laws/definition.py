@@ -226,14 +226,6 @@ class Definition(NamedTuple):
     colour: str = "#888888"
     line: str = "-"
 
-    def __reduce__(self) -> tuple:
-        """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
-        from demlaws.laws.registry import mark, registry
-
-        if self.name in registry():
-            return _of_name, (self.name, mark(self))
-        return Definition, tuple(self)  # of a table whose law is not here
-
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
         try:
@@ -277,12 +269,3 @@ class Definition(NamedTuple):
             return self.needs
         definition, rest = self.before_yield(**options)
         return tuple(dict.fromkeys((*self.needs, *definition.needed(**rest))))
-
-
-def _of_name(name: str, marked: str = "") -> Definition:
-    from demlaws.laws.registry import find, mark
-
-    definition = find(name)
-    if mark(definition) != marked:
-        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
-    return definition

@@ -1,6 +1,7 @@
 """The laws by name: the package's own, and those that users register."""
 
 import contextlib
+import copyreg
 import importlib
 import importlib.metadata
 import importlib.util
@@ -11,6 +12,7 @@ import traceback
 import warnings
 import zlib
 from collections import defaultdict
+from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -123,6 +125,23 @@ def _home(names: dict[str, Any]) -> str:
     return os.path.realpath(file) if file else str(names.get("__name__", "?"))
 
 
+@contextlib.contextmanager
+def restored() -> Iterator[None]:
+    """Whatever is registered or loaded within goes again at its end: for tests and trials."""
+    known: tuple[Any, ...] = (_own, _homes, _marks, _loaded)
+    kept = [one.copy() for one in known]
+    files = os.environ.get(VARIABLE)
+    try:
+        yield
+    finally:
+        os.environ.pop(VARIABLE, None)
+        if files is not None:
+            os.environ[VARIABLE] = files
+        for one, old in zip(known, kept, strict=True):
+            one.clear()
+            one.update(old)
+
+
 def _check(definition: Any) -> None:
     """Refuse what is no definition, with the field that is wrong."""
     if not isinstance(definition, Definition):
@@ -161,6 +180,23 @@ def mark(definition: Definition) -> str:
     if not is_own(definition):
         return ""
     return getattr(definition.prepare, "mark", None) or _marks[definition.name]
+
+
+def _reduced(definition: Definition) -> tuple:
+    """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
+    if definition.name in registry():
+        return _of_name, (definition.name, mark(definition))
+    return Definition, tuple(definition)  # of a table whose law is not here
+
+
+def _of_name(name: str, marked: str = "") -> Definition:
+    definition = find(name)
+    if mark(definition) != marked:
+        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+    return definition
+
+
+copyreg.pickle(Definition, _reduced)
 
 
 # --- files and packages

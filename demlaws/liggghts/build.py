@@ -71,7 +71,7 @@ def _mpi_flags():
     raise DemlawsError(f"the MPI headers were not found (neither mpicxx nor pkg-config ompi-cxx answers): {PACKAGES}")
 
 
-def _mpi_libraries(compiler):
+def mpi_libraries(compiler):
     """Paths of the MPI libraries that libliggghts itself loads, directly or through others: no other may be in the process."""
     library = _output([compiler, "-print-file-name=libliggghts.so"]).strip()
     if "/" not in library:
@@ -82,14 +82,15 @@ def _mpi_libraries(compiler):
     return [path for _, path in found]
 
 
-def _command(portable):
+def compile_command(portable):
+    """The compiler's command without its output, and what it links."""
     architecture = [] if portable else ["-march=native"]
     headers = _headers()
     includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}"]
     includes += ["-isystem", str(headers), *_mpi_flags()]  # so that warnings are of our own files only
     compiler = _compiler()
     link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", "-lliggghts"]
-    link += ["-Wl,--as-needed", *_mpi_libraries(compiler)]  # several of that name; only what is used is linked
+    link += ["-Wl,--as-needed", *mpi_libraries(compiler)]  # several of that name; only what is used is linked
     return [compiler, *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
 
 
@@ -136,7 +137,7 @@ def _made_by(command, link, portable):
 
 def library_path(portable=False):
     """Where the plugin of this version, these sources, this compiler and these headers belongs, built or not."""
-    return cache_folder() / f"{_runs_on(portable)}-{_made_by(*_command(portable), portable)}.so"
+    return cache_folder() / f"{_runs_on(portable)}-{_made_by(*compile_command(portable), portable)}.so"
 
 
 def _made_elsewhere(portable):
@@ -159,7 +160,7 @@ def build(portable=False, force=False):
             "set DEMLAWS_CACHE to another folder"
         )
     try:
-        command, link = _command(portable)
+        command, link = compile_command(portable)
     except DemlawsError as missing:
         made = None if force else _made_elsewhere(portable)
         if made:

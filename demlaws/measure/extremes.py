@@ -276,7 +276,7 @@ def impacts(engine, case, quick=False):
     """A sphere meets a fixed one, 1e-6 to 100 m/s, its mass such that all speeds take the same time; dissipation counted."""
     counts, law = QUICK_STEPS if quick else STEPS, granite_group(case, 1).law
     duration = 3.0 * 0.02 * law.contact.radius / SPEEDS[-1]
-    masses = np.array([_mass_for(law, speed, duration) for speed in SPEEDS])
+    masses = np.array([mass_for(law, speed, duration) for speed in SPEEDS])
     rebound, slow, gains = 0.0, 0.0, {}
     for count in counts:
         phases = PHASES if count < 5000 else PHASES[:1]
@@ -298,7 +298,7 @@ def impacts(engine, case, quick=False):
     return Impacts(float(rebound), float(slow), gains)
 
 
-def _mass_for(law, speed, duration):
+def mass_for(law, speed, duration):
     """Mass [kg] whose elastic contact at `speed` lasts `duration`."""
     from scipy.optimize import brentq
 
@@ -526,18 +526,20 @@ def serve(engine, request):
 
     for law, unloading in request["cases"]:
         found = measure(engine, Case(law, unloading, engine.evaluation), request["quick"])
-        print("RESULT " + json.dumps(_plain(found)), flush=True)
+        print("RESULT " + json.dumps(as_json(found)), flush=True)
     if request["stops"]:
         print("RESULT " + json.dumps(engine.stops()), flush=True)
 
 
-def _plain(value):
+def as_json(value):
+    """Figures as what JSON holds; `from_json` turns them back."""
     if hasattr(value, "_asdict"):
         value = value._asdict()
-    return {str(k): _plain(v) for k, v in value.items()} if isinstance(value, dict) else value
+    return {str(k): as_json(v) for k, v in value.items()} if isinstance(value, dict) else value
 
 
-def _figures(content):
+def from_json(content):
+    """Figures of a law, as `as_json` wrote them."""
     compared, blows = content["compared"], content["impacts"]
     compared["decades"] = {int(k): v for k, v in compared["decades"].items()}
     blows["gains"] = {int(k): v for k, v in blows["gains"].items()}
@@ -589,7 +591,7 @@ def run(engine, laws=None, unloadings=None, quick=False, stops=True):
                     continue
                 content = json.loads(text.removeprefix("RESULT "))
                 results += 1
-                yield _figures(content) if isinstance(content, dict) else [tuple(x) for x in content]
+                yield from_json(content) if isinstance(content, dict) else [tuple(x) for x in content]
         except BaseException:
             process.kill()
             raise

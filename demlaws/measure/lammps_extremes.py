@@ -25,11 +25,11 @@ newton off
 processors 1 1 1
 region box block {ends} units box
 create_box {types} box
-neighbor {skin!r} bin
+neighbor {skin:.17g} bin
 neigh_modify delay 0 one 20000 page 200000
 pair_style granular
 {pairs}
-timestep {dt!r}
+timestep {dt:.17g}
 """
 )
 
@@ -84,10 +84,10 @@ class Lammps(liggghts_extremes.Liggghts):
         rough = definition.collapses and definition.length == "roughness"
         pairs = []
         for k, (e, sigma) in enumerate(kinds.tolist(), 1):
-            words = f"demlaws/table {path} {2.0 * e * (1.0 - POISSON**2)!r} 1 {POISSON!r}"
-            words += f" roughness {math.hypot(sigma, sigma)!r}" if rough else ""
+            words = f"demlaws/table {path} {2.0 * e * (1.0 - POISSON**2):.17g} 1 {POISSON:.17g}"
+            words += f" roughness {math.hypot(sigma, sigma):.17g}" if rough else ""
             pairs.append(f"pair_coeff {k} {k} {words} tangential mindlin NULL 0 0 damping demlaws/tangent")
-        ends = " ".join(f"{a!r} {b!r}" for a, b in zip(low, high, strict=True))
+        ends = " ".join(f"{a:.17g} {b:.17g}" for a, b in zip(low, high, strict=True))
         values = {"types": len(kinds), "skin": float(skin), "pairs": "\n".join(pairs), "dt": float(dt)}
         self._lib.start(_START.format(boundary=boundary, ends=ends, **values))
         return np.ravel(types) + 1

@@ -32,12 +32,12 @@ soft_particles yes
 processors 1 1 1
 region box block {low} {high} units box
 create_box {types} box
-neighbor {skin!r} bin
+neighbor {skin:.17g} bin
 neigh_modify delay 0 one 20000 page 200000
 {properties}
 pair_style gran model demlaws/table tangential history {words}
 pair_coeff * *
-timestep {dt!r}
+timestep {dt:.17g}
 """
 
 
@@ -119,7 +119,7 @@ class Liggghts:
         ]
         for k, (name, value) in enumerate((("coefficientRestitution", "1"), ("coefficientFriction", "0"))):
             lines.append(f"fix q{k} all property/global {name} peratomtypepair {n} {' '.join([value] * n * n)}")
-        ends = " ".join(f"{a!r} {b!r}" for a, b in zip(low, high, strict=True)).split()
+        ends = " ".join(f"{a:.17g} {b:.17g}" for a, b in zip(low, high, strict=True)).split()
         self._lib.start(
             _HEAD.format(
                 boundary=boundary,
@@ -141,7 +141,7 @@ class Liggghts:
             lib.command(f"create_atoms {kind} single {' '.join(map(repr, place))} units box")
         volume = 4.0 / 3.0 * math.pi * radius**3
         for number, (r, density) in enumerate(zip(radius.tolist(), (mass / volume).tolist(), strict=True), 1):
-            lib.command(f"set atom {number} diameter {2.0 * r!r} density {density!r}")
+            lib.command(f"set atom {number} diameter {2.0 * r:.17g} density {density:.17g}")
 
     def _pairs(self, group, dt, far, mass=None):
         """Pairs, the second sphere of each at x = 0, the first to its left. Numbers: 2n + 1 and 2n + 2 for pair n."""

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.liggghts.build import library_path
 from demlaws.liggghts.export import Case, Grain, stock_fit, write_tables
 from demlaws.liggghts.run import HEAD, run
 
@@ -160,54 +161,68 @@ def model_lines(folder, given, way):
     return "demlaws/table", words, ""
 
 
-def oedometer(folder, given, way):
-    """One way through the test; what it wrote, as YADE's does (see demlaws.measure.packings.outcome)."""
-    folder = Path(folder)
+def prepare(path, given, way, centres, case, drag=DRAG, **more):
+    """Write data, plate, tables and the input `path` of a test; whether it needs the plugin. more: other numbers of `case`."""
+    folder = path.parent
     (folder / "post").mkdir(parents=True, exist_ok=True)
-    centres, radii, width = np.array(given["centres"]), np.array(given["radii"]), given["width"]
+    radii, width, dt = given["radii"], given["width"], given["dt"]
     (folder / "start.data").write_text(_data(centres, radii, width, given["density"]))
     (folder / "plate.stl").write_text(_plate(width))
-    model, words, more = model_lines(folder, given, way)
+    model, words, lines = model_lines(folder, given, way)
     friction, none = given["friction"], 0.0
     values = {
         "model": model,
         "words": words,
-        "more": more,
+        "more": lines,
         "types": 3,
         "young": " ".join([f"{given['young']:.10g}"] * 3),
         "poisson": " ".join([f"{given['poisson']:.10g}"] * 3),
         "restitution": pairwise([1.0] * 5)[2:],
         "friction": pairwise([friction, friction, friction, none, none])[2:],
-        "dt": given["dt"],
-        "drag": DRAG * given["density"] * 4 / 3 * np.pi * min(radii) ** 3,
+        "dt": dt,
+        "drag": drag * given["density"] * 4 / 3 * np.pi * min(radii) ** 3,
         "width": width,
         "area": width * width,
-        "settle": round(given["settle"] / given["dt"]),
+        "settle": round(given["settle"] / dt),
         "speed": given["speed"],
-        "back": given["speed"] / 3,
         "full": given["stress"],
-        "hold": round(given["hold"] / given["dt"]),
-        "every": EVERY,
+        "hold": round(given["hold"] / dt),
     }
-    (folder / "in.oedometer").write_text((HEAD + START + MATERIAL + CASE).format(**values))
+    path.write_text((HEAD + START + MATERIAL + case).format(**values, **more))
+    return model == "demlaws/table"
+
+
+def carry_out(path, plugin):
+    """(log, forces [N] of the contacts at the end of the hold, processor seconds) of an input."""
+    if plugin:
+        library_path()  # compiled before the clock starts
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    log = run(folder / "in.oedometer", plugin=model == "demlaws/table")
+    log = run(path, plugin=plugin)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    forces = np.linalg.norm(np.loadtxt(path.parent / "post" / "forces.txt", skiprows=9), axis=1)
+    return log, forces[forces > 0.0], after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def oedometer(folder, given, way):
+    """One way through the test; what it wrote, as YADE's does (see demlaws.measure.packings.outcome)."""
+    path = Path(folder) / "in.oedometer"
+    back = given["speed"] / 3
+    plugin = prepare(path, given, way, np.array(given["centres"]), CASE, back=back, every=EVERY)
+    log, forces, seconds = carry_out(path, plugin)
     stress, steps = log["stress"], log["Step"]
     peak = int(np.argmax(stress >= given["stress"]))
-    held = int(np.argmin(np.abs(steps - steps[peak] - values["hold"])))
+    held = int(np.argmin(np.abs(steps - steps[peak] - round(given["hold"] / given["dt"]))))
     down = given["speed"] * (np.minimum(steps, steps[peak]) - steps[0]) * given["dt"]
-    up = values["back"] * np.maximum(steps - steps[held], 0.0) * given["dt"]
+    up = back * np.maximum(steps - steps[held], 0.0) * given["dt"]
     height = log["touched"] - down + up
-    forces = np.linalg.norm(np.loadtxt(folder / "post" / "forces.txt", skiprows=9), axis=1)
     rows = np.stack([height, stress], 1)
     return {
         "height": float(log["centre"][0]),
         "plate": float(height[held]),
         "loading": rows[: peak + 1].tolist(),
         "stress": float(stress[held]),
-        "forces": forces[forces > 0.0].tolist(),
+        "forces": forces.tolist(),
         "unloading": rows[held:].tolist(),
         "steps": int(steps[-1]),
-        "seconds": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
+        "seconds": seconds,
     }

@@ -1,17 +1,14 @@
-"""Runs of `demlaws.measure.softening` in LIGGGHTS: the oedometer and its cycles."""
+"""Runs of `demlaws.measure.softening` in LIGGGHTS: the oedometer and its cycles, and a pour."""
 
-import resource
 from pathlib import Path
 
 import numpy as np
 
 from demlaws.advice.soften import Softening
 from demlaws.contact import Material, Surface
-from demlaws.liggghts.build import library_path
 from demlaws.liggghts.export import Grain
-from demlaws.liggghts.run import HEAD, run
 from demlaws.materials import GRANITE
-from demlaws.measure.liggghts_oedometer import CASE, DRAG, MATERIAL, START, _data, _plate, model_lines, pairwise
+from demlaws.measure.liggghts_oedometer import CASE, DRAG, carry_out, prepare
 
 RTOL = 1e-5  # of the tables
 _PRESSING = CASE.index("thermo_style    custom step v_stress")
@@ -54,49 +51,47 @@ jump            SELF again
 )
 
 
-def cycles(folder, scene, told):
-    """One run; what it wrote, as YADE's does (see yade_softening.py)."""
-    folder = Path(folder)
-    (folder / "post").mkdir(parents=True, exist_ok=True)
+POUR = (
+    CASE[: CASE.index("variable        touching")]
+    + """\
+dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
+run             0
+"""
+)
+AIR = 30.0  # of a falling grain's speed [1/s]: it lands at a third of what it would freely, and has come to rest in the time
+
+
+def _made(scene, told, places):
+    """(what `prepare` is given, way, centres) of a run whose grains start at `places` of the scene."""
     random = np.random.default_rng(told["copy"])
-    centres, radii, width = np.array(scene["centres"]), np.array(scene["radii"]), scene["width"]
+    centres = np.array(scene[places])
     centres = centres + told["shake"] * random.uniform(-1.0, 1.0, centres.shape)
     material = Material(told["young"], GRANITE.poisson, GRANITE.hardness, GRANITE.density)
     two = [Grain(radius, material, Surface(**told["surface"])) for radius in sorted(set(scene["radii"]))]
     way = {"model": "", "law": told["law"], "unloading": told["unloading"], "options": told["options"], "rtol": RTOL}
-    (folder / "start.data").write_text(_data(centres, radii, width, scene["density"]))
-    (folder / "plate.stl").write_text(_plate(width))
-    model, words, more = model_lines(folder, {**scene, "grains": two}, way)
-    friction, none = scene["friction"], 0.0
-    drag = DRAG / told["size"] / Softening(told["factor"]).step  # the same share of speed in a contact's own period
-    values = {
-        "model": model,
-        "words": words,
-        "more": more,
-        "types": 3,
-        "young": " ".join([f"{told['young']:.10g}"] * 3),
-        "poisson": " ".join([f"{GRANITE.poisson:.10g}"] * 3),
-        "restitution": pairwise([1.0] * 5)[2:],
-        "friction": pairwise([friction, friction, friction, none, none])[2:],
-        "dt": told["dt"],
-        "drag": drag * scene["density"] * 4 / 3 * np.pi * min(radii) ** 3,
-        "width": width,
-        "area": width * width,
-        "settle": round(told["settle"] / told["dt"]),
-        "speed": told["speed"],
-        "full": told["stress"],
-        "least": told["least"],
-        "hold": round(told["hold"] / told["dt"]),
-        "every": told["every"],
-        "cycles": told["cycles"],
+    return {**scene, **told, "grains": two, "poisson": GRANITE.poisson}, way, centres
+
+
+def pour(folder, scene, told):
+    """A loose block falls and comes to rest; what it wrote, as YADE's does (see yade_softening.py)."""
+    given, way, centres = _made(scene, told, "loose")
+    path = Path(folder) / "in.pour"
+    log, forces, seconds = carry_out(path, prepare(path, {**given, "settle": told["time"]}, way, centres, POUR, AIR))
+    held = {
+        "forces": forces.tolist(),
+        "coordination": 2.0 * forces.size / len(scene["radii"]),
+        "kinetic": float(log["KinEng"][-1]),
     }
-    (folder / "in.cycles").write_text((HEAD + START + MATERIAL + CYCLES).format(**values))
-    library_path()  # compiled before the clock starts
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    log = run(folder / "in.cycles", plugin=model == "demlaws/table")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    forces = np.linalg.norm(np.loadtxt(folder / "post" / "forces.txt", skiprows=9), axis=1)
-    forces = forces[forces > 0.0]
+    return {"height": float(log["centre"][-1]), "held": held, "steps": int(log["Step"][-1]), "seconds": seconds}
+
+
+def cycles(folder, scene, told):
+    """One run; what it wrote, as YADE's does (see yade_softening.py)."""
+    given, way, centres = _made(scene, told, "centres")
+    drag = DRAG / told["size"] / Softening(told["factor"]).step  # the same share of speed in a contact's own period
+    path = Path(folder) / "in.cycles"
+    own = {name: told[name] for name in ("least", "every", "cycles")}
+    log, forces, seconds = carry_out(path, prepare(path, given, way, centres, CYCLES, drag, **own))
     step, stress, sense = log["Step"], log["stress"], log["sense"]
     # the first row of a run repeats the last of the one before, with the sense in which it then goes
     height = log["touched"] + np.append(0.0, np.cumsum(sense[1:] * np.diff(step))) * told["speed"] * told["dt"]
@@ -111,10 +106,10 @@ def cycles(folder, scene, told):
         "branches": branches,
         "held": {
             "forces": forces.tolist(),
-            "coordination": 2.0 * forces.size / len(radii),
+            "coordination": 2.0 * forces.size / len(scene["radii"]),
             "plate": float(height[end]),
             "stress": float(stress[end]),
         },
         "steps": int(step[-1]),
-        "seconds": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
+        "seconds": seconds,
     }

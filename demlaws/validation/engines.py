@@ -11,13 +11,15 @@ import numpy as np
 from demlaws.errors import DemlawsError
 from demlaws.granite import HERTZ
 from demlaws.measure.costs import available
-from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, packing_jobs, shear_jobs
+from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, kept_jobs, packing_jobs, shear_jobs
 from demlaws.validation.published import (
     BRANCHES,
     IMPACT_TOLERANCE,
     IMPACTS,
+    KEPT,
     SPEEDS,
     bound,
+    kept_rows,
     quiet,
     restitution_of,
 )
@@ -206,7 +208,11 @@ def rows(packing=True):
         first, second = impact_jobs(), array_jobs()
         third = packing_jobs() if packing and name == "yade" else []
         fourth = shear_jobs() if name == "yade" else []
-        found = ask(first + fourth + second + third)
+        kept = kept_jobs()
+        answers = ask(kept + first + fourth + second + third)
+        for one, answer in zip(KEPT, answers, strict=False):
+            yield from (("LAMMPS's own tests", row) for row in kept_rows(one, engine, answer["places"]))
+        found = answers[len(kept) :]
         impacts, found = found[: len(first)], found[len(first) :]
         sheared, found = found[: len(fourth)], found[len(fourth) :]
         yield from (("Impacts in the engines", row) for row in impact_rows(engine, impacts))

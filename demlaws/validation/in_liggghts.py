@@ -31,7 +31,8 @@ group           last id {last}
 compute         push last reduce sum fz
 variable        force equal c_push
 variable        speed equal {between}
-thermo_style    custom step v_force v_speed
+variable        place equal z[{last}]
+thermo_style    custom step v_force v_speed v_place
 thermo_modify   format float %.17e lost ignore norm no
 thermo          1
 run             {steps}
@@ -96,8 +97,8 @@ LIGGGHTS = Engine(HEAD, _material, _plane, run)
 
 
 def impact(job, folder, engine=LIGGGHTS):
-    """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane."""
-    radius, apart = job["radius"], 1e-3 * job["overlap"]
+    """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane; places after given steps."""
+    radius, apart = job["radius"], job["gap"] if "gap" in job else 1e-3 * job["overlap"]
     material = engine.material(job, folder)
     place = [radius + apart] if job["plane"] else [-radius - 0.5 * apart, radius + 0.5 * apart]
     speed = [-job["speed"]] if job["plane"] else [0.5 * job["speed"], -0.5 * job["speed"]]
@@ -108,9 +109,12 @@ def impact(job, folder, engine=LIGGGHTS):
     if job["plane"]:
         lines.append(engine.plane(job))
     between = "vcm(one1,z)" if job["plane"] else "vcm(one2,z)-vcm(one1,z)"
-    values = {"far": 4 * radius, "skin": 0.1 * radius, "last": len(place), "between": between, "steps": 2 * job["steps"]}
+    values = {"far": 4 * radius, "skin": 0.1 * radius, "last": len(place), "between": between}
+    values["steps"] = job["steps"] if "after" in job else 2 * job["steps"]
     (folder / "in.impact").write_text(engine.head + IMPACT.format(material=material, bodies="\n".join(lines), **values))
     log = engine.run(folder / "in.impact")
+    if "after" in job:
+        return {"places": [float(log["place"][list(log["Step"]).index(step)]) for step in job["after"]]}
     force = log["force"]
     parted = bool(np.any((np.maximum.accumulate(force) > 0.0) & (force == 0.0)))
     return {"peak": float(force.max()), "restitution": float(log["speed"][-1] / job["speed"]), "parted": parted}

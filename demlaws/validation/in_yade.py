@@ -39,11 +39,11 @@ def _watched(job, look):
 
 
 def impact(job):
-    """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane."""
+    """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane; places after given steps."""
     O.reset()
     radius, speed, peak = job["radius"], job["speed"], [0.0, False]
     _material(job, "grain")
-    apart = 1e-3 * job["overlap"]
+    apart = job["gap"] if "gap" in job else 1e-3 * job["overlap"]
     if job["plane"]:
         _material(job, "rigid", RIGID)
         O.bodies.append(utils.wall((0, 0, 0), 2, sense=1, material="rigid"))
@@ -60,6 +60,12 @@ def impact(job):
         peak[0], peak[1] = max(peak[0], force), peak[0] > 0.0 and force == 0.0
 
     _watched(job, look)
+    if "after" in job:  # speeds are those of half a step before, and the same as long as nothing touches
+        places = []
+        for step in job["after"]:
+            O.run(step - O.iter, True)
+            places.append(mover.state.pos[2])
+        return {"places": places}
     for _ in range(job["rounds"]):
         O.run(2000, True)
         if peak[1]:

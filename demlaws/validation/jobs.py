@@ -6,7 +6,8 @@ from demlaws.contact import Contact
 from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
 from demlaws.granite import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
-from demlaws.validation.published import BRANCHES, IMPACTS, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
+from demlaws.validation.arrays import RIGID
+from demlaws.validation.published import BRANCHES, IMPACTS, KEPT, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
 SMOOTH = 1e-12
 """Roughness [m] that stands for none: engines take a pair of smooth surfaces for Hertz, whatever the law."""
@@ -74,6 +75,19 @@ def impact_jobs():
         jobs.append(
             job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
         )
+    return jobs
+
+
+def kept_jobs():
+    """LAMMPS's own tests."""
+    jobs = []
+    for one in KEPT:
+        # the plane's modulus is not without bound
+        young = one.modulus * (1.0 + 1.0 / RIGID) if one.plane else 2.0 * one.modulus
+        job = {"kind": "impact", "law": HERTZ, "unloading": "elastic", "options": {}, "surface": {"roughness": 0.0}}
+        job |= {"young": young, "poisson": 0.0, "density": one.density, "radius": one.radius, "speed": one.speed}
+        gap = (one.place - one.radius) * (1.0 if one.plane else 2.0)
+        jobs.append(job | {"plane": one.plane, "dt": one.dt, "gap": gap, "after": one.after, "steps": one.after[-1]})
     return jobs
 
 

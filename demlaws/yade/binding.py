@@ -108,8 +108,8 @@ class Binding:
     def as_text(self):
         """All that another process needs."""
         self.settle()
-        ratio = "" if self.ratio is None else repr(self.ratio)
-        return "|".join((self.way, ratio, repr(self.banked), self.pairs.as_text()))
+        ratio = "" if self.ratio is None else repr(float(self.ratio))
+        return "|".join((self.way, ratio, repr(float(self.banked)), self.pairs.as_text()))
 
     @classmethod
     def from_text(cls, label, text):

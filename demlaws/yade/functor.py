@@ -4,8 +4,9 @@ import warnings
 
 import yade
 
+from demlaws.checks import CREATES_ENERGY
 from demlaws.core.shear import DEFAULT
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span
@@ -68,6 +69,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         super().__init__(label=label, **attributes)
         spans = _spans(radii, moduli, flats)
         pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear)
+        if shear == "tangent" and pairs.state_names and any(shape is not None for shape in pairs.shapes):
+            warnings.warn(f"law {label!r}: {CREATES_ENERGY}", ValidityWarning, stacklevel=2)
         self.binding = Binding(label, pairs, tangential_ratio, bridge)
         self.binding.check_functor(self)
         _take_up(self, bridge, stacklevel=3)

@@ -187,14 +187,14 @@ def pack(value, keep):
 
 def own_words(params_kind, kind):
     """Number of words of a law's Params that belong to one contact; the others are its Shape's."""
-    return sum(_words(field) for _, field, shared in _fields(params_kind, kind) if shared is None)
+    return sum(_words(field) for _, field, shared in fields_of(params_kind, kind) if shared is None)
 
 
 def _words(kind):
     return _read(kind, "", 0, {})[1] // 8
 
 
-def _fields(params_kind, kind):
+def fields_of(params_kind, kind):
     """(name, type, offset in the Shape or None) of each field of Params: a field of the Shape's of the same name and type,
     at any depth, holds the same value (the tests see to it)."""
     places, level = {}, [(kind, 0)]
@@ -217,7 +217,7 @@ def store_own(kind, params, address):
 @overload(store_own, jit_options={"forceinline": True})
 def _store_own(kind, params, address):
     lines, offset = [], 0
-    for name, field, shared in _fields(params, kind.instance_type):
+    for name, field, shared in fields_of(params, kind.instance_type):
         if shared is None:
             more, offset = _write(field, f"params.{name}", offset)
             lines += more
@@ -264,7 +264,7 @@ def read_params(params_kind, kind, own, shape):
 @overload(read_params, jit_options={"forceinline": True})
 def _read_params(params_kind, kind, own, shape):
     names, items, offset = dict(_READERS), [], 0
-    for _, field, shared in _fields(params_kind.instance_type, kind.instance_type):
+    for _, field, shared in fields_of(params_kind.instance_type, kind.instance_type):
         if shared is None:
             text, offset = _read(field, "own", offset, names)
         else:

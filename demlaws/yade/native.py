@@ -70,7 +70,8 @@ def _window(thing):
     return start, size
 
 
-def _read(start, size, kind):
+def read_memory(start, size, kind):
+    """`size` bytes of this process from address `start`, as an array of a ctypes kind, not copied."""
     return np.ctypeslib.as_array((kind * (size // ctypes.sizeof(kind))).from_address(start))
 
 
@@ -83,7 +84,7 @@ def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e
         thing = make(value)
         objects.append(thing)
         start, size = _window(thing)
-        hits = set((np.flatnonzero(_read(start, size, kind) == value) * ctypes.sizeof(kind)).tolist())
+        hits = set((np.flatnonzero(read_memory(start, size, kind) == value) * ctypes.sizeof(kind)).tolist())
         places = hits if places is None else places & hits
     if len(places) != 1:
         raise BridgeUnavailable(f"{cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
@@ -100,7 +101,7 @@ def _find_string(cls, name):
     for text in ("abcdefgh", "ijklmno", "pqrstu"):
         thing = cls(**{name: text})
         start, size = _window(thing)
-        words = _read(start, size, ctypes.c_uint64)
+        words = read_memory(start, size, ctypes.c_uint64)
         here = start + 8 * np.arange(words.size)
         candidates = np.flatnonzero((words[:-1] == here[:-1] + 16) & (words[1:] == len(text)))
         hits = {8 * int(n) for n in candidates if ctypes.string_at(start + 8 * int(n) + 16, len(text)) == text.encode()}
@@ -117,7 +118,7 @@ def _find_pointer(owner_cls, name, target_cls):
         owner, target = owner_cls(), target_cls()
         setattr(owner, name, target)
         start, size = _window(owner)
-        hits = set((np.flatnonzero(_read(start, size, ctypes.c_uint64) == address(target)) * 8).tolist())
+        hits = set((np.flatnonzero(read_memory(start, size, ctypes.c_uint64) == address(target)) * 8).tolist())
         places = hits if places is None else places & hits
     if len(places) != 1:
         raise BridgeUnavailable(f"{owner_cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
@@ -173,8 +174,8 @@ class Layout:
         import yade.config
 
         self.version = yade.config.version
-        if not yade.config.suffix.endswith("-double"):
-            raise BridgeUnavailable(f"this YADE computes in {yade.config.suffix.strip('-')}; the bridge needs double")
+        if getattr(yade.config, "highPrecisionBits", 64) != 64:  # its suffix is whatever it was built with
+            raise BridgeUnavailable(f"this YADE computes in {yade.config.highPrecisionName}; the bridge needs double")
         if ctypes.sizeof(ctypes.c_void_p) != 8:
             raise BridgeUnavailable("the bridge needs a 64-bit machine")
         self.library = ctypes.CDLL(_mapped("/libpkg_dem.so"))
@@ -248,7 +249,7 @@ class Layout:
     def find_slot(self, functor):
         """Where `functor` points to the table of virtual functions that holds `go`: (byte offset, index in table)."""
         start, size = _window(functor)
-        words = _read(start, size, ctypes.c_uint64)
+        words = read_memory(start, size, ctypes.c_uint64)
         if int(words[0]) != self.table + 16:
             raise BridgeUnavailable(f"{functor!r} is not an untouched {LAW}")
         found = []
@@ -259,7 +260,7 @@ class Layout:
             if ctypes.c_int64.from_address(table - 16).value != -offset:
                 continue  # a base's table states how far the base lies from the start of the object
             thunk = self._symbol(self.library, GO.replace("_ZN", f"_ZThn{offset}_N", 1))
-            entries = _read(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= _mapped_until(table) else []
+            entries = read_memory(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= _mapped_until(table) else []
             places = [n for n, entry in enumerate(entries[:16]) if int(entry) == thunk]
             found += [(offset, n, thunk) for n in places]
         if len(found) != 1:
@@ -337,7 +338,7 @@ class Attachment:
         self.context[kernel.FLATS] = flats
         self._runner = None
         self._generation = int.from_bytes(os.urandom(3), "little")
-        self._renew(1 << 14)
+        self.renew(1 << 14)
         probe = self._native_table()
         self.table = np.zeros(COPIED + 3, np.int64)
         self.table[: COPIED + 2] = probe
@@ -351,7 +352,7 @@ class Attachment:
         self._runner = runner  # referenced: native code writes into it
         self.context[kernel.ALARM] = 0 if runner is None else address(runner) + self.layout.number_done
 
-    def _renew(self, capacity):
+    def renew(self, capacity):
         """A buffer for the rows of `capacity` contacts, in place of the old one, whose rows count no more."""
         self._generation = (self._generation + 1) % 2**24
         rows = np.zeros((min(capacity, 2**28) + kernel.AHEAD, int(self.context[kernel.ROW_WORDS])), np.int64)
@@ -366,7 +367,7 @@ class Attachment:
         if self.context[kernel.ROWS_USED] > self.context[kernel.CAPACITY] // 2:
             capacity = int(self.context[kernel.CAPACITY])
             if 8 * contacts() > capacity:
-                self._renew(4 * capacity)
+                self.renew(4 * capacity)
             else:  # big enough: the same memory again, under a new generation
                 self._generation = (self._generation + 1) % 2**24
                 self.context[kernel.ROWS_USED] = 0
@@ -379,7 +380,7 @@ class Attachment:
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         offset, _, _ = self.layout.find_slot(probe)
         point = self.native_table = ctypes.c_uint64.from_address(address(probe) + offset).value
-        return _read(point - 16, 8 * (COPIED + 2), ctypes.c_int64).copy()
+        return read_memory(point - 16, 8 * (COPIED + 2), ctypes.c_int64).copy()
 
     def patch(self, functor):
         """Make `functor` act by this law. It must be an untouched Mindlin functor, or one that acts by a law of ours."""

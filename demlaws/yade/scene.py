@@ -103,7 +103,7 @@ def set_visible(engines):
         functor.binding.check_functor(functor)
     token = _token() if laws else None
     _refuse_second_scene(laws, token)
-    set_engines(_completed(engines, laws, before))
+    set_engines(completed(engines, laws, before))
     for label, functor in old.items():
         if label not in laws or laws[label].binding is not functor.binding:
             functor.binding.leave()
@@ -178,7 +178,7 @@ def _refuse_second_scene(laws, token):
             )
 
 
-def _completed(engines, laws, before):
+def completed(engines, laws, before):
     """A user's list with guards and hidden engines."""
     guards = {engine.command: engine for engine in before if _is_guard(engine)}
     complete = []
@@ -324,7 +324,7 @@ def _restored(label, known, stand_in):
     way, ratio, banked, pairs = text.split("|", 3)
     if known is not None:
         binding = known.binding
-        own = "" if binding.ratio is None else repr(binding.ratio)
+        own = "" if binding.ratio is None else repr(float(binding.ratio))
         if (binding.way, own, binding.pairs.as_text()) == (way, ratio, pairs):
             binding.banked = float(banked)
             known.updateAttrs(attributes)

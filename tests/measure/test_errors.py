@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from examples import GRANITE, make, quiet
+from examples import GRANITE, make, quiet, shared
 
 import demlaws as dl
 from demlaws.core.unloading import RULES
@@ -19,7 +19,7 @@ def on_sample(rule, contact=MANY):
     return dl.law("pohrt-popov", contact, dl.law("pohrt-popov", curve) if RULES[rule].curve == "given" else rule)
 
 
-@pytest.mark.parametrize("rule", RULES)
+@pytest.mark.parametrize("rule", shared(RULES, lambda rule: rule != "table"))
 @pytest.mark.parametrize("form", ["closed form", "table"])
 def test_unloading_and_energy_are_those_of_one_contact(rule, form):
     many = on_sample(rule)

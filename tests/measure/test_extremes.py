@@ -103,7 +103,7 @@ ROW = extremes.Figures("YADE", *ROUGH, "extreme", 10, 100, GOOD, 0.0, 100, IMPAC
 def test_figures_survive_the_way_between_processes():
     import json
 
-    assert extremes._figures(json.loads(json.dumps(extremes._plain(ROW)))) == ROW
+    assert extremes.from_json(json.loads(json.dumps(extremes.as_json(ROW)))) == ROW
 
 
 def test_figure_of_engines_alone(tmp_path):
@@ -167,6 +167,6 @@ def test_masses_give_the_duration():
 
     law = extremes.granite_group(ROUGH, 1).law
     for speed in (1e-6, 1.0):
-        mass = extremes._mass_for(law, speed, 1e-6)
+        mass = extremes.mass_for(law, speed, 1e-6)
         assert elastic_contact(law, mass, speed)[1] == pytest.approx(1e-6, rel=1e-9)
     assert law.contact == GRANITE

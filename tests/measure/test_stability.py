@@ -121,6 +121,7 @@ def test_table_of_a_seated_law_close_to_zero():
     np.testing.assert_allclose(table.stiffness(overlap), law.stiffness(1e-15), rtol=1e-5)
 
 
+@pytest.mark.slow
 def test_command(capsys, tmp_path):
     from demlaws.cli import main
 

@@ -11,6 +11,7 @@ import pytest
 
 import demlaws
 from demlaws.plots.validation import deviations
+from demlaws.validation import published
 from demlaws.validation.__main__ import main
 from demlaws.validation.published import GROUPS
 from demlaws.validation.report import page
@@ -25,6 +26,12 @@ def test_every_published_answer(group):
     assert rows
     assert not [(row.what, row.expected, row.found) for row in rows if row.verdict != "pass"]
     assert all(row.source in SOURCES for row in rows)
+
+
+def test_the_places_that_lammps_keeps_tell_a_thousandth_of_a_per_cent_in_stiffness_apart(monkeypatch):
+    monkeypatch.setattr(published, "KEPT", tuple(one._replace(modulus=1.00001 * one.modulus) for one in published.KEPT))
+    verdicts = [row.verdict for row in published.lammps_impacts()]
+    assert verdicts == ["pass", "FAIL", "FAIL"] * 2  # before they touch nothing is told
 
 
 def some_rows():

@@ -87,6 +87,16 @@ public:
     coeffs_to_local();
   }
 
+  // Once for each pair style.
+  void judge_shear() const {
+    bool &told = Range::of(of.lmp).tangent_told;
+    const Stock &stock = Stock::get();
+    if (coeffs[SHEAR] != demlaws::TANGENT_SHEAR || table_.unloading() == demlaws::ELASTIC || told) return;
+    told = true;
+    if (stock.setting(of.lmp, "world_rank") == 0 && stock.warn)
+      stock.warn(*of.error, "demlaws", 0, std::string("demlaws/table: ") + demlaws::TANGENT_CREATES_ENERGY);
+  }
+
   double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
   double stiffness() const { return stiffness_; }
 
@@ -323,6 +333,7 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
       if (!demlaws::shear_from_name(said, shear))
         raise(error, true, "demlaws/table: shear is elastic, tangent or loading, not " + said);
       into[Table::SHEAR] = shear;
+      ((Table *)m->sub_models[type])->judge_shear();
       at += 2;
       continue;
     }

@@ -22,8 +22,9 @@ struct Excess {
 struct Range {
   Excess deep, beyond; // than SMALL_OVERLAP; the last row
   bool used;           // there is a table
+  bool tangent_told;   // what `shear tangent` does to energy
   long long checked;   // the step in which positions were looked at
-  Range() : deep(), beyond(), used(false), checked(-1) {}
+  Range() : deep(), beyond(), used(false), tangent_told(false), checked(-1) {}
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;

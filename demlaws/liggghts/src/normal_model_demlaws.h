@@ -120,6 +120,8 @@ public:
       instance_->pair = own_;
     }
     settle();
+    if (given_.count("shear") && own_.shear == demlaws::TANGENT_SHEAR && state_size_ > 0 && comm->me == 0)
+      error->warning(FLERR, demlaws::TANGENT_CREATES_ENERGY);
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
     for (int i = 0; i < reserved_; i++) {
       const int at = setup->add_history_value(demlaws::STATE_NAMES[i], "0"); // the same seen from either particle

@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from examples import shared
 
 import demlaws as dl
 import demlaws.lammps as lm
@@ -41,14 +42,12 @@ def test_every_case_named_by_the_documentation_is_there():
     assert [name for name in CASES if name not in (INPUTS / "README.md").read_text()] == []
 
 
-@pytest.mark.parametrize(
-    "case", [pytest.param(c, marks=[pytest.mark.slow] if c in ("ballast", "compression", "packing") else []) for c in CASES]
-)
+@pytest.mark.parametrize("case", shared(CASES, lambda case: case not in ("ballast", "compression", "packing", "energy")))
 def test_case(common, tmp_path, case):
     simulate_and_check(common, case, tmp_path)
 
 
-@pytest.mark.parametrize("unloading", ["elastic", "thornton", "table"])
+@pytest.mark.parametrize("unloading", shared(["elastic", "thornton", "table"], "thornton".__eq__))
 def test_energy_on_two_ranks_with_other_unloading(common, tmp_path, unloading):
     """The sphere slides from one rank to the other in its first contact."""
     simulate_and_check(common, "energy", tmp_path, 2, {"unloading": unloading}, unloading=unloading)

@@ -21,7 +21,7 @@ def test_extremes():
 @pytest.mark.parametrize(
     "touching, where, value, message",
     [
-        (True, "velocity", "nan", "particle 3 is at (nan, 0, 0) m, which is not finite"),
+        pytest.param(True, "velocity", "nan", "particle 3 is at (nan, 0, 0) m, which is not finite", marks=pytest.mark.slow),
         (False, "position", "nan", "particle 3 is at (nan, 0, 0) m, which is not finite"),
         (True, "position", "inf", "Non-numeric atom coords"),  # LAMMPS itself looks, when lists of neighbours are made anew
     ],

@@ -27,6 +27,7 @@ def test_scene():
     assert rough.low < rough.loading < rough.unloading
 
 
+@pytest.mark.slow
 def test_costs_and_command(tmp_path, monkeypatch, capsys):
     """What they are is for `make bench`: no time decides here."""
     found = trade.engine_trade("lammps", quick=True)

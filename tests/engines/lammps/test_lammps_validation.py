@@ -7,6 +7,7 @@ from demlaws.validation import engines
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 
+@pytest.mark.slow
 def test_every_row_that_lammps_computes_holds(monkeypatch):
     monkeypatch.setattr(engines, "ENGINES", {"LAMMPS": engines.ENGINES["LAMMPS"]})
     rows = [row for _, row in engines.rows(packing=False)]

@@ -137,6 +137,8 @@ def test_what_the_tangential_stiffness_goes_by(tmp_path, granite_pair, choice):
     ratio = 2 * (1 - 0.25) / (2 - 0.25)
     for moves in ([(-0.2, 0, 1000)], [(-0.2, 0, 1000), (0.2, 0, 200)]):
         log = simulate(tmp_path, two_spheres(words, [*moves, (0, 0.001, 20)]))
+        said = (tmp_path / "log.lammps").read_text()
+        assert said.count("load return more work than they took") == (choice == "tangent")
         path = law.follow(log["overlap"])
         found = -log["side"][-1] / 1e-9 + path.force[-1] / 17.4e-3  # the normal turns with the slip
         expected = law.shear_stiffness([*log["overlap"], log["overlap"][-1] * (1 - 1e-9)], ratio, choice)[-2:]

@@ -20,6 +20,7 @@ def folder(tmp_path, granite_pair):
     return tmp_path
 
 
+@pytest.mark.slow
 def test_cut_off_after_a_restart(folder, monkeypatch):
     """The cut-off of the pair style is not in the restart file and its memory is left as malloc gave it: contacts get lost."""
     monkeypatch.setenv("MALLOC_PERTURB_", "200")  # glibc fills new memory: a small positive number here

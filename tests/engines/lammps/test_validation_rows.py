@@ -1,8 +1,8 @@
 """Rows of the validation report that LAMMPS computes: an impact on a plane, and an array along a path of strains."""
 
 from demlaws.validation import engines, in_lammps
-from demlaws.validation.jobs import array_jobs, impact_jobs
-from demlaws.validation.published import IMPACTS
+from demlaws.validation.jobs import array_jobs, impact_jobs, kept_jobs
+from demlaws.validation.published import IMPACTS, KEPT, kept_rows
 
 
 def test_an_impact_on_a_rigid_plane_gives_the_printed_peak():
@@ -19,3 +19,10 @@ def test_an_array_keeps_the_history_of_its_contacts():
     assert [row.verdict for row in rows] == ["pass"] * 3
     loading, backward = (row.found for row in rows[1:])
     assert backward > 5.0 * loading  # Hertz-like unloading of a rough contact is far stiffer
+
+
+def test_the_places_that_lammps_keeps_are_met_in_lammps():
+    """LAMMPS's own DEM tests 02 and 03, with the law in place of stock hertz."""
+    found = engines.in_lammps(kept_jobs())
+    rows = [row for one, answer in zip(KEPT, found, strict=True) for row in kept_rows(one, "LAMMPS", answer["places"])]
+    assert len(rows) == 6 and [row for row in rows if row.verdict != "pass"] == []

@@ -35,8 +35,10 @@ HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ
 # --- build
 
 
+@pytest.mark.slow
 def test_build_is_cached(tmp_path, monkeypatch):
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    monkeypatch.setattr(build_module, "FLAGS", [flag.replace("-O3", "-O0") for flag in build_module.FLAGS])  # not to wait long
     library = lg.build()
     assert library.parent == tmp_path and dl.__version__ in library.name
     assert [p.name for p in tmp_path.iterdir()] == [library.name]  # no temporary file stays
@@ -63,12 +65,12 @@ def test_mpi_is_what_libliggghts_loads(monkeypatch):
     """Debian sid's Open MPI 6 keeps ompi_mpi_double in libopen_mpi, which only libmpi asks for."""
     answers = {"g++": "/usr/lib/libliggghts.so\n", "ldd": LDD_SID}
     monkeypatch.setattr(build_module, "_output", lambda command: answers[command[0]])
-    names = [Path(path).name for path in build_module._mpi_libraries("g++")]
+    names = [Path(path).name for path in build_module.mpi_libraries("g++")]
     assert names == ["libmpi.so.40", "libvtkParallelMPI-9.6.so.1", "libopen_mpi.so.40"]
     for tool, answer, message in (("ldd", "libc.so.6 => /lib/libc.so.6", "no MPI"), ("g++", "libliggghts.so", "finds no lib")):
         monkeypatch.setitem(answers, tool, answer)
         with pytest.raises(DemlawsError, match=message):
-            build_module._mpi_libraries("g++")
+            build_module.mpi_libraries("g++")
 
 
 def test_plugin_loads_the_mpi_of_liggghts_and_no_other():
@@ -109,7 +111,7 @@ def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
 
 def test_our_sources_compile_without_a_warning(tmp_path):
     """-Wall -Wextra as errors; LIGGGHTS's own headers are system headers. Stock code inlined into ours is not ours."""
-    command, _ = build_module._command(portable=True)
+    command, _ = build_module.compile_command(portable=True)
     strict = ["-Wall", "-Wextra", "-Werror", "-Wno-maybe-uninitialized", "-fsyntax-only"]
     command = [word for word in command if word not in ("-w", "-shared", "-O3")] + strict
     done = subprocess.run(command, capture_output=True, text=True)
@@ -184,10 +186,14 @@ def test_run_sets_what_root_needs(monkeypatch):
     assert "--allow-run-as-root" not in line and "--oversubscribe" not in line
     line, environment = command("in.case", 1)
     assert "mpirun" not in line and str(lg.build()) in environment["LD_PRELOAD"]
-    _, environment = command("in.case", 1, portable=True)
-    assert str(lg.build(portable=True)) in environment["LD_PRELOAD"] and lg.build(portable=True) != lg.build()
     _, environment = command("in.case", 1, plugin=False)
     assert "demlaws" not in environment.get("LD_PRELOAD", "")
+
+
+@pytest.mark.slow
+def test_run_takes_the_portable_plugin():
+    _, environment = command("in.case", 1, portable=True)
+    assert str(lg.build(portable=True)) in environment["LD_PRELOAD"] and lg.build(portable=True) != lg.build()
 
 
 def test_run_refuses_nonsense(tmp_path):

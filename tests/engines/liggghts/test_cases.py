@@ -35,7 +35,7 @@ def test_every_case_named_by_the_documentation_is_there():
     assert CASES == ["ballast", "compression", "energy", "impact", "migration", "packing", "restart", "two_spheres", "walls"]
 
 
-LONG = ("migration", "packing", "ballast")
+LONG = ("migration", "packing", "ballast", "compression")
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=[pytest.mark.slow] if c in LONG else []) for c in CASES])
@@ -43,7 +43,9 @@ def test_case(common, tmp_path, case):
     assert_good(simulate_and_check(common, case, tmp_path, 2 if case in ("energy", "migration", "packing") else 1))
 
 
-@pytest.mark.parametrize("case", ["two_spheres", "walls", "restart", "migration", "energy"])
+@pytest.mark.parametrize(
+    "case", ["two_spheres", "walls", "restart", pytest.param("migration", marks=pytest.mark.slow), "energy"]
+)
 @pytest.mark.parametrize("unloading", ["elastic", "table", pytest.param("thornton", marks=pytest.mark.slow)])
 def test_case_with_other_unloading(common, tmp_path, case, unloading):
     folder = common.copy_inputs(INPUTS / case / "run.py", tmp_path)

@@ -10,7 +10,6 @@ from inputs_for_liggghts import two_spheres
 from own_spring import registered
 
 import demlaws as dl
-from demlaws.laws import registry
 from demlaws.liggghts import run
 from demlaws.liggghts.check import TWO_PARTICLES, two_particles
 from demlaws.liggghts.run import command, executable
@@ -20,16 +19,12 @@ PAGE = (Path(__file__).parents[3] / "docs" / "own-laws.md").read_text()
 CONTACT = dl.Contact(radius=4e-3, modulus=32e9)
 
 
-def test_a_law_of_ones_own_within_its_certificate(tmp_path, monkeypatch):
-    monkeypatch.setenv(registry.VARIABLE, "")
+def test_a_law_of_ones_own_within_its_certificate(tmp_path, registered_here):
     (text,) = re.findall(r"<!-- file: my_law.py -->\n```python\n(.*?)```", PAGE, re.DOTALL)
     (tmp_path / "my_law.py").write_text(text)
     dl.load_laws(tmp_path / "my_law.py")
-    try:
-        law = dl.law("power", CONTACT, "hertz")
-        overlap, force, expected = two_particles(law)
-    finally:
-        registry._own.pop("power"), registry._homes.pop("power")
+    law = dl.law("power", CONTACT, "hertz")
+    overlap, force, expected = two_particles(law)
     assert overlap.max() > 1e-5
     assert np.abs(force - expected).max() <= 1e-5 * expected.max()
 

@@ -28,6 +28,7 @@ def test_scene():
     assert rough.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
 
 
+@pytest.mark.slow
 def test_command(tmp_path, capsys):
     files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
     assert main(["trade", "--scene", "liggghts", "--quick", "--csv", str(files[0]), "--figure", str(files[1])]) == 0
@@ -39,6 +40,7 @@ def test_command(tmp_path, capsys):
     assert files[1].stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_costs():
     found = trade.engine_trade("liggghts", quick=True)
     labels = {e.cost.way.label: e for e in found}

@@ -325,7 +325,7 @@ def again(text, restart="now.restart", **words):
     return out
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_restart_with_another_table_is_refused(granite, ranks):
     first = falling("table granite.tbl") + "write_restart now.restart\n"
     simulate(granite, first, ranks)

@@ -72,7 +72,7 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
         law = law.tabulate(1e-3, 100.0)
     for radius in (4e-3, 4.7e-3):
         p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
-        fields = kernel._fields(numba.typeof(p), numba.typeof(law.shape))
+        fields = kernel.fields_of(numba.typeof(p), numba.typeof(law.shape))
         values = kernel.pack(law.shape, [])
         for field, kind, place in fields:
             if place is not None:
@@ -151,7 +151,7 @@ def test_table(omega, tmp_path):
     assert 1e-12 < wrong <= 2e-6 and tangent <= 2e-6
 
 
-@pytest.mark.parametrize("as_table", [False, True])
+@pytest.mark.parametrize("as_table", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_a_curve_to_unload_along(omega, as_table):
     """Given beside the law, as a law and as a table; saved with the scene."""
     from demlaws.yade.pairs import Pairs
@@ -170,6 +170,7 @@ def test_a_curve_to_unload_along(omega, as_table):
     assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
 
 
+@pytest.mark.slow
 def test_a_table_with_its_own_unloading_curve(omega, tmp_path):
     contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
     smoother = dl.law("pohrt-popov", contact.with_values(roughness=0.5 * contact.roughness))
@@ -256,7 +257,7 @@ def test_bodies_come_and_go(omega):
 
     law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
     attachment = law.binding.attachment
-    attachment._renew(8)
+    attachment.renew(8)
     stone = material()
     omega.bodies.append([sphere((n, 0, 0), 0.01, fixed=True, material=stone) for n in range(12)])
     set_engines(law)
@@ -319,6 +320,7 @@ def test_never_erase(omega):
     assert wrong <= TOLERANCE and tangent <= 1e-13
 
 
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 def test_tangential_stiffness(omega):
     two_spheres(functor(bridge="native", shear="tangent"))
     omega.run(100, True)

@@ -145,6 +145,17 @@ def test_auto_falls_back_visibly(omega, monkeypatch):
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(law.contacts().force[0], rel=1e-13)
 
 
+def test_a_ratio_of_numpy_is_saved_as_a_number(omega):
+    class NumberOfNumpy(float):
+        def __repr__(self):
+            return f"np.float64({float(self)!r})"
+
+    from demlaws.yade.binding import Binding
+
+    law = functor(tangential_ratio=NumberOfNumpy(0.5))
+    assert Binding.from_text("again", law.binding.as_text()).ratio == 0.5
+
+
 def test_public_way_saved_and_loaded(omega, tmp_path):
     law = functor(bridge="public", label="slow")
     pair(law)
@@ -197,7 +208,7 @@ def test_load_tmp_load_and_reload(omega, tmp_path):
         assert law.totals() == pytest.approx(goal[1], rel=1e-9)
 
 
-@pytest.mark.parametrize("kind", ["law", "table"])
+@pytest.mark.parametrize("kind", ["law", pytest.param("table", marks=pytest.mark.slow)])
 def test_new_process(omega, tmp_path, kind):
     """A saved scene goes on in a process whose script does not know this package."""
     if kind == "table":
@@ -322,7 +333,7 @@ def test_foreign_functor_in_a_contact_is_noticed(omega):
     omega.run(100, True)
     law = functor(bridge="native")
     listed = _engines_of(law)
-    native.set_engines(scene._completed(listed, {"demlaws": law}, []))
+    native.set_engines(scene.completed(listed, {"demlaws": law}, []))
     law.binding.watched_by(law.binding.runner)
     with pytest.raises(RuntimeError, match="another functor holds it"):
         omega.run(5, True)

@@ -59,6 +59,15 @@ def test_tangential_stiffness_through_a_reversal(omega):
             assert np.all(jumps < 1e-9)
 
 
+@pytest.mark.filterwarnings("error::demlaws.errors.ValidityWarning")
+def test_the_tangent_is_warned_of(omega):
+    with pytest.warns(dl.ValidityWarning, match="law 'demlaws': shear=\"tangent\".* more work than they took"):
+        functor(shear="tangent")
+    functor()
+    functor("pohrt-popov", "elastic", shear="tangent")
+    functor("hertz", "hertz", {}, shear="tangent")
+
+
 def test_the_three_agree_with_mindlin_for_hertz(omega):
     import yade
 

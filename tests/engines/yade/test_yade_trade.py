@@ -13,6 +13,7 @@ NATIVE = candidates.Way("YADE's Hertz-Mindlin", model="hertz")
 PAIR = dl.Contact(4.35e-3, 32.32e9, 2.40e-6, 2.22, 6.266e9)
 
 
+@pytest.mark.slow
 def test_scene():
     wanted = [candidates.RICHEST, candidates.RICHEST._replace(label="the same, shaken", shaken=True), HERTZ, NATIVE]
     said = []
@@ -64,6 +65,7 @@ def test_choice_by_the_cost_of_a_step():
     assert "Law2_ScGeom_MindlinPhys_Demlaws" in choices.best.script()
 
 
+@pytest.mark.slow
 def test_costs_and_peers_on_the_picture(tmp_path):
     from demlaws import plots
     from demlaws.plots import choose as plots_choose

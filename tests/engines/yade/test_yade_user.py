@@ -691,12 +691,28 @@ def test_missing_symbols_fail_closed(monkeypatch, name, why):
         native.layout()
 
 
+def test_a_yade_built_by_its_user_is_judged_by_its_numbers(monkeypatch):
+    """Only Debian names a build for its precision: the suffix of another one says nothing."""
+    import yade.config
+
+    from demlaws.yade import native
+
+    monkeypatch.setattr(native, "_layout", None)
+    monkeypatch.setattr(yade.config, "suffix", "-trunk")
+    assert native.layout().slot
+    monkeypatch.setattr(native, "_layout", None)
+    monkeypatch.setattr(yade.config, "highPrecisionBits", 80)
+    monkeypatch.setattr(yade.config, "highPrecisionName", "PrecisionLongDouble")
+    with pytest.raises(native.BridgeUnavailable, match="computes in PrecisionLongDouble; the bridge needs double"):
+        native.layout()
+
+
 @pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved vector"])
 def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
     from demlaws.yade import native
 
     monkeypatch.setattr(native, "_layout", None)
-    real = native._read
+    real = native.read_memory
 
     def read(start, size, kind):
         words = real(start, size, kind).copy()
@@ -708,7 +724,7 @@ def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
         return words
 
     if doctored in ("two places", "no place"):
-        monkeypatch.setattr(native, "_read", read)
+        monkeypatch.setattr(native, "read_memory", read)
     elif doctored == "another class":
         monkeypatch.setattr(native, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
     else:

@@ -6,10 +6,11 @@ import pytest
 
 from demlaws.driver import impact
 from demlaws.validation import engines
-from demlaws.validation.jobs import contact_of, impact_jobs
-from demlaws.validation.published import bound, quiet
+from demlaws.validation.jobs import contact_of, impact_jobs, kept_jobs
+from demlaws.validation.published import KEPT, bound, kept_rows, quiet
 
 
+@pytest.mark.slow
 def test_a_stiffness_after_yield_of_its_own_acts_in_yade():
     """Restitution and peak force of an impact: yielding at its load, softer after it than one p_y says, as in Python."""
     given = next(job for job in impact_jobs() if job["law"] == "rough-plastic" and not job["plane"])
@@ -27,3 +28,10 @@ def test_a_stiffness_after_yield_of_its_own_acts_in_yade():
     plain = quiet(impact, bound(given["law"], contact_of(given), given["unloading"], yield_pressure=pressure, loading="hertz"),
                   mass, given["speed"], 8000)  # fmt: skip
     assert here.restitution < plain.restitution - 0.05
+
+
+def test_the_places_that_lammps_keeps_are_met_in_yade():
+    """LAMMPS's own DEM tests 02 and 03, with the law in place of stock hertz."""
+    found = engines.in_yade(kept_jobs())
+    rows = [row for one, answer in zip(KEPT, found, strict=True) for row in kept_rows(one, "YADE", answer["places"])]
+    assert len(rows) == 6 and [row for row in rows if row.verdict != "pass"] == []

@@ -1,0 +1,124 @@
+"""Every `demlaws ...` that a page shows is one that the command line takes: its command, its words and its options."""
+
+import argparse
+import importlib
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from demlaws.cli import COMMANDS, build_parser
+
+PROJECT = Path(__file__).resolve().parents[2]
+PAGES = [
+    PROJECT / "README.md",
+    PROJECT / "CONTRIBUTING.md",
+    PROJECT / "CHANGELOG.md",
+    *(p for p in sorted((PROJECT / "docs").rglob("*.md")) if "made" not in p.parts),
+    *(PROJECT / folder / "README.md" for folder in ("yade_scripts", "liggghts_inputs", "lammps_inputs")),
+]
+LISTING = re.compile(r"^(`{3,})(\w*)\n(.*?)^\1", re.MULTILINE | re.DOTALL)
+SPAN = re.compile(r"(?<!`)`(demlaws [^`]+)`(?!`)")
+HOLE = re.compile(r"…|\.\.\.")
+
+
+def typed(text):
+    """Command lines of a page's console listings, without what a shell takes of them."""
+    for _, kind, listing in LISTING.findall(text):
+        if kind != "console":
+            continue
+        for line in re.sub(r"\\\n\s*", " ", listing).splitlines():
+            if line.startswith("$ "):
+                line = re.sub(r"\$\([^)]*\)", "X", line[2:].replace("$PWD", "/folder"))
+                for part in re.split(r"&&|\||;", line):
+                    words = shlex.split(part, comments=True)
+                    while words and re.match(r"\w+=", words[0]):
+                        words = words[1:]
+                    if words[:1] == ["demlaws"]:
+                        yield words[1:]
+
+
+def spoken(text):
+    """Command lines in the running text: with holes, and in place of values names."""
+    for span in SPAN.findall(LISTING.sub("", text)):
+        yield shlex.split(" ".join(span.replace("\\|", "|").split()))[1:]
+
+
+def chosen(words):
+    """(parser that the words lead to, the words it gets)."""
+    parser, rest = build_parser(tuple(COMMANDS)), list(words)
+    while rest and rest[0][:1] != "-":
+        below = next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None)
+        if below is None:
+            break
+        for word in [rest[0], *(rest[2::2] if rest[1:2] == ["|"] else [])]:  # build | check: each of them
+            if word not in below.choices:
+                raise ValueError(f"there is no {parser.prog} {word}")
+        parser, rest = below.choices[rest[0]], rest[1:]
+    return parser, rest
+
+
+def taken(words):
+    """Why the command line does not take these words; "" if it does."""
+    try:
+        parser, rest = chosen(words)
+    except ValueError as error:
+        return str(error)
+    if any(HOLE.search(word) for word in rest) or any(word.isupper() for word in rest):
+        return unknown(words)
+    said = []
+    for one in (parser,):
+        one.exit = lambda status=0, message="": said.append(message) or _stop()
+    try:
+        parser.parse_args(rest)
+    except (_Stopped, argparse.ArgumentTypeError) as error:
+        return said[0] if said else str(error)
+    return ""
+
+
+class _Stopped(Exception):
+    pass
+
+
+def _stop():
+    raise _Stopped
+
+
+def unknown(words):
+    """Which command, or which option of it, there is not; "" if there are all."""
+    try:
+        parser, rest = chosen(words)
+    except ValueError as error:
+        return str(error)
+    known = {option for action in parser._actions for option in action.option_strings}
+    if "SCRIPT" in (parser.usage or ""):  # what stands behind it is the script's own
+        rest = rest[: next((n for n, word in enumerate(rest) if word[:1] != "-"), len(rest))]
+    for word in rest:
+        if re.match(r"-{1,2}[a-z]", word) and word.split("=")[0] not in known:
+            return f"{parser.prog} has no {word}"
+    return ""
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.relative_to(PROJECT).as_posix())
+def test_command_lines_are_taken(page, monkeypatch):
+    monkeypatch.setattr(
+        importlib.import_module("demlaws.laws.registry"), "load_laws", lambda path: None
+    )  # a file that the page writes
+    text = page.read_text()
+    wrong = [f"demlaws {shlex.join(words)}: {why}" for words in typed(text) if (why := taken(words))]
+    wrong += [f"demlaws {shlex.join(words)}: {why}" for words in spoken(text) if (why := unknown(words))]
+    assert wrong == []
+
+
+def test_lines_are_found_and_wrong_ones_are_told():
+    text = "`demlaws curve --lwa x` and `demlaws lammps build | chekc`\n```console\n"
+    text += "$ A=1 demlaws laws --nothing | cat\n$ demlaws laws\n```\n"
+    assert list(typed(text)) == [["laws", "--nothing"], ["laws"]]
+    assert "--nothing" in taken(["laws", "--nothing"]) and taken(["laws"]) == ""
+    assert "has no --lwa" in unknown(["curve", "--lwa", "x"]) and "no demlaws lammps chekc" in unknown(
+        ["lammps", "build", "|", "chekc"]
+    )
+    assert "no demlaws nothing" in unknown(["nothing"])
+    found = [words for page in PAGES for words in typed(page.read_text())]
+    assert len(found) > 25
