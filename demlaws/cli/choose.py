@@ -119,7 +119,7 @@ def run(arguments):
         print(f"softer grains, {'which all this is of' if arguments.soften else 'with --soften'}:")
         print("\n".join(advice.lines()))
     table = arguments.out or Path("law.tbl")
-    print(best.script(table))
+    print(best.script(table, advice.dt if arguments.soften else None))
     if arguments.out is None:
         return
     if scene.engine in ("liggghts", "lammps"):

@@ -40,14 +40,43 @@ def test_held_back_scenes_are_bounded():
     assert bounded >= 9
 
 
+TOLERANCES = (0.1, 0.2, 0.3, 0.5)
+
+
+def time_to_solution(tolerance):
+    """Of each held-back packing: (steps of the advised run, of the fastest that met the tolerance, error of the advised)."""
+    rows, cases = softening.load(), []
+    found = {p.run: p for p in softening.points(rows, others=True)}
+    for packing in softening.held_back("yade"):
+        tried = [packing._replace(factor=s, inertial=rate, part=part) for s, rate, part in softening.TRIED]
+        scene = scene_of(packing, tolerance=tolerance, process="oedometer")
+        advice = modulus.advise(scene, ways=softening.TRIED)
+        chosen = packing._replace(factor=advice.factor, inertial=advice.inertial, part=advice.part)
+        fastest = min(rows[run]["steps"] for run in tried if softening.worst(found[run]) <= tolerance)
+        cases.append((rows[chosen]["steps"], fastest, softening.worst(found[chosen])))
+    return cases
+
+
+def test_time_to_solution_of_held_back_packings():
+    """All steps of the process, rest and hold too, at one cost a step: at most 1.3 times those of the fastest of sixteen runs
+    that met the tolerance, in at least 9 of 10 packings that no prediction is made from; and the advised run meets it."""
+    told = {*softening.scenes("yade", softening.OTHERS), *softening.scenes("yade", softening.FASTER)}
+    assert len(softening.held_back("yade")) == 10 and not told & set(softening.tried("yade"))
+    for tolerance in TOLERANCES:
+        cases = time_to_solution(tolerance)
+        assert sum(mine <= 1.3 * fastest for mine, fastest, _ in cases) >= 9, (tolerance, cases)
+        assert sum(error <= tolerance for *_, error in cases) >= 9, (tolerance, cases)
+
+
 def test_predictions_grow_with_softness_and_rate():
     last = 0.0
     for factor in (1.0, 3.0, 10.0, 100.0):
         advice = modulus.predict(PACKING, factor)
-        assert advice.error > last and advice.steps == pytest.approx(factor ** (-1 / 3), rel=1e-9)
+        assert advice.error >= last and advice.steps == pytest.approx(factor ** (-1 / 3), rel=1e-9)
         last = advice.error
     assert modulus.predict(PACKING, 10.0, 1e-3).error > modulus.predict(PACKING, 10.0).error
-    assert modulus.predict(PACKING, 1000.0).error == math.inf  # softer than anything that was measured
+    assert modulus.predict(PACKING, 100.0).error > 2.0 * modulus.predict(PACKING, 3.0).error
+    assert modulus.predict(PACKING, 2000.0).error == math.inf  # softer than anything that was measured
     alone = modulus.predict(PACKING, 10.0)
     assert alone.left_alone > 1.3 * alone.error
 
