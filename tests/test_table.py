@@ -539,22 +539,6 @@ def test_missing_file_and_folder(tmp_path):
         table_of("hertz").save(tmp_path / "file" / "a.tbl")
 
 
-class NumberOfNumpy(float):
-    """As np.float64 shows itself since numpy 2."""
-
-    def __repr__(self):
-        return f"np.float64({float(self)!r})"
-
-
-def test_no_file_holds_a_number_as_numpy_shows_it(tmp_path):
-    numbers = {"radius": 5e-3, "modulus": 32e9, "roughness": 2.4e-6, "fractal_dimension": 2.22, "hardness": 6e9}
-    contact = dl.Contact(**{name: NumberOfNumpy(value) for name, value in numbers.items()})
-    law = dl.law("rough-plastic", contact, "thornton", yield_pressure=NumberOfNumpy(1.66e9))
-    file = law.tabulate(NumberOfNumpy(1e-4), max_force=NumberOfNumpy(100.0)).save(tmp_path / "law.tbl")
-    assert "np.float64" not in file.read_text()
-    assert dl.Table.load(file).rtol == 1e-4
-
-
 def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
     path = tmp_path / "a.tbl"
     table_of("hertz").save(path)

@@ -9,6 +9,7 @@ import importlib
 import inspect
 import math
 import os
+import tempfile
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -17,19 +18,22 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import Scene, samples
+from demlaws.advice.scene import Scene, samples, stable_step
 from demlaws.contact import Contact
-from demlaws.driver import timestep
+from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
 from demlaws.law import Law
+from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
+from demlaws.make import rebound
 from demlaws.materials import DENSITY
 from demlaws.measure.errors import error_of
 from demlaws.measure.timing import Batch, nanoseconds
 from demlaws.table import Table, tabulate
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
+_CURVE_RTOL = 1e-6
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
 _ROUNDING = 1e-13
 _TIMED = 100_000
@@ -43,6 +47,12 @@ class Plan(NamedTuple):
     unloading: str
     evaluation: str  # "closed form", "table", "closed form, float32"
     rtol: float = 0.0
+    curve: Law | None = None  # along which contacts unload by the rule "table"
+
+    @property
+    def way_back(self):
+        """What laws take as `unloading`."""
+        return self.unloading if self.curve is None else self.curve
 
     @property
     def storage(self):
@@ -53,7 +63,7 @@ class Plan(NamedTuple):
         """The law on a contact, or an array of contacts."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            law = bind_law(self.name, contact, self.unloading, **dict(self.options))
+            law = bind_law(self.name, contact, rebound(self.way_back, contact), **dict(self.options))
             return tabulate(law, self.rtol, max_force) if self.evaluation == "table" else law
 
 
@@ -107,7 +117,7 @@ class Choice:
             folder,
             self.name,
             self.scene.grains(),
-            self.unloading,
+            self.plan.way_back,
             dict(self.plan.options),
             load=self.max_force / 1.5,
             **options,
@@ -142,11 +152,13 @@ class Choice:
         rtol = f" (rtol {self.plan.rtol:g})" if self.plan.rtol else ""
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
-    def script(self, table: str = "law.tbl") -> str:
-        """The lines that put this choice into the scene's engine."""
+    def script(self, table: str = "law.tbl", dt: float | None = None) -> str:
+        """The lines that put this choice into the scene's engine; dt: time step [s], if not the stable one."""
+        dt = self.step if dt is None else dt
         plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
         options = "".join(f", {k}={v!r}" for k, v in plain)
-        unloading = "" if self.unloading == "elastic" else f', unloading="{self.unloading}"'
+        way_back = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
+        unloading = "" if self.unloading == "elastic" else f", unloading={way_back}"
         if self.scene.engine == "yade":
             source = f'"{self.name}"'
             if self.evaluation == "table":
@@ -162,12 +174,12 @@ class Choice:
                 "from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws\n"
                 f"# kind0, kind1, …: labels of the scene's materials\n"
                 f"law = Law2_ScGeom_MindlinPhys_Demlaws({source}, surfaces={{{surfaces}}}{extra})\n"
-                f"# O.dt = {self.step:.3g}"
+                f"# O.dt = {dt:.3g}"
             )
         if self.scene.engine in ("liggghts", "lammps"):
             grains = self.scene.grains()
             types = ", ".join(f"{n + 1}: radius {g.radius:g} m" for n, g in enumerate(grains))
-            return f"choice.export(folder), or --out FOLDER, writes the case; types {types}; timestep {self.step:.3g}"
+            return f"choice.export(folder), or --out FOLDER, writes the case; types {types}; timestep {dt:.3g}"
         tail = f".tabulate(rtol={self.plan.rtol:g}, max_force={self.max_force:g})" if self.evaluation == "table" else ""
         kept = "  # state = law.new_state(n, np.float32), overlaps float32" if self.evaluation.endswith("float32") else ""
         return f'law = dl.law("{self.name}", contact{unloading}{options}){tail}{kept}'
@@ -242,6 +254,10 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
+    if isinstance(scene.unloading, Law):
+        return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=scene.unloading)
+    if scene.unloading is not None:
+        return Plan(definition.name, tuple(options.items()), definition.rule(scene.unloading).name, "closed form")
     for rule in definition.unloading[:0:-1] if scene.unloads else ():
         try:
             bind_law(definition.name, contact, rule, **options)
@@ -272,6 +288,8 @@ def plans(scene, reference):
     for definition, options in candidates:
         rules = definition.unloading if scene.unloads else definition.unloading[:1]
         found += [Plan(definition.name, options, rule, "closed form") for rule in rules]
+        if reference.curve is not None and not definition.smooth:
+            found.append(Plan(definition.name, options, GIVEN, "closed form", curve=reference.curve))
     return list(dict.fromkeys(found))
 
 
@@ -306,7 +324,6 @@ class _Judge:
         self.smallest = min(float(s.peak.min()) for s in self.samples)
         self.exact = [reference.bind(s.contact) for s in self.samples]
         self.max_force = 1.5 * self.largest
-        self.extremes = [c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)]
         self.bound = {}
 
     def laws(self, plan):
@@ -340,16 +357,10 @@ class _Judge:
         return _MARGIN * worst + _ROUNDING, mean
 
     def step(self, plan):
-        """Stable step [s] of the scene: grains of both extreme sizes, half of their contacts on one side."""
-        steps = []
-        closed = plan._replace(evaluation="closed form", rtol=0.0)
+        """Stable step [s] of the scene."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            for contact in self.extremes:
-                _, largest = self.scene.force_range(contact)
-                stable = timestep(closed.bind(contact), float(self.scene.mass(contact.radius)), float(largest))
-                steps.append(stable / math.sqrt(max(self.scene.coordination / 2.0, 1.0)))
-        return min(steps)
+            return stable_step(self.scene, plan._replace(evaluation="closed form", rtol=0.0).bind)
 
     def batch(self, plan, seed=1, kind=0):
         """Random contacts of a pair of kinds of grain in the states that occur, for timing."""
@@ -384,14 +395,16 @@ def _left_out(judge, plan):
 
     if (before := _before_yield(reference)) is not None and _before_yield(plan) is None:
         definition, options = before
-        rule = reference.unloading if reference.unloading in definition.unloading else definition.unloading[-1]
+        kept = reference.curve is not None or reference.unloading in definition.unloading
+        rule = reference.unloading if kept else definition.unloading[-1]
         stage("bulk yield", name=definition.name, options=options, unloading=rule)
     now = stages[-1][1] if stages else reference
     if now.unloading != plan.unloading and plan.unloading != "elastic":
-        stage("larger radius after yield", unloading=plan.unloading)
+        what = "larger radius after yield" if now.unloading == "thornton" else f"{now.unloading} unloading"
+        stage(what, unloading=plan.unloading, curve=plan.curve)
         now = stages[-1][1]
     if now.unloading != "elastic" and plan.unloading == "elastic":
-        stage("unloading history", unloading="elastic")
+        stage("unloading history", unloading="elastic", curve=None)
         now = stages[-1][1]
     if (now.name, now.options) != (plan.name, plan.options):
         branch = dict(plan.options).get("branch")
@@ -401,7 +414,7 @@ def _left_out(judge, plan):
             what = find(plan.name).branches[branch]
         else:
             what = f"{now.name} replaced by {plan.name}"
-        stage(what, name=plan.name, options=plan.options, unloading=plan.unloading)
+        stage(what, name=plan.name, options=plan.options, unloading=plan.unloading, curve=plan.curve)
     if plan.evaluation != "closed form":
         what = f"{plan.evaluation} in place of the closed form" if plan.rtol else "double precision in memory"
         stage(what, evaluation=plan.evaluation, rtol=plan.rtol)
@@ -439,6 +452,9 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
                 if judge.largest > limit.maximum_force or judge.smallest < limit.minimum_force:
                     known.add(limit.reason)
                     notes.append(f"the reference itself ({reference.name}) leaves its range: {limit.reason}")
+    if find(reference.name).before_yield is not None:  # the reference yields: what leaving that out costs is computed
+        one = scene.contacts(scene.effective_radii()[1])[0]
+        known.update(limit.reason for limit in bulk_yield(one))
     for plan in progress(plans(scene, reference)):
         label = _label(plan)
         try:
@@ -463,7 +479,8 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
         if table is not None:
             judged[table[0]] = table[1]
     judged = {plan: error for plan, error in judged.items() if _runs_in(plan, scene.engine)}
-    if not judged:
+    none_meets = all(error > scene.tolerance for error, _ in judged.values())
+    if not judged or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
         named = {}
         for label, why in ruled_out.items():
             named.setdefault(why, []).append(label.split(",")[0])
@@ -565,8 +582,14 @@ def _costs_of_kind(judge, ways, material, surface):
         "surface": {**vars(surface), "hardness": pair.hardness},
         "radius": radius,
     }
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), tempfile.TemporaryDirectory() as scratch:
         warnings.simplefilter("ignore", ValidityWarning)
+        curve = judge.reference.curve
+        if curve is not None:  # engines' scripts read it from a file
+            path = Path(scratch) / "curve.tbl"
+            curve = rebound(curve, pair)
+            (curve if isinstance(curve, Table) else tabulate(curve, _CURVE_RTOL, 4.0 * judge.max_force)).save(path)
+            ways = [way._replace(unloading=str(path)) if way.unloading == GIVEN else way for way in ways]
         given["overlap"] = float(judge.reference.bind(pair).overlap(math.sqrt(low * high)))
         if scene.engine == "yade":
             return yade_costs(ways, given, pair)

@@ -11,11 +11,16 @@ import numpy as np
 from demlaws.advice.fit import Fit
 from demlaws.checks import number, real
 from demlaws.contact import Contact, Material, Surface
+from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
+from demlaws.law import Law
+from demlaws.make import rule_and_curve
 from demlaws.materials import DENSITY
 from demlaws.measure.errors import QUANTITIES, Sample
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
+PROCESSES = ("oedometer", "shear", "pour")
+"""What a packing may undergo: it is pressed to its stress, strained by a given amount, or falls for a given time."""
 _POINTS = 2800
 TEMPLATE = Path(__file__).with_name("template.toml")
 """A scene file with every key and its meaning (`demlaws choose --template`)."""
@@ -31,9 +36,12 @@ class Scene:
     approach [m/s]: an impact's peak force widens the range; one of force, pressure, loads, speed must be given. cyclic:
     contacts unload and reload; quantity: what must be right, a key of `QUANTITIES`; tolerance: largest error of it;
     engine: one of `ENGINES`; walls: grains touch flats of their own kind; yield_pressure p_y [Pa], where the bulk may
-    yield; reference, reference_options: law to hold the others against (default: the richest that the quantities given
-    determine); porosity, coordination: of the packing, for pressure and time step; classes: radii [m] of grains that come
-    in a few sizes, such as LIGGGHTS's or LAMMPS's particle types, in place of `radii`.
+    yield; unloading: how contacts really unload, a rule, or a curve as `dl.law` takes it (a law, a table, a table's path),
+    for cyclic scenes; process: one of `PROCESSES`, what the packing undergoes, rate: fastest strain rate [1/s] of it that
+    may be advised (see `demlaws.advice.modulus`); reference, reference_options: law to hold the others against (default:
+    the richest that the quantities given determine); porosity, coordination: of the packing, for pressure and time step;
+    classes: radii [m] of grains that come in a few sizes, such as LIGGGHTS's or LAMMPS's particle types, in place of
+    `radii`.
 
     >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2680)
     >>> scene = dl.Scene(radii=(0.01, 0.03), materials=granite, surfaces=dl.Surface(1.7e-6, 2.22), force=(1, 500), cyclic=True)
@@ -60,6 +68,8 @@ class Scene:
     coordination: float = 6.0
     classes: tuple = ()
     rate: float | None = None
+    process: str = ""
+    unloading: str | Law | None = None
     name: str = ""
 
     def __post_init__(self):
@@ -104,9 +114,20 @@ class Scene:
             object.__setattr__(self, "rate", number(self.rate, "rate", "1/s"))
         if self.yield_pressure is not None:
             object.__setattr__(self, "yield_pressure", number(self.yield_pressure, "yield_pressure", "Pa"))
-        for label, known in (("quantity", QUANTITIES), ("engine", ENGINES)):
+        if self.unloading is not None:
+            self._know_unloading()
+        for label, known in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in known:
-                raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(known)}")
+                raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, known))}")
+
+    def _know_unloading(self):
+        """The rule's name, or the law or table that a path stands for."""
+        if not isinstance(self.unloading, str | os.PathLike | Law):
+            raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
+        rule, curve = rule_and_curve(self.unloading)
+        if not self.unloads:
+            raise DemlawsError(f"unloading = {rule!r}: contacts unload where cyclic = true, or quantity = 'restitution'")
+        object.__setattr__(self, "unloading", rule if curve is None else curve)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":
@@ -238,6 +259,9 @@ def _from_toml(path):
             values["reference_options"] = reference
         elif reference is not None:
             values["reference"] = reference
+        unloading = text.get("unloading")
+        if isinstance(unloading, str) and ("/" in unloading or "." in unloading):  # a table's file, beside the scene's
+            text["unloading"] = str(path.parent.absolute() / unloading)
         scene = Scene(**values, **text)
     except TypeError as error:
         names = ", ".join(f for f in Scene.__dataclass_fields__)
@@ -259,6 +283,17 @@ def _fit_measured(scene, measured, path):
     points = read_points(path.parent / str(measured["points"]))
     contact = scene.contacts(number(measured["radius"], "radius", "m"))[0]
     return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
+
+
+def stable_step(scene, bind):
+    """Stable step [s] of a scene with the law that `bind` makes of a contact: grains of both extreme sizes, of every pair of
+    kinds, half of their contacts on one side."""
+    steps = []
+    for contact in (c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)):
+        _, largest = scene.force_range(contact)
+        stable = timestep(bind(contact), float(scene.mass(contact.radius)), float(largest))
+        steps.append(stable / math.sqrt(max(scene.coordination / 2.0, 1.0)))
+    return min(steps)
 
 
 def samples(scene, points=_POINTS, random=None):

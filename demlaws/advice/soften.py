@@ -161,6 +161,7 @@ class Softening:
             surfaces=self.of(scene.surfaces),
             yield_pressure=None if pressure is None else pressure * self.pressure,
             reference_options=self.options(scene.reference, options) if scene.reference else options,
+            unloading=self.of(scene.unloading) if isinstance(scene.unloading, Law) else scene.unloading,
         )
 
     # --- in words

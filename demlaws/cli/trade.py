@@ -6,6 +6,8 @@ from demlaws.errors import DemlawsError
 
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
 ENGINES = tuple(NAMES)
+YIELDING = 5e6
+"""Stress [Pa] at which leaving yield out shows in a packing of granite."""
 
 
 def register(subparsers):
@@ -50,7 +52,10 @@ def register(subparsers):
         "in the engines (--engines), hours, and goes on from the rows that FILE holds; without, kept rows are shown",
     )
     parser.add_argument(
-        "--stress", type=pressure, help="stress that --scene compresses to (default 500 kPa; 5MPa makes contacts yield)"
+        "--stress",
+        type=pressure,
+        default=YIELDING,
+        help="stress that --scene compresses to (default 5 MPa, where contacts yield; at 500kPa roughness alone matters)",
     )
     parser.add_argument("--quick", action="store_true", help="150 spheres in the scene, fewer rounds or runs in the engines")
     parser.add_argument(
@@ -130,8 +135,7 @@ def _scenes(arguments):
     from demlaws.plots import choose as plots_choose
 
     setup = packings.QUICK if arguments.quick else packings.Setup()
-    if arguments.stress is not None:
-        setup = replace(setup, stress=checks.number(arguments.stress, "stress", "Pa", 1e4, 1e8, allow_low=True))
+    setup = replace(setup, stress=checks.number(arguments.stress, "stress", "Pa", 1e4, 1e8, allow_low=True))
     found = {}
     for engine in trade.installed(arguments.scene):
         with tqdm(total=len(candidates.ways(engine)), desc=engine, leave=False, disable=None) as bar:
@@ -169,6 +173,9 @@ def _softening(arguments):
     if not points:
         raise DemlawsError(f"{path} holds no rows of a study: demlaws trade --softening FILE makes them")
     print(softening.table(points))
+    alike = softening.similarity(softening.load(path))
+    if alike:
+        print(softening.similarity_table(alike) + "\n")
     if arguments.csv is not None:
         print(granite.save_csv(arguments.csv, softening.TITLES, map(softening.csv_row, points)))
     if arguments.figure is not None:

@@ -1,4 +1,4 @@
-"""Runs of `demlaws.measure.softening` in LIGGGHTS: the oedometer and its cycles."""
+"""Runs of `demlaws.measure.softening` in LIGGGHTS: the oedometer and its cycles, and a pour."""
 
 from pathlib import Path
 
@@ -51,15 +51,43 @@ jump            SELF again
 )
 
 
-def cycles(folder, scene, told):
-    """One run; what it wrote, as YADE's does (see yade_softening.py)."""
+POUR = (
+    CASE[: CASE.index("variable        touching")]
+    + """\
+dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
+run             0
+"""
+)
+AIR = 30.0  # of a falling grain's speed [1/s]: it lands at a third of what it would freely, and has come to rest in the time
+
+
+def _made(scene, told, places):
+    """(what `prepare` is given, way, centres) of a run whose grains start at `places` of the scene."""
     random = np.random.default_rng(told["copy"])
-    centres = np.array(scene["centres"])
+    centres = np.array(scene[places])
     centres = centres + told["shake"] * random.uniform(-1.0, 1.0, centres.shape)
     material = Material(told["young"], GRANITE.poisson, GRANITE.hardness, GRANITE.density)
     two = [Grain(radius, material, Surface(**told["surface"])) for radius in sorted(set(scene["radii"]))]
     way = {"model": "", "law": told["law"], "unloading": told["unloading"], "options": told["options"], "rtol": RTOL}
-    given = {**scene, **told, "grains": two, "poisson": GRANITE.poisson}
+    return {**scene, **told, "grains": two, "poisson": GRANITE.poisson}, way, centres
+
+
+def pour(folder, scene, told):
+    """A loose block falls and comes to rest; what it wrote, as YADE's does (see yade_softening.py)."""
+    given, way, centres = _made(scene, told, "loose")
+    path = Path(folder) / "in.pour"
+    log, forces, seconds = carry_out(path, prepare(path, {**given, "settle": told["time"]}, way, centres, POUR, AIR))
+    held = {
+        "forces": forces.tolist(),
+        "coordination": 2.0 * forces.size / len(scene["radii"]),
+        "kinetic": float(log["KinEng"][-1]),
+    }
+    return {"height": float(log["centre"][-1]), "held": held, "steps": int(log["Step"][-1]), "seconds": seconds}
+
+
+def cycles(folder, scene, told):
+    """One run; what it wrote, as YADE's does (see yade_softening.py)."""
+    given, way, centres = _made(scene, told, "centres")
     drag = DRAG / told["size"] / Softening(told["factor"]).step  # the same share of speed in a contact's own period
     path = Path(folder) / "in.cycles"
     own = {name: told[name] for name in ("least", "every", "cycles")}

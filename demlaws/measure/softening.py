@@ -39,6 +39,10 @@ STUDIED = ("pohrt-popov", "hertz")
 """Law and rule of the runs that others are held against."""
 
 
+TRADED = ("factor", "scaled", "inertial", "part", "law", "unloading", "density")
+"""Fields of a `Run` that a user trades; the others say what process it is, of what grains."""
+
+
 class Run(NamedTuple):
     """One run of the study. Stress [Pa]; size: of the grains, over 3.5 and 4.5 mm; rough: Sq over 1.7 µm."""
 
@@ -55,12 +59,21 @@ class Run(NamedTuple):
     stress: float = STRESS
     size: float = 1.0
     rough: float = 1.0
+    density: float = 1.0  # by which the grains' is multiplied, their weight kept: gravity is divided by it
+    scatter: float = (
+        0.0  # above 0: a lattice of spheres whose radii fall short of 4 mm by up to this [m], stretched as overlaps
+    )
+
+    @property
+    def short(self) -> float:
+        """By what the radii of a lattice fall short, at most [m]: a length as overlaps are."""
+        return self.scatter * Softening(self.factor).overlap
 
     @property
     def reference(self) -> "Run":
         """The process as it is: full modulus, slow, half the stable step, the richest law of the study."""
         plain = Run("", "")
-        return self._replace(**{n: getattr(plain, n) for n in ("factor", "scaled", "inertial", "part", "law", "unloading")})
+        return self._replace(**{n: getattr(plain, n) for n in TRADED})
 
     @property
     def group(self) -> tuple:
@@ -87,6 +100,14 @@ class Run(NamedTuple):
         return timestep(hertz, grain.mass, 10.0 * mean) / math.sqrt(3.0) * Softening(self.factor).step
 
     @property
+    def depth(self) -> float:
+        """Overlap over diameter of the softened grains at the mean force, σ scaled along."""
+        grain, diameter = Grain(self.size * LATTICE, GRANITE, self.surface), 2.0 * self.size * LATTICE
+        law = bind_law(self.law, grain.contact(grain))
+        overlap = float(law.overlap(math.pi * diameter**2 * self.stress / (0.6 * 6)))
+        return overlap * Softening(self.factor).overlap / diameter
+
+    @property
     def kappa(self) -> float:
         """Stiffness number (E*/p)^(2/3) of the softened grains."""
         return float((0.5 * GRANITE.plane_modulus / self.factor / self.stress) ** (2 / 3))
@@ -94,8 +115,10 @@ class Run(NamedTuple):
     def given(self) -> dict:
         """What an engine is told of this run."""
         young, surface, options = self.softened()
-        dt, overlap = self.part * self.stable, Softening(self.factor).overlap
-        rate = self.inertial / (self.size * DIAMETER * math.sqrt((GRANITE.density or DENSITY) / self.stress))
+        slower = math.sqrt(self.density)  # all of a heavier grain's motion
+        stable, overlap = slower * self.stable, Softening(self.factor).overlap
+        dt, density = self.part * stable, self.density * (GRANITE.density or DENSITY)
+        rate = self.inertial / (self.size * DIAMETER * math.sqrt(density / self.stress))
         speed = rate * DEEP * self.size
         # some 150 looks at the plate while it goes down
         sunk = 0.0047 * DEEP * self.size * (self.stress / STRESS) ** 0.45 * overlap
@@ -107,15 +130,17 @@ class Run(NamedTuple):
             "options": options,
             "dt": dt,
             "speed": speed,
-            "settle": RESTING * 0.5 * self.stable,
-            "hold": 0.25 * RESTING * 0.5 * self.stable,
+            "settle": RESTING * 0.5 * stable,
+            "hold": 0.25 * RESTING * 0.5 * stable,
             "every": int(np.clip(round(sunk / (150 * speed * dt)), 1, 40)),
             "least": LEAST * self.stress,
             "shake": SHAKEN * self.size * min(RADII),
-            "time": 0.25 * math.sqrt(self.size),
+            "time": 0.25 * math.sqrt(self.size) * slower,
             "strain": 0.15,
-            "gain": 0.1,
-            "fastest": 0.05,
+            "gain": 0.1 / slower,
+            "fastest": 0.05 / slower,
+            "gravity": 9.81 / self.density,
+            "density": density,
         }
 
 
@@ -134,22 +159,32 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
     if quick:
         return runs
     if engine == "yade":
-        runs += scenes(engine, OTHERS) + scenes(engine)
+        runs += similar() + scenes(engine, OTHERS) + scenes(engine, FASTER) + scenes(engine) + tried(engine)
     once = one._replace(cycles=1)
     for rate in (1e-3, 1e-2, 1e-4):
         runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s, inertial=rate), 3)]
     runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s), 3)]
+    pour = Run(engine, "pour", stress=2e3)
+    ways = [pour, *(pour._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
+    runs += [r for way in ways for r in _copies(way, 3)]
     if engine == "yade":
-        for other in (Run(engine, "shear", stress=1e5, inertial=1e-3), Run(engine, "pour", stress=2e3)):
-            ways = [other, *(other._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
-            runs += [r for way in ways for r in _copies(way, 4)]
+        shear = Run(engine, "shear", stress=1e5, inertial=1e-3)
+        ways = [shear, *(shear._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
+        ways += [shear._replace(factor=s, inertial=rate) for rate in (1e-2, 3e-3) for s in (1.0, 10.0)]
+        ways += [shear._replace(part=0.9), shear._replace(inertial=3e-4)]
+        runs += [r for way in ways for r in _copies(way, 3)]
+        for rate in (5e-4, 2e-3, 3e-3):
+            runs += [r for s in (1.0, 10.0) for r in _copies(once._replace(factor=s, inertial=rate), 2)]
+        runs += [r for part in (0.5, 0.9) for r in _copies(pour._replace(part=part), 3)]
+        runs += _copies(once._replace(density=100.0), 3)
     runs += [r for part in (0.1, 0.7, 0.9, 1.2) for r in _copies(once._replace(part=part), 3)]
     for law, rule in (("hertz", "elastic"), ("rms", "hertz"), ("pohrt-popov", "elastic")):
         runs += _copies(one._replace(law=law, unloading=rule), 3)
     third = [one._replace(factor=3.0, scaled=scaled) for scaled in (True, False)]
     runs += [r for run in third for r in _copies(run, 3)]
-    thousand = [one._replace(factor=1000.0, scaled=scaled, cycles=1) for scaled in (True, False)]
-    return runs + [r for run in thousand for r in _copies(run, 2)]
+    slow = [once._replace(factor=s, inertial=1e-5) for s in (1.0, 10.0)]
+    thousand = [once._replace(factor=1000.0, scaled=scaled) for scaled in (True, False)]
+    return list(dict.fromkeys(runs + [r for run in (*slow, *thousand) for r in _copies(run, 2)]))
 
 
 OTHERS: tuple[dict[str, Any], ...] = (
@@ -165,6 +200,12 @@ OTHERS: tuple[dict[str, Any], ...] = (
     {"stress": 2.0e5, "size": 0.5, "rough": 0.5, "factor": 50.0, "inertial": 1e-3},
 )
 """Scenes of other radii, pressures and roughness, from which predictions are made, too."""
+FASTER: tuple[dict[str, Any], ...] = tuple(
+    {**grains, "inertial": rate}
+    for grains in ({"stress": 1.0e5}, {"stress": 1.0e6}, {"size": 0.25}, {"size": 3.0}, {"rough": 0.2}, {"rough": 3.0})
+    for rate in (1e-3, 3e-3)
+)
+"""The same at full modulus, loaded faster."""
 HELD_BACK: tuple[dict[str, Any], ...] = (
     {"stress": 5.0e4, "factor": 10.0},
     {"stress": 5.0e4, "factor": 10.0, "scaled": False},
@@ -178,6 +219,42 @@ HELD_BACK: tuple[dict[str, Any], ...] = (
     {"stress": 5.0e5, "size": 0.7, "rough": 0.6, "factor": 60.0, "inertial": 5e-4},
 )
 """Scenes from which no prediction is made: predictions are tested on them."""
+
+
+TRIED = tuple(
+    [(1.0, rate, 0.7) for rate in (2e-4, 3e-4, 4e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3)]
+    + [(1.0, rate, 0.5) for rate in (2e-4, 3e-4, 5e-4, 1e-3, 2e-3)]
+    + [(10.0, rate, 0.7) for rate in (3e-4, 7e-4, 1.4e-3)]
+)
+"""(factor, I, part of the stable step) with which each of the held-back scenes is run: the fastest of those that meet a
+tolerance is what advice is held against."""
+SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
+"""Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
+
+
+def tried(engine: str) -> list[Run]:
+    """The held-back scenes at full modulus and softer, slow and fast, in shorter and longer steps."""
+    return [run._replace(factor=s, inertial=rate, part=part) for run in held_back(engine) for s, rate, part in TRIED]
+
+
+def held_back(engine: str) -> list[Run]:
+    """Ten packings from which no prediction is made, as they are: those of `HELD_BACK`, each once, and two more."""
+    grains = [{k: v for k, v in scene.items() if k in ("stress", "size", "rough")} for scene in HELD_BACK]
+    grains += [{"stress": 2.5e5, "size": 1.2, "rough": 1.5}, {"stress": 6.0e5, "size": 2.5, "rough": 0.8}]
+    return list(dict.fromkeys(Run(engine, "cycles", **one) for one in grains))
+
+
+def similar() -> list[Run]:
+    """A lattice at full and at a tenth of the modulus, I √κ alike, with σ scaled and with σ left alone; the packing likewise,
+    whose gaps do not scale."""
+    runs = []
+    for stress in SLOWER:
+        one = Run("yade", "cycles", stress=stress)
+        softer = [one._replace(factor=10.0, scaled=scaled) for scaled in (True, False)]
+        like = [r._replace(scatter=SCATTER, inertial=float(f"{r.inertial * r.factor ** (1 / 3):.6g}")) for r in (one, *softer)]
+        runs += [r for run in like for r in _copies(run, 5)]
+        runs += [r for run in (one, *softer) for r in _copies(run, 3)]
+    return runs
 
 
 def scenes(engine: str, chosen: tuple = HELD_BACK) -> list[Run]:
@@ -233,18 +310,42 @@ def execute(runs: list[Run], path: Path, progress: Any = lambda run: None) -> No
         if engine == "yade":
             _in_yade(own, keep)
         else:
-            from demlaws.measure.liggghts_softening import cycles
+            from demlaws.measure import liggghts_softening
 
             for run in own:
-                if run.process != "cycles":
-                    raise DemlawsError(f"{run.process} is run in YADE only")
+                if run.process not in ("cycles", "pour") or run.density != 1.0:
+                    raise DemlawsError(f"{label(run)}: {run.process} is run in YADE only")
                 with tempfile.TemporaryDirectory() as scratch:
-                    keep(run, cycles(Path(scratch), _scene(run.size), run.given()))
+                    way = getattr(liggghts_softening, run.process)
+                    keep(run, way(Path(scratch), _scene(run.size, run.short), run.given()))
 
 
-def _scene(size):
-    """The packing of 150, and the loose block that it fell from, in grains `size` times as large."""
+LATTICE = 4e-3
+"""Radius of the spheres of a lattice [m]."""
+SCATTER = 4e-6
+"""By what they fall short of it, at most [m]: as much as overlaps."""
+
+
+def lattice(short: float, across: int = 5, layers: int = 7) -> tuple:
+    """(radii, centres, width) [m] of 148 spheres in a face-centred cubic lattice between walls, floor and top that they touch
+    but for the random `short` [m] of their radii: gaps that are as large as overlaps, and scale with them."""
+    spacing = 2.0 * LATTICE
+    centres = []
+    for layer in range(layers):
+        odd = layer % 2
+        places = LATTICE * (1 + odd) + spacing * np.arange(across - odd)
+        height = LATTICE + layer * spacing / math.sqrt(2.0)
+        centres += [(x, y, height) for y in places for x in places]
+    radii = LATTICE - short * np.random.default_rng(packings.QUICK.seed).random(len(centres))
+    return radii, np.array(centres), across * spacing
+
+
+def _scene(size, short=0.0):
+    """The packing of 150, and the loose block that it fell from, in grains `size` times as large; or a lattice."""
     setup = packings.QUICK
+    if short:
+        radii, centres, width = lattice(short)
+        return setup.given(size * radii, size * centres, size * width)
     radii, centres = packings.packing(setup)
     given = setup.given(size * radii, size * centres, size * setup.width)
     return {**given, "loose": (size * setup.start()[0]).tolist()}
@@ -253,14 +354,14 @@ def _scene(size):
 def _in_yade(runs, keep):
     from demlaws.measure.costs import under_yade
 
-    for size in dict.fromkeys(run.size for run in runs):
-        own = [run for run in runs if run.size == size]
+    for kind in dict.fromkeys((run.size, run.short) for run in runs):
+        own = [run for run in runs if (run.size, run.short) == kind]
 
         def ended(text, own=own):
             message = json.loads(text)
             keep(own[message["number"]], message["found"])
 
-        under_yade("yade_softening.py", {**_scene(size), "runs": [run.given() for run in own]}, ended)
+        under_yade("yade_softening.py", {**_scene(*kind), "runs": [run.given() for run in own]}, ended)
 
 
 # --- what a run gave
@@ -285,6 +386,8 @@ def summary(run: Run, found: dict) -> dict:
         "quantiles": [float(v) for v in np.percentile(forces / forces.mean(), QUANTILES)],
         "mean_force": float(forces.mean()),
     }
+    if "unbalanced" in found:
+        row["unbalanced"] = found["unbalanced"]
     if run.process == "cycles":
         row |= _of_cycles(run, found)
     elif run.process == "pour":
@@ -397,6 +500,7 @@ class Point(NamedTuple):
     seconds: float  # those × what a step costs, measured over all rows of the engine
     copies: int
     front: bool = False
+    unbalanced: float | None = None  # largest force that does not balance over the mean force of a contact, while it moves
 
 
 def microseconds(rows: dict, engine: str) -> float:
@@ -418,7 +522,7 @@ def points(rows: dict, others: bool = False) -> list[Point]:
     result = []
     for first, found in groups.items():
         plain = Run("", "")
-        other = any(getattr(first, n) != getattr(plain, n) for n in ("size", "rough")) or (
+        other = any(getattr(first, n) != getattr(plain, n) for n in ("size", "rough", "scatter")) or (
             first.process == "cycles" and first.stress != STRESS
         )
         reference = groups.get(_first(first.reference)) if first.process == "cycles" else _base_of(groups, first)
@@ -428,13 +532,15 @@ def points(rows: dict, others: bool = False) -> list[Point]:
         steps = _steps(first)
         one = found[0][0]._replace(copy=0)
         cost = 1e-6 * microseconds(rows, first.engine) * steps
-        result.append(Point(one, errors, chance, steps, cost, len(found)))
+        loose = [v["unbalanced"] for _, v in found if "unbalanced" in v]
+        unbalanced = float(np.mean(loose)) if loose else None
+        result.append(Point(one, errors, chance, steps, cost, len(found), unbalanced=unbalanced))
     return _with_front(result)
 
 
 def _base_of(groups, run):
     """Of a pour or a shear the copies at full modulus and the slowest rate that was run."""
-    alike = [r for r in groups if r.process == run.process and r.engine == run.engine and r.factor == 1.0]
+    alike = [r for r in groups if (r.process, r.engine, r.factor, r.part) == (run.process, run.engine, 1.0, 0.5)]
     return groups[min(alike, key=lambda r: r.inertial)] if alike else None
 
 
@@ -504,7 +610,8 @@ def label(run: Run) -> str:
     law = "" if (run.law, run.unloading) == STUDIED else f"{run.law}, {run.unloading}; "
     alone = "" if run.scaled or run.factor == 1.0 else ", σ alone"
     part = "" if run.part == 0.5 else f", {run.part:g} of the stable step"
-    return f"{law}E/{run.factor:g}{alone}, I = {run.inertial:g}{part}"
+    density = "" if run.density == 1.0 else f", density × {run.density:g}"
+    return f"{law}E/{run.factor:g}{alone}, I = {run.inertial:g}{part}{density}"
 
 
 def table(found: list[Point]) -> str:
@@ -531,6 +638,57 @@ def table(found: list[Point]) -> str:
         ]
         cells = [f"{c:12.3f}" if n in ABSOLUTE else f"{100 * c:11.1f}%" for n, c in zip(names, spread, strict=True)]
         lines.append(f"{'chance (one copy at full modulus)':69}{' '.join(cells)}\n")
+    return "\n".join(lines)
+
+
+class Similar(NamedTuple):
+    """Grains of a tenth of the modulus against those as they are, from starts that differ in chance only."""
+
+    run: Run  # softened, copy 0
+    deviation: dict  # quantity of `FIRST` → relative difference (exponent: difference) of the means over copies
+    chance: dict  # quantity → standard deviation of the difference of two copies, one of each
+
+    @property
+    def worst(self) -> float:
+        """The largest deviation over its chance."""
+        return max(abs(self.deviation[n]) / self.chance[n] for n in self.deviation)
+
+
+def similarity(rows: dict) -> list[Similar]:
+    """A `Similar` of every stress, start and way of `similar` that the rows hold; the quantiles of force are left out."""
+    groups: dict = {}
+    for run in similar():
+        if run in rows and "failed" not in rows[run]:
+            groups.setdefault(run._replace(copy=0), []).append(values(run, rows[run]))
+    found = []
+    for run, soft in groups.items():
+        hard = groups.get(run.reference)
+        if run.factor == 1.0 or not hard or min(len(soft), len(hard)) < 2:
+            continue
+        deviation, chance = {}, {}
+        for name in FIRST:
+            if name == "forces":
+                continue
+            mine, base = (np.array([v[name] for v in copies]) for copies in (soft, hard))
+            scale = 1.0 if name in ABSOLUTE else float(base.mean())
+            deviation[name] = (float(mine.mean()) - float(base.mean())) / scale
+            chance[name] = math.hypot(np.std(mine, ddof=1), np.std(base, ddof=1)) / abs(scale)
+        found.append(Similar(run, deviation, chance))
+    return found
+
+
+def similarity_table(found: list[Similar]) -> str:
+    """As text: deviation ± chance, in per cent (exponent: as it is)."""
+    names = [n for n in FIRST if n != "forces"]
+    lines = [f"E/10 against E, chance behind ±\n{'':44}{'overlap/d':>10}  {' '.join(f'{n:>15}' for n in names)}"]
+    for one in sorted(found, key=lambda s: (s.run.scatter == 0.0, not s.run.scaled, -s.run.stress)):
+        cells = []
+        for n in names:
+            d, c = one.deviation[n], one.chance[n]
+            cells.append(f"{f'{d:+.3f} ± {c:.3f}' if n in ABSOLUTE else f'{100 * d:+.1f} ± {100 * c:.1f} %':>15}")
+        start = "lattice, gaps scaled" if one.run.scatter else "packing, gaps as they are"
+        way = f"{start}, σ {'scaled' if one.run.scaled else 'alone'}, {one.run.stress / 1e3:g} kPa"
+        lines.append(f"{way:44}{one.run.depth:10.2g}  {' '.join(cells)}")
     return "\n".join(lines)
 
 

@@ -18,8 +18,8 @@ O = yade.O  # noqa: E741
 def grains_of(given, run, centres, kind=Box):
     """The run's box of grains at `centres`."""
     way = {"model": run["model"], "given": run["law"], "unloading": run["unloading"], "options": run["options"]}
-    values = {**given, "young": run["young"], "surface": run["surface"]}
-    made = kind(values, centres, np.array(given["radii"]), way, given["friction"])
+    values = {**given, "young": run["young"], "surface": run["surface"], "density": run["density"]}
+    made = kind(values, centres, np.array(given["radii"]), way, given["friction"], gravity=run["gravity"])
     O.dt = run["dt"]
     return made
 
@@ -43,7 +43,7 @@ def cycles(given, run):
     box.run(run["settle"] / O.dt)
     box.lower_onto_grains()
     top = box.state()[0]
-    branches, held = [], None
+    branches, held, unbalanced = [], None, 0.0
     for number in range(run["cycles"]):
         for speed, reached in (
             (-run["speed"], lambda now: now >= run["stress"]),
@@ -52,12 +52,15 @@ def cycles(given, run):
             box.move(speed)
             box.looking.iterPeriod = run["every"]
             branches.append(box.until(reached, 4_000_000))
+            if held is None:  # while the plate moves, at the stress
+                unbalanced = utils.unbalancedForce()
             box.move(0.0)
             if number == 0 and held is None:
                 box.looking.iterPeriod = EVERY
                 box.run(run["hold"] / O.dt)
                 held = {**state_of(box), "plate": box.state()[0], "stress": box.state()[1]}
-    return {"top": top, "branches": branches, "held": held, "steps": box.steps, "seconds": box.seconds}
+    about = {"unbalanced": unbalanced, "steps": box.steps, "seconds": box.seconds}
+    return {"top": top, "branches": branches, "held": held, **about}
 
 
 def pour(given, run):
@@ -66,7 +69,8 @@ def pour(given, run):
     box = grains_of(given, run, shaken(np.array(given["loose"]), run))
     box.run(run["time"] / O.dt)
     height = float(np.average(box.centres()[:, 2], weights=np.array(given["radii"]) ** 3))
-    return {"height": height, "held": state_of(box), "steps": box.steps, "seconds": box.seconds}
+    about = {"unbalanced": utils.unbalancedForce(), "steps": box.steps, "seconds": box.seconds}
+    return {"height": height, "held": state_of(box), **about}
 
 
 class Sheared(Box):
@@ -124,6 +128,7 @@ def shear(given, run):
         "before": before,
         "held": state_of(box),
         "rows": rows[::10],
+        "unbalanced": utils.unbalancedForce(),
         "steps": box.steps,
         "seconds": box.seconds,
     }

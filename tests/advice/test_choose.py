@@ -12,7 +12,7 @@ from examples import shared
 import demlaws as dl
 from demlaws.advice import modulus
 from demlaws.advice.choose import Plan, reference_plan
-from demlaws.advice.scene import samples
+from demlaws.advice.scene import TEMPLATE, samples
 from demlaws.cli import main
 from demlaws.errors import NotPassive
 from demlaws.materials import GRANITE
@@ -323,7 +323,7 @@ def test_the_template_names_every_key_and_is_a_scene(tmp_path, capsys):
     file = tmp_path / "scene.toml"
     file.write_text(text)
     scene = dl.Scene.load(file)
-    assert scene.pressure == (1e4, 2e5) and scene.rate == 10.0 and scene.materials[0].density == 2680
+    assert scene.pressure == (1e5, 2e6) and scene.rate == 10.0 and scene.materials[0].density == 2680
     keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
     fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
     assert fields - keys == {"materials", "surfaces", "reference_options"}  # sections, and part of reference
@@ -331,6 +331,18 @@ def test_the_template_names_every_key_and_is_a_scene(tmp_path, capsys):
     for line in text.splitlines():
         if line.startswith("#- ") and "=" in line:
             tomllib.loads(line.removeprefix("#- "))
+
+
+def test_the_template_reaches_yield_and_says_what_leaving_it_out_costs(tmp_path, capsys):
+    """Before: laws that do not yield were ruled out there, so that what that would cost was not seen."""
+    pytest.importorskip("tomllib")
+    file = tmp_path / "scene.toml"
+    file.write_text(TEMPLATE.read_text())
+    choices = dl.choose(dl.Scene.load(file), tables=False)
+    assert choices.reference.name == "rough-plastic"
+    elastic = next(c for c in choices if c.name == "pohrt-popov" and c.unloading == "hertz" and not c.branch)
+    assert not elastic.meets and dict(elastic.left_out)["bulk yield"] > 0.2
+    assert not any("bulk yields" in why for why in choices.ruled_out.values())
 
 
 def test_a_scene_is_needed(capsys):
@@ -384,3 +396,50 @@ def test_every_kind_of_grain_is_measured(monkeypatch):
     assert {key[1] for key in timed} == {0, 1, 2} and {c.ns for c in choices} == {2.0}
     batches = [choices.best.batch(kind=pair) for pair in range(3)]
     assert len({float(np.max(b.overlap)) for b in batches}) == 3
+
+
+def test_contacts_that_unload_along_a_curve():
+    """Rule "table": along Hertz's curve, given as a law, it is the rule "hertz" to rounding; that a richer reference
+    needs it, that it is softened with its scene, and that a curve is no more than a reference's is said."""
+    pair = dl.Contact(4e-3, 32.32e9, 2.4e-6, 2.22)
+    given = {"cyclic": True, "quantity": "stiffness", "tolerance": 0.2}
+    curved = scene(unloading=dl.law("hertz", pair), **given)
+    choices = dl.choose(curved, tables=False)
+    assert choices.reference.unloading == "table"
+    by_rule = {c.unloading: c for c in choices if c.name == "pohrt-popov" and c.evaluation == "closed form" and not c.branch}
+    assert set(by_rule) == {"table", "hertz", "elastic"}
+    assert by_rule["hertz"].error < 1e-10 and by_rule["elastic"].error > 0.5
+    assert dict(by_rule["elastic"].left_out)["unloading history"] > 0.5
+    law = by_rule["table"].law(pair)
+    assert law.unloading == "table" and law.unloading_law.name == "hertz"
+    assert "unloading=curve" in by_rule["table"].script()
+    softer = dl.soften(curved, 8.0)
+    assert softer.unloading.contact.modulus == pytest.approx(pair.modulus / 8.0)
+    plain = dl.choose(scene(unloading="elastic", **given), tables=False)
+    assert plain.reference.unloading == "elastic" and plain.best.unloading == "elastic"
+    with pytest.raises(NotPassive, match="unloading curve"):
+        dl.choose(scene(unloading=dl.law("rms", pair), **given), tables=False)
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"unloading": "hertz", "cyclic": False}, "contacts unload where cyclic = true"),
+        ({"unloading": "sideways"}, "unknown unloading rule 'sideways'"),
+        ({"unloading": "table"}, "needs its curve"),
+        ({"unloading": 3}, "unloading = 3: give a rule's name"),
+        ({"unloading": "missing.tbl"}, "missing.tbl"),
+        ({"process": "stir"}, "process = 'stir': choose one of oedometer, shear, pour"),
+    ],
+)
+def test_unloading_and_process_that_mean_nothing_are_refused(changes, says):
+    with pytest.raises(dl.DemlawsError, match=says):
+        scene(**{"cyclic": True, **changes})
+
+
+def test_an_unloading_curve_of_a_scene_file_stands_beside_it(tmp_path):
+    pair = dl.Contact(4e-3, 32.32e9, 2.4e-6, 2.22)
+    dl.law("hertz", pair).tabulate(1e-5).save(tmp_path / "back.tbl")
+    file = tmp_path / "scene.toml"
+    file.write_text(TOML.replace("cyclic = true", 'cyclic = true\nunloading = "back.tbl"'))
+    assert dl.Scene.load(file).unloading.name == "hertz"

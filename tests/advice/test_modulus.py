@@ -40,14 +40,43 @@ def test_held_back_scenes_are_bounded():
     assert bounded >= 9
 
 
+TOLERANCES = (0.1, 0.2, 0.3, 0.5)
+
+
+def time_to_solution(tolerance):
+    """Of each held-back packing: (steps of the advised run, of the fastest that met the tolerance, error of the advised)."""
+    rows, cases = softening.load(), []
+    found = {p.run: p for p in softening.points(rows, others=True)}
+    for packing in softening.held_back("yade"):
+        tried = [packing._replace(factor=s, inertial=rate, part=part) for s, rate, part in softening.TRIED]
+        scene = scene_of(packing, tolerance=tolerance, process="oedometer")
+        advice = modulus.advise(scene, ways=softening.TRIED)
+        chosen = packing._replace(factor=advice.factor, inertial=advice.inertial, part=advice.part)
+        fastest = min(rows[run]["steps"] for run in tried if softening.worst(found[run]) <= tolerance)
+        cases.append((rows[chosen]["steps"], fastest, softening.worst(found[chosen])))
+    return cases
+
+
+def test_time_to_solution_of_held_back_packings():
+    """All steps of the process, rest and hold too, at one cost a step: at most 1.3 times those of the fastest of sixteen runs
+    that met the tolerance, in at least 9 of 10 packings that no prediction is made from; and the advised run meets it."""
+    told = {*softening.scenes("yade", softening.OTHERS), *softening.scenes("yade", softening.FASTER)}
+    assert len(softening.held_back("yade")) == 10 and not told & set(softening.tried("yade"))
+    for tolerance in TOLERANCES:
+        cases = time_to_solution(tolerance)
+        assert sum(mine <= 1.3 * fastest for mine, fastest, _ in cases) >= 9, (tolerance, cases)
+        assert sum(error <= tolerance for *_, error in cases) >= 9, (tolerance, cases)
+
+
 def test_predictions_grow_with_softness_and_rate():
     last = 0.0
     for factor in (1.0, 3.0, 10.0, 100.0):
         advice = modulus.predict(PACKING, factor)
-        assert advice.error > last and advice.steps == pytest.approx(factor ** (-1 / 3), rel=1e-9)
+        assert advice.error >= last and advice.steps == pytest.approx(factor ** (-1 / 3), rel=1e-9)
         last = advice.error
     assert modulus.predict(PACKING, 10.0, 1e-3).error > modulus.predict(PACKING, 10.0).error
-    assert modulus.predict(PACKING, 1000.0).error == math.inf  # softer than anything that was measured
+    assert modulus.predict(PACKING, 100.0).error > 2.0 * modulus.predict(PACKING, 3.0).error
+    assert modulus.predict(PACKING, 2000.0).error == math.inf  # softer than anything that was measured
     alone = modulus.predict(PACKING, 10.0)
     assert alone.left_alone > 1.3 * alone.error
 
@@ -64,6 +93,36 @@ def test_advice_is_within_the_tolerance_and_the_rate():
     slow = modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
     assert slow.rate <= 0.1 * (1.0 + 1e-9) < advice.rate
     assert modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=1e-6)) is None
+
+
+def test_each_process_has_its_own_advice():
+    """Pressed to a stress softer grains save nothing; in a pour and in shear they do. A rate that is too slow for the advised I
+    is made up by density, and steps, I and error stay."""
+    given = {"tolerance": 0.3, "rate": 0.05}
+    pressed = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", **given))
+    assert pressed.factor == 1.0 and pressed.part == 0.7 and 0.0 < pressed.unbalanced < 0.02
+    free = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
+    assert pressed.rate == 0.05 and pressed.density == pytest.approx((free.rate / 0.05) ** 2)
+    assert (pressed.inertial, pressed.steps, pressed.error) == (free.inertial, free.steps, free.error)
+    assert pressed.dt == pytest.approx(free.dt * math.sqrt(pressed.density))
+    assert pressed.scene.materials[0].density == pytest.approx(pressed.density * GRANITE.density)
+    assert "gravity /" in pressed.lines()[0]
+    poured = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
+    assert poured.factor > 1.0 and poured.density == 1.0 and poured.steps < 0.5 and "height" in poured.lines()[-1]
+    sheared = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
+    assert sheared.factor > 1.0 and sheared.what == "peak strength" and sheared.error <= 0.3
+    unknown = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear"))  # stiffness: not measured there
+    assert (unknown.factor, unknown.inertial, unknown.measured) == (1.0, modulus.QUASISTATIC, False)
+    assert "literature" in unknown.lines()[-1]
+    assert modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=1e-200)) is None
+
+
+def test_a_step_that_shakes_the_grains_is_not_advised():
+    half, long = (modulus.predict(PACKING, 1.0, part=part) for part in (0.5, 0.9))
+    assert half.coarse == 0.0 < long.coarse and long.dt == pytest.approx(1.8 * half.dt)
+    assert max(modulus.PARTS) < 0.9
+    with pytest.raises(dl.DemlawsError, match="part of the stable step"):
+        modulus.predict(PACKING, 1.0, part=1.5)
 
 
 def test_what_is_not_known_is_said():

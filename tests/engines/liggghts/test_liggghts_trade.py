@@ -31,7 +31,12 @@ def test_scene():
 @pytest.mark.slow
 def test_command(tmp_path, capsys):
     files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
-    assert main(["trade", "--scene", "liggghts", "--quick", "--csv", str(files[0]), "--figure", str(files[1])]) == 0
+    assert (
+        main(
+            ["trade", "--scene", "liggghts", "--quick", "--stress", "500kPa", "--csv", str(files[0]), "--figure", str(files[1])]
+        )
+        == 0
+    )
     said = capsys.readouterr().out
     for way in candidates.ways("liggghts"):
         assert way.label in said
