@@ -85,7 +85,7 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
         if not np.all(new):
             branch[~new] = law.unloading_overlap(forces[~new], state)
         law.follow(branch, state)
-        parted = law.state_size and state.maximum_overlap[0] == 0.0  # back at zero overlap: a new contact
+        parted = law.state_size and not any(array[0] for array in state.arrays)  # back at zero overlap: a new contact
         largest = 0.0 if parted else max(largest, float(forces.max()))
         overlaps.append(branch)
     return law.follow(np.concatenate(overlaps))
@@ -260,12 +260,17 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
 STEP_SAFETY = 0.8
 """Part of 2/ω that is promised: at √3/2 of it (three steps a period) velocity Verlet is in resonance with any curved
 force law, Hertz's too, and oscillations of finite size grow (measured by `demlaws stability`)."""
+SOFTENING_SAFETY = 0.56
+"""The same of a law without loss whose tangent jumps down at some overlap (`conical-damage` with "elastic" unloading): an
+oscillation about such a kink is in resonance in narrow windows of the step, which get rarer and slower as the step falls but do
+not end; where unloading is stiffer than loading something is lost and none was found."""
 
 
 def timestep(law: Law, mass: float, max_force: float) -> float:
     """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
 
-    1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. A body with
+    1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. Where the tangent
+    jumps down on the way to max_force and nothing is lost ("elastic" unloading) 1.12/ω (`SOFTENING_SAFETY`). A body with
     several contacts has a larger K: divide by the square root of the number of contacts that act in one direction.
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
@@ -273,18 +278,37 @@ def timestep(law: Law, mass: float, max_force: float) -> float:
     4.36e-05 s
     """
     mass = number(mass, "mass", "kg")
-    return STEP_SAFETY * 2.0 * math.sqrt(mass / stiffest(law, max_force))
+    largest = stiffest(law, max_force)
+    safety = SOFTENING_SAFETY if not law.state_size and _jumps_down(law, float(law.overlap(max_force))) else STEP_SAFETY
+    return safety * 2.0 * math.sqrt(mass / largest)
+
+
+def _beside_kinks(law, end):
+    """Overlaps [m] just below and just above the kinks of first loading up to `end`."""
+    kinks = np.array([kink for kink in law.kinks() if 0.0 < kink < end])
+    return kinks * (1.0 - 1e-9), kinks * (1.0 + 1e-9)
+
+
+def _jumps_down(law, end):
+    """Whether the tangent of first loading falls by more than a hundredth at some overlap up to `end` [m]."""
+    below, above = (_first_loading(law, overlaps)[1] for overlaps in _beside_kinks(law, end))
+    return bool(np.any(above < 0.99 * below))
+
+
+def _first_loading(law, overlap):
+    """Force [N] and stiffness [N/m] of first loading, without the advice that `law.force` gives."""
+    forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+    evaluate_loop(Elastic(), law.params, overlap, (), forces, stiffness)
+    return forces, stiffness
 
 
 def stiffest(law: Law, max_force: float) -> float:
     """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
     force = number(max_force, "max_force", "N")
-    p = _checked(law)._single()
+    _checked(law)._single()
     end = float(law.overlap(force))
-    overlap = end * np.append(np.geomspace(1e-9, 1.0, 400), 1.0)
-    forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-    evaluate_loop(Elastic(), p, overlap, (), forces, stiffness)
-    largest = float(stiffness.max())
+    overlap = np.concatenate([end * np.geomspace(1e-9, 1.0, 400), [end], *_beside_kinks(law, end)])
+    largest = float(_first_loading(law, overlap)[1].max())
     if law.state_size:
         state = law.new_state(1)
         path = law.follow(end * np.append([1.0, 1.0 - 1e-12], np.linspace(1.0, 0.0, 400)[1:-1]), state)

@@ -19,12 +19,12 @@ from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
 from demlaws.core.loops import FINITE, batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
-from demlaws.core.params import bind_params, loading_part, map_leaves
+from demlaws.core.params import bind_params, loading_part, map_leaves, one_of
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.laws.registry import is_own
-from demlaws.soundness import refuse_unsound
+from demlaws.soundness import refuse_unsound, refuse_unsound_rule
 
 
 class State:
@@ -77,7 +77,10 @@ class State:
 
 
 class Path(NamedTuple):
-    """What one contact does along a path: arrays with one entry an overlap, SI units."""
+    """What one contact does along a path: arrays with one entry an overlap, SI units.
+
+    plastic_overlap is NaN where a law's own rule remembers no quantity of that name.
+    """
 
     overlap: np.ndarray
     force: np.ndarray
@@ -134,6 +137,8 @@ class Law:
         if params is None and is_own(definition) and not isinstance(loading_part(shape), TableShape):
             refuse_unsound(definition, loading_part(shape), contact, self.options)
         self.params = bind_params(shape, contact) if params is None else params
+        if rule.curve == "law" and is_own(definition) and loading_part(shape) is shape:
+            refuse_unsound_rule(definition.name, rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
         self._limits = None
         self._end = None
         self._warned = set()
@@ -368,7 +373,7 @@ class Law:
         self._advise(force)
         known = dict(zip(self.state_names, history, strict=True))
         maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
-        plastic = known.get("plastic_overlap", np.zeros(values.size))
+        plastic = known.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
     def shear_stiffness(

@@ -14,12 +14,20 @@ import numpy as np
 
 from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
 from demlaws.core.fastmath import loop
+from demlaws.core.loops import evaluate_loop, follow_loop
 from demlaws.core.params import bind_params, one_of
+from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
 
 LOWEST, HIGHEST = 1e-9, 0.1
 """Overlaps over the radius that are looked at."""
 _POINTS = 240
+_DENSE = 200_000
+"""Overlaps at which the values alone are looked at: what is narrower than 1e-4 of its overlap may pass."""
+_SEATED = 0.05
+"""K δ/P at the lowest overlap below which a force does not go to 0 with the overlap."""
+_RETURN = 1e-3
+"""Work over the largest energy held by which a law's own rule may miss its balance: the paths are summed up by trapezoids."""
 _X, _W = np.polynomial.legendre.leggauss(4)
 DERIVATIVE = 1e-4
 """Relative difference of stiffness and derivative of the force from which a law is refused."""
@@ -166,6 +174,10 @@ def fault(params, radius: float, fully: bool = True) -> str | None:
     text = fault_of_values(overlap, known.force, known.stiffness)
     if text or not fully:
         return text
+    dense = radius * np.geomspace(LOWEST, HIGHEST, _DENSE)
+    text = fault_of_values(dense, *values_of(params, dense)[:2])
+    if text:
+        return text
     text = fault_of_slope(lambda at: values_of(params, at)[:2], overlap)
     if text:
         return text
@@ -204,15 +216,106 @@ def refuse_unsound(definition, shape, contact, options) -> None:
             )
         for index in _some(contact):
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
-            text = fault(one_of(params, index), radius, _passed[definition.name] < _FULLY)
+            one, fully = one_of(params, index), _passed[definition.name] < _FULLY
+            text = fault(one, radius, fully)
+            if text is None and fully and not definition.seated(**options):
+                text = _fault_of_seat(one, LOWEST * radius)
             if text is not None:
                 given = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
                 raise DemlawsError(f"{name} cannot be used (R = {radius:g} m{given}): {text}")
+        _refuse_array(name, params, contact)
         _passed[definition.name] += 1
     except Exception as error:
         if type(error).__module__.startswith("numba"):
             raise DemlawsError(f"{name}: its functions do not compile: {_first_line(error)}") from error
         raise
+
+
+def _fault_of_seat(params, overlap):
+    """A force that does not go to 0 with the overlap, though the law does not say so; or None."""
+    (force,), (stiffness,) = values_of(params, np.array([overlap]))[:2]
+    if force > 0.0 and stiffness * overlap < _SEATED * force:
+        return (
+            f"at overlap {overlap:.6g} m the force is {force:.6g} N and the stiffness {stiffness:.6g} N/m: the force must go "
+            "to 0 with the overlap (a law that starts from a seating load says so: Definition.seated)"
+        )
+    return None
+
+
+def _refuse_array(name, params, contact):
+    """Each of an array of contacts at a few overlaps: those that stand for all may miss one."""
+    if contact.size is None:
+        return
+    for share in (1e-6, 1e-4, 1e-2):
+        overlap = share * np.broadcast_to(np.asarray(contact.radius, float), contact.size).copy()
+        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+        evaluate_loop(Elastic(), params, overlap, (), force, stiffness)
+        bad = np.flatnonzero(~(np.isfinite(force) & np.isfinite(stiffness) & (force >= 0.0) & (stiffness >= 0.0)))
+        if bad.size:
+            k = int(bad[0])
+            raise DemlawsError(
+                f"{name} cannot be used on contact {k} (R = {overlap[k] / share:g} m): at overlap {overlap[k]:.6g} m the force "
+                f"is {force[k]:g} N, the stiffness {stiffness[k]:g} N/m"
+            )
+
+
+def refuse_unsound_rule(name, rule, params, radius) -> None:
+    """Raise DemlawsError where a law's own rule (its `Rule`) is none on one contact: first loading that is not the law's, a
+    jump where loading turns, work that is returned or that its energies do not account for, a state that outlives contact."""
+    if _passed[name, rule.name] >= _FULLY:
+        return
+    for share in (1e-7, 1e-5, 1e-3, 2e-2):
+        text = _fault_of_rule(rule, params, share * radius)
+        if text is not None:
+            raise DemlawsError(f"law {name!r} cannot be used with its rule {rule.name!r} (R = {radius:g} m): {text}")
+    _passed[name, rule.name] += 1
+
+
+def _fault_of_rule(rule, params, top, steps=400):
+    """What is wrong on a path from a virgin contact to the overlap `top`, half way back, up again, off, and up once more."""
+    rise = np.linspace(0.0, 1.0, steps + 1)[1:]
+    back = np.linspace(1.0, 0.5, steps + 1)[1:]
+    off = np.linspace(1.0, 0.0, 2 * steps + 1)[1:]
+    path = top * np.concatenate([rise, [1.0 - 1e-9], back, back[::-1], [1.0], off, [-1e-3], rise])
+    state = tuple(np.zeros(1) for _ in rule.state)
+    history = tuple(np.zeros(path.size) for _ in rule.state)
+    force, stiffness, stored, lost = (np.empty(path.size) for _ in range(4))
+    follow_loop(rule.tag, params, path, state, history, force, stiffness, stored, lost)
+    for what, unit, values in (("force", "N", force), ("stiffness", "N/m", stiffness), ("stored energy", "J", stored)):
+        bad = np.flatnonzero(~np.isfinite(values) | (values < -1e-12 * np.nanmax(np.abs(values))))
+        if bad.size:
+            return f"at overlap {path[bad[0]]:.6g} m the {what} is {values[bad[0]]:.6g} {unit} (point {bad[0]} of its path)"
+    first = values_of(params, path[:steps]).force
+    again = slice(path.size - steps, None)
+    for where, found in (("on first loading", force[:steps]), ("on loading a contact that had parted", force[again])):
+        wrong = np.abs(found - first) > 1e-9 * first + 1e-12 * first[-1]
+        if np.any(wrong):
+            k = int(np.argmax(wrong))
+            return f"{where}, at overlap {path[k]:.6g} m, the rule gives {found[k]:.6g} N, the law {first[k]:.6g} N"
+    if abs(force[steps] - force[steps - 1]) > 1e-6 * force[steps - 1]:
+        before, after = force[steps - 1], force[steps]
+        return f"where loading turns, at overlap {top:.6g} m, the force jumps from {before:.6g} N to {after:.6g} N"
+    parted = path.size - steps - 1
+    last = {name: float(values[parted]) for name, values in zip(rule.state, history, strict=True)}
+    kept = [f"{name} = {value:.6g}" for name, value in last.items() if value != 0.0]
+    if kept:
+        return f"at overlap {path[parted]:.6g} m, after the bodies have parted, it remembers {', '.join(kept)}: all must be 0"
+    pieces = 0.5 * np.diff(path, prepend=0.0) * (force + np.concatenate([[0.0], force[:-1]]))
+    work = np.cumsum(pieces)[:parted]
+    held = float(work[steps - 1])
+    for begin, end, what in ((steps, 3 * steps + 1, "half way back and up again"), (0, parted - 1, "up and back to 0")):
+        gained = float(work[end] - (work[begin] if begin else 0.0))
+        if gained < -_RETURN * held:
+            return f"loaded to overlap {top:.6g} m and {what}, it returns {-gained:.6g} J more than it took ({held:.6g} J)"
+    told = (stored + lost)[:parted]
+    wrong = np.abs(told - work) > 5.0 * _RETURN * held
+    if np.any(wrong):
+        k = int(np.argmax(wrong))
+        return (
+            f"at overlap {path[k]:.6g} m (point {k} of its path) it says {stored[k]:.6g} J stored and {lost[k]:.6g} J "
+            f"dissipated, ∫P dδ is {work[k]:.6g} J"
+        )
+    return None
 
 
 def _refuse_unbound(name, kind, cls):

@@ -6,10 +6,12 @@ cube root. Each octave of u is cut into 2^bits equal cells, whose number stands 
 bits of u. A cell with a kink is split there, and all cells right of it move up by one.
 """
 
+import functools
 import json
 import math
 import os
 import re
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -31,7 +33,7 @@ from demlaws.given import Called, GivenCurve, Knots, MeasuredCurve, residual_ove
 from demlaws.joining import joined_law
 from demlaws.law import Law, _as_given
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import find, is_own, registry
+from demlaws.laws.registry import find, is_own, mark, registry
 from demlaws.soundness import refuse_unless_collapses
 from demlaws.table_file import UNLOADING, Rows
 
@@ -235,7 +237,8 @@ def with_own_rule(table, rule, numbers=None):
     if rule.shape is not None:
         if numbers is None:
             params = one_of(bind_params(beside, table.contact), 0)
-            numbers = definition.rule_numbers(params, float(np.ravel(table.length)[0]))
+            error = table.force_error + table.stiffness_error
+            numbers = definition.rule_numbers(params, float(np.ravel(table.length)[0]), error)
         beside = rule.shape(*map(float, numbers), own.length_over_roughness, own.length_over_radius)
     shape = JoinedShape(own, beside, 1.0, 1.0, 1.0)
     law = Law(definition, table.contact, rule.name, options, shape)
@@ -581,8 +584,24 @@ class Table(Law):
         return bound
 
     def save(self, path: str | os.PathLike) -> Path:
-        """Write the table as text with its certificate, its unloading curve below it; see `Table.load`."""
-        return write_atomically(path, self._compose()[0])
+        """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
+
+        Of a rule that a user brought with the law the code is written, too, beside the file: PATH.so (takes g++).
+        """
+        data = self._compose()[0]
+        if self._native_rule is not None:
+            write_atomically(f"{os.fspath(as_path(path))}.so", self._native_rule)
+        return write_atomically(path, data)
+
+    @functools.cached_property
+    def _native_rule(self):
+        """Object with the code of a rule that a user brought, or None where the file says all."""
+        rule = self.definition.rule(self.unloading)
+        if rule.number is not None:
+            return None
+        from demlaws.rule_object import rule_object
+
+        return rule_object(rule, self.shape.unloading)
 
     @property
     def fingerprint(self) -> int:
@@ -594,16 +613,11 @@ class Table(Law):
 
         shape, curve = self.loading_shape, self.unloading_law
         rule = self.definition.rule(self.unloading)
-        if rule.number is None:
-            raise DemlawsError(
-                f"rule {rule.name!r} of law {self.name!r} is its own and stands in no table file, since what reads such files "
-                "does not have it: use the law itself (Python, YADE), or unload along a curve, unloading=dl.law(...)"
-            )
         header = {
             "law": self.name,
             "description": _about(self.definition),
             "source": self.definition.source,
-            "unloading": self.unloading,
+            "unloading": self.unloading if rule.number is not None else table_file.OWN,
             "options": json.dumps(self.options, default=lambda value: value.record()),
             "contact": json.dumps(_first(self.contact).as_dict()),
             "collapses": "yes" if self.collapses else "no",
@@ -622,7 +636,10 @@ class Table(Law):
             header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
             header["yield_area"] = repr(shape.bulk.area)
             header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
-        if rule.keys:
+        if self._native_rule is not None:
+            header |= dict(zip(table_file.OF_OWN_RULE, (rule.name, _check_value(self._native_rule)), strict=True))
+            header["rule_source"] = mark(self.definition) or "-"
+        elif rule.keys:
             header |= {key: repr(value) for key, value in zip(rule.keys, self.shape.unloading, strict=False)}
         if curve is not None:
             about = {
@@ -668,8 +685,10 @@ class Table(Law):
         bulk = NO_YIELD
         if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
             bulk = BulkYield(values["yield_area"], values["yield_area_slope"] / 0.75)
-        rule = table_file.rules()[values["unloading"]]
-        if rule.curve == "law":
+        rule = _rule_of(file, path)
+        if rule.name == values.get("rule"):
+            result = with_own_rule(table("", "elastic", values["contact"], bulk), rule)
+        elif rule.curve == "law":
             result = with_own_rule(table("", "elastic", values["contact"], bulk), rule, [values[key] for key in rule.keys])
         elif file.unloading is None:
             result = table("", values["unloading"], values["contact"], bulk)
@@ -689,6 +708,8 @@ def _about(definition):
 def _definition(file, prefix):
     """`Definition` of a file's law, or what the file itself says of a law that is not here."""
     name, header = file.values[f"{prefix}law"], file.header
+    if "rule" in file.values:
+        return find(name)
     rule = table_file.rules()[file.values["unloading"]]
     try:
         definition = find(name)
@@ -707,6 +728,30 @@ def _definition(file, prefix):
             length="radius" if file.values["length_over_radius"] > 0.0 else "roughness",
             collapses=file.values["collapses"] == "yes",
         )
+
+
+def _check_value(data):
+    """What a table file says of the object beside it: CRC-32 and size."""
+    return f"{zlib.crc32(data):08x} {len(data)}"
+
+
+def _rule_of(file, path):
+    """`Rule` of a file; one that a user brought is that of the law, which must be registered here as when it was written."""
+    values = file.values
+    if "rule" not in values:
+        return table_file.rules()[values["unloading"]]
+    definition = registry().get(values["law"])
+    rule = None if definition is None else definition.offered().get(values["rule"])
+    if rule is None:
+        raise DemlawsError(
+            f"{path}: its rule {values['rule']!r} comes with law {values['law']!r}, which is not registered here: name its "
+            "file (--laws FILE.py, dl.load_laws)"
+        )
+    if file.header.get("rule_source", "-") not in ("-", mark(definition)):
+        raise DemlawsError(
+            f"{path}: law {values['law']!r} was another when the table was written: take that file of laws, or write it again"
+        )
+    return rule
 
 
 def _knots(text, path):

@@ -22,6 +22,9 @@ FORMAT = "# demlaws-table"
 VERSIONS = (1, 2)
 TITLES = "overlap force stiffness"
 UNLOADING_TITLES = "unloading overlap force stiffness"
+OWN = "own"
+"""For `unloading`: a rule that its user brought with the law; its code is in an object beside the file (`rule_object`)."""
+OF_OWN_RULE = ("rule", "rule_object")
 UNLOADING = "unloading_"
 """Before the keys that describe an unloading curve and its rows."""
 BELOW = "below_first_row"
@@ -83,7 +86,14 @@ def rules():
 
 
 def _rule(text):
-    return _one_of(*rules())(text)
+    return _one_of(*rules(), OWN)(text)
+
+
+def _mark(text):
+    """Check value and size of a file."""
+    if not re.fullmatch("[0-9a-f]{8} [1-9][0-9]{0,8}", text):
+        raise ValueError(f"{text!r} is not 8 hexadecimal digits and a size")
+    return text
 
 
 def _name(text):
@@ -253,6 +263,8 @@ def parse(data, name):
     rule = rules().get(header.get("unloading"))
     # the second number of each rule is a growth, which may be 0
     keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
+    if header.get("unloading") == OWN:
+        keys += [Key(name, read) for name, read in zip(OF_OWN_RULE, (_name, _mark), strict=True)]
     if header.get("unloading") == GIVEN:
         keys += [key._replace(name=UNLOADING + key.name) for key in _CURVE if key.version <= version]
     values = {}

@@ -120,3 +120,13 @@ def test_sheared_work_is_stored_where_nothing_changes():
 def test_bad_input(call, message):
     with pytest.raises(dl.DemlawsError, match=message):
         call(make("pohrt-popov", "hertz"))
+
+
+@pytest.mark.parametrize("name", ["pohrt-popov", "rms"])
+def test_elastic_where_rounding_leaves_nothing_to_recover(name):
+    """At 1e-11 σ the recoverable overlap is lost in the total one: K = 1.5 (C²P)^(1/3), C = (4/3) E* √R, of the force."""
+    law = make(name, "hertz")
+    depth = np.geomspace(1e-13, 1e-6, 200) * GRANITE.roughness
+    found = np.array([law.shear_stiffness(d, 1.0, "elastic") for d in depth])
+    coefficient = 4.0 / 3.0 * GRANITE.modulus * GRANITE.radius**0.5
+    np.testing.assert_allclose(found, 1.5 * np.cbrt(coefficient**2 * law.force(depth)), rtol=1e-6)

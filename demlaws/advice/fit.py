@@ -46,7 +46,13 @@ def parameters():
     }
 
 
-PARAMETERS = parameters()
+def __getattr__(name):
+    """`PARAMETERS`, `parameters()` of the laws that are registered when it is asked for."""
+    if name == "PARAMETERS":
+        return parameters()
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
 _FAMILY_SPAN = 12.0  # Yip-Venart's curves are solved once over this factor of roughness either way
 
 
@@ -252,7 +258,7 @@ def fit(
 
     points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
     `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
-    map, but for those whose parameters are calibrated, not measured); unloading: one rule (default: each that the law
+    map, but for those whose parameters are calibrated, not measured); unloading: a rule or several (default: each that the law
     takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default:
     `Definition.free`); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
@@ -284,21 +290,23 @@ def fit(
         raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weighs the points")
     keep, dropped, _ = _in_contact(displacement, force, force_noise)
     displacement, force = displacement[keep], force[keep]
-    unknown = [n for n in free or () if n not in PARAMETERS]
-    if unknown:
-        raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(PARAMETERS)}")
+    known = parameters()
+    if unknown := [n for n in free or () if n not in known]:
+        raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(known)}")
     falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
     jobs, fits, skipped = [], [], {}
     # a given curve has no parameters of the law's
-    known = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
+    rules = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
+    asked = _texts(unloading, "unloading")
+    for rule in asked or ():
+        if rule not in rules:
+            raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {', '.join(rules)}")
     for name in names:
         definition = find(name)
         varied = [n for n in free or definition.free if n in ("modulus", COMPLIANCE) or n in definition.fitted]
         if force.size < len(varied) + 4:
             raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
-        for rule in [unloading] if unloading is not None else definition.unloading if falls else ("elastic",):
-            if not isinstance(rule, str) or rule not in known:
-                raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {', '.join(known)}")
+        for rule in asked or (definition.unloading if falls else ("elastic",)):
             jobs.append((name, rule, [n for n in varied if rule != "elastic" or not _on_unloading(definition, n)]))
     measured = displacement, force, displacement_noise, force_noise
 

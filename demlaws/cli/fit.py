@@ -51,11 +51,12 @@ def register(subparsers):
 
 def shown(name, estimate):
     """A parameter with its interval, in handy units."""
-    from demlaws.advice.fit import PARAMETERS
+    from demlaws.advice.fit import parameters
 
     if estimate.note.startswith("not determined"):
         return f"{name} {estimate.note}"
-    unit, factor = UNITS.get(name, (PARAMETERS[name].unit if name in PARAMETERS else "m", 1.0))
+    known = parameters()
+    unit, factor = UNITS.get(name, (known[name].unit if name in known else "m", 1.0))
     text = f"{name} {estimate.value * factor:.5g}"
     if estimate.low == estimate.low:
         text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"

@@ -165,6 +165,19 @@ def _unloaded(rule, p, force, state):
     return lambda rule, p, force, state: kernel(rule, p, force, state)
 
 
+@generic
+def contact_area(rule, p, overlap, area):
+    """a²/R [m] on first loading, from which a rule has the radius that it unloads with; one that binds none takes `area`."""
+
+
+@overload(contact_area, jit_options=_INLINED)
+def _contact_area(rule, p, overlap, area):
+    kernel = _kernel_of(rule, "contact_area")
+    if kernel is None:
+        return lambda rule, p, overlap, area: area
+    return lambda rule, p, overlap, area: kernel(rule, p, overlap, area)
+
+
 class _Source:
     """Source text that rebuilds a (nested) tuple, with the classes that it names."""
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 from numba.extending import overload
 
 from demlaws.core.dispatch import _INLINED, _kernel_of, bind, gather, generic, inverse, parts, scatter, step, virgin
-from demlaws.core.fastmath import kernel, loop
+from demlaws.core.fastmath import cbrt, kernel, loop, sqrt
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
 
@@ -125,11 +125,29 @@ def _same(rule, p, overlap, force, stiffness, state):
 
 
 @kernel
+def _by_recoverable(coefficient, overlap, force, plastic):
+    """K = 1.5 P/(δ - δp) of Hertz's curve P = coefficient (δ - δp)^1.5; from P alone where rounding leaves little of δ - δp."""
+    elastic = overlap - plastic
+    if elastic > 1e-9 * overlap:  # as in demlaws_table.h
+        return 1.5 * force / elastic
+    return 1.5 * cbrt(coefficient * coefficient * force)
+
+
+@kernel
 def of_hertz(rule, p, overlap, force, stiffness, state):
-    """Shear stiffness's normal stiffness [N/m] by Hertz: 1.5 P/(δ - δp) where first loading ends, else the tangent."""
-    # K = 1.5 P/(δ - δp) on the whole curve, its upper end included
-    elastic = overlap - state[1]
-    return 1.5 * force / elastic if overlap >= state[0] and elastic > 0.0 else stiffness
+    """Shear stiffness's normal stiffness [N/m] by Hertz: that of the unloading curve where first loading ends, else the
+    tangent."""
+    if overlap >= state[0] and overlap > 0.0:
+        return _by_recoverable(p.hertz_coefficient, overlap, force, state[1])
+    return stiffness
+
+
+@kernel
+def of_thornton(rule, p, overlap, force, stiffness, state):
+    """The same with the larger radius of the state."""
+    if overlap >= state[0] and overlap > 0.0:
+        return _by_recoverable(p.hertz_coefficient * sqrt(state[2]), overlap, force, state[1])
+    return stiffness
 
 
 @kernel
@@ -146,7 +164,7 @@ def of_first_loading(rule, p, overlap, force, stiffness, state):
 
 bind(Elastic, unloading_stiffness=_same, loading_stiffness=_same)
 bind(Hertz, unloading_stiffness=of_hertz, loading_stiffness=of_first_loading)
-bind(Thornton, unloading_stiffness=of_hertz, loading_stiffness=of_first_loading)
+bind(Thornton, unloading_stiffness=of_thornton, loading_stiffness=of_first_loading)
 bind(Given, unloading_stiffness=_of_curve, loading_stiffness=of_first_loading)
 
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from numba.extending import overload
 
-from demlaws.core.dispatch import bind, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
+from demlaws.core.dispatch import bind, contact_area, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 
 
@@ -245,10 +245,12 @@ def _hertz_unloaded(rule, p, force, state):
 
 
 @kernel
-def _thornton_step(rule, p, overlap, state):
+def thornton_step(rule, p, overlap, state):
+    """Force [N], stiffness [N/m] and new state on Hertz's curve of the larger radius that loading left."""
     positive = 0.0 if overlap <= 0.0 else overlap
     if overlap >= state[0]:
         force, stiffness, hertz_overlap, area = virgin(p, positive)
+        area = contact_area(rule, p, positive, area)
         # R_p/R = (a²/R / δ_H)^1.5 and δmax - δp = a²/R_p
         growth = area / hertz_overlap
         ratio = growth * sqrt(growth)
@@ -336,7 +338,7 @@ bind(
 bind(Hertz, step=_hertz_step, stored_and_dissipated=_hertz_stored_and_dissipated, unloaded=_hertz_unloaded)
 bind(
     Thornton,
-    step=_thornton_step,
+    step=thornton_step,
     stored_and_dissipated=thornton_stored_and_dissipated,
     unloaded=thornton_unloaded,
 )

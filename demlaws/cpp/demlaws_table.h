@@ -36,27 +36,31 @@
 
 namespace demlaws {
 
-// The first four any law may have; the others are rules of single laws, with numbers of their own in the file.
-enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3, LINEAR = 4, EEPA = 5, ETSION = 6 };
-constexpr int RULES = 7;
+// The first four any law may have; the others are rules of single laws, with numbers of their own in the file. OWN is a
+// rule that a user brought: code in an object beside the file (demlaws_rule.h).
+enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3, LINEAR = 4, EEPA = 5, ETSION = 6, OWN = 7 };
+constexpr int RULES = 7; // that this header has itself
 
 inline const char *unloading_name(int rule) {
-  static const char *const names[RULES] = {"elastic", "hertz", "thornton", "table", "linear", "eepa", "etsion"};
+  static const char *const names[] = {"elastic", "hertz", "thornton", "table", "linear", "eepa", "etsion", "own"};
   return names[rule];
 }
 
 // Number of doubles a contact must keep: the first so many of state_name().
-constexpr int state_size(Unloading rule) { return rule == ELASTIC ? 0 : rule == THORNTON || rule == ETSION ? 3 : 2; }
+constexpr int state_size(Unloading rule) {
+  return rule == ELASTIC ? 0 : rule == THORNTON || rule == ETSION || rule == OWN ? 3 : 2;
+}
 
 // Keys of the numbers that a rule needs, without units; NULL beyond the last.
 inline const char *rule_key(Unloading rule, int i) {
-  static const char *const keys[RULES][4] = {{NULL},
-                                             {NULL},
-                                             {NULL},
-                                             {NULL},
-                                             {"linear_first", "linear_growth", "linear_largest", NULL},
-                                             {"eepa_stiffness", "eepa_plastic", NULL},
-                                             {"etsion_overlap", "etsion_power", NULL}};
+  static const char *const keys[RULES + 1][4] = {{NULL},
+                                                 {NULL},
+                                                 {NULL},
+                                                 {NULL},
+                                                 {"linear_first", "linear_growth", "linear_largest", NULL},
+                                                 {"eepa_stiffness", "eepa_plastic", NULL},
+                                                 {"etsion_overlap", "etsion_power", NULL},
+                                                 {NULL}};
   return keys[rule][i];
 }
 
@@ -66,7 +70,7 @@ inline const char *state_name(int i) {
 }
 
 inline bool unloading_from_name(const std::string &name, Unloading &rule) {
-  for (int i = ELASTIC; i < RULES; i++)
+  for (int i = ELASTIC; i <= OWN; i++)
     if (name == unloading_name(i)) {
       rule = (Unloading)i;
       return true;
@@ -179,6 +183,7 @@ public:
     evaluate(invert(s), value, slope);
     return slope;
   }
+  double where(double s) const { return invert(s); }
   // d ln s / d ln u of a row: the exponent of the power law below it.
   static double exponent(const Row &row) { return row.u * row.slope / row.s; }
   const std::vector<double> &kinks() const { return kinks_; }
@@ -370,10 +375,20 @@ inline bool plain_number(const std::string &text, double &x) {
   return x - x == 0.;
 }
 
+// Code of a rule OWN, in SI; `first_loading` is the address of a FirstLoading.
+struct OwnRule {
+  void (*step)(int64_t first_loading, double radius, double modulus, double roughness, double overlap, double *state,
+               double *force_and_stiffness);
+  double (*unloading_stiffness)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
+                                double force, double stiffness, double *state);
+  void (*energies)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
+                   double *state, double *stored_and_dissipated);
+};
+
 class Table {
 public:
-  Table() : version_(0), fingerprint_(0), unloads_(ELASTIC) {}
-  explicit Table(const std::string &path) : version_(0), fingerprint_(0), unloads_(ELASTIC) { read(path); }
+  Table() : version_(0), fingerprint_(0), unloads_(ELASTIC), own_(NULL) {}
+  explicit Table(const std::string &path) : version_(0), fingerprint_(0), unloads_(ELASTIC), own_(NULL) { read(path); }
 
   // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
   void read(const std::string &path) { parse(contents(path), path); }
@@ -420,6 +435,14 @@ public:
   // ds/du of first loading where it reaches s: a search, for what is asked below a largest overlap only.
   double slope_where(double s) const { return loading_.slope_where(s); }
 
+  // u where first loading reaches s, likewise.
+  double overlap_where(double s) const { return loading_.where(s); }
+
+  // Code of rule OWN: check value and size of the object that holds it, and what was loaded of it (`attach`).
+  std::string object() const { return text("rule_object"); }
+  void attach(const OwnRule *rule) { own_ = rule; }
+  const OwnRule *own_rule() const { return own_; }
+
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
@@ -462,6 +485,7 @@ private:
   std::map<std::string, int> lines_; // where a key stands
   std::map<std::string, double> contact_;
   Unloading unloads_;
+  const OwnRule *own_;
   double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
   double f_last_, yield_s_, yield_area_slope_;
@@ -475,7 +499,7 @@ private:
     for (size_t i = 0; i < what.size(); i++) out << ((unsigned char)what[i] < 0x20 ? '?' : what[i]); // one line
     throw std::runtime_error(out.str());
   }
-  enum Kind { NAME, OBJECT, CONTACT, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO };
+  enum Kind { NAME, OBJECT, CONTACT, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO, MARK };
   struct Key {
     const char *name;
     Kind kind;
@@ -483,6 +507,11 @@ private:
   };
   void check(const std::string &name, Kind kind, int titles);
   void check_contact(const std::string &name, int line);
+  static bool is_mark(const std::string &text) { // 8 hexadecimal digits, a blank, a whole number
+    const size_t digits = text.find_first_not_of("0123456789abcdef");
+    return digits == 8 && text[8] == ' ' && text.size() > 9 && text.size() <= 18 && text[9] != '0' &&
+           text.find_first_not_of("0123456789", 9) == std::string::npos;
+  }
   int whole(const std::string &name, int low, int high) const;
   static Row row(const std::string &body, double &force, std::string &what);
   void build(Curve &curve, const std::vector<Row> &rows, const std::string &prefix, int first_line, double until);
@@ -582,6 +611,7 @@ inline void Table::check(const std::string &name, Kind kind, int titles) {
                       : kind == OBJECT ? Json(value).is_object()
                       : kind == BELOW  ? value == "power" || value == "straight"
                       : kind == RULE   ? unloading_from_name(value, unloads_)
+                      : kind == MARK   ? is_mark(value)
                                        : value == "yes" || value == "no";
     if (!good) fail(line, name + ": '" + value + "' will not do");
   }
@@ -692,6 +722,10 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   for (int i = 0; rule_key(unloads_, i); i++) {
     check(rule_key(unloads_, i), i == 1 ? NOT_NEGATIVE : POSITIVE, lacking); // the second is a growth: it may be 0
     numbers_[i] = number(rule_key(unloads_, i), 0.);
+  }
+  if (unloads_ == OWN) {
+    check("rule", NAME, lacking);
+    check("rule_object", MARK, lacking);
   }
   for (size_t i = 0; unloads_ == GIVEN && i < sizeof of_curve / sizeof *of_curve; i++)
     if (of_curve[i].version <= version_) check(std::string("unloading_") + of_curve[i].name, of_curve[i].kind, lacking);
@@ -904,15 +938,22 @@ struct Pair {
   double length;         // [m]; 0: length_per_radius * R
   double inverse_length; // [1/m]
   double length_per_radius;
-  double only_radius; // > 0: the only R the table holds for, as far as `of_one_contact` knows
+  double only_radius;   // > 0: the only R the table holds for, as far as `of_one_contact` knows
+  double sigma;         // roughness [m], for rule OWN; of the table's contact where none is given
+  double metre, pascal; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
 
   Pair()
-      : table(NULL), rule(ELASTIC), modulus(0.), length(0.), inverse_length(0.), length_per_radius(0.),
-        only_radius(0.) {}
+      : table(NULL), rule(ELASTIC), modulus(0.), length(0.), inverse_length(0.), length_per_radius(0.), only_radius(0.),
+        sigma(0.), metre(1.), pascal(1.) {}
 
   // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
   Pair(const Table &t, double effective_modulus, double roughness = 0.)
-      : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.), only_radius(0.) {
+      : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.), only_radius(0.),
+        sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)), metre(1.), pascal(1.) {
+    if (rule == OWN && !t.own_rule())
+      throw std::runtime_error(
+          t.path() + ": its unloading rule '" + t.text("rule") +
+          "' is code of its user's, in an object beside the file, which this engine does not load");
     const double over_roughness = t.number("length_over_roughness", 0.);
     if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
     else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
@@ -958,6 +999,66 @@ struct Force {
   bool outside; // the overlap lies beyond the table: force is an uncertified extrapolation
 };
 
+// First loading of one contact, for a rule OWN; SI. The pointers come first: the rule finds them by their place.
+struct FirstLoading {
+  void (*at)(const FirstLoading *, double overlap, double *found); // force, stiffness, Hertz-equivalent overlap, a^2/R
+  double (*inverse)(const FirstLoading *, double force);
+  double (*energy)(const FirstLoading *, double overlap);
+  const Table &table;
+  double radius, modulus, roughness, length, newton;
+  mutable bool outside; // whether an overlap beyond the table was asked for
+
+  FirstLoading(const Pair &pair, double engine_radius)
+      : at(&read), inverse(&reverse), energy(&work), table(*pair.table), radius(engine_radius / pair.metre),
+        modulus(pair.modulus / pair.pascal), roughness(std::max(pair.sigma, 1e-40 * radius)),
+        length(pair.length_of(engine_radius) / pair.metre), newton(pair.pascal * pair.metre * pair.metre),
+        outside(false) {}
+  int64_t address() const { return (int64_t)(intptr_t)this; }
+
+private:
+  static void read(const FirstLoading *p, double overlap, double *found) {
+    double s, slope;
+    const double u = overlap / p->length;
+    if (!p->table.look_up(u, s, slope) && !p->table.outside(u, s, slope)) p->outside = true;
+    const double root = p->modulus * sqrt(p->radius * s * p->length);
+    found[0] = (4. / 3.) * root * s * p->length;
+    found[1] = 2. * root * slope;
+    found[2] = s * p->length;
+    found[3] = p->table.area(s) * p->length;
+  }
+  static double reverse(const FirstLoading *p, double force) {
+    const double root = cbrt(0.75 * force / (p->modulus * sqrt(p->radius)));
+    return p->table.overlap_where(root * root / p->length) * p->length;
+  }
+  static double work(const FirstLoading *p, double overlap) {
+    return p->modulus * sqrt(p->radius * p->length) * p->length * p->length * p->table.energy(overlap / p->length);
+  }
+};
+
+inline Force own_step(const Pair &pair, double radius, double overlap, double *state, bool update) {
+  const FirstLoading loading(pair, radius);
+  double now[3] = {state[0], state[1], state[2]}, found[2] = {0., 0.};
+  pair.table->own_rule()->step(loading.address(), loading.radius, loading.modulus, loading.roughness,
+                               overlap / pair.metre, now, found);
+  if (update && found[0] == found[0])
+    for (int i = 0; i < 3; i++) state[i] = now[i];
+  const Force force = {found[0] * loading.newton, found[1] * loading.newton / pair.metre, loading.outside};
+  return force;
+}
+
+// The stiffness with which it would unload from `overlap`, whose force is in `now`.
+inline double own_unloading_stiffness(const Pair &pair, double radius, double overlap, const Force &now,
+                                      const double *state) {
+  const FirstLoading loading(pair, radius);
+  double own[3] = {state[0], state[1], state[2]};
+  own_step(pair, radius, overlap, own, true); // where the contact was not updated, it is the state after the step
+  const double stiffness = loading.newton / pair.metre;
+  return std::max(0.,
+                  stiffness * pair.table->own_rule()->unloading_stiffness(
+                                  loading.address(), loading.radius, loading.modulus, loading.roughness,
+                                  overlap / pair.metre, now.force / loading.newton, now.stiffness / stiffness, own));
+}
+
 // One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
 // radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
 template <Unloading RULE>
@@ -968,6 +1069,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
       for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
     return now;
   }
+  if (RULE == OWN) return own_step(pair, radius, overlap, state, update);
   double hertz_overlap, slope = 1., effective_radius = radius;
   const bool loads = RULE == ELASTIC || !(overlap < state[0]); // NaN, too
   double length = 0., inverse_length = 0.;
@@ -1034,6 +1136,7 @@ inline Force step(const Pair &pair, double radius, double overlap, double *state
   if (pair.rule == LINEAR) return step_rule<LINEAR>(pair, radius, overlap, state, update);
   if (pair.rule == EEPA) return step_rule<EEPA>(pair, radius, overlap, state, update);
   if (pair.rule == ETSION) return step_rule<ETSION>(pair, radius, overlap, state, update);
+  if (pair.rule == OWN) return step_rule<OWN>(pair, radius, overlap, state, update);
   return step_rule<GIVEN>(pair, radius, overlap, state, update);
 }
 
@@ -1077,7 +1180,8 @@ template <Unloading RULE>
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
                               const double *state) {
   if (RULE == ELASTIC || shear == TANGENT_SHEAR || !(now.force > 0.)) return now.stiffness;
-  const bool loads = !(overlap < state[0]);
+  if (RULE == OWN && shear == ELASTIC_SHEAR) return own_unloading_stiffness(pair, radius, overlap, now, state);
+  const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
   if (shear == ELASTIC_SHEAR) {
     if (!loads) return now.stiffness;
     const bool known = overlap == state[0];
@@ -1106,6 +1210,7 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
   if (pair.rule == LINEAR) return shear_stiffness<LINEAR>(shear, pair, radius, overlap, now, state);
   if (pair.rule == EEPA) return shear_stiffness<EEPA>(shear, pair, radius, overlap, now, state);
   if (pair.rule == ETSION) return shear_stiffness<ETSION>(shear, pair, radius, overlap, now, state);
+  if (pair.rule == OWN) return shear_stiffness<OWN>(shear, pair, radius, overlap, now, state);
   return shear_stiffness<GIVEN>(shear, pair, radius, overlap, now, state);
 }
 
@@ -1117,6 +1222,16 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
   const double scale = pair.modulus * sqrt(radius) * length * length * sqrt(length);
   if (pair.rule == ELASTIC) {
     if (overlap > 0.) stored = scale * pair.table->energy(overlap / length);
+    return;
+  }
+  if (pair.rule == OWN) {
+    if (state[0] == 0. && state[1] == 0. && state[2] == 0.) return;
+    const FirstLoading loading(pair, radius);
+    double own[3] = {state[0], state[1], state[2]}, found[2] = {0., 0.};
+    pair.table->own_rule()->energies(loading.address(), loading.radius, loading.modulus, loading.roughness,
+                                     overlap / pair.metre, own, found);
+    stored = found[0] * loading.newton * pair.metre;
+    dissipated = found[1] * loading.newton * pair.metre;
     return;
   }
   if (!(state[0] > 0.)) return;

@@ -207,7 +207,7 @@ class Definition(NamedTuple):
     advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
-    rule_numbers: Callable | None = None  # params of one contact, length [m] → values, without units, of its rule's `keys`
+    rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rule's `keys`, no units
     default_unloading: str = "elastic"  # the rule where a user names none
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
     fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter

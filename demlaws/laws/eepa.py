@@ -177,7 +177,7 @@ def _exact(contact, overlap, stiffness_ratio, softness=1.0):
     return extended(softness) * force, extended(softness) * stiffness
 
 
-def _numbers(p, length):
+def _numbers(p, length, error):
     """k2/(E* √R), δp/δmax."""
     return p.unloading / (0.75 * p.hertz_coefficient), p.plastic_ratio
 

@@ -4,10 +4,10 @@ import math
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, parts, virgin
-from demlaws.core.fastmath import exp2, kernel, log2, sqrt
+from demlaws.core.fastmath import exp2, kernel, log2
 from demlaws.core.hertz import hertz_coefficient
-from demlaws.core.shear import of_first_loading, of_hertz
-from demlaws.core.unloading import Rule, own_rule, thornton_stored_and_dissipated, thornton_unloaded
+from demlaws.core.shear import of_first_loading, of_thornton
+from demlaws.core.unloading import Rule, own_rule, thornton_step, thornton_stored_and_dissipated, thornton_unloaded
 
 
 class Etsion(NamedTuple):
@@ -18,31 +18,17 @@ class Etsion(NamedTuple):
 
 
 @kernel
-def _step(rule, p, overlap, state):
-    positive = 0.0 if overlap <= 0.0 else overlap
-    if overlap >= state[0]:
-        force, stiffness, hertz_overlap, _ = virgin(p, positive)
-        area = virgin(parts(p)[1], positive)[3]  # of a table, too, the law's; LLVM leaves out what is not used
-        growth = area / hertz_overlap
-        ratio = growth * sqrt(growth)
-        maximum, plastic = overlap, overlap - area / ratio
-    else:
-        maximum, plastic, ratio = state
-        elastic = positive - plastic
-        elastic = 0.0 if elastic <= 0.0 else elastic
-        root = p.hertz_coefficient * sqrt(ratio * elastic)
-        force, stiffness = root * elastic, 1.5 * root
-    if overlap <= 0.0:
-        force, stiffness, maximum, plastic, ratio = 0.0, 0.0, 0.0, 0.0, 0.0
-    return force, stiffness, (maximum, plastic, ratio)
+def _contact_area(rule, p, overlap, area):
+    return virgin(parts(p)[1], overlap)[3]  # of a table, too, the law's; LLVM leaves out what is not used
 
 
 bind(
     Etsion,
-    step=_step,
+    step=thornton_step,
+    contact_area=_contact_area,
     stored_and_dissipated=thornton_stored_and_dissipated,
     unloaded=thornton_unloaded,
-    unloading_stiffness=of_hertz,
+    unloading_stiffness=of_thornton,
     loading_stiffness=of_first_loading,
 )
 

@@ -148,9 +148,12 @@ LINEAR = own_rule(
 """The rule of every law of straight branches."""
 
 
-def numbers(p, length):
-    """k2/(E* √(R length)) of a contact hardly loaded, its growth by δmax/length, and the largest."""
-    scale = 0.75 * p.hertz_coefficient * length**0.5
+def numbers(p, length, error):
+    """k2/(E* √(R length)) of a contact hardly loaded, its growth by δmax/length, and the largest; larger by the table's error.
+
+    Where k2 is the stiffness of loading, a table whose force or stiffness errs upwards would else return work.
+    """
+    scale = 0.75 * p.hertz_coefficient * length**0.5 / (1.0 + error)
     return p.first_stiffness / scale, p.stiffening * length / scale, p.largest_stiffness / scale
 
 

@@ -7,16 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.advice.fit import fit
+from demlaws.checks import number
 from demlaws.driver import force_controlled
-from demlaws.errors import ValidityWarning
+from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test, options_for
-from demlaws.liggghts.export import stock_fit
+from demlaws.laws.registry import find
+from demlaws.liggghts.export import Grain, stock_fit
 from demlaws.make import law as bind_law
-from demlaws.materials import DENSITY
-from demlaws.measure.candidates import RICHEST
-from demlaws.measure.costs import under_yade
+from demlaws.materials import DENSITY, GRANITE
+from demlaws.measure.candidates import CDM, RICHEST, SURFACE, Way
+from demlaws.measure.costs import plugin_costs, under_yade, yade_costs
 from demlaws.measure.errors import FRACTIONS, Loaded, Sample, error_of
 
+GRANITE_CONTACT = find_test("SS(18-18)").contact
 CDM_STRENGTHS = (0.3, 0.5, 1.0, 2.0, 4.0)  # sigmaMax over the yield pressure
 CDM_SLOPES = (1e-6, 0.25, 0.5, 1.0, 1.4)  # alpha
 
@@ -90,6 +93,53 @@ def force_error(way, reference, peaks, yield_pressure):
     law = bind_law("hertz", reference.contact) if way.model == "hertz" else way.bind(reference.contact)
     worst = float(error_of(law, reference, sample, "force", True).max())
     return worst if math.isfinite(worst) else math.nan
+
+
+# --- what a step costs with one law, with another, with a model of the engine's own
+
+
+OWN_MODELS = {"yade": ("hertz", "cdm"), "liggghts": ("hertz", "edinburgh"), "lammps": ("hertz",)}
+"""Models of the engines' own that `law_costs` knows, named NAME@own."""
+
+
+def way_of(text, engine):
+    """`Way` of "LAW", "LAW:RULE" (default: the law's own rule), or "MODEL@own" of the engine's own."""
+    if text.endswith("@own"):
+        model = text.removesuffix("@own")
+        if model not in OWN_MODELS[engine]:
+            known = ", ".join(f"{name}@own" for name in OWN_MODELS[engine])
+            raise DemlawsError(f"{text!r}: {engine} has {known}")
+        return Way(text, model=model)
+    name, _, rule = text.partition(":")
+    definition = find(name)
+    options = dict(definition.example)
+    if {"strength", "angle"} <= options.keys():  # as YADE's own
+        options |= dict(zip(("strength", "angle"), CDM, strict=True))
+    rule = definition.rule(rule or definition.default_unloading).name
+    return Way(text, name, rule, 0.0 if engine == "yade" else 1e-5, options=tuple(options.items()))
+
+
+def law_costs(names, engine="yade", overlap=1e-4, side=8, repeats=40):
+    """`StepCost` of each of `names` (see `way_of`) in an engine: equal spheres of granite in a close packing that stands still,
+    every way in turn, `overlap` radii deep at each contact. side³ spheres; repeats: rounds."""
+    radius = 2.0 * GRANITE_CONTACT.radius
+    grain = Grain(radius, GRANITE, SURFACE)
+    given = {
+        "young": GRANITE.young,
+        "poisson": GRANITE.poisson,
+        "density": GRANITE.density,
+        "surface": vars(SURFACE),
+        "radius": radius,
+        "overlap": number(overlap, "overlap", "of the spheres' radius", 0.0, 0.04) * radius,
+        "cdm": CDM,
+    }
+    contact = grain.contact(grain)
+    ways = [way_of(name, engine) for name in names]
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ValidityWarning)
+        if engine == "yade":
+            return yade_costs(ways, given, contact, side, repeats)
+        return plugin_costs(engine, ways, {**given, "contact": contact, "mean_force": 10.0}, side, max(repeats // 5, 1))
 
 
 # --- the laws that users of other codes have, each fitted as well as it can be

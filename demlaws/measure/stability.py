@@ -108,13 +108,14 @@ def contacts_for(case, count, random):
 # --- compiled measurements
 
 
-def _plastic(state):
-    """Plastic overlap of a state tuple, 0 where the rule has no state."""
+def _plastic(rule, state):
+    """Plastic overlap of a state tuple; 0 where the rule has no state, or is a law's own, whose state may be anything."""
 
 
 @overload(_plastic)
-def _plastic_of(state):
-    return (lambda state: state[1]) if len(state) else (lambda state: 0.0)
+def _plastic_of(rule, state):
+    foot = len(state) > 0 and rule_of(rule.instance_class).curve != "law"
+    return (lambda rule, state: state[1]) if foot else (lambda rule, state: 0.0)
 
 
 def _held(rule, p, force, elastic, overlap, state):
@@ -199,7 +200,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                 gained = now - (energy(p, before) if before > 0.0 else 0.0)
                 held = max(held, now)
             else:
-                plastic = _plastic(s) if before > 0.0 else 0.0
+                plastic = _plastic(rule, s) if before > 0.0 else 0.0
                 rest = max(before - plastic, 0.0)
                 if overlap >= maximum:
                     if maximum > 0.0:
@@ -217,7 +218,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                     gained = _held(rule, p, last, elastic, closing, s) - _held(rule, p, force_before, rest, before, s)
             work += gained
             # a seated contact's unloading curve begins below zero overlap: rounding is that of its whole energy
-            scale = max(held, 0.4 * peak_force * (maximum - _plastic(new)) if maximum > 0.0 else 0.0)
+            scale = max(held, 0.4 * peak_force * (maximum - _plastic(rule, new)) if maximum > 0.0 else 0.0)
             curve = max(curve, scale)
             if curve > 0.0:
                 if mark >= 0.0:
@@ -501,7 +502,7 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
         if preloaded:
             law.follow(np.array([float(law.overlap(largest))]), state)
             overlap = float(law.unloading_overlap(load, state))
-            foot = max(float(state.plastic_overlap[0]), 0.0)
+            foot = max(float(law.unloading_overlap(0.0, state)), 0.0)
         else:
             overlap, foot = float(law.overlap(load)), 0.0
         if overlap - foot <= 1e-12 * law.contact.radius:  # at or below a law's seating load

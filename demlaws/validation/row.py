@@ -28,8 +28,17 @@ class Row(NamedTuple):
 def near(what, where, expected, found, tolerance, source, unit="", note=""):
     """A row that passes within a relative `tolerance` of `expected`."""
     width = abs(expected) * tolerance
+    digits = 7 if tolerance > 1e-9 else 15
     return Row(
-        what, where, f"{expected:.7g} ± {tolerance:g}", expected - width, expected + width, float(found), source, unit, note
+        what,
+        where,
+        f"{expected:.{digits}g} ± {tolerance:g}",
+        expected - width,
+        expected + width,
+        float(found),
+        source,
+        unit,
+        note,
     )
 
 

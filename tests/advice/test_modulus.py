@@ -95,6 +95,36 @@ def test_advice_is_within_the_tolerance_and_the_rate():
     assert modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=1e-6)) is None
 
 
+def test_each_process_has_its_own_advice():
+    """Pressed to a stress softer grains save nothing; in a pour and in shear they do. A rate that is too slow for the advised I
+    is made up by density, and steps, I and error stay."""
+    given = {"tolerance": 0.3, "rate": 0.05}
+    pressed = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", **given))
+    assert pressed.factor == 1.0 and pressed.part == 0.7 and 0.0 < pressed.unbalanced < 0.02
+    free = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
+    assert pressed.rate == 0.05 and pressed.density == pytest.approx((free.rate / 0.05) ** 2)
+    assert (pressed.inertial, pressed.steps, pressed.error) == (free.inertial, free.steps, free.error)
+    assert pressed.dt == pytest.approx(free.dt * math.sqrt(pressed.density))
+    assert pressed.scene.materials[0].density == pytest.approx(pressed.density * GRANITE.density)
+    assert "gravity /" in pressed.lines()[0]
+    poured = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
+    assert poured.factor > 1.0 and poured.density == 1.0 and poured.steps < 0.5 and "height" in poured.lines()[-1]
+    sheared = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
+    assert sheared.factor > 1.0 and sheared.what == "peak strength" and sheared.error <= 0.3
+    unknown = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear"))  # stiffness: not measured there
+    assert (unknown.factor, unknown.inertial, unknown.measured) == (1.0, modulus.QUASISTATIC, False)
+    assert "literature" in unknown.lines()[-1]
+    assert modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=1e-200)) is None
+
+
+def test_a_step_that_shakes_the_grains_is_not_advised():
+    half, long = (modulus.predict(PACKING, 1.0, part=part) for part in (0.5, 0.9))
+    assert half.coarse == 0.0 < long.coarse and long.dt == pytest.approx(1.8 * half.dt)
+    assert max(modulus.PARTS) < 0.9
+    with pytest.raises(dl.DemlawsError, match="part of the stable step"):
+        modulus.predict(PACKING, 1.0, part=1.5)
+
+
 def test_what_is_not_known_is_said():
     with pytest.raises(dl.DemlawsError, match="give the scene its pressure"):
         modulus.advise(Scene(radii=4e-3, materials=GRANITE, force=(1.0, 2.0), quantity="stiffness"))

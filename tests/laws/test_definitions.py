@@ -10,8 +10,10 @@ from examples import GRANITE, make, quiet
 
 import demlaws as dl
 from demlaws.core.unloading import RULES
+from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT
 from demlaws.laws.registry import find, registry
+from demlaws.soundness import refuse_unless_collapses
 
 PACKAGE = Path(dl.__file__).parent
 EXACT = [name for name, definition in registry().items() if definition.exact is not None]
@@ -63,6 +65,19 @@ def test_a_yielding_law_needs_what_its_rough_law_needs(name):
     definition = find(name)
     for loading in ("pohrt-popov", "yip-venart", "hertz"):
         assert set(definition.needed(**definition.example, loading=loading)) == {*definition.needs, *find(loading).needs}
+
+
+@pytest.mark.parametrize("name", [n for n, d in registry().items() if not d.solved and not d.needs_map])
+def test_a_law_says_whether_it_collapses(name):
+    """One dimensionless curve for all radii, moduli and roughnesses, or not: as measured, not only as declared."""
+    law = make(name)
+    measured = law.definition._replace(collapses=True)
+    try:
+        refuse_unless_collapses(Law(measured, law.contact, "elastic", law.options, law.shape))
+        found = True
+    except dl.DemlawsError:
+        found = False
+    assert law.definition.collapses == found
 
 
 def test_an_unknown_option_is_named():

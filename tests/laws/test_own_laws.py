@@ -89,6 +89,26 @@ def test_a_fit_finds_its_option():
     assert found.parameters["n"].value == pytest.approx(1.83, abs=1e-6)
 
 
+def test_what_can_be_fitted_follows_the_registry():
+    """A law that is registered after the module was imported; and several rules at once."""
+    from demlaws.advice import fit as module
+
+    own = dl.Parameter("", False, lambda c: (1.1, 3.0), lambda c: [1.5], option=True)
+    law = dl.define("power", lambda p, d: 3e9 * d**p.bend, lambda p, d: 3e9 * p.bend * d ** (p.bend - 1), options={"bend": 1.7})
+    force = np.append(np.geomspace(0.5, 80, 20), np.linspace(75, 20, 8))
+    points = np.stack([(force / 3e9) ** (1 / 1.7), force], axis=1)
+    with pytest.raises(dl.DemlawsError, match=r"cannot fit bend: what can be fitted is .*roughness"):
+        dl.fit(points, GRANITE, laws="hertz", free=["bend"])
+    dl.register(law._replace(fitted={"bend": own}, free=("bend",)))
+    assert "bend" in module.PARAMETERS
+    found = dl.fit(points, GRANITE, laws="power", free=["bend"], unloading=["elastic", "hertz"])
+    assert sorted(f.unloading for f in found) == ["elastic", "hertz"]
+    assert found.best.unloading == "elastic" and found.best.parameters["bend"].value == pytest.approx(1.7, abs=1e-6)
+    for wrong in (["elastic", 3], ["elastic", "nobody"]):
+        with pytest.raises(dl.DemlawsError, match=r"unloading must be a name or a list|unknown unloading rule 'nobody'"):
+            dl.fit(points, GRANITE, laws="power", unloading=wrong)
+
+
 def test_names_that_are_taken(tmp_path):
     law = dl.define("power", power, slope)
     with pytest.raises(dl.DemlawsError, match="'hertz' is one of demlaws's own"):
@@ -330,6 +350,19 @@ BAD = {
     "energy": (law(power, energy=lambda p, d: 3e9 * d**2.7), r"the energy grows by .* J, ∫P dδ by .* J"),
     "nothing": (law(lambda p, d: 0.0 * d, lambda p, d: 0.0 * d), r"up to overlap 0.000435 m the force is 0 N"),
     "no such field": (law(lambda p, d: p.softness * d), r"law 'bad': its functions do not compile: .*softness"),
+    "NaN in a gap": (
+        law(lambda p, d: math.nan if 1.23e-5 < d < 1.233e-5 else 3e9 * d**1.7),
+        r"at overlap 1\.23\d+e-05 m the force is nan",
+    ),
+    "a narrow dip": (
+        law(lambda p, d: 3e9 * d**1.7 * (1.0 - 1e-3 * math.exp(-(((d - 1.2345e-5) / 2e-9) ** 2)))),
+        r"from overlap 1\.23\d+e-05 m to 1\.23\d+e-05 m the force falls",
+    ),
+    "no zero": (law(lambda p, d: 1.0 + 3e9 * d**1.7), r"at overlap 4\.35e-12 m the force is 1 N .*must go to 0 .*seated"),
+    "by chance": (
+        law(lambda p, d: 3e9 * d**1.7 * (1.0 + 1e-5 * np.random.random())),  # noqa: NPY002
+        r"the force (falls|is .* but the inverse)",
+    ),
 }
 
 
@@ -340,6 +373,15 @@ def test_a_law_that_is_none_is_refused_with_its_overlap_and_value(fault):
     with pytest.raises(dl.DemlawsError, match=said) as caught:
         dl.law("bad", GRANITE)
     assert "bad" in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_one_bad_contact_of_an_array_is_named():
+    """Between the smoothest, the roughest and the middle one, which stand for all."""
+    dl.register(law(lambda p, d: math.nan if 2.0e-3 < p.radius < 2.1e-3 else 3e9 * d**1.7))
+    with pytest.raises(
+        dl.DemlawsError, match=r"contact 10 \(R = 0\.00202\d+ m\): at overlap 2\.02\d+e-09 m the force is nan N"
+    ):
+        dl.law("bad", GRANITE.with_values(radius=np.linspace(1e-3, 5e-3, 40)))
 
 
 def test_kinks_are_no_fault():

@@ -1,108 +1,39 @@
 """A rule for unloading that a user brings with a law of their own, from a file outside the package."""
 
+import shutil
+import subprocess
 import textwrap
+import zlib
+from pathlib import Path
 
 import numpy as np
 import pytest
 from examples import GRANITE
+from own_spring import SPRING, expected, registered
 
 import demlaws as dl
 from demlaws.core.unloading import Rule, own_rule
-from demlaws.laws import registry
 
-SPRING = """
-    from typing import NamedTuple
-
-    import demlaws as dl
-    from demlaws.core.dispatch import bind, energy, parts, virgin
-    from demlaws.core.fastmath import kernel, sqrt
-    from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-    from demlaws.core.unloading import Rule, own_rule
-    from demlaws.laws.definition import Definition, Option
-
-    class SpringShape(NamedTuple):
-        stiffness: float
-        lost: float  # share of the largest overlap that stays
-
-    class SpringParams(NamedTuple):
-        hertz_coefficient: float
-        stiffness: float
-        lost: float
-
-    @kernel
-    def _scale(shape, radius, modulus, roughness):
-        return SpringParams(hertz_coefficient(radius, modulus), shape.stiffness, shape.lost)
-
-    @kernel
-    def _virgin(p, overlap):
-        force = p.stiffness * overlap
-        equivalent = hertz_overlap(p, force)
-        return force, p.stiffness, equivalent, equivalent
-
-    @kernel
-    def _inverse(p, force):
-        return force / p.stiffness
-
-    @kernel
-    def _energy(p, overlap):
-        return 0.5 * p.stiffness * overlap * overlap
-
-    bind(SpringShape, scale=_scale)
-    bind(SpringParams, virgin=_virgin, inverse=_inverse, energy=_energy)
-
-    class Slack(NamedTuple):
-        '''Back along a straight line from (δmax, Pmax) to δp = lost δmax.'''
-
-    @kernel
-    def _step(rule, p, overlap, state):
-        lost = parts(p)[1].lost
-        positive = 0.0 if overlap <= 0.0 else overlap
-        maximum, top = state
-        if overlap >= state[0]:
-            force, stiffness, _, _ = virgin(p, positive)
-            maximum, top = overlap, force
-        else:
-            stiffness = top / (maximum * (1.0 - lost))
-            elastic = positive - lost * maximum
-            force = 0.0 if elastic <= 0.0 else stiffness * elastic
-            stiffness = 0.0 if elastic <= 0.0 else stiffness
-        if overlap <= 0.0:
-            force, stiffness, maximum, top = 0.0, 0.0, 0.0, 0.0
-        return force, stiffness, (maximum, top)
-
-    @kernel
-    def _energies(rule, p, overlap, state):
-        if state[0] <= 0.0:
-            return 0.0, 0.0
-        lost = parts(p)[1].lost
-        whole = state[0] * (1.0 - lost)
-        elastic = max(overlap - lost * state[0], 0.0) if overlap > 0.0 else 0.0
-        return 0.5 * state[1] * elastic * elastic / whole, energy(p, state[0]) - 0.5 * state[1] * whole
-
-    @kernel
-    def _unloaded(rule, p, force, state):
-        lost = parts(p)[1].lost
-        return state[0] * (lost + (1.0 - lost) * force / state[1])
-
-    bind(Slack, step=_step, stored_and_dissipated=_energies, unloaded=_unloaded)
-    STATE = ("maximum_overlap", "largest_force")
-    SLACK = own_rule(Rule("slack", Slack(), STATE, "law", None, "straight back to a share of δmax"))
-
-    dl.register(Definition(
-        name="spring",
-        prepare=lambda contact, stiffness=2e6, lost=0.4: SpringShape(float(stiffness), float(lost)),
-        equation="P = k δ",
-        source="a test",
-        description="a spring with slack",
-        limits=lambda contact, **options: [],
-        length="radius",
-        collapses=False,
-        unloading=("elastic", "slack"),
-        rules=(SLACK,),
-        default_unloading="slack",
-        label="spring",
-        options={"stiffness": Option("N/m", "above 0", "k"), "lost": Option("", "0 to 1", "share that stays")},
-    ))
+SHARED = Path(dl.__file__).parent / "cpp"
+needs_compiler = pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
+FOLLOW = """
+#include "demlaws_rule.h"
+int main(int count, char **words) {
+  demlaws::Table table(words[1]);
+  const std::string problem = demlaws::attach_rule(table);
+  if (!problem.empty()) return puts(problem.c_str()), 1;
+  const double R = table.of_contact("radius", 0.);
+  const demlaws::Pair pair = demlaws::Pair::checked(table, table.of_contact("modulus", 0.));
+  double state[3] = {0., 0., 0.};
+  for (int i = 2; i < count; i++) {
+    const double overlap = atof(words[i]);
+    const demlaws::Force now = demlaws::step(pair, R, overlap, state);
+    double stored, lost;
+    demlaws::stored_and_dissipated(pair, R, overlap, state, stored, lost);
+    printf("%.17g %.17g %.17g %.17g %.17g\\n", now.force, now.stiffness,
+           demlaws::shear_stiffness(demlaws::ELASTIC_SHEAR, pair, R, overlap, now, state), stored, lost);
+  }
+}
 """
 PATH = np.array([1e-5, 8e-6, 5e-6, 3e-6, 9e-6, 1e-5, 2e-5, 1.5e-5, 0.0, 1e-6])
 
@@ -110,20 +41,8 @@ PATH = np.array([1e-5, 8e-6, 5e-6, 3e-6, 9e-6, 1e-5, 2e-5, 1.5e-5, 0.0, 1e-6])
 @pytest.fixture(scope="module", autouse=True)
 def spring(tmp_path_factory):
     """The law, from a file; it goes with the module."""
-    file = tmp_path_factory.mktemp("laws") / "my_spring.py"
-    file.write_text(textwrap.dedent(SPRING))
-    with registry.restored():
-        assert dl.load_laws(file) == ["spring"]
+    with registered(tmp_path_factory.mktemp("laws")):
         yield
-
-
-def expected(path, lost=0.4, stiffness=2e6):
-    forces, maximum = [], 0.0
-    for overlap in path:
-        maximum = max(maximum, overlap) if overlap > 0.0 else 0.0
-        slope = stiffness / (1.0 - lost)
-        forces.append(stiffness * overlap if overlap == maximum else max(0.0, slope * (overlap - lost * maximum)))
-    return np.array(forces)
 
 
 def test_it_is_the_laws_default_and_follows_its_path():
@@ -132,22 +51,88 @@ def test_it_is_the_laws_default_and_follows_its_path():
     path = law.follow(PATH)
     np.testing.assert_allclose(path.force, expected(PATH), rtol=1e-12, atol=1e-12)
     assert path.dissipated[4] == pytest.approx(0.5 * 2e6 * 1e-10 * 0.4, rel=1e-12)
+    assert np.all(np.isnan(path.plastic_overlap))  # it remembers no such quantity
+    assert np.all(dl.law("spring", GRANITE, "elastic").follow(PATH).plastic_overlap == 0.0)
     batch, state = np.full(50, 1e-5), law.new_state(50)
     law.evaluate(batch, state)
     np.testing.assert_allclose(law.evaluate(0.8 * batch, state)[0], expected([1e-5, 8e-6])[1], rtol=1e-12)
 
 
-def test_a_table_in_memory_has_it_too_but_no_file_does(tmp_path):
+def test_a_table_has_it_too_and_its_file_names_the_object(tmp_path):
     law = dl.law("spring", GRANITE, lost=0.3)
     table = law.tabulate(1e-6)
     assert table.unloading == "slack"
     np.testing.assert_allclose(table.follow(PATH).force, expected(PATH, 0.3), rtol=1e-6, atol=1e-6)
-    with pytest.raises(
-        dl.DemlawsError, match=r"rule 'slack' of law 'spring' is its own and stands in no table file.*unloading=dl.law"
-    ):
-        table.save(tmp_path / "spring.tbl")
-    assert list(tmp_path.iterdir()) == []
     assert dl.Table.load(table.joined("elastic").save(tmp_path / "elastic.tbl")).unloading == "elastic"
+    assert [file.name for file in tmp_path.iterdir()] == ["elastic.tbl"]
+
+
+@needs_compiler
+def test_a_file_and_its_object(tmp_path):
+    """Twice the same bytes; read again it is the law's rule; C++ does with it what Python does."""
+    law = dl.law("spring", GRANITE, lost=0.3)
+    table = law.tabulate(1e-6)
+    path, other = table.save(tmp_path / "spring.tbl"), law.tabulate(1e-6).save(tmp_path / "other.tbl")
+    code = Path(f"{path}.so").read_bytes()
+    assert code == Path(f"{other}.so").read_bytes() and path.read_bytes() == other.read_bytes()
+    assert f"rule_object: {zlib.crc32(code):08x} {len(code)} " in path.read_text()
+    again = dl.Table.load(path)
+    assert (again.unloading, again.fingerprint) == ("slack", table.fingerprint)
+    np.testing.assert_array_equal(again.follow(PATH).force, table.follow(PATH).force)
+    program = tmp_path / "follow"
+    line = ["g++", "-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", f"-I{SHARED}"]
+    (tmp_path / "follow.cpp").write_text(FOLLOW)
+    subprocess.run([*line, str(tmp_path / "follow.cpp"), "-o", str(program), "-ldl"], check=True)
+
+    def follow(file):
+        done = subprocess.run([program, file, *map(repr, PATH.tolist())], capture_output=True, text=True)
+        return done.stdout if done.returncode else np.array([line.split() for line in done.stdout.splitlines()], float)
+
+    found, mine = follow(path), table.follow(PATH)
+    for column, values in zip(found.T[:2], (mine.force, mine.stiffness), strict=True):
+        np.testing.assert_allclose(column, values, rtol=1e-12, atol=1e-12 * values.max())
+    np.testing.assert_allclose(found[:, 2], table.shear_stiffness(PATH, 1.0), rtol=1e-12)
+    np.testing.assert_allclose(found[:8, 3], mine.stored[:8], rtol=1e-9)
+    np.testing.assert_allclose(found[:8, 4], mine.dissipated[:8], rtol=1e-9)
+    Path(f"{other}.so").write_bytes(code[:-1] + b"x")
+    assert "is not the object that the table was written with" in follow(other)
+    Path(f"{other}.so").unlink()
+    assert "cannot be opened" in follow(other) and "unloading rule 'slack'" in follow(other)
+    text = path.read_text().splitlines()
+    lines = {line.split(":")[0]: number for number, line in enumerate(text, 1)}
+    (tmp_path / "cut.tbl").write_bytes(b"\n".join(line.encode() for line in text if not line.startswith("rule_object")) + b"\n")
+    with pytest.raises(dl.DemlawsError, match=f"cut.tbl, line {lines['rule_object']}: "):
+        dl.Table.load(tmp_path / "cut.tbl")
+
+
+@needs_compiler
+def test_a_file_whose_law_is_not_here_or_another(tmp_path):
+    text = SPRING.replace('name="spring"', 'name="soft-spring"').replace('"slack"', '"more-slack"')
+    with registered(tmp_path, text, "soft.py"):
+        path = dl.law("soft-spring", GRANITE).tabulate(1e-4).save(tmp_path / "soft.tbl")
+        assert dl.Table.load(path).unloading == "more-slack"
+    with pytest.raises(dl.DemlawsError, match=r"rule 'more-slack' comes with law 'soft-spring', which is not registered here"):
+        dl.Table.load(path)
+    with (
+        registered(tmp_path, text.replace("lost=0.4", "lost=0.5"), "softer.py"),
+        pytest.raises(dl.DemlawsError, match=r"law 'soft-spring' was another when the table was written"),
+    ):
+        dl.Table.load(path)
+
+
+@needs_compiler
+def test_a_rule_that_cannot_stand_alone(tmp_path):
+    text = SPRING.replace(
+        "lost = parts(p)[1].lost\n        positive",
+        "lost = parts(p)[1].lost + 0.0 * np.sum(np.ones(int(3 + lost_)))\n        positive",
+    )
+    text = text.replace("import demlaws as dl\n", "import demlaws as dl\n    import numpy as np\n    lost_ = 0.0\n", 1)
+    text = text.replace('"slack"', '"slack-c"').replace('name="spring"', 'name="calls"')
+    with registered(tmp_path, text, "calls.py"):
+        table = dl.law("calls", GRANITE).tabulate(1e-3)
+        with pytest.raises(dl.DemlawsError, match=r"the rule cannot stand alone: .*undefined reference"):
+            table.save(tmp_path / "calls.tbl")
+    assert not list(tmp_path.glob("calls.tbl*"))
 
 
 def test_no_other_law_is_offered_it():
@@ -168,3 +153,43 @@ def test_rules_that_will_not_do(changes, text):
     good = Rule("other", (), ("maximum_overlap",), "law", None, "nothing")
     with pytest.raises(TypeError, match=text):
         own_rule(good._replace(**changes))
+
+
+HOSTILE = {
+    "returns work": (
+        "else stiffness * elastic\n",
+        "else stiffness * elastic * (1.0 + 4.0 * (1.0 - positive / maximum))\n",
+        r"loaded to overlap \S+ m and up and back to 0, it returns \S+ J more than it took",
+    ),
+    "another first loading": (
+        "virgin(p, positive)",
+        "virgin(p, 1.01 * positive)",
+        r"on first loading, at overlap \S+ m, the rule gives \S+ N, the law \S+ N",
+    ),
+    "jumps where it turns": (
+        "stiffness = top / (maximum",
+        "stiffness = 0.99 * top / (maximum",
+        r"where loading turns, at overlap \S+ m, the force jumps from \S+ N to \S+ N",
+    ),
+    "outlives contact": (
+        "force, stiffness, maximum, top = 0.0, 0.0, 0.0, 0.0",
+        "force, stiffness = 0.0, 0.0",
+        r"on loading a contact that had parted, at overlap \S+ m, the rule gives|it remembers maximum_overlap = \S+",
+    ),
+    "says other energies": (
+        "return 0.5 * state[1] * elastic",
+        "return 0.4 * state[1] * elastic",
+        r"at overlap \S+ m .* it says \S+ J stored and \S+ J dissipated, ∫P dδ is \S+ J",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", HOSTILE)
+def test_a_rule_that_is_none_is_refused_with_its_overlap_and_value(fault, tmp_path):
+    right, wrong, said = HOSTILE[fault]
+    number, text = list(HOSTILE).index(fault), textwrap.dedent(SPRING)
+    assert text.count(right) == 1
+    text = text.replace(right, wrong).replace('"slack"', f'"slack{number}"').replace('name="spring"', f'name="bad{number}"')
+    with registered(tmp_path, text, f"bad{number}.py"), pytest.raises(dl.DemlawsError, match=said) as caught:
+        dl.law(f"bad{number}", GRANITE)
+    assert f"law 'bad{number}' cannot be used with its rule 'slack{number}'" in str(caught.value)

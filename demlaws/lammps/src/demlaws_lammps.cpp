@@ -10,6 +10,7 @@
 // LAMMPS reaches them, and the other functions below, through addresses that the linker filled in by name: preloaded,
 // our functions of the same names come first; loaded later, their addresses are written there. Every one of them does
 // what LAMMPS's own does for whatever is not of demlaws.
+#include "demlaws_rule.h"
 #include "demlaws_table.h"
 #include "energy.h"
 #include "range.h"
@@ -55,6 +56,15 @@ public:
       }
     }
     if (!problem.empty()) raise(error, true, "demlaws/table: " + problem);
+    problem = demlaws::attach_rule(*table); // each rank's own
+    const std::vector<int> failed = ranks.gather((int)!problem.empty());
+    for (size_t rank = 0; rank < failed.size(); rank++)
+      if (failed[rank]) {
+        std::ostringstream what;
+        what << "demlaws/table: rank " << rank << ": ";
+        if (problem.empty()) what << "it finds no " << path << ".so, or another than the table was written with";
+        raise(error, true, what.str() + problem);
+      }
     return *table;
   }
 

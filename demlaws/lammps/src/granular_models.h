@@ -121,8 +121,9 @@ protected:
     if (m->calculate_svector && nsvector) {
       double *const out = m->svector + index_svector;
       const bool kept = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
-      out[MAXIMUM] = kept ? state[0] : m->delta;
-      out[PLASTIC] = kept ? state[1] : 0.;
+      const bool own = pair_.rule == demlaws::OWN; // which remembers what it likes
+      out[MAXIMUM] = own ? NAN : kept ? state[0] : m->delta;
+      out[PLASTIC] = own ? NAN : kept ? state[1] : 0.;
       out[STORED] = stored;
       out[DISSIPATED] = dissipated;
       out[STIFFNESS] = stiffness_;
@@ -269,6 +270,8 @@ inline Table *make_table(Model *m, const std::string &named, const demlaws::Tabl
     return new Ruled<demlaws::EEPA>(m, named, table);
   case demlaws::ETSION:
     return new Ruled<demlaws::ETSION>(m, named, table);
+  case demlaws::OWN:
+    return new Ruled<demlaws::OWN>(m, named, table);
   default:
     return new Ruled<demlaws::GIVEN>(m, named, table);
   }

@@ -5,6 +5,7 @@
 #define DEMLAWS_INSTANCE_H
 #include "stock.h"
 
+#include "demlaws_rule.h"
 #include "demlaws_table.h"
 #include <algorithm>
 #include <cstring>
@@ -166,6 +167,18 @@ inline std::shared_ptr<Table> load(LAMMPS *lmp, const std::string &path) {
     }
   }
   if (!problem.empty()) lmp->error->all(FLERR, ("model demlaws/table: " + problem).c_str());
+  problem = attach_rule(*table); // each rank's own: the first that has none, or another, speaks for all
+  int mine = problem.empty() ? lmp->comm->nprocs : lmp->comm->me, first;
+  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
+  if (first < lmp->comm->nprocs) {
+    long size = (long)problem.size();
+    MPI_Bcast(&size, 1, MPI_LONG, first, world);
+    problem.resize(size);
+    MPI_Bcast(&problem[0], (int)size, MPI_CHAR, first, world);
+    std::ostringstream what;
+    what << "model demlaws/table: rank " << first << ": " << problem;
+    lmp->error->all(FLERR, what.str().c_str());
+  }
   return table;
 }
 

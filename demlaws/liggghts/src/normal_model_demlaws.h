@@ -232,7 +232,7 @@ public:
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_NORMAL_MODEL;
     if (!state_size_ || !data.contact_history) return;
     double *const state = &data.contact_history[offset_];
-    if (state[0] == 0.) return;
+    if (std::count(state, state + state_size_, 0.) == state_size_) return;
     if (!data.is_wall) {
       double stored, dissipated;
       energies(data, 0., stored, dissipated);
@@ -321,6 +321,8 @@ private:
       type.pair.length *= units_.length;
       type.pair.inverse_length = 1. / type.pair.length;
     }
+    type.pair.metre = units_.length;
+    type.pair.pascal = units_.pressure;
     type.radius = 0.;
     if (!collapses) {
       type.radius = units_.length * table.of_contact("radius", 0.);

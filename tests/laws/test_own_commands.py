@@ -1,0 +1,67 @@
+"""Commands with a law from a file outside the package: `--laws FILE.py` of stability, trade, fit and choose."""
+
+import numpy as np
+import pytest
+from own_spring import SPRING, registered
+
+from demlaws.cli import main
+
+NEAR = """
+    import demlaws as dl
+    from demlaws.core.fastmath import sqrt
+
+    def force(p, overlap):
+        return p.factor * p.hertz_coefficient * overlap * sqrt(overlap)
+
+    def stiffness(p, overlap):
+        return 1.5 * p.factor * p.hertz_coefficient * sqrt(overlap)
+
+    FACTOR = dl.Parameter("", True, lambda c: (0.1, 10.0), lambda c: [0.5, 1.0], option=True)
+    dl.register(dl.define(
+        "near-hertz", force, stiffness, options={"factor": 0.9}, description="Hertz but for a factor", collapses=True,
+        candidate=True, fitted={"factor": FACTOR}, free=("factor",), unloading=("elastic", "hertz"), smooth=True,
+    ))
+"""
+
+
+@pytest.fixture
+def file(tmp_path):
+    with registered(tmp_path, NEAR, "near.py") as path:
+        yield str(path)
+
+
+@pytest.mark.slow
+def test_stability_of_a_law_with_a_rule_of_its_own(tmp_path, capsys):
+    with registered(tmp_path, SPRING) as path:
+        assert main(["stability", "--laws", str(path), "--law", "spring", "--paths", "4e3", "--cycles", "1e3"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("spring")]
+    assert {(line[1], line[2]) for line in lines} == {(r, e) for r in ("elastic", "slack") for e in ("closed", "table")}
+
+
+@pytest.mark.slow
+def test_trade(file, capsys):
+    assert main(["trade", "--laws", file, "--law", "near-hertz", "--contacts", "1000", "--rounds", "1"]) == 0
+    said = capsys.readouterr().out
+    assert "near-hertz" in said
+
+
+@pytest.mark.slow
+def test_fit(file, tmp_path, capsys):
+    force = np.geomspace(1.0, 100.0, 30)
+    coefficient = 4.0 / 3.0 * 32e9 * 4e-3**0.5
+    overlap = (force / (0.8 * coefficient)) ** (2 / 3)
+    rows = "\n".join(f"{1e6 * d:.9g},{p:.9g}" for d, p in zip(overlap, force, strict=True))
+    (tmp_path / "points.csv").write_text(f"displacement (um),force (N)\n{rows}\n")
+    arguments = ["fit", str(tmp_path / "points.csv"), "--laws", file, "--law", "near-hertz", "--law", "hertz"]
+    assert main([*arguments, "--radius", "4mm", "--modulus", "32GPa"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = next(line for line in lines if line.startswith(("near-hertz", "hertz")))
+    assert first.startswith("near-hertz") and "factor 0.8 " in first
+
+
+@pytest.mark.slow
+def test_choose(file, tmp_path, capsys):
+    assert main(["choose", "--template"]) == 0
+    (tmp_path / "scene.toml").write_text(capsys.readouterr().out)
+    assert main(["choose", str(tmp_path / "scene.toml"), "--laws", file, "--all"]) == 0
+    assert "near-hertz" in capsys.readouterr().out

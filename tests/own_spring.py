@@ -1,0 +1,129 @@
+"""A file of a user's own law with a rule for unloading of its own, outside the package; tests of several engines write it."""
+
+import contextlib
+import textwrap
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.core import unloading
+from demlaws.laws import registry
+
+SPRING = """
+    from typing import NamedTuple
+
+    import demlaws as dl
+    from demlaws.core.dispatch import bind, energy, parts, virgin
+    from demlaws.core.fastmath import kernel, sqrt
+    from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+    from demlaws.core.unloading import Rule, own_rule
+    from demlaws.laws.definition import Definition, Option
+
+    class SpringShape(NamedTuple):
+        stiffness: float
+        lost: float  # share of the largest overlap that stays
+
+    class SpringParams(NamedTuple):
+        hertz_coefficient: float
+        stiffness: float
+        lost: float
+
+    @kernel
+    def _scale(shape, radius, modulus, roughness):
+        return SpringParams(hertz_coefficient(radius, modulus), shape.stiffness, shape.lost)
+
+    @kernel
+    def _virgin(p, overlap):
+        force = p.stiffness * overlap
+        equivalent = hertz_overlap(p, force)
+        return force, p.stiffness, equivalent, equivalent
+
+    @kernel
+    def _inverse(p, force):
+        return force / p.stiffness
+
+    @kernel
+    def _energy(p, overlap):
+        return 0.5 * p.stiffness * overlap * overlap
+
+    bind(SpringShape, scale=_scale)
+    bind(SpringParams, virgin=_virgin, inverse=_inverse, energy=_energy)
+
+    class Slack(NamedTuple):
+        '''Back along a straight line from (δmax, Pmax) to δp = lost δmax.'''
+
+    @kernel
+    def _step(rule, p, overlap, state):
+        lost = parts(p)[1].lost
+        positive = 0.0 if overlap <= 0.0 else overlap
+        maximum, top = state
+        if overlap >= state[0]:
+            force, stiffness, _, _ = virgin(p, positive)
+            maximum, top = overlap, force
+        else:
+            stiffness = top / (maximum * (1.0 - lost))
+            elastic = positive - lost * maximum
+            force = 0.0 if elastic <= 0.0 else stiffness * elastic
+            stiffness = 0.0 if elastic <= 0.0 else stiffness
+        if overlap <= 0.0:
+            force, stiffness, maximum, top = 0.0, 0.0, 0.0, 0.0
+        return force, stiffness, (maximum, top)
+
+    @kernel
+    def _energies(rule, p, overlap, state):
+        if state[0] <= 0.0:
+            return 0.0, 0.0
+        lost = parts(p)[1].lost
+        whole = state[0] * (1.0 - lost)
+        elastic = max(overlap - lost * state[0], 0.0) if overlap > 0.0 else 0.0
+        return 0.5 * state[1] * elastic * elastic / whole, energy(p, state[0]) - 0.5 * state[1] * whole
+
+    @kernel
+    def _unloaded(rule, p, force, state):
+        lost = parts(p)[1].lost
+        return state[0] * (lost + (1.0 - lost) * force / state[1])
+
+    bind(Slack, step=_step, stored_and_dissipated=_energies, unloaded=_unloaded)
+    STATE = ("maximum_overlap", "largest_force")
+    SLACK = own_rule(Rule("slack", Slack(), STATE, "law", None, "straight back to a share of δmax"))
+
+    dl.register(Definition(
+        name="spring",
+        prepare=lambda contact, stiffness=2e6, lost=0.4: SpringShape(float(stiffness), float(lost)),
+        equation="P = k δ",
+        source="a test",
+        description="a spring with slack",
+        limits=lambda contact, **options: [],
+        length="radius",
+        collapses=False,
+        unloading=("elastic", "slack"),
+        rules=(SLACK,),
+        default_unloading="slack",
+        label="spring",
+        options={"stiffness": Option("N/m", "above 0", "k"), "lost": Option("", "0 to 1", "share that stays")},
+    ))
+"""
+
+
+@contextlib.contextmanager
+def registered(folder, text=SPRING, name="my_spring.py"):
+    """The file's law, as long as the block lasts; the path of the file."""
+    file, rules = folder / name, unloading._OWN.copy()
+    file.write_text(textwrap.dedent(text))
+    with registry.restored():
+        try:
+            dl.load_laws(file)
+            yield file
+        finally:
+            unloading._OWN.clear()
+            unloading._OWN.update(rules)
+
+
+def expected(path, lost=0.4, stiffness=2e6):
+    """Force [N] of the law along overlaps [m]."""
+    forces, maximum = [], 0.0
+    for overlap in path:
+        maximum = max(maximum, overlap) if overlap > 0.0 else 0.0
+        slope = stiffness / (1.0 - lost)
+        forces.append(stiffness * overlap if overlap == maximum else max(0.0, slope * (overlap - lost * maximum)))
+    return np.array(forces)
