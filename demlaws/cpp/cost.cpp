@@ -1,5 +1,6 @@
 // Nanoseconds a contact of the law's step alone, without a DEM code around it: the least of several rounds.
 //     ./cost TABLE EFFECTIVE_MODULUS EFFECTIVE_RADIUS ROUGHNESS LARGEST_OVERLAP CONTACTS ROUNDS
+#include "demlaws_rule.h"
 #include "demlaws_table.h"
 #include <algorithm>
 #include <chrono>
@@ -9,7 +10,9 @@
 int main(int count, char **arguments) {
   if (count != 8) return 2;
   try {
-    const demlaws::Table table(arguments[1]);
+    demlaws::Table table(arguments[1]);
+    const std::string problem = demlaws::attach_rule(table);
+    if (!problem.empty()) throw std::runtime_error(problem);
     const double modulus = atof(arguments[2]), radius = atof(arguments[3]), roughness = atof(arguments[4]);
     const double largest = atof(arguments[5]);
     const int contacts = atoi(arguments[6]), rounds = atoi(arguments[7]);

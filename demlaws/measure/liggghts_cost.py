@@ -42,7 +42,7 @@ def header_cost(table, contact, largest, folder):
     program = Path(folder) / "cost"
     if not program.is_file():
         command = [_compiler(), *[f for f in FLAGS if f not in ("-fPIC", "-shared")], "-march=native", f"-I{SHARED}"]
-        done = subprocess.run([*command, str(SHARED / "cost.cpp"), "-o", str(program)], capture_output=True, text=True)
+        done = subprocess.run([*command, str(SHARED / "cost.cpp"), "-o", str(program), "-ldl"], capture_output=True, text=True)
         if done.returncode:
             raise DemlawsError(f"cost.cpp did not compile: {done.stderr.strip()[:300]}")
     arguments = [table, contact.modulus, contact.radius, contact.roughness, largest, 4000, 200]

@@ -53,7 +53,7 @@ def write_mesh(path, triangles):
         rows += [
             "facet normal 0 0 1",
             "outer loop",
-            *(f"vertex {x!r} {y!r} {z!r}" for x, y, z in triangle),
+            *(f"vertex {x:.17g} {y:.17g} {z:.17g}" for x, y, z in triangle),
             "endloop",
             "endfacet",
         ]
@@ -104,7 +104,7 @@ def simulate(folder, mesh, at, commands="run 0\n", table=None, mover="noforce", 
     """[rows, 6] force on the sphere and its place; stock hertz without a table."""
     write_mesh(folder / "plate.stl", mesh)
     model, words = ("hertz", "") if table is None else ("demlaws/table", f"table {table}")
-    text = CASE.format(model=model, words=words, at=" ".join(map(repr, at)), mover=mover, every=every) + commands
+    text = CASE.format(model=model, words=words, at=" ".join(f"{a:.17g}" for a in at), mover=mover, every=every) + commands
     (folder / "in.mesh").write_text(text)
     log = run(folder / "in.mesh", plugin=table is not None)
     return np.stack([log[name] for name in COLUMNS], -1)
@@ -139,7 +139,8 @@ def test_the_support_is_that_of_the_stock_wall(tmp_path, tables, at):
     x, y, z = places[at]
     rng = np.random.default_rng(5)
     moves = [
-        f"set atom 1 x {x + a!r} y {y + b!r} z {z + c!r}\nrun 1\n" for a, b, c in rng.uniform(-4e-5, 4e-5, (100, 3)).tolist()
+        f"set atom 1 x {x + a:.17g} y {y + b:.17g} z {z + c:.17g}\nrun 1\n"
+        for a, b, c in rng.uniform(-4e-5, 4e-5, (100, 3)).tolist()
     ]
     commands = "".join(moves)
     found = {}

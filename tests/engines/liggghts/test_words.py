@@ -278,10 +278,11 @@ def on_two_folders(first, second, text):
         line.index("liggghts") if "liggghts" in line else next(i for i, w in enumerate(line) if w.endswith("/liggghts")) :
     ]
     common = [*line[:at], *(w for w in line[at + 2 : len(line) - len(program)] if w != "-x" and not w.startswith("LD_PRELOAD"))]
-    preload = ["-x", next(w for w in line if w.startswith("LD_PRELOAD="))]
-    part = [["-np", "1", "-wdir", str(folder), *preload, *program] for folder in (first, second)]
+    preload = next(w for w in line if w.startswith("LD_PRELOAD="))
+    # not two programs with -wdir: mpirun of Open MPI 5.0 stops with a segmentation fault then
+    each = 'cd "$1"; [ "$OMPI_COMM_WORLD_RANK" = 0 ] || cd "$2"; shift 2; exec env "$@"'
     return subprocess.run(
-        [*common, *part[0], ":", *part[1]],
+        [*common, "-np", "2", "sh", "-c", each, "sh", str(first), str(second), preload, *program],
         env=environment,
         cwd=first,
         capture_output=True,
