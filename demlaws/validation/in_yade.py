@@ -143,12 +143,16 @@ def packing(job):
 
     found = []
     for goal in job["pressures"]:
-        servo.goal, servo.maxStrainRate = (-goal,) * 3, (job["rate"] if not found else job["slow"],) * 3
-        servo.dead = False
-        O.run(job["longest"], True)
-        servo.dead = True
-        O.cell.velGrad = yade.Matrix3.Zero
-        rest(1e-5)
+        for again in range(6):  # what gives way while the cell rests is not at this pressure yet
+            fast = not found and not again
+            servo.goal, servo.maxStrainRate = (-goal,) * 3, (job["rate"] if fast else job["slow"],) * 3
+            servo.dead = False
+            O.run(job["longest"], True)
+            servo.dead = True
+            O.cell.velGrad = yade.Matrix3.Zero
+            rest(1e-5)
+            if abs(pressure() / goal - 1.0) < 0.02:
+                break
         start = pressure()
         O.cell.velGrad = -job["probe"] / (200 * O.dt) * yade.Matrix3.Identity
         O.run(200, True)
