@@ -1,4 +1,4 @@
-"""Commands with a law from a file outside the package: `--laws FILE.py` of stability, trade, fit and choose."""
+"""Commands with a law from a file outside the package: `--laws FILE.py` of stability, trade and fit."""
 
 import numpy as np
 import pytest
@@ -57,11 +57,3 @@ def test_fit(file, tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     first = next(line for line in lines if line.startswith(("near-hertz", "hertz")))
     assert first.startswith("near-hertz") and "factor 0.8 " in first
-
-
-@pytest.mark.slow
-def test_choose(file, tmp_path, capsys):
-    assert main(["choose", "--template"]) == 0
-    (tmp_path / "scene.toml").write_text(capsys.readouterr().out)
-    assert main(["choose", str(tmp_path / "scene.toml"), "--laws", file, "--all"]) == 0
-    assert "near-hertz" in capsys.readouterr().out
