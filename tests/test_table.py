@@ -628,7 +628,14 @@ def test_every_key_of_the_page_is_a_key_of_the_reader():
     rows = [line.split("|") for line in page.splitlines() if line.startswith("| `")]
     keys = {key: ("†" in row[1], row[-2].strip()) for row in rows for key in row[1].split("`")[1::2]}
     of_rules = {key for definition in registry().values() for rule in definition.rules for key in rule.keys}
-    assert set(keys) == {*table_file.NEEDED, *table_file.WITH_YIELD, *table_file.NOT_READ, *of_rules}
+    assert set(keys) == {
+        *table_file.NEEDED,
+        *table_file.WITH_YIELD,
+        *table_file.NOT_READ,
+        *table_file.OF_OWN_RULE,
+        "rule_source",
+        *of_rules,
+    }
     assert {key for key, (_, needed) in keys.items() if needed == "yes"} == {*table_file.NEEDED} - {table_file.BELOW}
     assert {key for key, (_, needed) in keys.items() if needed == "version 2"} == {table_file.BELOW}
     twice = {key for key, (second, _) in keys.items() if second}
