@@ -47,7 +47,8 @@ def test_the_check_of_one_law(file):
     done = demlaws("laws", "power", "--laws", file, "--check")
     assert done.returncode == 0 and "power: all as it must be" in done.stdout, done.stderr
     done = demlaws("laws", "--check")
-    assert done.returncode == 2 and done.stderr == "demlaws: error: --check and --cost are of one law: demlaws laws NAME --check\n"
+    assert done.returncode == 2
+    assert done.stderr == "demlaws: error: --check and --cost are of one law: demlaws laws NAME --check\n"
 
 
 @pytest.mark.parametrize(
