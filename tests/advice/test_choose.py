@@ -62,7 +62,7 @@ def measured_error(choice, seed=7, points=4000):
     return worst
 
 
-@pytest.mark.parametrize("name", shared(SCENES, ("yield", "two kinds").__contains__))
+@pytest.mark.parametrize("name", shared(SCENES, "two kinds".__eq__))
 def test_predictions(name):
     choices = dl.choose(SCENES[name])
     assert choices.best.meets
@@ -398,6 +398,7 @@ def test_every_kind_of_grain_is_measured(monkeypatch):
     assert len({float(np.max(b.overlap)) for b in batches}) == 3
 
 
+@pytest.mark.slow
 def test_contacts_that_unload_along_a_curve():
     """Rule "table": along Hertz's curve, given as a law, it is the rule "hertz" to rounding; that a richer reference
     needs it, that it is softened with its scene, and that a curve is no more than a reference's is said."""

@@ -13,7 +13,7 @@ from demlaws.lammps.run import run
 CONTACT = dl.Contact(radius=4e-3, modulus=32e9)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_rule_of_ones_own(tmp_path, ranks):
     """From a file outside the package: within the certificate of the law, and the table's own to rounding."""
     with registered(tmp_path):

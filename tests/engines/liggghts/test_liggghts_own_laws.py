@@ -57,7 +57,7 @@ def press(folder, ranks):
     return run(folder / "in.press", ranks, variables)
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_rule_of_ones_own(tmp_path, ranks):
     """From a file outside the package: within the certificate of the law, and the table's own to rounding."""
     with registered(tmp_path):
