@@ -183,6 +183,7 @@ def test_denser_grains_are_told_to_move_alike():
     assert dense["every"] == one["every"] and dense["young"] == one["young"]
 
 
+@pytest.mark.yade
 @pytest.mark.slow
 def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tmp_path):
     """In YADE, five shaken copies each of a lattice at 10 kPa, where overlap over diameter is 1e-3: what differs is within
@@ -195,6 +196,7 @@ def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tm
     _is_similar(softening.similarity(softening.load(tmp_path / "rows.jsonl")), 1e4)
 
 
+@pytest.mark.yade
 @pytest.mark.slow
 def test_density_and_rate_are_one_knob(tmp_path):
     """Grains a hundred times as dense, pressed at a tenth of the rate, a hundredth of gravity: the same, step for step."""
@@ -220,7 +222,7 @@ def _move_alike(rows, one, dense):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("engine", ["yade", "liggghts"])
+@pytest.mark.parametrize("engine", [pytest.param(name, marks=getattr(pytest.mark, name)) for name in ("yade", "liggghts")])
 def test_softening_keeps_the_exponent_where_sigma_is_scaled(engine, tmp_path):
     """150 grains to 375 kPa at a tenth of the modulus, from one start. With σ scaled the exponent of stiffness is that of the
     packing as it is, to 0.03, and stiffness times s^(2/3) to 20 % (the start's gaps do not scale); with σ alone neither."""
