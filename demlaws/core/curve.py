@@ -79,7 +79,7 @@ def reached(kinks, u):
     """How many of the kinks lie at or below u: one comparison each, no loop, so that the caller's loop vectorises."""
 
 
-@overload(reached, jit_options={"forceinline": True, "nogil": True})
+@overload(reached, jit_options={"forceinline": True, "no_cfunc_wrapper": True, "nogil": True})
 def _reached(kinks, u):
     return eval("lambda kinks, u: " + " + ".join(f"(1 if u >= kinks[{n}] else 0)" for n in range(len(kinks))))
 

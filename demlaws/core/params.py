@@ -11,7 +11,7 @@ SMOOTHEST = 1e-40
 """σ/R below which roughness counts as this: no effect left in double precision, and no division by zero at σ = 0."""
 
 
-@register_jitable(forceinline=True)
+@register_jitable(forceinline=True, no_cfunc_wrapper=True)
 def clamped_roughness(roughness, radius):
     """Roughness [m] of one contact as laws take it: never below SMOOTHEST times the radius. For compiled code, too."""
     return max(roughness, SMOOTHEST * radius)

@@ -109,7 +109,7 @@ def without_own(rule):
     """The rule for a contact that another law than the rule's own serves, a smooth one in YADE: then back along its curve."""
 
 
-@overload(without_own, jit_options={"forceinline": True})
+@overload(without_own, jit_options={"forceinline": True, "no_cfunc_wrapper": True})
 def _without_own(rule):
     if rule_of(rule.instance_class).curve == "law":
         return lambda rule: Elastic()

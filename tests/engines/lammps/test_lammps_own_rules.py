@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import shared
 from own_spring import registered
 
 import demlaws as dl
@@ -28,7 +29,7 @@ def test_a_rule_of_ones_own(tmp_path, ranks):
     assert np.abs(log["energy[2]"] - table.dissipated).max() <= 1e-6 * table.work.max()
 
 
-@pytest.mark.parametrize("fault", ["missing", "another"])
+@pytest.mark.parametrize("fault", shared(["missing", "another"], "missing".__eq__))
 def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
     with registered(tmp_path):
         table = dl.law("spring", CONTACT, lost=0.3).tabulate(1e-4).save(tmp_path / "law.tbl")
