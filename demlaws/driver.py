@@ -201,15 +201,15 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     state = law.new_state(1).arrays
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
-    record = np.empty((min(limit, int(4 * count) + 16), 3))
-    taken, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, record)
+    room = np.empty((min(limit, int(4 * count) + 16), 3))
+    taken, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:
         raise DemlawsError(
             f"speed = {speed:g} m/s: no separation within {limit} steps; is the law's plastic overlap that large?"
         )
-    record = record[:taken]
+    record = room[:taken]
     path = law.follow(record[:, 0])
     after = 0.5 * mass * velocity**2
     return Impact(
@@ -250,8 +250,8 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
     peak = brentq(lambda overlap: work(overlap)[0] - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
-    x, weights = np.polynomial.legendre.leggauss(64)
-    x = 0.5 * (x + 1.0)
+    places, weights = np.polynomial.legendre.leggauss(64)
+    x = 0.5 * (places + 1.0)
     v2 = speed**2 - 2.0 / mass * work(peak * (1.0 - x**2))
     times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
     return peak, 2.0 * float(np.sum(times))

@@ -96,7 +96,7 @@ inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
   return ~crc;
 }
 
-// One grid cell: s(t) = c[0] + t (c[1] + t (c[2] + t c[3])), t in [0, 1) from the cell's start to its end.
+// One grid cell: s = c[0] + t (c[1] + t (c[2] + t c[3])), t from where the cell begins. Cells are a power of 2 wide.
 struct Cell {
   double c[4];
 };
@@ -114,22 +114,14 @@ public:
 
   // s(u) and its slope from floor() to before last(); returns false outside (then use outside()).
   inline bool look_up(double u, double &s, double &slope) const {
-    uint64_t b;
+    uint64_t b; // positive doubles have the order of their bits; negative ones and NaN lie beyond all of them
     memcpy(&b, &u, 8);
-    int64_t k = (int64_t)(b >> shift_) - first_;
-    k += (int64_t)(u >= kink_[0]) + (int64_t)(u >= kink_[1]);
-    if (u >= kink_[2]) k += later_kinks(u);
-    if ((uint64_t)k >= (uint64_t)count_) return false;
-    const double *const c = cells_[k].c;
-    // the mantissa bits below the cell number are t; the exponent alone gives 1 / width
-    const uint64_t fraction = ((b << bits_) & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL;
-    const uint64_t inverse = inverse_width_ - (b & 0x7ff0000000000000ULL);
-    double t, per_width;
-    memcpy(&t, &fraction, 8);
-    memcpy(&per_width, &inverse, 8);
-    t -= 1.0;
-    s = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-    slope = (c[1] + t * (2. * c[2] + t * (3. * c[3]))) * per_width;
+    uint64_t k = (b >> shift_) - first_;
+    k += b >= kink_[0];
+    k += b >= kink_[1];
+    if (__builtin_expect(b >= kink_[2], 0)) return behind_kinks(u, s, slope);
+    if (__builtin_expect(k >= count_, 0)) return false;
+    read(k, b & cell_, u, s, slope);
     return true;
   }
 
@@ -199,9 +191,9 @@ public:
 
 private:
   int bits_, shift_;
-  int64_t first_, count_;
-  uint64_t inverse_width_;
-  double kink_[3]; // the first three that split a cell, or infinity
+  uint64_t first_, count_;
+  uint64_t cell_;    // the bits of u that say where its cell begins
+  uint64_t kink_[3]; // bits of the first three that split a cell, or of infinity
   double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, floor_, slope_floor_, seat_;
   std::vector<Cell> storage_; // kept so that cells_ can be aligned
   const Cell *cells_;
@@ -210,10 +202,24 @@ private:
   Curve(const Curve &); // cells_ points into storage_: not copied
   Curve &operator=(const Curve &);
 
-  int64_t later_kinks(double u) const {
-    int64_t count = 1;
-    for (size_t i = 3; i < splits_.size() && u >= splits_[i]; i++) count++;
-    return count;
+  inline void read(uint64_t cell, uint64_t begin, double u, double &s, double &slope) const {
+    const double *const c = cells_[cell].c;
+    double t;
+    memcpy(&t, &begin, 8);
+    t = u - t; // exact
+    const double third = t * c[3], second = c[2] + third;
+    const double first = c[1] + t * second;
+    s = c[0] + t * first;
+    slope = first + t * (second + third);
+  }
+  // As look_up() where three kinks or more that split a cell lie below u.
+  __attribute__((noinline)) bool behind_kinks(double u, double &s, double &slope) const {
+    const uint64_t b = (uint64_t)number(u, 52);
+    uint64_t k = (b >> shift_) - first_ + 3;
+    for (size_t i = 3; i < splits_.size() && u >= splits_[i]; i++) k++;
+    if (k >= count_) return false;
+    read(k, b & cell_, u, s, slope);
+    return true;
   }
   static int64_t number(double u, int bits) {
     uint64_t b;
@@ -798,7 +804,7 @@ inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &
   return node(next - 1, bits) == rows[n - 1].u ? -1 : n - 1;
 }
 
-// The cubic in t that has the rows' values and slopes at t0 and t1 of a cell of this width in u.
+// The cubic that has the rows' values and slopes at parts t0 and t1 of a cell of this width in u.
 inline Cell Curve::hermite(double t0, double t1, double width, const Row &left, const Row &right) {
   const double h = t1 - t0, end = right.slope * width * h, rise = right.s - left.s;
   double b = left.slope * width * h;
@@ -806,15 +812,17 @@ inline Cell Curve::hermite(double t0, double t1, double width, const Row &left, 
   const double c = (sliver ? 0.5 * (end - b) : 3. * rise - 2. * b - end) / (h * h);
   const double d = (sliver ? 0. : b + end - 2. * rise) / (h * h * h);
   b /= h;
-  const Cell cell = {
+  Cell cell = {
       {left.s - b * t0 + c * t0 * t0 - d * t0 * t0 * t0, b - 2. * c * t0 + 3. * d * t0 * t0, c - 3. * d * t0, d}};
+  for (int i = 1; i < 4; i++)
+    for (int k = i; k < 4; k++) cell.c[k] /= width; // exact: a power of 2
   return cell;
 }
 
 inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, double until) {
   bits_ = bits;
   shift_ = 52 - bits_;
-  inverse_width_ = (uint64_t)(2046 + bits_) << 52;
+  cell_ = ~(((uint64_t)1 << shift_) - 1);
   kinks_.clear();
   splits_.clear();
   nodes_.clear();
@@ -840,13 +848,16 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, 
     nodes_.push_back(u0);
   }
   nodes_.push_back(u_last_);
-  for (size_t i = 0; i < 3; i++) kink_[i] = i < splits_.size() ? splits_[i] : HUGE_VAL;
+  for (size_t i = 0; i < 3; i++) {
+    const double split = i < splits_.size() ? splits_[i] : HUGE_VAL;
+    memcpy(&kink_[i], &split, 8);
+  }
   storage_.resize(cells.size() + 1);
   const uintptr_t raw = (uintptr_t)&storage_[0];
   Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
   std::copy(cells.begin(), cells.end(), aligned);
   cells_ = aligned;
-  count_ = (int64_t)cells.size();
+  count_ = cells.size();
   work_.assign(nodes_.size(), 0.);
   work_[0] = energy_below(u_first_);
   for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
@@ -857,11 +868,12 @@ inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) 
   double octaves = 40.;
   if (until > 0. && !straight) octaves = std::min(std::max(1., log2(s_first_ / until) / power_first_), 200.);
   const int64_t last = number(u_first_, bits_);
-  first_ = last - (int64_t)nearbyint(octaves * (double)(1 << bits_));
-  floor_ = node(first_, bits_);
+  octaves = std::min(octaves, std::max(1., log2(u_first_ / 1e-90))); // a cell's coefficients are finite numbers
+  first_ = (uint64_t)(last - (int64_t)nearbyint(octaves * (double)(1 << bits_)));
+  floor_ = node((int64_t)first_, bits_);
   seat_ = straight ? s_first_ * (1. - power_first_) : 0.;
   Row left = {0., 0., 0.};
-  for (int64_t cell = first_; cell <= last; cell++) {
+  for (int64_t cell = (int64_t)first_; cell <= last; cell++) {
     const double u = node(cell, bits_);
     Row right = {u, s_first_ * pow(u / u_first_, power_first_), 0.};
     right.slope = power_first_ * right.s / u;
@@ -869,10 +881,10 @@ inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) 
       right.slope = power_first_ * s_first_ / u_first_;
       right.s = seat_ + right.slope * u;
     }
-    if (cell == first_) slope_floor_ = straight ? right.slope : right.s / u;
+    if (cell == (int64_t)first_) slope_floor_ = straight ? right.slope : right.s / u;
     else {
       const double width = u - left.u;
-      const Cell line = {{left.s, right.slope * width, 0., 0.}};
+      const Cell line = {{left.s, right.slope, 0., 0.}};
       cells.push_back(straight ? line : hermite(0., 1., width, left, right));
     }
     left = right;
