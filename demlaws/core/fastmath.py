@@ -6,6 +6,7 @@ bit tricks; errors quoted are measured by tests/core/test_fastmath.py in units o
 """
 
 from types import FunctionType
+from typing import Any
 
 import numba
 from llvmlite import ir
@@ -20,6 +21,8 @@ from demlaws.errors import DemlawsError
 if numba.config.DISABLE_JIT:
     raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")
 
+INLINED: dict[str, Any] = {"forceinline": True, "no_cfunc_wrapper": True}
+"""Options of what is compiled into its caller and called by nothing else."""
 _OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
@@ -47,7 +50,7 @@ def kernel(function):
 
     ``contract`` (fused multiply-add) is the only relaxation: full fastmath would delete checks for NaN.
     """
-    compiled = numba.njit(forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, **_OPTIONS)(function)
+    compiled = numba.njit(no_cpython_wrapper=True, **INLINED, **_OPTIONS)(function)
     compiled.__class__ = Kernel
     return compiled
 
