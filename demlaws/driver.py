@@ -263,17 +263,15 @@ force law, Hertz's too, and oscillations of finite size grow (measured by `demla
 SOFTENING_SAFETY = 0.56
 """The same of a law without loss whose tangent jumps down at some overlap (`conical-damage` with "elastic" unloading): an
 oscillation about such a kink is in resonance in narrow windows of the step, which get rarer and slower as the step falls but do
-not end. Where unloading is stiffer than loading something is lost; yet a longer search found such windows for `conical-damage`
-with its own rule, too: the stable step is 0.7 of what `timestep` says there (docs/plastic-laws.md)."""
+not end. Where unloading is stiffer than loading something is lost, and none was found (docs/plastic-laws.md)."""
 
 
 def timestep(law: Law, mass: float, max_force: float) -> float:
     """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
 
     1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. Where the tangent
-    jumps down on the way to max_force and nothing is lost ("elastic" unloading) 1.12/ω (`SOFTENING_SAFETY`); of
-    `conical-damage` with "thornton" take 0.7 of what is said here. A body with several contacts has a larger K: divide by the
-    square root of the number of contacts that act in one direction.
+    jumps down on the way to max_force and nothing is lost ("elastic" unloading) 1.12/ω (`SOFTENING_SAFETY`). A body with
+    several contacts has a larger K: divide by the square root of the number of contacts that act in one direction.
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")

@@ -383,10 +383,9 @@ inline bool plain_number(const std::string &text, double &x) {
 
 // Code of a rule OWN, in SI; `first_loading` is the address of a FirstLoading.
 struct OwnRule {
+  // Writes force, stiffness, and the stiffness with which the contact would unload now.
   void (*step)(int64_t first_loading, double radius, double modulus, double roughness, double overlap, double *state,
-               double *force_and_stiffness);
-  double (*unloading_stiffness)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
-                                double force, double stiffness, double *state);
+               double *answer);
   void (*energies)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
                    double *state, double *stored_and_dissipated);
 };
@@ -1008,7 +1007,8 @@ struct State {
 
 struct Force {
   double force, stiffness;
-  bool outside; // the overlap lies beyond the table: force is an uncertified extrapolation
+  bool outside;     // the overlap lies beyond the table: force is an uncertified extrapolation
+  double unloading; // of a rule OWN: the stiffness with which it would unload from here; else 0
 };
 
 // First loading of one contact, for a rule OWN; SI. The pointers come first: the rule finds them by their place.
@@ -1049,33 +1049,22 @@ private:
 
 inline Force own_step(const Pair &pair, double radius, double overlap, double *state, bool update) {
   const FirstLoading loading(pair, radius);
-  double now[3] = {state[0], state[1], state[2]}, found[2] = {0., 0.};
+  double now[3] = {state[0], state[1], state[2]}, found[3] = {0., 0., 0.};
   pair.table->own_rule()->step(loading.address(), loading.radius, loading.modulus, loading.roughness,
                                overlap / pair.metre, now, found);
   if (update && found[0] == found[0])
     for (int i = 0; i < 3; i++) state[i] = now[i];
-  const Force force = {found[0] * loading.newton, found[1] * loading.newton / pair.metre, loading.outside};
-  return force;
-}
-
-// The stiffness with which it would unload from `overlap`, whose force is in `now`.
-inline double own_unloading_stiffness(const Pair &pair, double radius, double overlap, const Force &now,
-                                      const double *state) {
-  const FirstLoading loading(pair, radius);
-  double own[3] = {state[0], state[1], state[2]};
-  own_step(pair, radius, overlap, own, true); // where the contact was not updated, it is the state after the step
   const double stiffness = loading.newton / pair.metre;
-  return std::max(0.,
-                  stiffness * pair.table->own_rule()->unloading_stiffness(
-                                  loading.address(), loading.radius, loading.modulus, loading.roughness,
-                                  overlap / pair.metre, now.force / loading.newton, now.stiffness / stiffness, own));
+  const Force force = {found[0] * loading.newton, found[1] * stiffness, loading.outside,
+                       std::max(0., found[2] * stiffness)};
+  return force;
 }
 
 // One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
 // radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
 template <Unloading RULE>
 inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update) {
-  Force now = {0., 0., false};
+  Force now = {0., 0., false, 0.};
   if (overlap <= 0.) {
     if (update)
       for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
@@ -1192,7 +1181,7 @@ template <Unloading RULE>
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
                               const double *state) {
   if (RULE == ELASTIC || shear == TANGENT_SHEAR || !(now.force > 0.)) return now.stiffness;
-  if (RULE == OWN && shear == ELASTIC_SHEAR) return own_unloading_stiffness(pair, radius, overlap, now, state);
+  if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
   const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
   if (shear == ELASTIC_SHEAR) {
     if (!loads) return now.stiffness;
