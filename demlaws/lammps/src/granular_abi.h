@@ -274,9 +274,7 @@ __attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
   const double tx = vx - normal * x - (wy * z - wz * y), ty = vy - normal * y - (wz * x - wx * z),
                tz = vz - normal * z - (wx * y - wy * x);
   m->r = r;
-  m->rinv = rinv;
   m->delta = m->radsum - r;
-  m->dR = m->delta * m->Reff;
   m->nx[0] = x;
   m->nx[1] = y;
   m->nx[2] = z;
@@ -367,15 +365,15 @@ inline bool pairs_fit(void *lmp, const Stock &stock) {
       } else stock.compute(m);
       const double numbers[] = {m->Reff,
                                 m->r,
-                                m->rinv,
                                 m->delta,
-                                m->dR,
                                 m->vnnr,
                                 m->vrel,
                                 m->contact_radius,
                                 m->Fnormal,
                                 m->Fntot,
-                                m->normal_model->Fncrit};
+                                m->normal_model->Fncrit,
+                                way ? m->damping_model->damp * m->meff * m->contact_radius
+                                    : m->damping_model->damp_prefactor};
       for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) out[at++] = numbers[k];
       const double *const vectors[] = {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory};
       for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)

@@ -19,7 +19,8 @@ public:
   // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
   Table(Model *m, const std::string &named, const demlaws::Table &table)
       : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
-        per_stiffness_(0.), radius_(0.), shear_(demlaws::ELASTIC_SHEAR), whole_(false), speed_(true), damped_(NULL) {
+        per_stiffness_(0.), radius_(0.), shear_(demlaws::ELASTIC_SHEAR), whole_(false), speed_(true),
+        damped_(OTHERWISE) {
     name = named;
     material_properties = 1;
     // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
@@ -162,8 +163,8 @@ protected:
   demlaws::Pair pair_;
   double stiffness_, per_stiffness_, radius_; // radius_ > 0: the only one the table holds for
   demlaws::Shear shear_;
-  bool whole_, speed_; // speed_: the tangential model asks for that of the surfaces, vrel
-  DampingMod *damped_; // where it is a Tangent
+  bool whole_, speed_;                               // speed_: the tangential model asks for that of the surfaces, vrel
+  enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_; // BY_RADIUS: viscoelastic, whose formula abi_fits() has checked
 
 private:
   __attribute__((noinline, cold)) void refuse(const std::string &what) const {
@@ -243,11 +244,12 @@ public:
     geometry(m, speed_);
     m->Fnormal = this->template finish<RULE>(
         demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, m->history + history_index, m->history_update != 0));
-    DampingMod *const damped = damped_;
-    if (damped) {
-      damped->damp_prefactor = damped->damp * sqrt(m->meff * stiffness_);
+    DampingMod *const damped = m->damping_model;
+    if (damped_ != OTHERWISE) {
+      damped->damp_prefactor =
+          damped->damp * (damped_ == BY_TANGENT ? sqrt(m->meff * stiffness_) : m->meff * m->contact_radius);
       sum(m, m->Fnormal - damped->damp_prefactor * m->vnnr);
-    } else sum(m, m->Fnormal + call<double>(m->damping_model, FORCES));
+    } else sum(m, m->Fnormal + call<double>(damped, FORCES));
   }
 
 private:
@@ -292,15 +294,18 @@ inline void Table::plan(bool proved) {
   const std::string &tangential = m->sub_models[TANGENTIAL]->name;
   whole_ = whole_ && tangential != "none";
   speed_ = tangential.compare(0, 7, "mindlin") != 0;
-  damped_ = dynamic_cast<Tangent *>(m->damping_model);
+  damped_ = dynamic_cast<Tangent *>(m->damping_model)  ? BY_TANGENT
+            : m->damping_model->name == "viscoelastic" ? BY_RADIUS
+                                                       : OTHERWISE;
 }
 
 // In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
 inline bool in_pairs(const Model *m) {
 #if DEMLAWS_SYNCHRONIZED
-  if (m->synchronized_verlet) return false;
+  if (m->contact_type | m->synchronized_verlet) return false;
+#else
+  if (m->contact_type) return false;
 #endif
-  if (m->contact_type != 0) return false;
   const NormalMod *const normal = m->normal_model;
   if (__builtin_expect(normal == Table::latest, 1)) return true;
   if (!Here::has(*(const void *const *)normal)) return false; // where the table of virtual functions stands
