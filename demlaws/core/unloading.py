@@ -15,7 +15,7 @@ from typing import NamedTuple
 from numba.extending import overload
 
 from demlaws.core.dispatch import bind, contact_area, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
-from demlaws.core.fastmath import cbrt, kernel, sqrt
+from demlaws.core.fastmath import INLINED, cbrt, kernel, sqrt
 
 
 class Elastic(NamedTuple):
@@ -128,7 +128,7 @@ def without_own(rule):
     """The rule for a contact that another law than the rule's own serves, a smooth one in YADE: then back along its curve."""
 
 
-@overload(without_own, jit_options={"forceinline": True})
+@overload(without_own, jit_options=INLINED)
 def _without_own(rule):
     if rule_of(rule.instance_class).curve == "law":
         return lambda rule: Elastic()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import shared
 from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, continued, moves_of, simulate, two_spheres
 from own_spring import registered
 
@@ -33,7 +34,7 @@ def test_a_rule_of_ones_own(tmp_path, ranks):
     assert np.abs(log["energy[2]"] - table.dissipated).max() <= 1e-6 * table.work.max()
 
 
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", shared([1, 2], (1).__eq__))
 def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path, ranks):
     """Half way back a restart file is written; new processes, on as many ranks and on one, go on to the last bit."""
     with registered(tmp_path):
@@ -55,7 +56,7 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path, ranks):
             np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-14, err_msg=column)
 
 
-@pytest.mark.parametrize("fault", ["missing", "another", "missing on one rank"])
+@pytest.mark.parametrize("fault", shared(["missing", "another", "missing on one rank"], "missing".__eq__))
 def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
     with registered(tmp_path):
         table = dl.law("spring", CONTACT, lost=0.3).tabulate(1e-4).save(tmp_path / "law.tbl")
