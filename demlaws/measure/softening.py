@@ -170,7 +170,8 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
     shear = Run(engine, "shear", stress=1e5, inertial=1e-3)
     ways = [shear, *(shear._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
     ways += [shear._replace(factor=s, inertial=rate) for rate in (1e-2, 3e-3) for s in (1.0, 10.0)]
-    ways += [shear._replace(part=0.9), shear._replace(inertial=3e-4)]
+    ways += [shear._replace(part=0.9), *(way._replace(inertial=3e-4) for way in ways[:5])]
+    ways += [shear._replace(inertial=3e-4, part=part) for part in (0.7, 0.9)]
     runs += [r for way in ways for r in _copies(way, 3)]
     if engine == "yade":
         for rate in (5e-4, 2e-3, 3e-3):
