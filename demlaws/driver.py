@@ -201,15 +201,15 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     state = law.new_state(1).arrays
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
-    record = np.empty((min(limit, int(4 * count) + 16), 3))
-    taken, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, record)
+    room = np.empty((min(limit, int(4 * count) + 16), 3))
+    taken, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:
         raise DemlawsError(
             f"speed = {speed:g} m/s: no separation within {limit} steps; is the law's plastic overlap that large?"
         )
-    record = record[:taken]
+    record = room[:taken]
     path = law.follow(record[:, 0])
     after = 0.5 * mass * velocity**2
     return Impact(
@@ -250,8 +250,8 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
             raise DemlawsError(f"speed = {speed:g} m/s: the contact cannot take {kinetic:g} J within its radius or its table")
     peak = brentq(lambda overlap: work(overlap)[0] - kinetic, 0.0, high, xtol=1e-300, rtol=1e-13, maxiter=1000)
     # t = ∫dδ/v, with δ = peak (1 - x²) to take the square root out of the end
-    x, weights = np.polynomial.legendre.leggauss(64)
-    x = 0.5 * (x + 1.0)
+    places, weights = np.polynomial.legendre.leggauss(64)
+    x = 0.5 * (places + 1.0)
     v2 = speed**2 - 2.0 / mass * work(peak * (1.0 - x**2))
     times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
     return peak, 2.0 * float(np.sum(times))
@@ -263,17 +263,15 @@ force law, Hertz's too, and oscillations of finite size grow (measured by `demla
 SOFTENING_SAFETY = 0.56
 """The same of a law without loss whose tangent jumps down at some overlap (`conical-damage` with "elastic" unloading): an
 oscillation about such a kink is in resonance in narrow windows of the step, which get rarer and slower as the step falls but do
-not end. Where unloading is stiffer than loading something is lost; yet a longer search found such windows for `conical-damage`
-with its own rule, too: the stable step is 0.7 of what `timestep` says there (docs/plastic-laws.md)."""
+not end. Where unloading is stiffer than loading something is lost, and none was found (docs/plastic-laws.md)."""
 
 
 def timestep(law: Law, mass: float, max_force: float) -> float:
     """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
 
     1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. Where the tangent
-    jumps down on the way to max_force and nothing is lost ("elastic" unloading) 1.12/ω (`SOFTENING_SAFETY`); of
-    `conical-damage` with "thornton" take 0.7 of what is said here. A body with several contacts has a larger K: divide by the
-    square root of the number of contacts that act in one direction.
+    jumps down on the way to max_force and nothing is lost ("elastic" unloading) 1.12/ω (`SOFTENING_SAFETY`). A body with
+    several contacts has a larger K: divide by the square root of the number of contacts that act in one direction.
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")

@@ -21,21 +21,47 @@ def write_atomically(path, content):
 
     A failure leaves an older file of that name as it was. The folder is made if it is missing.
     """
-    path = as_path(path)
-    data = content.encode() if isinstance(content, str) else content
+    return write_together((path, content))
+
+
+def write_together(*files):
+    """As `write_atomically`, of several (path, content) that belong together: all are written or none; the last one's path.
+
+    They are renamed in the order given, so that the one that names the others comes last.
+    """
+    named = [(as_path(path), content.encode() if isinstance(content, str) else content) for path, content in files]
+    waiting, done = [], []
+    path = named[0][0]
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
+        for path, data in named:
+            waiting.append(_waiting(path, data))
+        for (path, _), temporary in zip(named, waiting, strict=True):
+            before = path.read_bytes() if len(named) > 1 and path.is_file() else None
+            os.replace(temporary, path)
+            done.append((path, before))
     except OSError as error:
+        for temporary in waiting[len(done) :]:
+            os.unlink(temporary)
+        for name, before in done:
+            if before is None:
+                name.unlink()
+            else:
+                os.replace(_waiting(name, before), name)
         raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
+    return path
+
+
+def _waiting(path, data):
+    """A temporary file beside `path` that holds `data`."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    descriptor, temporary = tempfile.mkstemp(prefix=f".{path.name}.", dir=path.parent)
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)
         umask = os.umask(0)
         os.umask(umask)
         os.chmod(temporary, 0o666 & ~umask)
-        os.replace(temporary, path)
-    except OSError as error:
+    except OSError:
         os.unlink(temporary)
-        raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
-    return path
+        raise
+    return temporary

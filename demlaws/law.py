@@ -126,7 +126,7 @@ class Law:
         self.definition = definition
         self.name = definition.name
         self.contact = contact
-        self.options = dict(options)
+        self.options = {n: v.item() if isinstance(v, np.generic) else v for n, v in options.items()}  # plain for repr and files
         self.unloading = unloading
         self.unloading_law = unloading_law  # the curve of rule "table", else None
         rule = definition.rule(unloading)

@@ -108,16 +108,14 @@ def _functions(shape, tag, size):
     exec(
         f"def step_(engine, R, E, s, overlap, state, out):\n{head}"
         f"    force, stiffness, new = step(TAG, p, overlap, ({state}))\n"
-        f"    out[0] = force\n    out[1] = stiffness\n{kept}"
-        f"def shear_(engine, R, E, s, overlap, force, stiffness, state):\n{head}"
-        f"    return unloading_stiffness(TAG, p, overlap, force, stiffness, ({state}))\n"
+        f"    out[0] = force\n    out[1] = stiffness\n"
+        f"    out[2] = unloading_stiffness(TAG, p, overlap, force, stiffness, new)\n{kept}"
         f"def energies_(engine, R, E, s, overlap, state, out):\n{head}"
         f"    out[0], out[1] = energies(TAG, p, overlap, ({state}))\n",
         names,
     )
     return {
-        "demlaws_rule_step": (types.void(*_CONTACT, _DOUBLES, _DOUBLES), names["step_"]),
-        "demlaws_rule_shear": (types.float64(*_CONTACT, types.float64, types.float64, _DOUBLES), names["shear_"]),
+        "demlaws_rule_contact": (types.void(*_CONTACT, _DOUBLES, _DOUBLES), names["step_"]),
         "demlaws_rule_energies": (types.void(*_CONTACT, _DOUBLES, _DOUBLES), names["energies_"]),
     }
 

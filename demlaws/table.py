@@ -28,7 +28,7 @@ from demlaws.core.loops import evaluate_loop, inverse_loop
 from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
 from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
 from demlaws.errors import DemlawsError
-from demlaws.files import as_path, write_atomically
+from demlaws.files import as_path, write_atomically, write_together
 from demlaws.given import Called, GivenCurve, Knots, MeasuredCurve, residual_overlap
 from demlaws.joining import joined_law
 from demlaws.law import Law, _as_given
@@ -586,12 +586,13 @@ class Table(Law):
     def save(self, path: str | os.PathLike) -> Path:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
 
-        Of a rule that a user brought with the law the code is written, too, beside the file: PATH.so (takes g++).
+        Of a rule that a user brought with the law the code is written, too, beside the file: PATH.so (takes g++); both files
+        or none.
         """
         data = self._compose()[0]
-        if self._native_rule is not None:
-            write_atomically(f"{os.fspath(as_path(path))}.so", self._native_rule)
-        return write_atomically(path, data)
+        if self._native_rule is None:
+            return write_atomically(path, data)
+        return write_together((f"{os.fspath(as_path(path))}.so", self._native_rule), (path, data))
 
     @functools.cached_property
     def _native_rule(self):

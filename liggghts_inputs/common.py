@@ -11,6 +11,8 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
+
 import demlaws as dl
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
@@ -52,6 +54,25 @@ def load(path):
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
+
+
+def against_law(log, law, limit=1e-5, where="", history=()):
+    """Findings: force and energies of a thermo log, and those columns of a contact's history, against the law's path along the
+    log's overlaps."""
+    path = law.follow(log["overlap"])
+
+    def worst(found, expected, scale):
+        return np.abs(found - expected).max() / scale.max()
+
+    findings = [(f"{where}force against the law, of the maximum", worst(log["force"], path.force, path.force), limit)]
+    touching = log["overlap"] > 0
+    for column, expected in zip(history, (path.maximum_overlap, path.plastic_overlap), strict=False):
+        error = worst(log[column][touching], expected[touching], path.maximum_overlap)
+        findings.append((f"{where}history value {column} against the law, of the largest overlap", error, limit))
+    for column, kind, expected in (("stored", "stored energy", path.stored), ("lost", "plastic dissipation", path.dissipated)):
+        error = worst(log[column], expected, path.work)
+        findings.append((f"{where}{kind} (compute demlaws/energy), of the largest work", error, limit))
+    return findings
 
 
 def report(findings):

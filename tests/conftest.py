@@ -1,6 +1,7 @@
 """Shared settings, and how tests are shared out. Helpers are plain modules beside this file: examples, references, accuracy,
 processes."""
 
+import gc
 import os
 
 import mpmath
@@ -9,8 +10,13 @@ from hypothesis import settings
 
 # the machines that run this are shared: an example may take long once, when a loop is compiled. Who runs the suite draws new
 # examples each time; in CI, where an unlucky draw would stop a change that has nothing to do with it, they are the same
-settings.register_profile("demlaws", deadline=None, print_blob=True, derandomize=bool(os.environ.get("CI")))
+COMMON = {"deadline": None, "print_blob": True, "derandomize": bool(os.environ.get("CI"))}
+settings.register_profile("demlaws", **COMMON, max_examples=25)
+settings.register_profile("thorough", **COMMON, max_examples=100)  # make test-all
 settings.load_profile("demlaws")
+
+# numba makes objects by the million, which all live: looking for garbage less often saves a tenth of what compiling takes
+gc.set_threshold(100_000, 20, 20)
 
 
 @pytest.fixture(autouse=True)
@@ -43,8 +49,9 @@ def _under(path, folder):
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """The engines first: what takes longest must not be begun last."""
-    items.sort(key=lambda item: not _under(item.path, "engines"))
+    """The engines first, then the longest files: what takes longest must not be begun last."""
+    size = {path: path.stat().st_size for path in {item.path for item in items}}
+    items.sort(key=lambda item: (not _under(item.path, "engines"), -size[item.path], str(item.path)))
 
 
 @pytest.hookimpl(optionalhook=True)

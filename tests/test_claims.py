@@ -75,6 +75,7 @@ def test_a_verdict_is_about_the_law_that_ran(without):
     assert found["after gross yield a constant stiffness of about 5000 N/mm"].verdict == BUILT_IN
 
 
+@pytest.mark.slow
 def test_points_decide_what_concerns_their_test():
     """Points that follow Yip & Venart: its claim for that test alone stays open for want of the other test's points."""
     name = "SF(12)"

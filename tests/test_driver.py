@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from examples import GRANITE, make, pairs, quiet
+from examples import GRANITE, make, pairs, quiet, shared, telling
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -15,7 +15,7 @@ from demlaws.laws.registry import registry
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 PAIRS = pairs()
-every_pair = pytest.mark.parametrize(("name", "unloading"), PAIRS)
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, telling))
 MASS = 0.01
 
 
@@ -133,7 +133,8 @@ def test_impact_balances_its_energy(name, unloading):
 
 
 @pytest.mark.parametrize(
-    ("name", "unloading"), [(n, u) for n, u in PAIRS if not registry()[n].solved and u in ("elastic", "hertz")]
+    ("name", "unloading"),
+    shared([(n, u) for n, u in PAIRS if not registry()[n].solved and u in ("elastic", "hertz")], telling),
 )
 def test_impact_converges_with_second_order(name, unloading):
     """Velocity Verlet: four times the steps, a sixteenth of the error (kinks and the first touch allow a little less)."""

@@ -34,6 +34,9 @@ every_law = pytest.mark.parametrize("name", LAWS)
 every_contact = pytest.mark.parametrize(("name", "contact"), EACH)
 every_pair = pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, telling))
 
+SHOWN = ("pohrt-popov", "yip-venart")
+"""Laws with which a test of what is the same for all is done: a closed form with every rule, and a solved curve."""
+
 BATCH_OF_CONTACTS = dl.Contact(
     radius=np.array([3e-3, 4.35e-3, 5e-3, 6e-3, 4.1e-3]),
     modulus=np.array([32.32e9, 30e9, 32.32e9, 25e9, 32.32e9]),
@@ -210,7 +213,7 @@ def two_steps(law, dtype=np.float64, **options):
     return [*results, *(state.arrays if state is not None else ())]
 
 
-@every_pair
+@pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, lambda pair: telling(pair) and pair[0] != "yip-venart"))
 def test_contacts_in_arrays_equal_one_at_a_time(name, unloading):
     options = options_of(name)
     many = example(name, BATCH_OF_CONTACTS, unloading, **options)
@@ -246,7 +249,9 @@ def test_out_holds_the_results(name, unloading):
     np.testing.assert_array_equal(out[1], expected[1])
 
 
-@every_pair
+@pytest.mark.parametrize(
+    ("name", "unloading"), shared(PAIRS, lambda pair: pair[0] in ("pohrt-popov", "yip-venart") and telling(pair))
+)
 def test_float32_storage_with_double_arithmetic(name, unloading):
     """Results are those of the stored overlaps in double, rounded once."""
     law = make(name, unloading)

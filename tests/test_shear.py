@@ -7,10 +7,14 @@ from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
 
 import demlaws as dl
 from demlaws.core.shear import CHOICES
+from demlaws.core.unloading import RULES
 from demlaws.driver import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-every_pair = pytest.mark.parametrize(("name", "unloading"), shared(pairs(), telling))
+# what is followed is the rule's force: every rule with one law, and those that laws have of their own
+every_pair = pytest.mark.parametrize(
+    ("name", "unloading"), shared(pairs(), lambda pair: telling(pair) and (pair[0] == "pohrt-popov" or pair[1] not in RULES))
+)
 DEEP = 5.0 * GRANITE.roughness
 BACK = np.array([0.4, 1.0, 1.0 - 1e-11, 0.999, 1.0, 1.0 + 1e-11, 1.1]) * DEEP
 

@@ -665,6 +665,7 @@ def test_a_law_with_three_kinks_is_tabulated_to_its_certificate(tmp_path, rng):
     np.testing.assert_allclose(table.overlap(law.force(overlap)), overlap, rtol=2e-4)
 
 
+@pytest.mark.slow
 def test_an_unloading_curve_with_three_kinks():
     """The curve of a twice as stiff contact: a table unloads along it as its law does, through the kinks."""
     kinks = (0.3, 1.7, 3.0)

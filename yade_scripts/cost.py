@@ -5,8 +5,9 @@ table, and the public way; with 1 and with 2 threads. The ratio of a law of ours
 same functor alternates between our code and its own every two steps, of which the second is timed, over the same contacts in
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
 Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--laws LAW ...]
-    [--out FOLDER]
-Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it). Saves cost.png.
+    [--every] [--out FOLDER]
+Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: as long again as
+`demlaws yade check`). Saves cost.png.
 """
 
 import argparse
@@ -22,6 +23,9 @@ import numpy as np
 import yade
 
 import demlaws as dl
+from demlaws.core.unloading import GIVEN
+from demlaws.laws.registry import find
+from demlaws.make import example
 from demlaws.measure.yade_cost import spheres, undisturbed
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.run import run
@@ -44,6 +48,21 @@ BRIDGE = {
     "the same as a table": lambda: (table(), "hertz", {}),
     "rough-plastic, thornton unloading": lambda: ("rough-plastic", "thornton", {"yield_pressure": 1.66e9}),
     "rms, hertz unloading": lambda: ("rms", "hertz", {}),
+}
+
+
+def of_rule(name, rule):
+    """(law, rule, options) of one unloading rule of a law, for the spheres of `scene`."""
+    modulus = YOUNG / (1 - POISSON**2) / 2
+    spans = {"radii": (0.49 * RADIUS, 0.51 * RADIUS), "moduli": (0.99 * modulus, 1.01 * modulus)}
+    if rule != GIVEN:
+        return name, rule, {**find(name).example, **spans}
+    contact = dl.Contact(RADIUS / 2, modulus, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
+    return example(name, contact, rule), None, spans
+
+
+EVERY = {
+    f"{name}, {rule}": lambda name=name, rule=rule: of_rule(name, rule) for name in dl.laws() for rule in find(name).offered()
 }
 PEERS = ("native Hertz-Mindlin", "native linear", "native Conical Damage Model", "public way, pohrt-popov")
 
@@ -123,9 +142,12 @@ def measure_bridge(side, rounds, steps, wanted):
     """Name → (ns a contact; ratio to the functor's native code: median, least, most of the rounds; µs of the guard)."""
     made, contacts = {}, 0
     for n, name in enumerate(wanted):
-        specification = BRIDGE[name]
-        given, unloading, options = specification()
-        law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, bridge="native", label=f"law{n}", **options)
+        try:
+            given, unloading, options = (BRIDGE | EVERY)[name]()
+            law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, bridge="native", label=f"law{n}", **options)
+        except dl.DemlawsError as error:
+            print(f"REFUSED {name}: {str(error).splitlines()[0]}")
+            continue
         number = scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
         guard = next(e for e in O._currEngines if isinstance(e, yade.PyRunner) and e.label != "ticker")
         O.run(5, True)  # the guard looks at every contact at the second step
@@ -136,7 +158,7 @@ def measure_bridge(side, rounds, steps, wanted):
         made[name] = (number, law, guard.execTime / (1e3 * watched))
         guard.dead = True  # or it would put our code back
         contacts = O.interactions.countReal()
-    times = {name: ([], []) for name in wanted}
+    times = {name: ([], []) for name in made}
     for _ in range(rounds):
         for name, (number, law, _) in made.items():
             O.switchToScene(number)
@@ -182,11 +204,15 @@ def main():
     parser.add_argument("--quick", action="store_true", help="fewer repetitions, 4,000 contacts unless sizes are given")
     parser.add_argument("--sizes", type=int, nargs="+", help="numbers of contacts, about (default 15000)")
     parser.add_argument("--bridge", action="store_true", help="our laws alone, without YADE's other models and the public way")
-    parser.add_argument("--laws", nargs="+", choices=BRIDGE, default=list(BRIDGE), metavar="LAW", help="some of our laws")
+    known = list(BRIDGE | EVERY)
+    parser.add_argument("--laws", nargs="+", choices=known, default=list(BRIDGE), metavar="LAW", help="some of our laws")
+    parser.add_argument("--every", action="store_true", help="every law with each of its rules, native bridge only")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], help="numbers of threads (default 1 2)")
     parser.add_argument("--out", default=".", help="folder of the picture")
     parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
     arguments = parser.parse_args()
+    if arguments.every:
+        arguments.laws, arguments.bridge = list(EVERY), True
     if arguments.child:
         child(arguments.child, arguments.quick, arguments.bridge, arguments.laws)
         return
@@ -206,6 +232,8 @@ def measure(arguments, size):
         line = next((x for x in done.stdout.splitlines() if x.startswith("RESULT ")), None)
         if line is None:
             raise SystemExit(done.stdout + done.stderr)
+        if threads == arguments.threads[0]:
+            print("".join(f"{x}\n" for x in done.stdout.splitlines() if x.startswith("REFUSED ")), end="")
         results[threads] = json.loads(line.removeprefix("RESULT "))
     return results
 
@@ -227,7 +255,7 @@ def tell(arguments, results):
 def draw(arguments, results):
     """The ratios of the last size."""
     names = list(results[arguments.threads[0]]["times"])
-    figure, axis = plt.subplots(figsize=(8, 4), constrained_layout=True)
+    figure, axis = plt.subplots(figsize=(8, max(4, 0.25 * len(names))), constrained_layout=True)
     shown = [name for name in names if not name.startswith("public")]
     for n, threads in enumerate(arguments.threads):
         ratios = [results[threads]["times"][name][1] for name in shown]

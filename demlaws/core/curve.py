@@ -13,7 +13,7 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.dispatch import bind, energy, virgin
-from demlaws.core.fastmath import bits, from_bits, kernel, loop, row_of_four, sqrt
+from demlaws.core.fastmath import INLINED, bits, from_bits, kernel, loop, row_of_four, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
@@ -79,7 +79,7 @@ def reached(kinks, u):
     """How many of the kinks lie at or below u: one comparison each, no loop, so that the caller's loop vectorises."""
 
 
-@overload(reached, jit_options={"forceinline": True, "nogil": True})
+@overload(reached, jit_options={**INLINED, "nogil": True})
 def _reached(kinks, u):
     return eval("lambda kinks, u: " + " + ".join(f"(1 if u >= kinks[{n}] else 0)" for n in range(len(kinks))))
 

@@ -12,9 +12,9 @@ from numba import types
 from numba.extending import overload
 
 from demlaws.core.cache import follow, is_ours
-from demlaws.core.fastmath import read_only
+from demlaws.core.fastmath import INLINED, read_only
 
-_INLINED = {"forceinline": True, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+_INLINED = {**INLINED, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
 
 
 _GENERIC = set()  # names of the functions that kernels may be bound to

@@ -3,6 +3,7 @@
 import numpy as np
 from numba.extending import register_jitable
 
+from demlaws.core.fastmath import INLINED
 from demlaws.core.loops import scale_loop, scale_one
 from demlaws.core.unloading import JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError
@@ -11,7 +12,7 @@ SMOOTHEST = 1e-40
 """σ/R below which roughness counts as this: no effect left in double precision, and no division by zero at σ = 0."""
 
 
-@register_jitable(forceinline=True)
+@register_jitable(**INLINED)
 def clamped_roughness(roughness, radius):
     """Roughness [m] of one contact as laws take it: never below SMOOTHEST times the radius. For compiled code, too."""
     return max(roughness, SMOOTHEST * radius)

@@ -7,13 +7,15 @@ that type. The state is a tuple of floats; all zeros is a virgin contact, and a 
 """
 
 import math
+import sys
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 from numba.extending import overload
 
 from demlaws.core.dispatch import bind, contact_area, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
-from demlaws.core.fastmath import cbrt, kernel, sqrt
+from demlaws.core.fastmath import INLINED, cbrt, kernel, sqrt
 
 
 class Elastic(NamedTuple):
@@ -76,6 +78,7 @@ RULES = {
 
 
 _OWN = {}  # name → the rule of a law or of a family of laws
+_OF_TAG = {}  # type of tag → rule; a file that runs twice makes types of one name twice, and laws of either live on
 
 LARGEST_STATE = 3
 """Numbers that a contact may remember: what every engine keeps room for."""
@@ -87,29 +90,45 @@ def own_rule(rule: Rule) -> Rule:
     Its kernels `step`, `unloaded` and `stored_and_dissipated` are bound to its tag. They read the law's Params from
     `parts(p)[1]`, so that they serve a table of the law, too, and the force of first loading from `virgin(p, overlap)`. A rule
     with a `number` has `keys` and a `shape`: in a table `parts(p)[1]` is then what `shape` makes of the file's numbers.
-    TypeError: a name that a general rule or another law's rule has, or a state larger than engines keep.
+    TypeError: a name that a general rule or another law's rule has, or a state larger than engines keep. The same file again
+    (imported and loaded, or a copy of it) is no other.
     """
     other = _OWN.get(rule.name)
-    if rule.name in RULES or (other is not None and repr(type(other.tag)) != repr(type(rule.tag))):
+    if rule.name in RULES or (other is not None and not _same(type(other.tag), type(rule.tag))):
         raise TypeError(f"there is another unloading rule {rule.name!r}: give this one a name of its own")
     if len(rule.state) > LARGEST_STATE:
         raise TypeError(f"rule {rule.name!r} remembers {len(rule.state)} numbers, engines keep {LARGEST_STATE}")
     if rule.curve != "law":
         raise TypeError(f"rule {rule.name!r}: curve must be 'law', got {rule.curve!r}")
-    _OWN[rule.name] = rule
+    _OWN[rule.name] = _OF_TAG[type(rule.tag)] = rule
     return rule
+
+
+def _same(one, other):
+    """Whether two types have one name and come from one module, or from files of one content."""
+    if one.__qualname__ != other.__qualname__:
+        return False
+    if one.__module__ == other.__module__:
+        return True
+    files = [getattr(sys.modules.get(kind.__module__), "__file__", None) for kind in (one, other)]
+    try:
+        contents = [Path(file).read_bytes() for file in files if file]
+    except OSError:
+        return False
+    return len(contents) == 2 and contents[0] == contents[1]
 
 
 def rule_of(tag_type):
     """The rule whose tag is of this type."""
-    return next(rule for rule in (*RULES.values(), *_OWN.values()) if type(rule.tag) is tag_type)
+    known = _OF_TAG.get(tag_type)
+    return known or next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
 
 
 def without_own(rule):
     """The rule for a contact that another law than the rule's own serves, a smooth one in YADE: then back along its curve."""
 
 
-@overload(without_own, jit_options={"forceinline": True})
+@overload(without_own, jit_options=INLINED)
 def _without_own(rule):
     if rule_of(rule.instance_class).curve == "law":
         return lambda rule: Elastic()

@@ -48,10 +48,9 @@ inline std::string attach_rule(Table &table) {
     if (file >= 0) close(file);
     if (!object) return path + " cannot be loaded: " + (reason ? reason : "no memory for it");
     OwnRule rule;
-    *(void **)&rule.step = dlsym(object, "demlaws_rule_step");
-    *(void **)&rule.unloading_stiffness = dlsym(object, "demlaws_rule_shear");
+    *(void **)&rule.step = dlsym(object, "demlaws_rule_contact");
     *(void **)&rule.energies = dlsym(object, "demlaws_rule_energies");
-    if (!rule.step || !rule.unloading_stiffness || !rule.energies) return path + " holds no rule of demlaws";
+    if (!rule.step || !rule.energies) return path + " holds no rule of this version of demlaws; write the table again";
     known = loaded.insert(std::make_pair(mark, rule)).first;
   }
   table.attach(&known->second);

@@ -96,7 +96,7 @@ inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
   return ~crc;
 }
 
-// One grid cell: s(t) = c[0] + t (c[1] + t (c[2] + t c[3])), t in [0, 1) from the cell's start to its end.
+// One grid cell: s = c[0] + t (c[1] + t (c[2] + t c[3])), t from where the cell begins. Cells are a power of 2 wide.
 struct Cell {
   double c[4];
 };
@@ -114,22 +114,14 @@ public:
 
   // s(u) and its slope from floor() to before last(); returns false outside (then use outside()).
   inline bool look_up(double u, double &s, double &slope) const {
-    uint64_t b;
+    uint64_t b; // positive doubles have the order of their bits; negative ones and NaN lie beyond all of them
     memcpy(&b, &u, 8);
-    int64_t k = (int64_t)(b >> shift_) - first_;
-    k += (int64_t)(u >= kink_[0]) + (int64_t)(u >= kink_[1]);
-    if (u >= kink_[2]) k += later_kinks(u);
-    if ((uint64_t)k >= (uint64_t)count_) return false;
-    const double *const c = cells_[k].c;
-    // the mantissa bits below the cell number are t; the exponent alone gives 1 / width
-    const uint64_t fraction = ((b << bits_) & 0x000fffffffffffffULL) | 0x3ff0000000000000ULL;
-    const uint64_t inverse = inverse_width_ - (b & 0x7ff0000000000000ULL);
-    double t, per_width;
-    memcpy(&t, &fraction, 8);
-    memcpy(&per_width, &inverse, 8);
-    t -= 1.0;
-    s = c[0] + t * (c[1] + t * (c[2] + t * c[3]));
-    slope = (c[1] + t * (2. * c[2] + t * (3. * c[3]))) * per_width;
+    uint64_t k = (b >> shift_) - first_;
+    k += b >= kink_[0];
+    k += b >= kink_[1];
+    if (__builtin_expect(b >= kink_[2], 0)) return behind_kinks(u, s, slope);
+    if (__builtin_expect(k >= count_, 0)) return false;
+    read(k, b & cell_, u, s, slope);
     return true;
   }
 
@@ -199,9 +191,9 @@ public:
 
 private:
   int bits_, shift_;
-  int64_t first_, count_;
-  uint64_t inverse_width_;
-  double kink_[3]; // the first three that split a cell, or infinity
+  uint64_t first_, count_;
+  uint64_t cell_;    // the bits of u that say where its cell begins
+  uint64_t kink_[3]; // bits of the first three that split a cell, or of infinity
   double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, floor_, slope_floor_, seat_;
   std::vector<Cell> storage_; // kept so that cells_ can be aligned
   const Cell *cells_;
@@ -210,10 +202,24 @@ private:
   Curve(const Curve &); // cells_ points into storage_: not copied
   Curve &operator=(const Curve &);
 
-  int64_t later_kinks(double u) const {
-    int64_t count = 1;
-    for (size_t i = 3; i < splits_.size() && u >= splits_[i]; i++) count++;
-    return count;
+  inline void read(uint64_t cell, uint64_t begin, double u, double &s, double &slope) const {
+    const double *const c = cells_[cell].c;
+    double t;
+    memcpy(&t, &begin, 8);
+    t = u - t; // exact
+    const double third = t * c[3], second = c[2] + third;
+    const double first = c[1] + t * second;
+    s = c[0] + t * first;
+    slope = first + t * (second + third);
+  }
+  // As look_up() where three kinks or more that split a cell lie below u.
+  __attribute__((noinline)) bool behind_kinks(double u, double &s, double &slope) const {
+    const uint64_t b = (uint64_t)number(u, 52);
+    uint64_t k = (b >> shift_) - first_ + 3;
+    for (size_t i = 3; i < splits_.size() && u >= splits_[i]; i++) k++;
+    if (k >= count_) return false;
+    read(k, b & cell_, u, s, slope);
+    return true;
   }
   static int64_t number(double u, int bits) {
     uint64_t b;
@@ -377,10 +383,9 @@ inline bool plain_number(const std::string &text, double &x) {
 
 // Code of a rule OWN, in SI; `first_loading` is the address of a FirstLoading.
 struct OwnRule {
+  // Writes force, stiffness, and the stiffness with which the contact would unload now.
   void (*step)(int64_t first_loading, double radius, double modulus, double roughness, double overlap, double *state,
-               double *force_and_stiffness);
-  double (*unloading_stiffness)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
-                                double force, double stiffness, double *state);
+               double *answer);
   void (*energies)(int64_t first_loading, double radius, double modulus, double roughness, double overlap,
                    double *state, double *stored_and_dissipated);
 };
@@ -798,7 +803,7 @@ inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &
   return node(next - 1, bits) == rows[n - 1].u ? -1 : n - 1;
 }
 
-// The cubic in t that has the rows' values and slopes at t0 and t1 of a cell of this width in u.
+// The cubic that has the rows' values and slopes at parts t0 and t1 of a cell of this width in u.
 inline Cell Curve::hermite(double t0, double t1, double width, const Row &left, const Row &right) {
   const double h = t1 - t0, end = right.slope * width * h, rise = right.s - left.s;
   double b = left.slope * width * h;
@@ -806,15 +811,17 @@ inline Cell Curve::hermite(double t0, double t1, double width, const Row &left, 
   const double c = (sliver ? 0.5 * (end - b) : 3. * rise - 2. * b - end) / (h * h);
   const double d = (sliver ? 0. : b + end - 2. * rise) / (h * h * h);
   b /= h;
-  const Cell cell = {
+  Cell cell = {
       {left.s - b * t0 + c * t0 * t0 - d * t0 * t0 * t0, b - 2. * c * t0 + 3. * d * t0 * t0, c - 3. * d * t0, d}};
+  for (int i = 1; i < 4; i++)
+    for (int k = i; k < 4; k++) cell.c[k] /= width; // exact: a power of 2
   return cell;
 }
 
 inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, double until) {
   bits_ = bits;
   shift_ = 52 - bits_;
-  inverse_width_ = (uint64_t)(2046 + bits_) << 52;
+  cell_ = ~(((uint64_t)1 << shift_) - 1);
   kinks_.clear();
   splits_.clear();
   nodes_.clear();
@@ -840,13 +847,16 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, 
     nodes_.push_back(u0);
   }
   nodes_.push_back(u_last_);
-  for (size_t i = 0; i < 3; i++) kink_[i] = i < splits_.size() ? splits_[i] : HUGE_VAL;
+  for (size_t i = 0; i < 3; i++) {
+    const double split = i < splits_.size() ? splits_[i] : HUGE_VAL;
+    memcpy(&kink_[i], &split, 8);
+  }
   storage_.resize(cells.size() + 1);
   const uintptr_t raw = (uintptr_t)&storage_[0];
   Cell *const aligned = (Cell *)((raw + 31) & ~(uintptr_t)31);
   std::copy(cells.begin(), cells.end(), aligned);
   cells_ = aligned;
-  count_ = (int64_t)cells.size();
+  count_ = cells.size();
   work_.assign(nodes_.size(), 0.);
   work_[0] = energy_below(u_first_);
   for (size_t i = 1; i < nodes_.size(); i++) work_[i] = work_[i - 1] + gauss(nodes_[i - 1], nodes_[i]);
@@ -857,11 +867,12 @@ inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) 
   double octaves = 40.;
   if (until > 0. && !straight) octaves = std::min(std::max(1., log2(s_first_ / until) / power_first_), 200.);
   const int64_t last = number(u_first_, bits_);
-  first_ = last - (int64_t)nearbyint(octaves * (double)(1 << bits_));
-  floor_ = node(first_, bits_);
+  octaves = std::min(octaves, std::max(1., log2(u_first_ / 1e-90))); // a cell's coefficients are finite numbers
+  first_ = (uint64_t)(last - (int64_t)nearbyint(octaves * (double)(1 << bits_)));
+  floor_ = node((int64_t)first_, bits_);
   seat_ = straight ? s_first_ * (1. - power_first_) : 0.;
   Row left = {0., 0., 0.};
-  for (int64_t cell = first_; cell <= last; cell++) {
+  for (int64_t cell = (int64_t)first_; cell <= last; cell++) {
     const double u = node(cell, bits_);
     Row right = {u, s_first_ * pow(u / u_first_, power_first_), 0.};
     right.slope = power_first_ * right.s / u;
@@ -869,10 +880,10 @@ inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) 
       right.slope = power_first_ * s_first_ / u_first_;
       right.s = seat_ + right.slope * u;
     }
-    if (cell == first_) slope_floor_ = straight ? right.slope : right.s / u;
+    if (cell == (int64_t)first_) slope_floor_ = straight ? right.slope : right.s / u;
     else {
       const double width = u - left.u;
-      const Cell line = {{left.s, right.slope * width, 0., 0.}};
+      const Cell line = {{left.s, right.slope, 0., 0.}};
       cells.push_back(straight ? line : hermite(0., 1., width, left, right));
     }
     left = right;
@@ -996,7 +1007,8 @@ struct State {
 
 struct Force {
   double force, stiffness;
-  bool outside; // the overlap lies beyond the table: force is an uncertified extrapolation
+  bool outside;     // the overlap lies beyond the table: force is an uncertified extrapolation
+  double unloading; // of a rule OWN: the stiffness with which it would unload from here; else 0
 };
 
 // First loading of one contact, for a rule OWN; SI. The pointers come first: the rule finds them by their place.
@@ -1037,33 +1049,22 @@ private:
 
 inline Force own_step(const Pair &pair, double radius, double overlap, double *state, bool update) {
   const FirstLoading loading(pair, radius);
-  double now[3] = {state[0], state[1], state[2]}, found[2] = {0., 0.};
+  double now[3] = {state[0], state[1], state[2]}, found[3] = {0., 0., 0.};
   pair.table->own_rule()->step(loading.address(), loading.radius, loading.modulus, loading.roughness,
                                overlap / pair.metre, now, found);
   if (update && found[0] == found[0])
     for (int i = 0; i < 3; i++) state[i] = now[i];
-  const Force force = {found[0] * loading.newton, found[1] * loading.newton / pair.metre, loading.outside};
-  return force;
-}
-
-// The stiffness with which it would unload from `overlap`, whose force is in `now`.
-inline double own_unloading_stiffness(const Pair &pair, double radius, double overlap, const Force &now,
-                                      const double *state) {
-  const FirstLoading loading(pair, radius);
-  double own[3] = {state[0], state[1], state[2]};
-  own_step(pair, radius, overlap, own, true); // where the contact was not updated, it is the state after the step
   const double stiffness = loading.newton / pair.metre;
-  return std::max(0.,
-                  stiffness * pair.table->own_rule()->unloading_stiffness(
-                                  loading.address(), loading.radius, loading.modulus, loading.roughness,
-                                  overlap / pair.metre, now.force / loading.newton, now.stiffness / stiffness, own));
+  const Force force = {found[0] * loading.newton, found[1] * stiffness, loading.outside,
+                       std::max(0., found[2] * stiffness)};
+  return force;
 }
 
 // One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
 // radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
 template <Unloading RULE>
 inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update) {
-  Force now = {0., 0., false};
+  Force now = {0., 0., false, 0.};
   if (overlap <= 0.) {
     if (update)
       for (int i = 0; i < state_size(RULE); i++) state[i] = 0.;
@@ -1180,7 +1181,7 @@ template <Unloading RULE>
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
                               const double *state) {
   if (RULE == ELASTIC || shear == TANGENT_SHEAR || !(now.force > 0.)) return now.stiffness;
-  if (RULE == OWN && shear == ELASTIC_SHEAR) return own_unloading_stiffness(pair, radius, overlap, now, state);
+  if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
   const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
   if (shear == ELASTIC_SHEAR) {
     if (!loads) return now.stiffness;

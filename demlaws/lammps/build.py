@@ -23,6 +23,7 @@ PACKAGED = Path(__file__).parent / "lib"
 PACKAGES = "sudo apt install g++"
 FLAGS = ["-std=c++11", "-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=fast", "-w"]
 FLAGS += ["-fPIC", "-shared", "-fvisibility=hidden"]
+FLAGS += ["-fno-tree-slp-vectorize"]  # a pair read at once where two numbers were just written makes the processor wait
 
 
 def compile_command(output, compiler="g++", portable=False):

@@ -100,7 +100,7 @@ def register(definition: Definition, replace: bool = False) -> Definition:
 
 def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
     _check(definition)
-    name = definition.name
+    name, home = definition.name, _twin(home)
     if name in _own and _homes[name] != home and not replace:
         raise DemlawsError(
             f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
@@ -115,7 +115,7 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
         _own[name] = definition
     _homes[name] = home
     with contextlib.suppress(OSError):
-        _marks[name] = f"{zlib.crc32(Path(home).read_bytes()):08x}"
+        _marks[name] = _check_value(Path(home).read_bytes())
     return _own[name]
 
 
@@ -205,7 +205,8 @@ copyreg.pickle(Definition, _reduced)
 def load_laws(file: str | os.PathLike) -> list[str]:
     """Run a Python file that registers laws (or has a `LAW = Definition(...)`, as this package's files); their names.
 
-    A file that has been loaded or imported in this process is left as it is. Processes started from here load it, too.
+    A file that has been loaded or imported in this process, by this name, another or as a copy, is left as it is. Processes
+    started from here load it, too.
 
     >>> import pathlib, tempfile
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "mine.py"
@@ -214,29 +215,53 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     >>> dl.load_laws(file)
     ['mine']
     """
-    path = os.path.realpath(as_path(file))
-    if path not in _loaded and not _imported(path):
+    path = _twin(os.path.realpath(as_path(file)))
+    module = _imported(path)
+    if path not in _loaded and module is not None:  # registered what it calls `register` with; a LAW waits to be
+        for definition in _laws_of(module):
+            _register(definition, path)
+    elif path not in _loaded:
         _loaded.add(path)
         try:
             _run(path)
         except BaseException:
             _loaded.discard(path)
             raise
-    if path not in map(os.path.realpath, _files()):
-        os.environ[VARIABLE] = os.pathsep.join([*_files(), path])
+    # processes that start from here may stand in another folder
+    os.environ[VARIABLE] = os.pathsep.join(dict.fromkeys([*map(os.path.realpath, _files()), path]))
     return [name for name, home in _homes.items() if home == path]
+
+
+def _twin(path: str) -> str:
+    """The file that has been loaded, where this one is a copy of it or another link to it; else this one.
+
+    Its laws and rules would else have the names of those loaded. A file that looks where it stands may be another elsewhere.
+    """
+    if path in _loaded or path in _homes.values():
+        return path
+    try:
+        content = Path(path).read_bytes()
+    except OSError:
+        return path  # `_run` says what is wrong with it
+    if b"__file__" in content:
+        return path
+    return next((_homes[law] for law, known in _marks.items() if known == _check_value(content)), path)
+
+
+def _check_value(content: bytes) -> str:
+    return f"{zlib.crc32(content):08x}"
 
 
 def _files() -> list[str]:
     return [file for file in os.environ.get(VARIABLE, "").split(os.pathsep) if file]
 
 
-def _imported(path: str) -> bool:
-    """Whether a module is this file; also one that is being run now."""
-    return any(
-        isinstance(module, ModuleType) and os.path.realpath(module.__dict__.get("__file__") or "/") == path
-        for module in list(sys.modules.values())
-    )
+def _imported(path: str) -> ModuleType | None:
+    """The module that is this file; also one that is being run now."""
+    for module in list(sys.modules.values()):
+        if isinstance(module, ModuleType) and os.path.realpath(module.__dict__.get("__file__") or "/") == path:
+            return module
+    return None
 
 
 def _run(path: str) -> None:

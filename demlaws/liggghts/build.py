@@ -4,6 +4,7 @@ The name has two keys: what it runs on (our sources, LIGGGHTS's library, the pro
 flags). Where there is no compiler, as on a compute node, the newest with the first key serves.
 """
 
+import functools
 import hashlib
 import os
 import platform
@@ -40,11 +41,19 @@ def cache_folder():
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
 
 
-def _output(command):
+@functools.lru_cache(maxsize=256)
+def _answer(command, stamps, environment):
     try:
         return subprocess.run(command, capture_output=True, text=True, check=True).stdout
     except (OSError, subprocess.CalledProcessError):
         return ""
+
+
+def _output(command):
+    """What a command prints, "" where it fails. Asked once, as long as the files that it names and the environment stay."""
+    files = [Path(shutil.which(word) or word) for word in map(str, command)]
+    stamps = tuple(file.stat().st_mtime_ns if file.is_file() else None for file in files)
+    return _answer(tuple(command), stamps, frozenset(os.environ.items()))
 
 
 def _compiler():

@@ -26,7 +26,7 @@ fix             m3 all property/global coefficientRestitution peratomtypepair 1 
 fix             m4 all property/global coefficientFriction peratomtypepair 1 0.5
 pair_style      gran model demlaws/table tangential history table ${table}
 pair_coeff      * *
-timestep        1e-9
+timestep        1e-8
 create_atoms    1 single 0 0 0 units box
 variable        gap equal 2*${radius}+1e-7
 variable        diameter equal 2*${radius}
@@ -40,17 +40,17 @@ compute         pull right reduce sum fx
 variable        force equal c_pull
 thermo_style    custom step v_overlap v_force
 thermo_modify   format float %.17e lost ignore norm no
-thermo          200
+thermo          20
 velocity        right set -0.2 0 0
-run             60000
+run             6000
 velocity        right set 0.2 0 0
-run             30000
+run             3000
 velocity        right set -0.2 0 0
-run             45000
+run             4500
 velocity        right set 0.2 0 0
-run             90000
+run             9000
 velocity        right set -0.2 0 0
-run             40000
+run             4000
 """
 TWO_PARTICLES = HEAD + _PARTICLES
 

@@ -25,6 +25,9 @@ hard_particles  yes
 """
 """How our own inputs begin: spheres, SI units, moduli of stone."""
 
+ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MCA_btl": "self"}
+"""Of a process that is its only rank: without a daemon and a look for networks, which Open MPI starts with, half a second."""
+
 
 def executable():
     """Path of the liggghts binary (DEMLAWS_LIGGGHTS or the first on PATH); DemlawsError where there is none."""
@@ -81,6 +84,8 @@ def command(script, ranks=1, variables=None, log="log.liggghts", plugin=True, po
         if root or ranks > len(os.sched_getaffinity(0)):
             mpirun += ["--oversubscribe"]
         line = mpirun + line
+    elif not any(name.startswith(("OMPI_COMM_", "PMIX_", "PMI_")) for name in environment):  # alone, not under an mpirun
+        environment = ALONE | environment
     return line, environment
 
 

@@ -16,7 +16,7 @@ from numba.extending import intrinsic, overload
 
 from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
-from demlaws.core.fastmath import callback, cbrt, from_bits, kernel, loop
+from demlaws.core.fastmath import INLINED, callback, cbrt, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.params import clamped_roughness
 from demlaws.core.shear import CHOICES, shear_stiffness
@@ -214,7 +214,7 @@ def store_own(kind, params, address):
     """Write to `address` what in a law's Params is not in its Shape, whose numba type is `kind`."""
 
 
-@overload(store_own, jit_options={"forceinline": True})
+@overload(store_own, jit_options=INLINED)
 def _store_own(kind, params, address):
     lines, offset = [], 0
     for name, field, shared in fields_of(params, kind.instance_type):
@@ -249,7 +249,7 @@ def unpack(kind, address):
     """The tuple of numba type `kind` (a TypeRef) that `pack` wrote to `address`."""
 
 
-@overload(unpack, jit_options={"forceinline": True})
+@overload(unpack, jit_options=INLINED)
 def _unpack(kind, address):
     names = dict(_READERS)
     text, _ = _read(kind.instance_type, "address", 0, names)
@@ -261,7 +261,7 @@ def read_params(params_kind, kind, own, shape):
     """A law's Params from what `store_own` wrote to `own` and `pack` to `shape`."""
 
 
-@overload(read_params, jit_options={"forceinline": True})
+@overload(read_params, jit_options=INLINED)
 def _read_params(params_kind, kind, own, shape):
     names, items, offset = dict(_READERS), [], 0
     for _, field, shared in fields_of(params_kind.instance_type, kind.instance_type):
@@ -310,7 +310,7 @@ def read_state(rule, address):
     """The rule's state values at `address`."""
 
 
-@overload(read_state, jit_options={"forceinline": True})
+@overload(read_state, jit_options=INLINED)
 def _read_state(rule, address):
     names = {"load_double": load_double}
     items = "".join(f"load_double(address + {8 * n}), " for n in range(_state_size(rule)))
@@ -322,7 +322,7 @@ def write_state(rule, address, state):
     """Store the rule's state values at `address`."""
 
 
-@overload(write_state, jit_options={"forceinline": True})
+@overload(write_state, jit_options=INLINED)
 def _write_state(rule, address, state):
     names = {"store_double": store_double}
     lines = "".join(f"    store_double(address + {8 * n}, state[{n}])\n" for n in range(_state_size(rule)))
@@ -595,7 +595,7 @@ def limit_shear(shear, context, phys, kno, kso, overlap):
     """Take from the shear force what `kept_share` does not leave it, for choices that are so limited."""
 
 
-@overload(limit_shear, jit_options={"forceinline": True})
+@overload(limit_shear, jit_options=INLINED)
 def _limit_shear(shear, context, phys, kno, kso, overlap):
     if not next(choice.limited for choice in CHOICES.values() if type(choice.tag) is shear.instance_class):
         return lambda shear, context, phys, kno, kso, overlap: None

@@ -19,7 +19,7 @@ def law(unloading="hertz"):
 
 def simulate(folder, ranks=1, quick=False, unloading="hertz", rtol=1e-5):
     common.table(folder, "granite.tbl", law(unloading), rtol)
-    return run(folder / "in.two_spheres", ranks, {"every": 1000 if quick else 200})
+    return run(folder / "in.two_spheres", ranks, {"every": 100 if quick else 20})
 
 
 if __name__ == "__main__":

@@ -20,7 +20,7 @@ def law(unloading="hertz"):
 def simulate(folder, ranks=1, quick=False, unloading="hertz", rtol=1e-5):
     common.table(folder, "granite.tbl", law(unloading), rtol)
     for wall in ("primitive", "mesh"):
-        variables = {"wall": f"{wall}.inc", "every": 1000, "slide": 200000 if quick else 1000000}
+        variables = {"wall": f"{wall}.inc", "every": 100, "slide": 20000 if quick else 100000}
         run(folder / "in.walls", ranks, variables, log=f"log.{wall}")
 
 

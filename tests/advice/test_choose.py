@@ -78,6 +78,7 @@ def test_predictions(name):
     assert choices.best.cost == min(c.cost for c in met)
 
 
+@pytest.mark.slow
 def test_what_is_left_out():
     best = dl.choose(SCENES["below the threshold"]).best
     assert dict(best.plan.options).get("branch") == "power"
@@ -194,6 +195,7 @@ def test_without_its_engine_a_scene_is_ranked_by_the_law_alone(monkeypatch):
 YIELDING = {"yield_pressure": 1.66e9, "force": (50.0, 800.0), "quantity": "overlap", "cyclic": True}
 
 
+@pytest.mark.slow
 def test_liggghts_wants_a_table_for_each_pair_of_sizes(monkeypatch, tmp_path):
     monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
     with pytest.raises(dl.DemlawsError, match=r"rough-plastic: its curve depends on the radius.* give them as classes"):

@@ -134,6 +134,7 @@ def test_points_before_contact_are_cut(told):
     assert np.all(ranking.points[0] > -1e-6 + bench_fit.MEET)
 
 
+@pytest.mark.slow
 def test_what_is_not_determined_is_said():
     """A yield pressure that no load reaches has a lower end only; two quantities that do the same have none that is useful."""
     law = dl.law("pohrt-popov", PAIR, "hertz")
@@ -160,6 +161,7 @@ def test_ranking_finds_the_law():
     assert pohrt.law.force(pohrt.law.overlap(50.0)) == pytest.approx(50.0)
 
 
+@pytest.mark.slow
 def test_known_noise_and_force_noise():
     law = dl.law("rms", PAIR, "hertz")
     random = np.random.default_rng(5)

@@ -27,6 +27,7 @@ def scene_of(run, **changes):
 PACKING = scene_of(softening.Run("yade", "cycles"), tolerance=0.3)
 
 
+@pytest.mark.slow
 def test_held_back_scenes_are_bounded():
     """At least 9 of the 10 scenes of other radii, pressures, roughness, factors and rates that the curves do not hold."""
     found = {p.run: p for p in softening.points(softening.load(), others=True)}
@@ -57,6 +58,7 @@ def time_to_solution(tolerance):
     return cases
 
 
+@pytest.mark.slow
 def test_time_to_solution_of_held_back_packings():
     """All steps of the process, rest and hold too, at one cost a step: at most 1.3 times those of the fastest of sixteen runs
     that met the tolerance, in at least 9 of 10 packings that no prediction is made from; and the advised run meets it."""

@@ -1,14 +1,15 @@
 """Cost of a step in LAMMPS: demlaws/table against stock hertz/material, in a block of touching spheres.
 
     python tests/benchmarks/bench_lammps.py [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--warm 100] [--portable]
-    python tests/benchmarks/bench_lammps.py --count
+    python tests/benchmarks/bench_lammps.py --count [--tangent]
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
-every law. Every law is timed in turn, round after round, with Mindlin's tangential model and a damping. Printed are medians
-of the ratio to the stock hertz/material of the same round, the ratio of the fastest rounds (what is left where other
-programs share the machine), and the parallel efficiency T1/(n Tn) of the fastest rounds. --count: instructions a step
-instead of times, under valgrind, of 1,000 spheres with the portable plugin: what other programs cannot disturb.
+every law. Every law is timed in turn, round after round, with Mindlin's tangential model and the same damping, viscoelastic
+(--tangent: ours with demlaws/tangent, which takes one more square root a contact). Printed are medians of the ratio to the
+stock hertz/material of the same round, the ratio of the fastest rounds (what is left where other programs share the
+machine), and the parallel efficiency T1/(n Tn) of the fastest rounds. --count: instructions a step instead of times, under
+valgrind, of 1,000 spheres with the portable plugin: what other programs cannot disturb.
 """
 
 import argparse
@@ -72,28 +73,29 @@ def write_block(path, side, radius=2e-3, seed=1):
     path.write_text("\n".join(lines) + "\n")
 
 
-def values_of(name, steps, warm):
+def values_of(name, steps, warm, tangent=False):
     """What the input is told, for one law."""
     ours = name in OURS
     normal = f"demlaws/table {OURS[name]}" if ours else "hertz/material"
-    own = {"normal": normal, "eta": 0.5 if ours else 100.0, "damping": "demlaws/tangent" if ours else "viscoelastic"}
+    tangent = tangent and ours
+    own = {"normal": normal, "eta": 0.5 if tangent else 100.0, "damping": "demlaws/tangent" if tangent else "viscoelastic"}
     return {**own, "steps": steps, "warm": warm}
 
 
-def instructions(folder, name, steps):
+def instructions(folder, name, steps, tangent):
     """Instructions of a run of so many steps."""
-    line, environment = command("in.cost", 1, values_of(name, steps, 1), plugin=name in OURS, portable=True)
+    line, environment = command("in.cost", 1, values_of(name, steps, 1, tangent), plugin=name in OURS, portable=True)
     tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
     done = subprocess.run([*tool, *line], cwd=folder, env=environment, capture_output=True, text=True)
     return int(re.search(r"Collected : (\d+)", done.stderr)[1])
 
 
-def count(folder):
+def count(folder, tangent):
     write_block(folder / "block.data", 10)
     print(f"{'law':32s} {'instructions a step':>20s} {'over stock':>11s}")
     stock = None
     for name in (STOCK, *OURS):
-        step = (instructions(folder, name, 61) - instructions(folder, name, 1)) / 60
+        step = (instructions(folder, name, 61, tangent) - instructions(folder, name, 1, tangent)) / 60
         stock = stock or step
         print(f"{name:32s} {step:20.0f} {step / stock:11.3f}", flush=True)
 
@@ -107,6 +109,7 @@ def main():
     parser.add_argument("--sides", type=int, nargs="+", default=[22, 46], help="spheres along an edge (22: 10,648; 46: 97,336)")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
     parser.add_argument("--count", action="store_true", help="count instructions, in valgrind, instead of time")
+    parser.add_argument("--tangent", action="store_true", help="our laws with demlaws/tangent, stock with viscoelastic")
     options = parser.parse_args()
     print(f"LAMMPS {versions().date}{', portable plugin' if options.portable else ''}")
     with tempfile.TemporaryDirectory() as scratch:
@@ -118,11 +121,11 @@ def main():
             dl.law("pohrt-popov", contact, unloading=unloading).tabulate().save(folder / f"{name}.tbl")
 
         if options.count:
-            count(folder)
+            count(folder, options.tangent)
             return
 
         def simulate(name, ranks):
-            values = values_of(name, options.steps, options.warm)
+            values = values_of(name, options.steps, options.warm, options.tangent)
             log = run(folder / "in.cost", ranks, values, plugin=name in OURS, portable=options.portable)
             return log["contacts"][-1], timings(folder / "log.lammps")
 

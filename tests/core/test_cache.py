@@ -92,6 +92,7 @@ def test_editing_is_noticed(tmp_path, file, old, new, factor):
     assert hertz(folder, NUMBA_CACHE_DIR=None) == (first, 0)  # the machine code of the law as it was is still there
 
 
+@pytest.mark.slow
 def test_equal_checkouts_share_a_cache(tmp_path):
     """By content: neither the place nor the time of the files matters. An edited file outside core and laws matters not."""
     one, other, cache = copy(tmp_path / "one"), copy(tmp_path / "other"), tmp_path / "cache"

@@ -30,7 +30,7 @@ def example(tmp_path_factory):
     return run
 
 
-@pytest.mark.parametrize("standard", ["c++11", "c++20"])
+@pytest.mark.parametrize("standard", ["c++11", pytest.param("c++20", marks=pytest.mark.slow)])
 def test_no_compiler_warns(standard):
     sources = sorted([*HEADER.glob("*.cpp"), *Path(__file__).parent.glob("*.cpp")])
     assert len(sources) == 3
@@ -61,11 +61,11 @@ def path_of(law, force):
         ("bahrami", "elastic", {}),
         ("yip-venart", "elastic", {}),
         ("greenwood-tripp", "elastic", {}),
-        ("hertz", "table", {}),
-        ("rms", "table", {}),
+        pytest.param("hertz", "table", {}, marks=pytest.mark.slow),
+        pytest.param("rms", "table", {}, marks=pytest.mark.slow),
         ("pohrt-popov", "table", {}),
-        ("goddard", "table", {"slope": 0.035}),
-        ("rough-plastic", "table", {"yield_pressure": 1.66e9}),
+        pytest.param("goddard", "table", {"slope": 0.035}, marks=pytest.mark.slow),
+        pytest.param("rough-plastic", "table", {"yield_pressure": 1.66e9}, marks=pytest.mark.slow),
         ("yip-venart", "table", {}),
         ("thornton-ning", "thornton", {"yield_pressure": 0.3e9}),
         ("conical-damage", "thornton", {"strength": 0.5e9}),

@@ -31,6 +31,7 @@ def test_mu_from_asperities():
     assert measured.force(3e-6) == pytest.approx(given.force(3e-6), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_contacts_that_differ_agree_with_one_at_a_time():
     radius, roughness = np.array([3e-3, 4.35e-3, 6e-3]), np.array([4e-6, 2.4e-6, 3e-6])
     contact = GRANITE.with_values(radius=radius, roughness=roughness)

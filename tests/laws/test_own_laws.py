@@ -8,7 +8,7 @@ import textwrap
 
 import numpy as np
 import pytest
-from examples import GRANITE
+from examples import GRANITE, shared
 from processes import PACKAGE, counted, python
 
 import demlaws as dl
@@ -199,6 +199,7 @@ def test_the_environment_reaches_other_processes(tmp_path):
     assert len(said) == 2 and all("no file of laws" in line for line in said)
 
 
+@pytest.mark.slow
 def test_workers_find_it(tmp_path):
     """Forked and spawned workers get the law itself, not a copy that something else made."""
     file = write(tmp_path)
@@ -366,7 +367,7 @@ BAD = {
 }
 
 
-@pytest.mark.parametrize("fault", BAD)
+@pytest.mark.parametrize("fault", shared(list(BAD), list(BAD)[::3].__contains__))
 def test_a_law_that_is_none_is_refused_with_its_overlap_and_value(fault):
     definition, said = BAD[fault]
     dl.register(definition)
@@ -375,6 +376,7 @@ def test_a_law_that_is_none_is_refused_with_its_overlap_and_value(fault):
     assert "bad" in str(caught.value) and "\n" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_one_bad_contact_of_an_array_is_named():
     """Between the smoothest, the roughest and the middle one, which stand for all."""
     dl.register(law(lambda p, d: math.nan if 2.0e-3 < p.radius < 2.1e-3 else 3e9 * d**1.7))
@@ -473,6 +475,7 @@ def test_the_check_of_a_law():
         dl.check_law("nobody")
 
 
+@pytest.mark.slow
 def test_the_check_sees_what_is_wrong():
     """Within what a law may be to be used at all: an energy off by 1e-5, a stiffness by 1e-6, a rule that it cannot take."""
     off = dl.define("off", power, lambda p, d: 1.000001 * 5.1e9 * d**0.7, energy=lambda p, d: 1.00001 * 3e9 * d**2.7 / 2.7)

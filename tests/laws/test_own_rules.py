@@ -1,18 +1,22 @@
 """A rule for unloading that a user brings with a law of their own, from a file outside the package."""
 
+import importlib
+import os
 import shutil
 import subprocess
+import sys
 import textwrap
 import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from examples import GRANITE
+from examples import GRANITE, shared
 from own_spring import SPRING, expected, registered
 
 import demlaws as dl
-from demlaws.core.unloading import Rule, own_rule
+from demlaws.core.unloading import Rule, own_rule, rule_of
+from demlaws.laws.registry import find
 
 SHARED = Path(dl.__file__).parent / "cpp"
 needs_compiler = pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
@@ -105,6 +109,7 @@ def test_a_file_and_its_object(tmp_path):
         dl.Table.load(tmp_path / "cut.tbl")
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_file_whose_law_is_not_here_or_another(tmp_path):
     text = SPRING.replace('name="spring"', 'name="soft-spring"').replace('"slack"', '"more-slack"')
@@ -120,6 +125,7 @@ def test_a_file_whose_law_is_not_here_or_another(tmp_path):
         dl.Table.load(path)
 
 
+@pytest.mark.slow
 @needs_compiler
 def test_a_rule_that_cannot_stand_alone(tmp_path):
     text = SPRING.replace(
@@ -133,6 +139,66 @@ def test_a_rule_that_cannot_stand_alone(tmp_path):
         with pytest.raises(dl.DemlawsError, match=r"the rule cannot stand alone: .*undefined reference"):
             table.save(tmp_path / "calls.tbl")
     assert not list(tmp_path.glob("calls.tbl*"))
+
+
+@needs_compiler
+def test_a_table_and_its_object_are_both_written_or_neither(tmp_path):
+    """The table cannot take the place of a folder; the object that was there before, or none, is there after it."""
+    table = dl.law("spring", GRANITE).tabulate(1e-3)
+    name = tmp_path / "spring.tbl"
+    name.mkdir()
+    with pytest.raises(dl.DemlawsError, match=r"cannot write \S+spring\.tbl: Is a directory"):
+        table.save(name)
+    assert [file.name for file in tmp_path.iterdir()] == ["spring.tbl"]
+    Path(f"{name}.so").write_bytes(b"of another table")
+    with pytest.raises(dl.DemlawsError, match="Is a directory"):
+        table.save(name)
+    assert Path(f"{name}.so").read_bytes() == b"of another table"
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["spring.tbl", "spring.tbl.so"]
+
+
+@pytest.mark.parametrize("how", ["relative", "symlink", "hard link", "copy"])
+def test_one_file_by_two_names_is_one_law(tmp_path, monkeypatch, how):
+    """Its rule would else meet one of its own name; a file that differs is refused."""
+    text = SPRING.replace('name="spring"', 'name="twice"').replace('"slack"', '"twice-slack"')
+    with registered(tmp_path, text, "twice.py") as file:
+        first, other = find("twice"), tmp_path / "other.py"
+        if how == "relative":
+            monkeypatch.chdir(tmp_path)
+            other = Path("twice.py")
+        elif how == "copy":
+            shutil.copy(file, other)
+        else:
+            (other.symlink_to if how == "symlink" else other.hardlink_to)(file)
+        assert dl.load_laws(other) == ["twice"]
+        assert find("twice") is first
+        assert os.environ["DEMLAWS_LAWS"].split(os.pathsep)[-1] == str(file)
+        changed = tmp_path / "changed.py"
+        changed.write_text(file.read_text().replace("lost=0.4", "lost=0.5"))
+        with pytest.raises(dl.DemlawsError, match="there is another unloading rule 'twice-slack'"):
+            dl.load_laws(changed)
+        # as a module of a script, too: it runs once more, its law is the one from then on, and the rules of both are known
+        monkeypatch.syspath_prepend(tmp_path)
+        name = other.stem
+        importlib.import_module(name)
+        del sys.modules[name]
+        again = find("twice")
+        assert again is not first
+        for definition in (first, again):
+            assert rule_of(type(definition.rules[0].tag)) is definition.rules[0]
+
+
+@pytest.mark.slow
+def test_laws_of_a_file_that_ran_twice(tmp_path, monkeypatch):
+    text = SPRING.replace('name="spring"', 'name="again"').replace('"slack"', '"again-slack"')
+    with registered(tmp_path, text, "again.py"):
+        laws = [dl.law("again", GRANITE)]
+        monkeypatch.syspath_prepend(tmp_path)
+        importlib.import_module("again")
+        del sys.modules["again"]
+        laws.append(dl.law("again", GRANITE))
+        for law in laws:
+            np.testing.assert_allclose(law.follow(PATH).force, expected(PATH), rtol=1e-12, atol=1e-12)
 
 
 def test_no_other_law_is_offered_it():
@@ -184,7 +250,7 @@ HOSTILE = {
 }
 
 
-@pytest.mark.parametrize("fault", HOSTILE)
+@pytest.mark.parametrize("fault", shared(list(HOSTILE), ("returns work", "jumps where it turns").__contains__))
 def test_a_rule_that_is_none_is_refused_with_its_overlap_and_value(fault, tmp_path):
     right, wrong, said = HOSTILE[fault]
     number, text = list(HOSTILE).index(fault), textwrap.dedent(SPRING)

@@ -14,6 +14,7 @@ from demlaws.measure.stability import (
     Case,
     cases,
     failures,
+    hold_loop,
     impact_gains,
     measure,
     path_loop,
@@ -80,9 +81,32 @@ def test_time_step_where_the_tangent_falls():
         largest = stiffest_one if end > kink else law.stiffness(end)
         expected = part * 2.0 * math.sqrt(0.01 / largest)
         assert dl.timestep(law, 0.01, float(law.force(end))) == pytest.approx(expected, rel=1e-8)
-    lossy = example("conical-damage", GRANITE, "thornton")
+    lossy = example("conical-damage", GRANITE, "thornton")  # nothing grows: below
     force = float(lossy.force(share))
     assert dl.timestep(lossy, 0.01, force) == pytest.approx(1.6 * math.sqrt(0.01 / stiffest(lossy, force)), rel=1e-12)
+
+
+@pytest.mark.slow
+def test_what_a_soft_loading_lets_a_contact_depart_is_no_growth():
+    """A hard contact crushes 500 times as softly as it unloads: under a load just below the largest it is pulled back and let
+    go, comes back with the energy of the stiff spring, and crushes on √500 times as far, in any step. As growth it was counted:
+    dl.timestep up to 1.43 of the stable step, where a fiftieth of it did the same."""
+    hard = example("conical-damage", dl.Contact(1.0, 1e13, 1e-4, 3.0, 1e12), "thornton")
+    for share in (1e-4, 1e-2):
+        largest = float(hard.force(share))
+        state, step = hard.new_state(1), dl.timestep(hard, 1.2e-2, largest)
+        hard.follow(np.array([share]), state)
+        overlap = float(hard.unloading_overlap(0.999 * largest, state))
+        kick = 3e-2 * (0.999 * largest / hard.params.hertz_coefficient) ** (2 / 3)
+        found = []
+        for part in (1.0, 0.02):
+            arrays = tuple(a.copy() for a in state.arrays)
+            found.append(
+                hold_loop(hard.rule, hard.params, arrays, 1.2e-2, 0.999 * largest, overlap, -kick, part * step, 20_000, 1e9)
+            )
+        assert 20.0 < found[1] < 30.0 and found[0] < 2.0 * found[1], found
+    ratios = step_ratios(hard)
+    assert 0.5 <= min(ratios) and max(ratios) <= 1.001
 
 
 def test_no_table_of_straight_branches_returns_work():

@@ -16,6 +16,7 @@ def measured():
     return trade.measure(["hertz", "pohrt-popov", "rough-plastic"], count=20_000, rounds=2)
 
 
+@pytest.mark.slow
 def test_entries(measured):
     entries, floor = measured
     assert floor > 0.0
@@ -36,6 +37,7 @@ def test_entries(measured):
     assert lazy[0].own["force"] < lazy[2].own["force"]
 
 
+@pytest.mark.slow
 def test_front(measured):
     entries, _ = measured
     front = sorted((e for e in entries if e.front), key=lambda e: e.ns)

@@ -76,6 +76,7 @@ def test_repeated_contact_of_the_isotropic_surface():
     assert [line.split(":")[0] for line in said[:3]] == [f"computed, memory {m}" for m in ("pressure", "blunting", "none")]
 
 
+@pytest.mark.slow
 def test_the_commands(tmp_path, capsys):
     assert main(["regime", "--figures", "1", "--out", str(tmp_path)]) == 0
     assert "Fig. 1:" in capsys.readouterr().out and (tmp_path / "figure-01.png").stat().st_size > 10000

@@ -130,7 +130,7 @@ def test_half_moments_against_mpmath():
             assert value == pytest.approx(float(d * mpmath.pcfd(-n - 1, s)), rel=3e-14)
 
 
-@pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, (CASES[1::2] + EVERY[:1]).__contains__))
+@pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, CASES[1::3].__contains__))
 def test_converged_under_grid_refinement_and_between_nodes(model, parameter):
     whole = curve(model, parameter)
     fine = axisymmetric._Solver(model, parameter, refine=1.6)
@@ -155,7 +155,7 @@ def test_converged_under_grid_refinement_and_between_nodes(model, parameter):
     assert worst[3] < 1e-5
 
 
-@pytest.mark.parametrize(("model", "parameter"), CASES)
+@pytest.mark.parametrize(("model", "parameter"), shared(CASES, CASES[::3].__contains__))
 def test_tangent_is_the_derivative(model, parameter):
     forces = np.array([1e-6, 1e-3, 0.1, 1.0, 5.0])
     step = 1e-3
@@ -165,7 +165,7 @@ def test_tangent_is_the_derivative(model, parameter):
     np.testing.assert_allclose(solve(parameter, forces).stiffness, forces / slope, rtol=1e-7)
 
 
-@pytest.mark.parametrize(("model", "parameter"), CASES + EVERY)
+@pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, CASES.__contains__))
 def test_inverse_continuity_and_passivity(model, parameter):
     whole = curve(model, parameter)
     forces = np.geomspace(1e-14, 1e9, 4001)

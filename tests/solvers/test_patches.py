@@ -403,6 +403,7 @@ def test_the_law_names_bad_options():
         dl.law("asperity", many, surface=contact.heights)
 
 
+@pytest.mark.slow
 def test_the_law_of_many_contacts():
     """Radii that differ are blended between curves 5 % apart; contacts that differ otherwise have their own curves."""
     contact, _ = law_of()

@@ -114,6 +114,9 @@ void *force_of(void *lmp) {
 
 enum Layout { UNKNOWN, EARLY, LATE, NONE };
 Layout layout = UNKNOWN;
+bool pairs_proved = false; // pairs of particles may be computed here
+
+void take_pairs();
 
 // Finds the layout, or why there is none.
 std::string prove(void *lmp) {
@@ -126,7 +129,12 @@ std::string prove(void *lmp) {
   else if (early::abi_fits(lmp, stock)) layout = EARLY;
   else if (late::abi_fits(lmp, stock)) layout = LATE;
   else why = "its granular models are laid out in another way than those of 4 Feb 2025 to 4 Jul 2026";
-  if (why.empty()) return "";
+  if (why.empty()) {
+    Here::look();
+    pairs_proved = layout == LATE ? late::pairs_fit(lmp, stock) : early::pairs_fit(lmp, stock);
+    if (pairs_proved) take_pairs();
+    return "";
+  }
   layout = NONE;
   return "demlaws cannot be added to this LAMMPS: " + why + "; nothing of it was changed";
 }
@@ -159,6 +167,15 @@ std::string install() {
              " directly; nothing of it was changed";
   Slots::visit(all, true);
   return "";
+}
+
+// Pairs of particles: where LAMMPS calls these two functions directly it goes on to do so.
+void take_pairs() {
+  Patch pairs[] = {{DEMLAWS_CHECK, layout == LATE ? (void *)&late::check : (void *)&early::check, 0},
+                   {DEMLAWS_COMPUTE, layout == LATE ? (void *)&late::compute : (void *)&early::compute, 0},
+                   {NULL, NULL, 0}};
+  Slots::visit(pairs, true);
+  pairs_proved = pairs[0].slots && pairs[1].slots;
 }
 
 // Before anything of ours is made.
@@ -231,6 +248,8 @@ void init_here(void *model) {
   if (layout != EARLY && layout != LATE) return;
   if (layout == LATE) late::keep_signs((late::Model *)model);
   else early::keep_signs((early::Model *)model);
+  if (layout == LATE) late::plan((late::Model *)model, pairs_proved);
+  else early::plan((early::Model *)model, pairs_proved);
   if (!pair_now) return;
   Histories &kept = Histories::all()[pair_now];
   kept.sizes.push_back(layout == LATE ? late::sizes_of((late::Model *)model) : early::sizes_of((early::Model *)model));
@@ -357,6 +376,8 @@ EXPORTED void demlaws_pair_forces(void *, int, int) __asm__(DEMLAWS_PAIR_FORCES)
 EXPORTED void demlaws_wall_forces(void *, int) __asm__(DEMLAWS_WALL_FORCES);
 EXPORTED void demlaws_region_forces(void *, int) __asm__(DEMLAWS_REGION_FORCES);
 EXPORTED void demlaws_post_run(void *) __asm__(DEMLAWS_POST_RUN);
+EXPORTED bool demlaws_check(void *) __asm__(DEMLAWS_CHECK);
+EXPORTED void demlaws_compute(void *) __asm__(DEMLAWS_COMPUTE);
 EXPORTED void lammpsplugin_init(void *, void *, void *);
 }
 
@@ -374,6 +395,8 @@ void demlaws_pair_forces(void *pair, int eflag, int vflag) { pair_forces_here(pa
 void demlaws_wall_forces(void *wall, int vflag) { wall_forces_here(wall, vflag); }
 void demlaws_region_forces(void *wall, int vflag) { region_forces_here(wall, vflag); }
 void demlaws_post_run(void *modify) { post_run_here(modify); }
+bool demlaws_check(void *model) { return Stock::get().check(model); } // until take_pairs()
+void demlaws_compute(void *model) { Stock::get().compute(model); }
 
 // What `plugin load` and LAMMPS_PLUGIN_PATH call. The layout is proved first: a LAMMPS that does not fit is left alone.
 void lammpsplugin_init(void *lmp, void *, void *) {
@@ -382,6 +405,8 @@ void lammpsplugin_init(void *lmp, void *, void *) {
   else Slots::undo();
   const Stock &stock = Stock::get();
   if (stock.setting && stock.setting(lmp, "world_rank") != 0) return;
-  if (why.empty()) printf("Loading plugin: granular demlaws/table\n");
+  if (why.empty())
+    printf("Loading plugin: granular demlaws/table%s\n",
+           pairs_proved ? "" : " (pairs of particles are computed by LAMMPS's own code)");
   else fprintf(stderr, "WARNING: %s\n", why.c_str());
 }

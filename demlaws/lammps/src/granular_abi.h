@@ -235,4 +235,154 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
   return good && gone;
 }
 
+// Virtual function `number` of an object that may be LAMMPS's own: the compiler sees no class but those here, and would
+// call them directly.
+enum {
+  FORCES = 5,
+  CONTACT_RADIUS = 7,
+  NORMAL_FORCES = 8
+}; // calculate_forces of a damping and a tangential model; of a normal one
+template <class Result> inline Result call(void *object, int number) {
+  return (*(Result(***)(void *))object)[number](object);
+}
+
+// What GranularModel::check_contact and calculate_forces do for a pair of particles without rolling, twisting and heat.
+// Written out here so that the law and its damping need no virtual calls and no second reading of their numbers.
+inline bool touching(Model *m) {
+  const double *const a = m->xi, *const b = m->xj;
+  const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2], radsum = m->radi + m->radj;
+  m->dx[0] = x;
+  m->dx[1] = y;
+  m->dx[2] = z;
+  const double rsq = x * x + y * y + z * z;
+  m->rsq = rsq;
+  m->radsum = radsum;
+  m->touch = rsq < radsum * radsum;
+  if (rsq < radsum * radsum) {
+    m->Reff = m->radi * m->radj / radsum;
+    return true;
+  }
+  return false;
+}
+__attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
+  const double r = sqrt(m->rsq), rinv = 1. / r, radi = m->radi, radj = m->radj;
+  const double x = rinv * m->dx[0], y = rinv * m->dx[1], z = rinv * m->dx[2];
+  const double *const vi = m->vi, *const vj = m->vj, *const wi = m->omegai, *const wj = m->omegaj;
+  const double vx = vi[0] - vj[0], vy = vi[1] - vj[1], vz = vi[2] - vj[2];
+  const double wx = radi * wi[0] + radj * wj[0], wy = radi * wi[1] + radj * wj[1], wz = radi * wi[2] + radj * wj[2];
+  const double normal = vx * x + vy * y + vz * z;
+  const double tx = vx - normal * x - (wy * z - wz * y), ty = vy - normal * y - (wz * x - wx * z),
+               tz = vz - normal * z - (wx * y - wy * x);
+  m->r = r;
+  m->delta = m->radsum - r;
+  m->nx[0] = x;
+  m->nx[1] = y;
+  m->nx[2] = z;
+  m->vnnr = normal;
+  m->vtr[0] = tx;
+  m->vtr[1] = ty;
+  m->vtr[2] = tz;
+  if (speed) m->vrel = sqrt(tx * tx + ty * ty + tz * tz);
+}
+__attribute__((always_inline)) inline void sum(Model *m, double total) {
+  if (__builtin_expect(m->limit_damping && total < 0., 0)) total = 0.;
+  m->Fntot = total;
+  m->normal_model->Fncrit = fabs(total);
+  call<void>(m->tangential_model, FORCES);
+  const double x = m->nx[0], y = m->nx[1], z = m->nx[2], fx = m->fs[0], fy = m->fs[1], fz = m->fs[2];
+  const double tx = fy * z - fz * y, ty = fz * x - fx * z, tz = fx * y - fy * x, half = 0.5 * m->delta;
+  const double i = m->radi - half, j = m->radj - half;
+  m->forces[0] = total * x + fx;
+  m->forces[1] = total * y + fy;
+  m->forces[2] = total * z + fz;
+  m->torquesi[0] = i * tx;
+  m->torquesi[1] = i * ty;
+  m->torquesi[2] = i * tz;
+  m->torquesj[0] = j * tx;
+  m->torquesj[1] = j * ty;
+  m->torquesj[2] = j * tz;
+}
+
+// Whether they do: contacts that touch and that do not, stick and slip, by the running LAMMPS and by the above.
+inline bool pairs_fit(void *lmp, const Stock &stock) {
+  std::vector<double> buffer(2048);
+  memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+  Model *const m = (Model *)&buffer[0];
+  stock.make(m, lmp);
+  char words[3][4][20] = {
+      {"hertz/material", "3.0", "0.25", "0.125"}, {"mindlin", "NULL", "0.5", "0.25"}, {"viscoelastic", "", "", ""}};
+  const int types[] = {NORMAL, TANGENTIAL, DAMPING}, counts[] = {4, 4, 1};
+  for (int k = 0; k < 3; k++) {
+    char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
+    stock.add(m, arg, 0, counts[k], types[k]);
+  }
+  stock.init(m);
+  bool good = m->size_history == 3 && m->tangential_model == m->sub_models[TANGENTIAL];
+  const int CASES = 24, VALUES = 40;
+  uint32_t random = 1;
+  for (int n = 0; n < CASES && good; n++) {
+    double in[6][3], found[2][VALUES], memory[3];
+    for (int k = 0; k < 6; k++)
+      for (int axis = 0; axis < 3; axis++) {
+        random = random * 1664525u + 1013904223u;
+        in[k][axis] = ((random >> 8) / 16777216. - 0.5) * (k < 2 ? 0.6 : n % 3 ? 2. : 0.01);
+      }
+    in[0][0] += 1.15;
+    for (int way = 0; way < 2; way++) {
+      m->contact_type = 0;
+      m->history_update = n % 4 != 3;
+      m->calculate_svector = 0;
+      m->limit_damping = n % 2;
+#if DEMLAWS_SYNCHRONIZED
+      m->synchronized_verlet = 0;
+#endif
+      m->xi = in[0];
+      m->xj = in[1];
+      m->vi = in[2];
+      m->vj = in[3];
+      m->omegai = in[4];
+      m->omegaj = in[5];
+      m->radi = 0.75;
+      m->radj = 0.5;
+      m->meff = 2.;
+      m->dt = 0.01;
+      m->history = memory;
+      for (int axis = 0; axis < 3; axis++) memory[axis] = 0.01 * in[3][axis];
+      double *const out = found[way];
+      std::fill(out, out + VALUES, 0.);
+      int at = 0;
+      const bool touch = way ? touching(m) : stock.check(m);
+      out[at++] = touch;
+      out[at++] = m->touch;
+      out[at++] = m->rsq;
+      out[at++] = m->radsum;
+      if (!touch) continue;
+      if (way) {
+        geometry(m, true);
+        m->contact_radius = call<double>(m->normal_model, CONTACT_RADIUS);
+        m->Fnormal = call<double>(m->normal_model, NORMAL_FORCES);
+        sum(m, m->Fnormal + call<double>(m->damping_model, FORCES));
+      } else stock.compute(m);
+      const double numbers[] = {m->Reff,
+                                m->r,
+                                m->delta,
+                                m->vnnr,
+                                m->vrel,
+                                m->contact_radius,
+                                m->Fnormal,
+                                m->Fntot,
+                                m->normal_model->Fncrit,
+                                way ? m->damping_model->damp * m->meff * m->contact_radius
+                                    : m->damping_model->damp_prefactor};
+      for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) out[at++] = numbers[k];
+      const double *const vectors[] = {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory};
+      for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+        for (int axis = 0; axis < 3; axis++) out[at++] = vectors[k][axis];
+    }
+    for (int k = 0; k < VALUES; k++) good = good && fabs(found[0][k] - found[1][k]) <= 1e-13;
+  }
+  stock.unmake(m);
+  return good;
+}
+
 } // namespace DEMLAWS_LAYOUT

@@ -7,6 +7,9 @@
 //            eta is the coefficient of restitution; c = c(e) sqrt(m K) with the tangent stiffness K of the table
 namespace DEMLAWS_LAYOUT {
 
+__attribute__((noinline)) bool check_elsewhere(Model *m) { return Stock::get().check(m); }
+__attribute__((noinline)) void compute_elsewhere(Model *m) { Stock::get().compute(m); }
+
 class Table : public NormalMod {
 public:
   enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, SHEAR, FINGERPRINT, COEFFICIENTS };
@@ -16,7 +19,8 @@ public:
   // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
   Table(Model *m, const std::string &named, const demlaws::Table &table)
       : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
-        per_stiffness_(0.), radius_(0.), shear_(demlaws::ELASTIC_SHEAR) {
+        per_stiffness_(0.), radius_(0.), shear_(demlaws::ELASTIC_SHEAR), whole_(false), speed_(true),
+        damped_(OTHERWISE) {
     name = named;
     material_properties = 1;
     // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
@@ -100,6 +104,14 @@ public:
   double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
   double stiffness() const { return stiffness_; }
 
+  // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
+  // model are at work; else LAMMPS's own.
+  virtual void whole() = 0;
+  bool is_whole() const { return whole_; }
+  static Table *latest; // of those that are whole, the one met last
+  ~Table() { latest = latest == this ? NULL : latest; }
+  void plan(bool proved);
+
 protected:
   template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
     Model *const m = gm;
@@ -151,6 +163,8 @@ protected:
   demlaws::Pair pair_;
   double stiffness_, per_stiffness_, radius_; // radius_ > 0: the only one the table holds for
   demlaws::Shear shear_;
+  bool whole_, speed_;                               // speed_: the tangential model asks for that of the surfaces, vrel
+  enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_; // BY_RADIUS: viscoelastic, whose formula abi_fits() has checked
 
 private:
   __attribute__((noinline, cold)) void refuse(const std::string &what) const {
@@ -224,6 +238,20 @@ public:
         demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, m->history + history_index, m->history_update != 0));
   }
 
+  __attribute__((flatten)) void whole() {
+    Model *const m = gm;
+    if (__builtin_expect(ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
+    geometry(m, speed_);
+    m->Fnormal = this->template finish<RULE>(
+        demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, m->history + history_index, m->history_update != 0));
+    DampingMod *const damped = m->damping_model;
+    if (damped_ != OTHERWISE) {
+      damped->damp_prefactor =
+          damped->damp * (damped_ == BY_TANGENT ? sqrt(m->meff * stiffness_) : m->meff * m->contact_radius);
+      sum(m, m->Fnormal - damped->damp_prefactor * m->vnnr);
+    } else sum(m, m->Fnormal + call<double>(damped, FORCES));
+  }
+
 private:
   __attribute__((noinline, cold)) double watched() {
     Model *const m = gm;
@@ -255,6 +283,41 @@ public:
 private:
   const Table *normal_;
 };
+
+Table *Table::latest = NULL;
+
+inline void Table::plan(bool proved) {
+  latest = NULL;
+  const Model *const m = gm;
+  whole_ = proved && !m->beyond_contact;
+  for (int k = ROLLING; k <= HEAT; k++) whole_ = whole_ && m->sub_models[k]->name == "none";
+  const std::string &tangential = m->sub_models[TANGENTIAL]->name;
+  whole_ = whole_ && tangential != "none";
+  speed_ = tangential.compare(0, 7, "mindlin") != 0;
+  damped_ = dynamic_cast<Tangent *>(m->damping_model)  ? BY_TANGENT
+            : m->damping_model->name == "viscoelastic" ? BY_RADIUS
+                                                       : OTHERWISE;
+}
+
+// In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
+inline bool in_pairs(const Model *m) {
+#if DEMLAWS_SYNCHRONIZED
+  if (m->contact_type | m->synchronized_verlet) return false;
+#else
+  if (m->contact_type) return false;
+#endif
+  const NormalMod *const normal = m->normal_model;
+  if (__builtin_expect(normal == Table::latest, 1)) return true;
+  if (!Here::has(*(const void *const *)normal)) return false; // where the table of virtual functions stands
+  if (!((const Table *)normal)->is_whole()) return false;
+  Table::latest = (Table *)normal;
+  return true;
+}
+bool check(Model *m) { return in_pairs(m) ? touching(m) : check_elsewhere(m); }
+void compute(Model *m) {
+  if (in_pairs(m)) ((Table *)m->normal_model)->whole();
+  else compute_elsewhere(m);
+}
 
 inline Table *make_table(Model *m, const std::string &named, const demlaws::Table &table) {
   switch (table.unloading()) {
@@ -357,6 +420,10 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
   return at;
 }
 
+inline void plan(Model *m, bool proved) {
+  Table *const table = dynamic_cast<Table *>(m->normal_model);
+  if (table) table->plan(proved);
+}
 inline bool has_table(Model *m) { return dynamic_cast<Table *>(m->normal_model) != NULL; }
 // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the normal
 // both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says otherwise.

@@ -26,11 +26,42 @@
 #define DEMLAWS_WALL_FORCES "_ZN9LAMMPS_NS11FixWallGran10post_forceEi"
 #define DEMLAWS_REGION_FORCES "_ZN9LAMMPS_NS17FixWallGranRegion10post_forceEi"
 #define DEMLAWS_POST_RUN "_ZN9LAMMPS_NS6Modify8post_runEv"
+#define DEMLAWS_CHECK DEMLAWS_MODEL("13check_contactEv")
+#define DEMLAWS_COMPUTE DEMLAWS_MODEL("16calculate_forcesEv")
 
 namespace {
 
-enum { NORMAL = 0, DAMPING, TANGENTIAL, ROLLING, TWISTING };
+enum { NORMAL = 0, DAMPING, TANGENTIAL, ROLLING, TWISTING, HEAT };
 const char here = 0; // an address in this object
+
+// Where this object stands in memory.
+struct Here {
+  static bool has(const void *place) { return (ElfW(Addr))place - from() < size(); }
+  static void look() { dl_iterate_phdr(&Here::list, NULL); }
+
+private:
+  static ElfW(Addr) & from() {
+    static ElfW(Addr) from = 0;
+    return from;
+  }
+  static ElfW(Addr) & size() {
+    static ElfW(Addr) size = 0;
+    return size;
+  }
+  static int list(struct dl_phdr_info *object, size_t, void *) {
+    ElfW(Addr) first = ~(ElfW(Addr))0, last = 0;
+    for (int k = 0; k < object->dlpi_phnum; k++) {
+      const ElfW(Phdr) &part = object->dlpi_phdr[k];
+      if (part.p_type != PT_LOAD) continue;
+      first = std::min(first, (ElfW(Addr))(object->dlpi_addr + part.p_vaddr));
+      last = std::max(last, (ElfW(Addr))(object->dlpi_addr + part.p_vaddr + part.p_memsz));
+    }
+    if ((ElfW(Addr)) & here < first || (ElfW(Addr)) & here >= last) return 0;
+    from() = first;
+    size() = last - first;
+    return 1;
+  }
+};
 
 // The instance that an object of a class derived from LAMMPS's Pointers belongs to.
 inline void *instance_of(void *object) { return ((void **)object)[1]; }
@@ -117,8 +148,8 @@ private:
       find(DEMLAWS_MODEL("C1EPNS_6LAMMPSE"), make);
       find(DEMLAWS_MODEL("D1Ev"), unmake);
       find(DEMLAWS_INIT, init);
-      find(DEMLAWS_MODEL("13check_contactEv"), check);
-      find(DEMLAWS_MODEL("16calculate_forcesEv"), compute);
+      find(DEMLAWS_CHECK, check);
+      find(DEMLAWS_COMPUTE, compute);
       find(DEMLAWS_ERROR("all") "S8_", all, false);
       find(DEMLAWS_ERROR("one") "S8_", one, false);
       find(DEMLAWS_ERROR("all") "iS8_", all4, false);

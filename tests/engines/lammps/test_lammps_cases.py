@@ -43,7 +43,7 @@ def test_every_case_named_by_the_documentation_is_there():
 
 
 @pytest.mark.parametrize(
-    "case", shared(CASES, lambda case: case not in ("ballast", "compression", "packing", "energy", "impact"))
+    "case", shared(CASES, lambda case: case not in ("ballast", "compression", "packing", "energy", "impact", "migration"))
 )
 def test_case(common, tmp_path, case):
     simulate_and_check(common, case, tmp_path)
@@ -55,11 +55,12 @@ def test_energy_on_two_ranks_with_other_unloading(common, tmp_path, unloading):
     simulate_and_check(common, "energy", tmp_path, 2, {"unloading": unloading}, unloading=unloading)
 
 
-@pytest.mark.parametrize("unloading", ["elastic", "thornton", "table"])
+@pytest.mark.parametrize("unloading", shared(["elastic", "thornton", "table"], "thornton".__eq__))
 def test_restart_with_other_unloading(common, tmp_path, unloading):
     simulate_and_check(common, "restart", tmp_path, check={"unloading": unloading}, unloading=unloading)
 
 
+@pytest.mark.slow
 def test_the_impact_is_that_of_python(common):
     """LAMMPS's leg of the four-way comparison; YADE's and LIGGGHTS's are in test_four_way.py."""
     rows = common.load(INPUTS / "impact" / "four_way.py").compare(others=False)

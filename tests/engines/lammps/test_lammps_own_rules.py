@@ -1,16 +1,22 @@
 """A law whose unloading is its own inside LAMMPS: the code of its rule beside the table."""
 
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import shared
+from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, continued, moves_of, simulate, two_spheres
 from own_spring import registered
 
 import demlaws as dl
 from demlaws.lammps.check import TWO_PARTICLES, follow
-from demlaws.lammps.run import run
+from demlaws.lammps.run import command, executable
 
 CONTACT = dl.Contact(radius=4e-3, modulus=32e9)
+YOUNG = 2 * CONTACT.modulus * (1 - 0.25**2)
+TABLE = f"demlaws/table law.tbl {YOUNG!r} 1.0 0.25 {MINDLIN}"
+ENERGY = "compute e all demlaws/energy"
 
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
@@ -28,17 +34,54 @@ def test_a_rule_of_ones_own(tmp_path, ranks):
     assert np.abs(log["energy[2]"] - table.dissipated).max() <= 1e-6 * table.work.max()
 
 
-@pytest.mark.parametrize("fault", ["missing", "another"])
+@pytest.mark.parametrize("ranks", shared([1, 2], (1).__eq__))
+def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path, ranks):
+    """Half way back a restart file is written; new processes, on as many ranks and on one, go on to the last bit."""
+    with registered(tmp_path):
+        law = dl.law("spring", CONTACT, lost=0.3)
+        law.tabulate(1e-6).save(tmp_path / "law.tbl")
+        first, second = LOAD_UNLOAD[:2], [(-0.2, 0, 400), *LOAD_UNLOAD[2:]]
+        across, watch = {"d1": 16e-3, "d2": 16e-3}, {"more": ENERGY, "columns": "c_e[1] c_e[2]"}
+        text = two_spheres(TABLE, first, left=-0.008, **across, **watch) + "write_restart now.restart\n" + moves_of(second)
+        whole = simulate(tmp_path, text, ranks)
+        path = law.follow(whole["overlap"])
+    assert np.abs(whole["force"] - path.force).max() <= 2e-6 * path.force.max()
+    for later in {1, ranks}:
+        rest = simulate(tmp_path, continued(second, **across, **watch), later)
+        rows = np.isin(whole["Step"], rest["Step"])
+        assert rest["Step"].size == rows.sum() > 150 and 0 < rest["force"][0] < 0.7 * whole["force"].max()
+        for column in ("force", "side"):
+            np.testing.assert_array_equal(rest[column], whole[column][rows], err_msg=column)
+        for column in ("e[1]", "e[2]"):  # sums over ranks, in another order
+            np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-14, err_msg=column)
+
+
+@pytest.mark.parametrize("fault", shared(["missing", "another", "missing on one rank"], "missing".__eq__))
 def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
     with registered(tmp_path):
         table = dl.law("spring", CONTACT, lost=0.3).tabulate(1e-4).save(tmp_path / "law.tbl")
     code = Path(f"{table}.so")
     if fault == "another":
         code.write_bytes(code.read_bytes() + b"\n")
-    else:
+    elif fault == "missing":
         code.unlink()
+    ranks = 2 if "rank" in fault else 1
     (tmp_path / "in.contact").write_text(TWO_PARTICLES)
-    given = {"young": repr(2 * CONTACT.modulus * (1 - 0.25**2)), "radius": repr(8e-3), "table": "law.tbl", "newton": "on"}
-    said = "is not the object that the table was written with" if fault == "another" else "must lie beside the table"
-    with pytest.raises(dl.DemlawsError, match=rf"rank 0: law\.tbl\.so.*{said}"):
-        run(tmp_path / "in.contact", 1, {**given, "every": 4})
+    given = {"young": repr(YOUNG), "radius": repr(8e-3), "table": "law.tbl", "newton": "on", "every": 4}
+    line, environment = command("in.contact", ranks, given)
+    if ranks > 1:  # the second rank stands elsewhere
+        (tmp_path / "elsewhere").mkdir()
+        script = tmp_path / "start.sh"
+        script.write_text('#!/bin/sh\n[ "${PMI_RANK:-$OMPI_COMM_WORLD_RANK}" = 1 ] && cd elsewhere\nexec "$@"\n')
+        script.chmod(0o755)
+        place = line.index(str(executable().path))
+        line[place:place] = [str(script)]
+    done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, errors="replace", timeout=120)
+    said = " ".join((done.stdout + done.stderr).split())
+    assert done.returncode
+    reason = {
+        "missing": "rank 0: law.tbl.so: cannot be opened (No such file or directory)",
+        "another": "rank 0: law.tbl.so is not the object that the table was written with",
+        "missing on one rank": "rank 1: it finds no law.tbl.so, or another than the table was written with",
+    }
+    assert f"ERROR: demlaws/table: {reason[fault]}" in said, said

@@ -19,7 +19,7 @@ import demlaws.lammps as lm
 from demlaws import cli
 from demlaws.errors import DemlawsError
 from demlaws.lammps.check import TWO_PARTICLES
-from demlaws.lammps.run import command, executable
+from demlaws.lammps.run import HEAD, command, executable
 
 build_module = sys.modules["demlaws.lammps.build"]
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -182,6 +182,58 @@ def test_a_lammps_that_does_not_fit_is_left_alone(folder, monkeypatch, file, old
     assert "demlaws cannot be added to this LAMMPS" in both and why in both and "nothing of it was changed" in both
     if "PLUGIN" in lm.versions().packages:  # a preloaded one is asked, and says the same as LAMMPS's error
         assert "Illegal model type demlaws/table" in both
+
+
+# --- pairs of particles, computed by the plugin itself
+
+
+def pile(normal):
+    """A shaken block of touching spheres, some of which slip; all forces, moments and positions in the end."""
+    return (
+        HEAD
+        + f"""\
+boundary        p p p
+lattice         sc 0.004
+region          box block 0 4 0 4 0 4
+create_box      1 box
+create_atoms    1 box
+set             group all diameter 0.00402 density 2650
+neighbor        4e-4 bin
+pair_style      granular
+pair_coeff      * * {normal}
+velocity        all create 1e16 5 loop all
+fix             move all nve/sphere
+timestep        1e-7
+run             400
+write_dump      all custom end.dump id x y z fx fy fz tqx tqy tqz modify sort id format float %.17g
+"""
+    )
+
+
+@pytest.mark.slow
+def test_pairs_computed_here_are_those_of_lammps(folder, law, monkeypatch):
+    """Where the plugin's own way through GranularModel differs from LAMMPS's by a sign it is found out and not taken."""
+    ends = {}
+    sources = folder / "src"
+    shutil.copytree(build_module.SOURCES, sources)
+    text = (sources / "granular_abi.h").read_text()
+    assert text.count("const double i = m->radi - half") == 1
+    (sources / "granular_abi.h").write_text(text.replace("const double i = m->radi - half", "const double i = m->radi + half"))
+    for name in ("here", "there"):
+        if name == "there":
+            monkeypatch.setattr(build_module, "SOURCES", sources)
+            monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
+        (folder / "in.case").write_text(pile(TABLE))
+        line, environment = command("in.case")
+        out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
+        assert out.returncode == 0, out.stdout[-1500:] + out.stderr
+        if "PLUGIN" in lm.versions().packages:  # a preloaded one says nothing
+            assert ("computed by LAMMPS's own code" in out.stdout) == (name == "there")
+        ends[name] = np.loadtxt(folder / "end.dump", skiprows=9)
+    assert np.abs(ends["here"][:, 7:]).max() > 0
+    for columns in (slice(1, 4), slice(4, 7), slice(7, 10)):  # positions, forces, moments
+        there = ends["there"][:, columns]
+        assert np.abs(ends["here"][:, columns] - there).max() <= 1e-9 * np.abs(there).max()
 
 
 # --- ways in

@@ -1,10 +1,13 @@
 """Rows of the validation report that LAMMPS computes: an impact on a plane, and an array along a path of strains."""
 
+import pytest
+
 from demlaws.validation import engines, in_lammps
 from demlaws.validation.jobs import array_jobs, impact_jobs, kept_jobs
 from demlaws.validation.published import IMPACTS, KEPT, kept_rows
 
 
+@pytest.mark.slow
 def test_an_impact_on_a_rigid_plane_gives_the_printed_peak():
     number = next(n for n, one in enumerate(IMPACTS) if one.plane)
     (found,) = in_lammps.answer(impact_jobs()[number : number + 1])

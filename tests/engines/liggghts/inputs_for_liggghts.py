@@ -23,7 +23,7 @@ fix             m6 all property/global coefficientRollingViscousDamping peratomt
 fix             m7 all property/global surfaceRoughness peratomtype 1e-6 2e-6
 {pair_style}
 pair_coeff      * *
-timestep        1e-9
+timestep        1e-8
 create_atoms    1 single 0 0 0 units box
 create_atoms    2 single {x} 0 0 units box
 set             atom 1 diameter {d1} density 2650
@@ -42,7 +42,7 @@ thermo          {every}
 """
 
 
-def two_spheres(pair_style, moves, d1=17.4e-3, d2=17.4e-3, restitution=1.0, every=200):
+def two_spheres(pair_style, moves, d1=17.4e-3, d2=17.4e-3, restitution=1.0, every=20):
     """An input of two spheres of types 1 and 2, 0.1 µm apart; moves: (speed along x, along y, steps) of the second."""
     text = PROPERTIES.format(
         pair_style=pair_style, e=restitution, x=repr(0.5 * (d1 + d2) + 1e-7), d1=repr(d1), d2=repr(d2), every=every

@@ -394,7 +394,7 @@ def test_stock_fit_in_the_stock_binary(tmp_path, stock):
     # no damping, so that the force is the model's own at any speed
     properties = [p.replace(" 0.5 0.5 0.5 0.5", " 1 1 1 1") if "Restitution" in p else p for p in properties]
     kept[at:at] = [*properties, style]
-    (tmp_path / "in.stock").write_text("\n".join(kept).replace("thermo          200", "thermo 20"))
+    (tmp_path / "in.stock").write_text("\n".join(kept).replace("thermo          20", "thermo 2"))
     log = lg.run(tmp_path / "in.stock", variables={"young": 0, "radius": 0.0087, "table": "none"}, plugin=False)
     overlaps = law.overlap(loads)
     force = np.interp(overlaps, log["overlap"], log["force"])

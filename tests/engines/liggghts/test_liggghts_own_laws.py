@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from examples import shared
 from inputs_for_liggghts import two_spheres
 from own_spring import registered
 
@@ -29,6 +30,7 @@ def test_a_law_of_ones_own_within_its_certificate(tmp_path, registered_here):
     assert np.abs(force - expected).max() <= 1e-5 * expected.max()
 
 
+@pytest.mark.slow
 def test_a_table_of_a_function_within_its_certificate():
     def force(overlap):
         return 3e9 * overlap**1.7
@@ -79,7 +81,7 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
     with registered(tmp_path):
         law = dl.law("spring", CONTACT, lost=0.3)
         law.tabulate(1e-6).save(tmp_path / "law.tbl")
-    moves = [(-0.2, 0, 50000), (0.2, 0, 5000), (-0.2, 0, 20000), (0.2, 0, 60000)]
+    moves = [(-0.2, 0, 5000), (0.2, 0, 500), (-0.2, 0, 2000), (0.2, 0, 6000)]
     text = two_spheres(f"{GRAN}table law.tbl", moves[:2], 16e-3, 16e-3).replace(
         "region          box", "processors 1 1 1\nregion box"
     )
@@ -97,7 +99,7 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
     np.testing.assert_allclose(later["force"], whole["force"][same], rtol=1e-12, atol=1e-12 * whole["force"].max())
 
 
-@pytest.mark.parametrize("fault", ["missing", "another", "missing on one rank"])
+@pytest.mark.parametrize("fault", shared(["missing", "another", "missing on one rank"], "missing".__eq__))
 def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
     with registered(tmp_path):
         law = dl.law("spring", CONTACT, lost=0.3)

@@ -20,7 +20,7 @@ from demlaws.make import example
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-LOAD_UNLOAD = [(-0.2, 0, 50000), (0.2, 0, 30000), (-0.2, 0, 40000), (0.2, 0, 90000), (-0.2, 0, 40000)]
+LOAD_UNLOAD = [(-0.2, 0, 5000), (0.2, 0, 3000), (-0.2, 0, 4000), (0.2, 0, 9000), (-0.2, 0, 4000)]
 GRAN = "pair_style gran model demlaws/table tangential history "
 
 
@@ -64,7 +64,7 @@ def test_the_history_has_the_names_of_the_rules_states():
         ("yip-venart", "elastic", {}),
         ("greenwood-tripp", "elastic", {}),
         ("pohrt-popov", "table", {}),
-        ("yip-venart", "table", {}),
+        pytest.param("yip-venart", "table", {}, marks=pytest.mark.slow),
         ("conical-damage", "thornton", {"strength": 0.5e9}),
         ("walton-braun", "linear", {}),
         ("eepa", "eepa", {}),
@@ -106,7 +106,7 @@ def test_sub_models_leave_the_normal_force_alone(tmp_path, granite_pair, tangent
     law = dl.law("pohrt-popov", contact, unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
     style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table {table}"
-    log = simulate(tmp_path, two_spheres(style, LOAD_UNLOAD, every=1000))
+    log = simulate(tmp_path, two_spheres(style, LOAD_UNLOAD, every=100))
     assert error_of(log, law) <= 3e-8
 
 
@@ -115,8 +115,8 @@ def test_tangential_stiffness_follows_the_normal_tangent(tmp_path, granite_pair)
     contact = granite_pair.with_values(modulus=modulus())
     law = dl.law("pohrt-popov", contact, unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    moves = [(-0.2, 0, 50000), (0.2, 0, 10000), (0, 0.001, 1000)]
-    log = simulate(tmp_path, two_spheres(GRAN + f"table {table}", moves, every=1000))
+    moves = [(-0.2, 0, 5000), (0.2, 0, 1000), (0, 0.001, 100)]
+    log = simulate(tmp_path, two_spheres(GRAN + f"table {table}", moves, every=100))
     stiffness = law.follow(log["overlap"]).stiffness[-1]
     shear = 60.6e9 / (2 * (1 + 0.25)) / (2 * (2 - 0.25))  # effective G* of two like bodies, as LIGGGHTS has it
     assert log["side"][-1] == pytest.approx(
@@ -124,13 +124,13 @@ def test_tangential_stiffness_follows_the_normal_tangent(tmp_path, granite_pair)
     )  # the normal turns with the slip
 
 
-@pytest.mark.parametrize("moves", [[(-0.2, 0, 50000)], [(-0.2, 0, 50000), (0.2, 0, 10000)]], ids=["loading", "unloading"])
+@pytest.mark.parametrize("moves", [[(-0.2, 0, 5000)], [(-0.2, 0, 5000), (0.2, 0, 1000)]], ids=["loading", "unloading"])
 @pytest.mark.parametrize("choice", CHOICES)
 def test_what_the_tangential_stiffness_goes_by(tmp_path, granite_pair, choice, moves):
     """Press, back or not, then slide by 1 nm."""
     law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    log = simulate(tmp_path, two_spheres(GRAN + f"table {table} shear {choice}", [*moves, (0, 0.001, 1000)], every=1000))
+    log = simulate(tmp_path, two_spheres(GRAN + f"table {table} shear {choice}", [*moves, (0, 0.001, 100)], every=100))
     said = (tmp_path / "log.liggghts").read_text()
     assert said.count("load return more work than they took") == (choice == "tangent")
     ratio = 2 * (1 - 0.25) / (2 - 0.25)
@@ -158,7 +158,7 @@ def test_viscous_damping(tmp_path, granite_pair, restitution):
     contact = granite_pair.with_values(modulus=modulus())
     law = dl.law("pohrt-popov", contact, unloading="elastic")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    log = simulate(tmp_path, two_spheres(GRAN + f"table {table}", [(-0.2, 0, 50000)], restitution=restitution, every=100))
+    log = simulate(tmp_path, two_spheres(GRAN + f"table {table}", [(-0.2, 0, 5000)], restitution=restitution, every=10))
     path = law.follow(log["overlap"])
     beta = math.log(restitution) / math.hypot(math.log(restitution), math.pi)
     damping = -2 * math.sqrt(5 / 6) * beta * np.sqrt(path.stiffness * sphere_mass(17.4e-3) / 2)
@@ -184,14 +184,14 @@ def test_limit_force(tmp_path, granite_pair):
 def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
     law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus(), radius=8.7e-3), unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    text = two_spheres(GRAN + f"table {table}", [(0, 0, 100)], every=100)
+    text = two_spheres(GRAN + f"table {table}", [(0, 0, 10)], every=10)
     wall = "fix floor all wall/gran model demlaws/table tangential history primitive type 1 xplane -0.0087\n"
     text = text.replace("variable        overlap", wall + "variable        overlap")
     text = text.replace("-(xcm(right,x)-xcm(left,x))", "+0*xcm(left,x)").replace(
         "compute         pull right", "compute         pull left"
     )
     text = text.replace('"0.5*(0.0174+0.0174)+0*xcm(left,x)"', '"-xcm(left,x)"')
-    text += "velocity left set -0.2 0 0\nrun 50000\nvelocity left set 0.2 0 0\nrun 20000\n"
+    text += "velocity left set -0.2 0 0\nrun 5000\nvelocity left set 0.2 0 0\nrun 2000\n"
     log = simulate(tmp_path, text)
     assert log["overlap"].max() > 9e-6
     assert error_of(log, law) <= 3e-8
@@ -206,7 +206,7 @@ def test_columns_of_the_history(tmp_path, granite_pair, tangential, rolling, fir
     law = example("rough-plastic", granite_pair.with_values(modulus=modulus()), unloading)
     table = save(law, tmp_path / "law.tbl")
     style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table {table}"
-    text = two_spheres(style, LOAD_UNLOAD[:2], every=1000)
+    text = two_spheres(style, LOAD_UNLOAD[:2], every=100)
     count = first + law.state_size  # the overlap stands behind the history
     columns = " ".join(f"c_contacts[{n}]" for n in range(first, count + 1))
     text = text.replace("thermo_style ", "compute contacts all pair/gran/local history delta\nthermo_style ", 1)
@@ -227,7 +227,7 @@ def test_energies_across_ranks(tmp_path, granite_pair):
     """compute demlaws/energy of a pair that lies on the border of two ranks."""
     law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    text = two_spheres(GRAN + f"table {table}", LOAD_UNLOAD, every=1000)
+    text = two_spheres(GRAN + f"table {table}", LOAD_UNLOAD, every=100)
     text = text.replace("create_atoms    1 single 0 0 0", "create_atoms    1 single -0.0087 0 0")
     text = text.replace("single 0.0174001 0 0", "single 0.0087001 0 0").replace("neighbor ", "processors 2 1 1\nneighbor ", 1)
     text = text.replace("region          box", "processors      2 1 1\nregion          box").replace(
@@ -252,12 +252,12 @@ def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
     for name in ("mesh.inc", "plate.stl"):
         (tmp_path / name).write_text((walls / name).read_text())
     text = (walls / "in.walls").read_text().split("velocity        all set 0 0 -0.2")[0]
-    text = text.replace("${wall}", "mesh.inc").replace("${every}", "100").replace("single 0.000507", f"single {-2.03e-8 * way}")
-    text += "velocity all set 0 0 -0.2\nrun 40000\nvelocity all set 0 0 0.2\nrun 10000\n"
-    text += f"velocity all set {0.01 * way} 0 0\nrun 4000\nvelocity all set {-0.01 * way} 0 0\nrun 2000\n"
+    text = text.replace("${wall}", "mesh.inc").replace("${every}", "10").replace("single 0.000507", f"single {-2.03e-8 * way}")
+    text += "velocity all set 0 0 -0.2\nrun 4000\nvelocity all set 0 0 0.2\nrun 1000\n"
+    text += f"velocity all set {0.01 * way} 0 0\nrun 400\nvelocity all set {-0.01 * way} 0 0\nrun 200\n"
     # deeper than ever while both claim it, and out on the first triangle
-    text += f"velocity all set 0 0 -0.2\nrun 20000\nvelocity all set {-0.01 * way} 0 0\nrun 2000\n"
-    text += "velocity all set 0 0 0.2\nrun 20000\n"
+    text += f"velocity all set 0 0 -0.2\nrun 2000\nvelocity all set {-0.01 * way} 0 0\nrun 200\n"
+    text += "velocity all set 0 0 0.2\nrun 2000\n"
     log = simulate(tmp_path, text)
     path = law.follow(log["overlap"])
     assert np.abs(log["force"] - path.force).max() <= 3e-8 * path.force.max()
@@ -272,11 +272,11 @@ def test_dissipation_of_ended_contacts_comes_back_after_a_restart(tmp_path, gran
     table = save(law, tmp_path / "law.tbl", rtol=1e-8)
     more = "compute e all demlaws/energy\nvariable stored equal c_e[1]\nvariable lost equal c_e[2]\n"
     more += "thermo_style custom step v_overlap v_stored v_lost"
-    text = two_spheres(GRAN + f"table {table}", [], every=1000)
+    text = two_spheres(GRAN + f"table {table}", [], every=100)
     text = text.replace("thermo_style    custom step v_overlap v_force v_side", more)
     head, tail = text.split("region          box", 1)
     after = "\n".join(line for line in tail.splitlines()[1:] if not line.startswith(("create_", "set ")))
-    part, again = "run 50000\nvelocity right set 0.2 0 0\nrun 90000\n", "velocity right set -0.2 0 0\n"
+    part, again = "run 5000\nvelocity right set 0.2 0 0\nrun 9000\n", "velocity right set -0.2 0 0\n"
     first = text + again + part + "write_restart parted.restart\n" + again + part
     first = first.replace("region          box", f"processors {ranks} 1 1\nregion          box")
     whole = simulate(tmp_path, first, ranks)
@@ -303,7 +303,7 @@ def test_the_impact_of_the_python_driver(tmp_path):
 
     expected = driver.impact(law, 0.5 * sphere_mass(16e-3), 0.2, 40000)
     text = two_spheres(GRAN + f"table {table} tangential_damping off", [], 16e-3, 16e-3, every=1)
-    text = text.replace("nve/noforce", "nve/sphere").replace("timestep        1e-9", "timestep        2.5e-9")
+    text = text.replace("nve/noforce", "nve/sphere").replace("timestep        1e-8", "timestep        2.5e-9")
     text = text.replace("v_side", "v_speed").replace(
         "variable        side equal c_side", 'variable speed equal "vcm(right,x)-vcm(left,x)"'
     )

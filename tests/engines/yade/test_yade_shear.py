@@ -104,6 +104,7 @@ def test_no_choice_returns_more_than_mindlin(omega, name, rule, way):
                 assert mine.work.min() >= native.work.min() * (1 + 1e-9)
 
 
+@pytest.mark.slow
 def test_small_strain_shear_modulus_of_an_array(omega):
     """C44 of FCC and its exponent of pressure against the lattice sum."""
     from demlaws.validation import in_yade

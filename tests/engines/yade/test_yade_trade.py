@@ -35,6 +35,7 @@ def test_scene():
         assert found.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
 
 
+@pytest.mark.slow
 def test_the_conical_damage_model_is_hertz_until_it_yields():
     hertz = dl.law("hertz", PAIR)
     peaks = np.array([1.0, 30.0])
