@@ -14,6 +14,10 @@ class NotPassive(DemlawsError):
     """A law and an unloading rule that together would return more work than loading took."""
 
 
+class EngineStopped(DemlawsError):
+    """An engine has read an input and ended with an error of its own."""
+
+
 class NeedsClasses(DemlawsError):
     """A curve that depends on the radius, asked for a range of radii: it needs grains of a few sizes."""
 

@@ -337,6 +337,26 @@ def test_what_cannot_be_answered_leaves_the_history_as_it_was(name, unloading, b
     np.testing.assert_array_equal(law.evaluate(np.full(3, 4.8e-6), state)[0], expected)
 
 
+@pytest.mark.parametrize("dtype", [np.float64, np.float32])
+def test_a_small_grain_does_not_bound_the_others(dtype):
+    """Overlaps beyond the radius of the smallest contact of a batch, though not of their own: loaded, unloaded, reloaded."""
+    many = GRANITE.with_values(radius=np.array([1e-5, 4e-3, 2e-5, 5e-3]))
+    law = dl.law("pohrt-popov", many, "hertz")
+    state = law.new_state(4, dtype)
+    alone = [dl.law("pohrt-popov", GRANITE.with_values(radius=float(r)), "hertz") for r in many.radius]
+    states = [one.new_state(1, dtype) for one in alone]
+    for overlap in ([2e-7, 5e-5, 1e-7, 3e-6], [1.9e-7, 4.99e-5, 9e-8, 4e-5], [2.5e-7, 6e-5, 1.2e-7, 3.9e-5]):
+        overlap = np.array(overlap, dtype)
+        force, stiffness = law.evaluate(overlap, state)
+        for i, (one, own) in enumerate(zip(alone, states, strict=True)):
+            expected = one.evaluate(overlap[[i]], own)
+            np.testing.assert_array_max_ulp(np.array([force[i], stiffness[i]]), np.ravel(expected), 4, dtype=dtype)
+    kept = [array.copy() for array in state.arrays]
+    with pytest.raises(dl.DemlawsError, match=r"contact 0: overlap .* is 5 times the effective radius"):
+        law.evaluate(np.array([5e-5, 5.9e-5, 1e-7, 3.8e-5], dtype), state)
+    assert state.arrays[0][0] == kept[0][0] and state.arrays[1][0] == kept[1][0]
+
+
 def test_beyond_the_end_of_a_table_the_history_stays():
     table = make("pohrt-popov", "hertz").tabulate(rtol=1e-3, max_force=50.0)
     many = make("pohrt-popov").tabulate(rtol=1e-3, max_force=50.0).bound_to(BATCH_OF_CONTACTS).joined("hertz")

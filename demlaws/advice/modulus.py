@@ -4,7 +4,7 @@ measured.
 Three causes, each with a measured curve [our derivation]: geometry, over x = overlap over diameter of the softened grains at
 the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross the sample while it is loaded; κ_K = K/(p d), K the
 softened tangent at the mean force), over I in shear; and the time step, over its part of the stable one. Errors are those
-against the study's own runs: full modulus, I of `BASE`, half the stable step. Below its first point a curve goes as its first
+against the study's own runs: full modulus, I of `STEADY`, half the stable step. Below its first point a curve goes as its first
 two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says. Density is no fourth
 knob: of one inertial number I = rate × d √(ρ/p), denser grains loaded more slowly take the same steps, so that a density
 factor serves where the rate is given.
@@ -55,8 +55,6 @@ MARGIN = 1.15
 """By what the curve's error is multiplied for scenes that are unlike the study's."""
 STEADY = 3e-4
 """I of the study's own runs at full modulus."""
-BASE = {"oedometer": STEADY, "shear": 1e-3, "pour": STEADY}
-"""I of the runs of a process that softer grains are compared at."""
 HALF = 0.5
 """Part of the stable step that the study's own runs take."""
 QUASISTATIC = 1e-3
@@ -126,7 +124,7 @@ class Curves(NamedTuple):
 
     geometry: Curve  # over x
     rate: Curve | None  # over y, in shear over I, at full modulus; None: the process has no rate
-    soft_rate: Curve | None  # the same of softer grains, against the same grains at `BASE`
+    soft_rate: Curve | None  # the same of softer grains, against the same grains at `STEADY`
     step: Curve | None  # over the part of the stable step, against half of it; None: no other was run
     unbalanced: Curve | None  # unbalanced force over the mean force, over the same as `rate`
     chance: float  # scatter of one copy at full modulus
@@ -138,7 +136,7 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
     from demlaws.measure import softening
 
     names = [n for n in MEASURED[process][quantity] if unloads or n != "unloading"]
-    pressed, base = process == "oedometer", BASE[process]
+    pressed, base = process == "oedometer", STEADY
     rows = softening.load()
 
     def change(point, other=None):
@@ -325,7 +323,7 @@ def _predicted(scene, law, options, factor, inertial, part, here):
         geometry = 0.0 if factor == 1.0 else MARGIN * found.geometry.at(here.depth)
         rates = found.rate if factor == 1.0 else found.soft_rate
         waves = 0.0 if rates is None else MARGIN * rates.at(place)
-        if factor != 1.0 and inertial <= BASE[process]:  # what it costs there is part of geometry's curve
+        if factor != 1.0 and inertial <= STEADY:  # what it costs there is part of geometry's curve
             waves = 0.0
         step = _of_step(found.step, part)
         error = (1.0 + geometry) * (1.0 + waves) * (1.0 + step) - 1.0 + 2.0 * found.chance

@@ -31,12 +31,14 @@ class Kernel(CPUDispatcher):
     quarter of the time that compiling a loop takes. Called from Python, it is compiled once more with them."""
 
     def add_overload(self, result):
-        self.overloads[tuple(result.signature.args)] = result  # and not among what Python may call: there is no such code
+        """Keep what was compiled, but not among what Python may call: there is no such code."""
+        self.overloads[tuple(result.signature.args)] = result
 
     def _compile_for_args(self, *arguments, **named):
         return self._whole()
 
-    def get_compile_result(self, signature):  # of a kernel that is passed on as a value
+    def get_compile_result(self, signature):
+        """The compiled code of a kernel that is passed on as a value."""
         return self._whole().get_compile_result(signature)
 
     def _whole(self):

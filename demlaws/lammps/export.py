@@ -15,6 +15,7 @@ from demlaws.checks import number
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
+from demlaws.laws.registry import find
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
@@ -156,7 +157,7 @@ def export(
         raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
     folder, options = Path(folder), dict(options or {})
     load = number(load, "load", "N")
-    if stock is not None and (stock != "hertz" or law != "hertz"):
+    if stock is not None and stock != find(law).native.get("lammps"):
         raise DemlawsError(f"stock = {stock!r} with law {law!r}: LAMMPS has only law 'hertz' of its own, as stock='hertz'")
     if not (isinstance(count, int) and count > 0):
         raise DemlawsError(f"count = {count!r}: a whole number of at least 1")

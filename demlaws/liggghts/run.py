@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.liggghts.build import PACKAGES, build
 from demlaws.processes import output
 
@@ -119,7 +119,7 @@ def run(
     if status:
         errors = [text.strip() for text in lines if text.startswith("ERROR")]
         reason = errors[0] if errors else "".join(lines[-8:]).strip()
-        raise DemlawsError(f"LIGGGHTS stopped (exit {status}): {reason}")
+        raise EngineStopped(f"LIGGGHTS stopped (exit {status}): {reason}")
     return _thermo(lines)  # not of the log file: the input may have named another
 
 

@@ -1,4 +1,4 @@
-"""Runs of `demlaws.measure.softening` in LIGGGHTS: the oedometer and its cycles, and a pour."""
+"""Runs of `demlaws.measure.softening` in LIGGGHTS: the oedometer and its cycles, a pour, and shear to the peak."""
 
 from pathlib import Path
 
@@ -58,6 +58,70 @@ dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c
 run             0
 """
 )
+_SERVO = (
+    "fix             {name} all mesh/surface/stress/servo file {name}.stl type 3 move {at} com {at} ctrlPV force axis {axis} "
+    "target_val v_push_{name} vel_max {{fastest:.10g}} kp {{stiff:.10g}}\n"
+)
+SHEAR = (
+    CASE[: CASE.index("fix             plate all mesh")]
+    + """\
+unfix           gravity
+unfix           right
+unfix           rear
+variable        goal equal 1.0
+variable        push_right equal -{full:.10g}*v_area_x
+variable        push_rear equal -{full:.10g}*v_area_y
+variable        push_plate equal -{full:.10g}*v_area_z*v_goal
+"""
+    + _SERVO.format(name="right", at="{width:.10g} 0. 0.", axis="1. 0. 0.")
+    + _SERVO.format(name="rear", at="0. {width:.10g} 0.", axis="0. 1. 0.")
+    + _SERVO.format(name="plate", at="0. 0. ${{touching}}", axis="0. 0. 1.")
+    + """\
+fix             press all wall/gran model {model} tangential history mesh n_meshes 3 meshes right rear plate {words}
+variable        x equal f_right[7]
+variable        y equal f_rear[8]
+variable        z equal f_plate[9]
+variable        area_x equal v_y*v_z
+variable        area_y equal v_x*v_z
+variable        area_z equal v_x*v_y
+variable        across_x equal f_right[1]/v_area_x
+variable        across_y equal f_rear[2]/v_area_y
+variable        across_z equal f_plate[3]/v_area_z
+variable        off_x equal v_across_x/{full:.10g}-1.0
+variable        off_y equal v_across_y/{full:.10g}-1.0
+variable        off_z equal v_across_z/{full:.10g}-1.0
+variable        there equal "(v_off_x*v_off_x < 4e-4) && (v_off_y*v_off_y < 4e-4) && (v_off_z*v_off_z < 4e-4)"
+variable        sheared equal 0.0
+thermo_style    custom step v_sheared v_across_x v_across_y v_across_z v_x v_y v_z ke
+thermo_modify   norm no lost ignore format float %.12g
+thermo          {every}
+run             1000
+variable        tries loop {most}
+label           pressing
+run             {every}
+if              "${{there}} > 0.5" then "jump SELF pressed"
+next            tries
+jump            SELF pressing
+the_walls_have_not_come_to_their_stress
+label           pressed
+dump            before all local 1 post/before.txt c_contacts[1] c_contacts[2] c_contacts[3]
+run             0
+undump          before
+variable        sheared equal 1.0
+variable        goal equal 1e9
+variable        last equal {left:.10g}*${{z}}
+fix_modify      plate servo/vel_max {speed:.10g}
+label           shearing
+run             {every}
+if              "${{z}} <= ${{last}}" then "jump SELF sheared"
+jump            SELF shearing
+label           sheared
+dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
+run             0
+"""
+)
+LOOKS = 100  # steps between two looks at the walls
+MOST = 20_000  # looks until the walls have come to their stress
 AIR = 30.0  # of a falling grain's speed [1/s]: it lands at a third of what it would freely, and has come to rest in the time
 
 
@@ -111,5 +175,42 @@ def cycles(folder, scene, told):
             "stress": float(stress[end]),
         },
         "steps": int(step[-1]),
+        "seconds": seconds,
+    }
+
+
+def _across(width, height, axis):
+    """A flat wall across `axis` (0 or 1), larger than the packing: a file of two triangles."""
+    edge = 0.004
+    u, v = (-edge, width + edge), (-edge, 1.5 * height + edge)
+    corners = [((u[0], v[0]), (u[1], v[0]), (u[1], v[1])), ((u[0], v[0]), (u[1], v[1]), (u[0], v[1]))]
+    facets = ""
+    for three in corners:
+        places = [(0.0, a, b) if axis == 0 else (a, 0.0, b) for a, b in three]
+        vertices = "".join(f"   vertex {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in places)
+        facets += f" facet normal {1 - axis} {axis} 0\n  outer loop\n{vertices}  endloop\n endfacet\n"
+    return f"solid side\n{facets}endsolid side\n"
+
+
+def shear(folder, scene, told):
+    """Isotropic compression, then the plate comes down between sides kept at their stress; as yade_softening.py has it."""
+    given, way, centres = _made(scene, told, "centres")
+    drag = DRAG / told["size"] / Softening(told["factor"]).step
+    path = Path(folder) / "in.shear"
+    stiff = told["gain"] / told["fastest"]
+    more = {"stiff": stiff, "fastest": told["fastest"], "every": LOOKS, "most": MOST, "left": 1.0 - told["strain"]}
+    plugin = prepare(path, given, way, centres, SHEAR, drag, **more)
+    for axis, name in enumerate(("right", "rear")):
+        (path.parent / f"{name}.stl").write_text(_across(scene["width"], centres[:, 2].max(), axis))
+    log, forces, seconds = carry_out(path, plugin)
+    before = np.loadtxt(path.parent / "post" / "before.txt", skiprows=9)
+    touching = int(np.count_nonzero(np.linalg.norm(before, axis=1)))
+    down = np.flatnonzero((log["sheared"] == 1.0) & np.append(np.diff(log["Step"]) > 0, True))  # a run repeats the last row
+    columns = ("across_x", "across_y", "across_z", "x", "y", "z")
+    return {
+        "before": {"coordination": 2.0 * touching / len(scene["radii"])},
+        "held": {"forces": forces.tolist(), "coordination": 2.0 * forces.size / len(scene["radii"])},
+        "rows": np.stack([log[name][down] for name in columns], 1).tolist(),
+        "steps": int(log["Step"][-1]),
         "seconds": seconds,
     }

@@ -85,7 +85,7 @@ class Sheared(Box):
         """Keep the moving walls at the stress; the plate at a speed instead, where `axial` is one."""
         self.run_of, self.axial, self.rows = run, axial, []
         self.looking.iterPeriod, self.looking.dead = 10, False
-        before, limit = O.iter, 2_000_000
+        before, limit = O.iter, 400_000 if axial is None else 2_000_000
         self.run(limit)
         self.steps += O.iter - before - limit
         self.looking.dead, O.stopAtIter = True, 0

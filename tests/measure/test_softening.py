@@ -236,3 +236,46 @@ def test_softening_keeps_the_exponent_where_sigma_is_scaled(engine, tmp_path):
     for name in ("low", "loading"):
         assert abs(scaled[name] / one[name] - 1.0) < 0.2
         assert alone[name] / one[name] - 1.0 > 0.3
+
+
+@pytest.mark.slow
+@pytest.mark.liggghts
+def test_shear_in_liggghts_is_that_of_yade(tmp_path):
+    """150 grains of E/10 between walls that keep 100 kPa, sheared to 15 %: LIGGGHTS's servo walls against the kept rows of
+    YADE's, whose copies differ by 4 % in strength."""
+    if available("liggghts"):
+        pytest.skip(available("liggghts"))
+    run = Run("liggghts", "shear", stress=1e5, inertial=1e-3, factor=10.0)
+    softening.execute([run], tmp_path / "rows.jsonl")
+    found = softening.load(tmp_path / "rows.jsonl")[run]
+    kept = [v for r, v in softening.load().items() if r._replace(copy=0) == run._replace(engine="yade")]
+    yade = {name: np.mean([v[name] for v in kept]) for name in ("peak", "dilation", "first_coordination", "coordination")}
+    assert len(kept) == 3
+    assert found["first_coordination"] == pytest.approx(yade["first_coordination"], rel=0.03)
+    assert found["coordination"] == pytest.approx(yade["coordination"], rel=0.1)
+    assert found["peak"] == pytest.approx(yade["peak"], rel=0.15)
+    assert 0.0 < found["dilation"] < 0.05
+
+
+def test_a_stop_of_liggghts_is_a_row_that_failed(tmp_path, monkeypatch):
+    """What the engine says is kept, and the study goes on; where the engine is missing, it ends."""
+    from demlaws.errors import EngineStopped
+    from demlaws.measure import liggghts_softening
+
+    runs = [Run("liggghts", "cycles"), Run("liggghts", "cycles", copy=1)]
+
+    def stops(folder, scene, told):
+        raise EngineStopped("LIGGGHTS stopped (exit 1): ERROR: the walls")
+
+    def misses(folder, scene, told):
+        raise DemlawsError("liggghts not found")
+
+    monkeypatch.setattr(liggghts_softening, "cycles", stops)
+    softening.execute(runs, tmp_path / "rows.jsonl")
+    assert [v["failed"] for v in softening.load(tmp_path / "rows.jsonl").values()] == [
+        "LIGGGHTS stopped (exit 1): ERROR: the walls"
+    ] * 2
+    monkeypatch.setattr(liggghts_softening, "cycles", misses)
+    with pytest.raises(DemlawsError, match="not found"):
+        softening.execute(runs, tmp_path / "others.jsonl")
+    assert not softening.load(tmp_path / "others.jsonl")

@@ -114,7 +114,7 @@ void *force_of(void *lmp) {
 
 enum Layout { UNKNOWN, EARLY, LATE, NONE };
 Layout layout = UNKNOWN;
-bool pairs_proved = false; // pairs of particles may be computed here
+bool pairs_proved = false; // pairs of particles are computed here
 
 void take_pairs();
 
@@ -133,6 +133,8 @@ std::string prove(void *lmp) {
     Here::look();
     pairs_proved = layout == LATE ? late::pairs_fit(lmp, stock) : early::pairs_fit(lmp, stock);
     if (pairs_proved) take_pairs();
+    if (!pairs_proved && stock.setting(lmp, "world_rank") == 0)
+      printf("demlaws: pairs of particles are computed by LAMMPS's own code\n");
     return "";
   }
   layout = NONE;
@@ -405,8 +407,6 @@ void lammpsplugin_init(void *lmp, void *, void *) {
   else Slots::undo();
   const Stock &stock = Stock::get();
   if (stock.setting && stock.setting(lmp, "world_rank") != 0) return;
-  if (why.empty())
-    printf("Loading plugin: granular demlaws/table%s\n",
-           pairs_proved ? "" : " (pairs of particles are computed by LAMMPS's own code)");
+  if (why.empty()) printf("Loading plugin: granular demlaws/table\n");
   else fprintf(stderr, "WARNING: %s\n", why.c_str());
 }
