@@ -1,12 +1,9 @@
 """Commands with a law from a file outside the package: `--laws FILE.py` of stability, trade and fit."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 from own_spring import SPRING, registered
 
-import demlaws as dl
 from demlaws.cli import main
 
 NEAR = """
@@ -60,29 +57,3 @@ def test_fit(file, tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     first = next(line for line in lines if line.startswith(("near-hertz", "hertz")))
     assert first.startswith("near-hertz") and "factor 0.8 " in first
-
-
-SCENE = """
-quantity = "force"
-tolerance = 0.2
-engine = "python"
-radii = 0.005
-force = [1, 10]
-[material]
-young = 210e9
-poisson = 0.3
-"""
-
-
-@pytest.mark.slow
-def test_choose(file, tmp_path, capsys):
-    """Among the candidates, with the error that it has: 0.9 of Hertz's force. Asked for less it misses."""
-    (tmp_path / "scene.toml").write_text(SCENE)
-    assert main(["choose", str(tmp_path / "scene.toml"), "--laws", file, "--all", "--csv", str(tmp_path / "all.csv")]) == 0
-    rows = [line.split(",") for line in (tmp_path / "all.csv").read_text().splitlines()[1:]]
-    own = [row for row in rows if row[0].startswith("near-hertz")]
-    assert own and all(0.1 <= float(row[-9]) <= 0.15 for row in own), rows
-    choices = dl.choose(dl.Scene.load(tmp_path / "scene.toml"), tables=False)
-    tight = dataclasses.replace(choices[0].scene, tolerance=0.05)
-    assert not any(c.meets for c in dl.choose(tight, tables=False) if c.name == "near-hertz")
-    assert any(c.meets for c in choices if c.name == "near-hertz")
