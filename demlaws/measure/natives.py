@@ -1,0 +1,65 @@
+"""Laws of the literature that engines have themselves: theirs with the numbers of ours, on a path."""
+
+import math
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.materials import DENSITY
+from demlaws.measure.costs import under_yade
+
+POISSON = 0.25
+_SPEED, _STEP = 0.2, 1e-8  # of the sphere in LIGGGHTS [m/s, s]
+
+
+def in_yade(law, corners):
+    """(overlaps [m], forces [N]) of YADE's Conical Damage Model with the numbers of `law`, through corners from 0."""
+    path = np.concatenate([np.linspace(a, b, 41)[1:] for a, b in zip([0.0, *corners[:-1]], corners, strict=True)])
+    given = {
+        "young": 2.0 * law.contact.modulus * (1.0 - POISSON**2),
+        "poisson": POISSON,
+        "density": DENSITY,
+        "radius": 2.0 * law.contact.radius,
+        "paths": [path.tolist()],
+        "ways": [{"model": "cdm", "cdm": (law.options["strength"], law.options["angle"])}],
+    }
+    return path, np.array(under_yade("yade_cost.py", given)[0][0])
+
+
+def in_liggghts(law, corners):
+    """The same of LIGGGHTS's edinburgh/stiffness with n = 1.5, without adhesion; the overlaps are those that it moved."""
+    from demlaws.liggghts.check import TWO_PARTICLES
+    from demlaws.liggghts.run import run
+
+    coefficient = 4.0 / 3.0 * law.contact.modulus * math.sqrt(law.contact.radius)
+    values = {
+        "LoadingStiffness": law.options["softness"] * coefficient,
+        "UnloadingStiffness": law.options["stiffness_ratio"],
+        **dict.fromkeys(("pullOffForce", "surfaceEnergy", "coefficientAdhesionStiffness"), 0.0),
+    }
+    lines = [f"fix e_{n} all property/global {n} peratomtypepair 1 {v:.17g}\n" for n, v in values.items()]
+    scalars = {"overlapExponent": 1.5, "adhesionExponent": 1.0}
+    lines += [f"fix e_{n} all property/global {n} scalar {v:.17g}\n" for n, v in scalars.items()]
+    text = TWO_PARTICLES.split("velocity ", 1)[0].replace("timestep        1e-9", f"timestep {_STEP:g}")
+    style = "pair_style      gran model demlaws/table tangential history table ${table}\n"
+    text = text.replace(style, "".join(lines) + "pair_style gran model edinburgh/stiffness tangential off\n")
+    at = -1e-7
+    for corner in corners:
+        steps = max(1, round(abs(corner - at) / (_SPEED * _STEP)))
+        speed = -_SPEED if corner > at else _SPEED
+        text += f"thermo {max(1, steps // 40)}\nvelocity right set {speed!r} 0 0\nrun {steps}\n"
+        at -= speed * steps * _STEP
+    with tempfile.TemporaryDirectory() as scratch:
+        path = Path(scratch, "in.path")
+        path.write_text(text)
+        young = 2.0 * law.contact.modulus * (1.0 - POISSON**2)
+        log = run(path, 1, {"young": repr(young), "radius": repr(2.0 * law.contact.radius)}, plugin=False)
+    touching = log["overlap"] > 0.0
+    return log["overlap"][touching], log["force"][touching]
+
+
+def until_free(force):
+    """Number of points of a path until the force is first 0 again after loading; all, where it never is."""
+    free = np.flatnonzero((force == 0.0) & (np.arange(force.size) > np.argmax(force > 0.0)))
+    return int(free[0]) if free.size else force.size
