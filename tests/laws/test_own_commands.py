@@ -1,5 +1,7 @@
 """Commands with a law from a file outside the package: `--laws FILE.py` of stability, trade and fit."""
 
+import csv
+
 import numpy as np
 import pytest
 from own_spring import SPRING, registered
@@ -57,3 +59,27 @@ def test_fit(file, tmp_path, capsys):
     lines = capsys.readouterr().out.splitlines()
     first = next(line for line in lines if line.startswith(("near-hertz", "hertz")))
     assert first.startswith("near-hertz") and "factor 0.8 " in first
+
+
+SCENE = """
+quantity = "force"
+tolerance = 0.2
+engine = "python"
+radii = 0.005
+force = [1, 10]
+[material]
+young = 210e9
+poisson = 0.3
+"""
+
+
+@pytest.mark.slow
+def test_choose(file, tmp_path):
+    """Among the candidates, closed form and table, with the error that it has: 0.9 of Hertz's force."""
+    (tmp_path / "scene.toml").write_text(SCENE)
+    assert main(["choose", str(tmp_path / "scene.toml"), "--laws", file, "--all", "--csv", str(tmp_path / "all.csv")]) == 0
+    with open(tmp_path / "all.csv", newline="") as written:
+        rows = [row for row in csv.DictReader(written) if row["choice"].startswith("near-hertz")]
+    assert {"closed form", "table"} <= {kind for row in rows for kind in ("closed form", "table") if kind in row["choice"]}
+    for row in rows:
+        assert 0.1 <= float(row["error"]) <= 0.15 and row["meets"] == "True", row
