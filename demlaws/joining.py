@@ -58,10 +58,13 @@ def _refuse_unless_passive(law, *uncertainties):
     if excess > 1.0 + 1e-9 + sum(uncertainties):
         whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.name!r})"
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
+        other = law.definition.default_unloading
+        remedy = (
+            f"use unloading={other!r}" if other != law.unloading else "use unloading='elastic', or other options of the law"
+        )
         raise NotPassive(
             f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
-            f"{whose}, so that unloading would return more work than loading took; use "
-            f"unloading={law.definition.default_unloading!r}"
+            f"{whose}, so that unloading would return more work than loading took; {remedy}"
         )
 
 

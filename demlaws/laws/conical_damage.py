@@ -16,7 +16,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import LENGTH, PRESSURE, Definition, Option, Parameter, elastic_bulk, no_limits, power_of
+from demlaws.laws.definition import LENGTH, PRESSURE, Definition, Limit, Option, Parameter, elastic_bulk, power_of
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE_YIELD_PRESSURE
 
@@ -94,6 +94,22 @@ def _prepare(contact, strength=None, angle=None):
     return ConicalDamageShape(strength, (1.0 - math.sin(angle)) / math.sin(angle))
 
 
+def _limits(contact, strength, angle):
+    """Of the work of crushing a blunted tip stores 1.2 h/(h + A), more than all of it where A < h/5 [our derivation]."""
+    modulus, radius = np.broadcast_arrays(np.asarray(contact.modulus, float), np.asarray(contact.radius, float))
+    h, blunting = (0.5 * math.pi * strength / modulus) ** 2, (1.0 - math.sin(angle)) / math.sin(angle)
+    returns = (h > 5.0 * blunting) & (h < 1.0)
+    if not np.any(returns):
+        return []
+    load = float(np.min((4.0 / 3.0 * modulus * h * np.sqrt(h) * radius * radius)[returns]))
+    deep = float(np.min(h[returns]))
+    reason = (
+        f"tips crush from overlaps of {deep:.2g} R on, and a cone of α = {angle:.4g} rad is too blunt for that: unloading "
+        "returns more work than crushing took; a lower strength or a sharper cone (a smaller α) does not"
+    )
+    return [Limit(0.0, load, reason)]
+
+
 def _angle_softens(angle, factor):
     """A = (1 - sin α)/sin α is a depth over a radius."""
     sine = math.sin(number(angle, "angle", "rad", 0.0, 0.5 * math.pi))
@@ -130,7 +146,7 @@ LAW = Definition(
     equation="Hertz to p0 = σ_max, then p0 = σ_max: R = (δ + R0 A)/(h + A), P = (4/3) E* h^1.5 R²",
     source="Harkness et al. 2016, Granular Matter 18:65; Suhr & Six 2016, 2017, Granular Matter 19:64",
     description="tips that crush, for ballast",
-    limits=no_limits,
+    limits=_limits,
     kinks=_kinks,
     bulk=_bulk,
     length="radius",

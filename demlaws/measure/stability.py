@@ -16,6 +16,7 @@ from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, scatter, virgin
 from demlaws.core.fastmath import loop
+from demlaws.core.params import one_of
 from demlaws.core.unloading import Given, rule_of
 from demlaws.driver import elastic_contact, impact_loop, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -357,7 +358,8 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
             share = paths // len(laws)
             b, f = finite_loop(law.params, count, largest, max(share, 20_000), random)
             state = law.new_state(1).arrays
-            r, w, b2 = path_loop(law.rule, law.params, state, count, 1e-25 * radius, 0.5 * largest, share, 12, random)
+            deepest = np.minimum(0.5 * largest, _first_kinks(law, case, radius))
+            r, w, b2 = path_loop(law.rule, law.params, state, count, 1e-25 * radius, deepest, share, 12, random)
             bad, falling, returned, done = bad + b + b2, falling + f, returned + r, done + share
             worst = min(worst, w)
         singles = _single_contacts(case)[: 1 if quick else 3]
@@ -390,6 +392,15 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
             _refuses(singles[0]),
             _float32(singles[0]),
         )
+
+
+def _first_kinks(law, case, radius):
+    """Overlaps [m] at which contacts first yield beyond R/10, where no law holds and pairs are not promised to be passive."""
+    if case.evaluation == "table" or law.contact.size is None:
+        return np.full(radius.size, np.inf)
+    kinks = law.definition.kinks
+    found = (kinks(one_of(law.params, i), **law.options) for i in range(radius.size))
+    return np.array([min((k for k in own if k > 0.1 * r), default=np.inf) for own, r in zip(found, radius, strict=True)])
 
 
 def _single_contacts(case):

@@ -1,6 +1,7 @@
 """The plastic laws of the literature against their papers: 50 digits, loading and unloading, and what a paper says besides."""
 
 import math
+import warnings
 
 import numpy as np
 import pytest
@@ -178,6 +179,23 @@ def test_the_peak_pressure_of_a_crushed_tip_stays():
         radius = state.radius_ratio[0] * GRANITE.radius
         assert 3 * force / (2 * math.pi * radius * (overlap - state.plastic_overlap[0])) == pytest.approx(1.66e9, rel=1e-11)
         assert radius == pytest.approx(GRANITE.modulus * math.sqrt(6 * force) / (math.pi * 1.66e9) ** 1.5, rel=1e-11)
+
+
+@pytest.mark.parametrize(("modulus", "returns"), [(4.2e9, True), (4.45e9, False)])
+def test_a_cone_that_is_too_blunt_returns_work_and_says_so(modulus, returns):
+    """Stored over work of crushing: 1.2 h/(h + A), above 1 from h = 5 A on, at overlaps from 0.36 R on."""
+    contact = dl.Contact(GRANITE.radius, modulus)
+    law = dl.law("conical-damage", contact, "thornton", **OPTIONS["conical-damage"])
+    (kink,) = law.kinks()
+    h = kink / contact.radius
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        path = law.follow(kink * (1.0 + np.array([1e-9, 1e-3])))
+    assert any("returns more work than crushing took" in str(one.message) for one in said) == returns
+    stored, work = np.diff(path.stored)[0], np.diff(path.work)[0]
+    blunting = (1.0 - math.sin(1.2)) / math.sin(1.2)
+    assert stored / work == pytest.approx(1.2 * h / (h + blunting), rel=1e-3)
+    assert (stored > work) == returns == bool(law.limits())
 
 
 def test_a_strong_tip_is_hertz():
