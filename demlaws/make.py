@@ -59,7 +59,7 @@ def rule_and_curve(unloading, definition=None):
                 "give it with unloading='elastic' (law.joined('elastic'))"
             )
         return GIVEN if definition is None else definition.rule(GIVEN).name, unloading
-    if unloading == GIVEN:
+    if isinstance(unloading, str) and unloading == GIVEN:
         raise DemlawsError(
             f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
         )

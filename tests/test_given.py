@@ -141,7 +141,7 @@ def test_whatever_a_function_gives_that_is_a_number_will_do():
         return result
 
     expected = dl.Table.from_function(power, CONTACT).nodes.force
-    for function in (lambda d: [power(d)], lambda d: np.float32(0) + power(d), lambda d: np.array(power(float(d))), greedy):
+    for function in (lambda d: [power(d)], lambda d: np.float64(0) + power(d), lambda d: np.array(power(float(d))), greedy):
         np.testing.assert_allclose(dl.Table.from_function(function, CONTACT).nodes.force, expected, rtol=1e-12)
     whole = dl.Table.from_function(lambda d: np.asarray(np.asarray(d) * 10**9, object) if False else 10**6 * d, CONTACT)
     assert whole.force(1e-5) == pytest.approx(10.0, rel=1e-5)

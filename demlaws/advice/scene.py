@@ -114,11 +114,11 @@ class Scene:
             object.__setattr__(self, "rate", number(self.rate, "rate", "1/s"))
         if self.yield_pressure is not None:
             object.__setattr__(self, "yield_pressure", number(self.yield_pressure, "yield_pressure", "Pa"))
-        if self.unloading is not None:
-            self._know_unloading()
         for label, known in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in known:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, known))}")
+        if self.unloading is not None:
+            self._know_unloading()
 
     def _know_unloading(self):
         """The rule's name, or the law or table that a path stands for."""
