@@ -16,7 +16,7 @@ from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, scatter, virgin
 from demlaws.core.fastmath import loop
-from demlaws.core.params import one_of
+from demlaws.core.params import loading_part, one_of
 from demlaws.core.unloading import Given, rule_of
 from demlaws.driver import elastic_contact, impact_loop, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -399,7 +399,7 @@ def _first_kinks(law, case, radius):
     if case.evaluation == "table" or law.contact.size is None:
         return np.full(radius.size, np.inf)
     kinks = law.definition.kinks
-    found = (kinks(one_of(law.params, i), **law.options) for i in range(radius.size))
+    found = (kinks(loading_part(one_of(law.params, i)), **law.options) for i in range(radius.size))
     return np.array([min((k for k in own if k > 0.1 * r), default=np.inf) for own, r in zip(found, radius, strict=True)])
 
 
