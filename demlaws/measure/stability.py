@@ -522,7 +522,6 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
         size = (load / law.params.hertz_coefficient) ** (2 / 3)
         for kick in (1e-6, 1e-3, 3e-2):
             kick = min(kick, 0.1 * (overlap - foot) / size)  # a seated contact: less than would part it
-
             held = law, state, mass, load, overlap, -kick * size
             allowed = 20.0 * max(_growth(*held, 0.02 * promised, steps), 1.0)
             for ratio in np.arange(0.7, 3.0, 0.02):
