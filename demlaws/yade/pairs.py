@@ -125,9 +125,14 @@ class Source:
     @property
     def needs_span(self):
         """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
+        return self._is("solved")
+
+    def _is(self, fact):
+        """Whether a definition that takes part says so of itself: the law's, its loading's, the unloading curve's."""
         loading = self.options.get("loading")
-        own = self.table is None and (self.definition.solved or (isinstance(loading, str) and find(loading).solved))
-        return own or (self.curve is not None and self.curve.needs_span)
+        taking_part = [self.definition, *([find(loading)] if isinstance(loading, str) else [])]
+        own = self.table is None and any(getattr(definition, fact) for definition in taking_part)
+        return own or (self.curve is not None and self.curve._is(fact))
 
     def _bound(self, contact, unloading):
         """The `Law` (or `Table`) of a contact with a rule."""
@@ -151,6 +156,12 @@ class Source:
         contact = Contact(
             roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **span.arguments()
         )
+        if contact.size is not None and self._is("needs_map"):
+            (low, high), (soft, stiff) = span.radius, span.modulus
+            raise DemlawsError(
+                f"law {self.name!r} is solved for one contact, these may have R from {low:g} to {high:g} m and "
+                f"E* from {soft:.6g} to {stiff:.6g} Pa: give the values of the one that occurs, radii=(R, R) and moduli=(E, E)"
+            )
         needs = self.definition.needs + (() if self.curve is None else self.curve.definition.needs)
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
             return None

@@ -468,6 +468,18 @@ def test_measured_map_survives_saving():
     assert again.as_text() == pairs.as_text()
 
 
+def test_a_measured_map_serves_one_contact():
+    """Before: any contact between the ends of the range stopped the simulation, with advice to give what had been given."""
+    from demlaws.laws.registry import find
+    from demlaws.yade.pairs import Pairs, Span
+
+    spans = {("granite", "granite"): Span((0.0049, 0.0051), (32e9, 32e9))}
+    with pytest.raises(
+        dl.DemlawsError, match=r"solved for one contact, these may have R from 0.0049 to 0.0051 m.*radii=\(R, R\)"
+    ):
+        Pairs("asperity", {"granite": GRANITE}, "hertz", find("asperity").example, spans)
+
+
 # --- the command
 
 
