@@ -133,6 +133,8 @@ def compile_command(portable):
     compiler = _compiler()
     library = linked_library()
     link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", library]
+    if not packaged(library):
+        link.append(f"-Wl,-rpath,{Path(library).parent}")  # else the loader would find the system's by the same name
     link += ["-Wl,--as-needed", *mpi_libraries(library)]  # several of that name; only what is used is linked
     return [compiler, *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
 

@@ -197,6 +197,7 @@ def test_import_needs_no_liggghts(tmp_path):
     """Without any program in reach the package imports, and says what is missing when asked to run."""
     code = "import demlaws.liggghts as lg\ntry:\n lg.run('in.case')\nexcept ValueError as e: print(e)"
     environment = {**os.environ, "PYTHONPATH": HOME, "PATH": str(tmp_path)}
+    environment.pop("DEMLAWS_LIGGGHTS", None)
     (tmp_path / "in.case").write_text("")
     out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert "apt install" in out.stdout, out.stderr
