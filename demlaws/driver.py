@@ -261,17 +261,19 @@ STEP_SAFETY = 0.8
 """Part of 2/ω that is promised: at √3/2 of it (three steps a period) velocity Verlet is in resonance with any curved
 force law, Hertz's too, and oscillations of finite size grow (measured by `demlaws stability`)."""
 SOFTENING_SAFETY = 0.56
-"""The same of a law without loss whose tangent jumps down at some overlap (`conical-damage` with "elastic" unloading): an
-oscillation about such a kink is in resonance in narrow windows of the step, which get rarer and slower as the step falls but do
-not end. Where unloading is stiffer than loading something is lost, and none was found (docs/plastic-laws.md)."""
+"""The same of a curve without loss whose tangent jumps down at some overlap (`conical-damage`, with "elastic" unloading or as
+the unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get
+rarer and slower as the step falls but do not end. Where unloading is stiffer than loading something is lost, and none was found
+(docs/plastic-laws.md)."""
 
 
 def timestep(law: Law, mass: float, max_force: float) -> float:
     """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
 
     1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. Where the tangent
-    jumps down on the way to max_force and nothing is lost ("elastic" unloading) 1.12/ω (`SOFTENING_SAFETY`). A body with
-    several contacts has a larger K: divide by the square root of the number of contacts that act in one direction.
+    jumps down on the way to max_force and nothing is lost ("elastic" unloading, or the unloading curve that was given) 1.12/ω
+    (`SOFTENING_SAFETY`). A body with several contacts has a larger K: divide by the square root of the number of contacts that
+    act in one direction.
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")
@@ -279,7 +281,9 @@ def timestep(law: Law, mass: float, max_force: float) -> float:
     """
     mass = number(mass, "mass", "kg")
     largest = stiffest(law, max_force)
-    safety = SOFTENING_SAFETY if not law.state_size and _jumps_down(law, float(law.overlap(max_force))) else STEP_SAFETY
+    lossless = law.unloading_law if law.state_size else law
+    falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
+    safety = SOFTENING_SAFETY if falls else STEP_SAFETY
     return safety * 2.0 * math.sqrt(mass / largest)
 
 

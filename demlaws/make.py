@@ -94,7 +94,7 @@ def example_curve(name, contact, **options):
     The law itself on surfaces a quarter as rough (what first loading has flattened), with its definition's own changes.
     """
     options = {**find(name).example, **options, **find(name).example_curve}
-    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), **options)
+    return law(name, contact.with_values(roughness=0.25 * np.asarray(contact.roughness)), "elastic", **options)
 
 
 def example(name: str, contact: Contact, unloading: str | Law = "elastic", **options: Any) -> Law:

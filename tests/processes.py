@@ -1,4 +1,4 @@
-"""Python in a process of its own, and how many functions numba compiled there."""
+"""Programs in processes of their own: Python, how many functions numba compiled there, ranks in folders of their own."""
 
 import os
 import subprocess
@@ -52,3 +52,13 @@ def finish(process):
 def python(code, folder=PACKAGE.parent, **changes):
     """What a program prints."""
     return finish(start(code, folder, **changes))
+
+
+def parted(line, program, folder):
+    """A command line of mpirun whose second rank stands in a folder of its own, where none of the files are."""
+    (folder / "elsewhere").mkdir()
+    script = folder / "start.sh"
+    script.write_text('#!/bin/sh\n[ "${PMI_RANK:-$OMPI_COMM_WORLD_RANK}" = 1 ] && cd elsewhere\nexec "$@"\n')
+    script.chmod(0o755)
+    place = line.index(str(program))
+    return [*line[:place], str(script), *line[place:]]

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
+from demlaws.core.unloading import GIVEN
 from demlaws.joining import largest_stiffness_ratio
 from demlaws.law import in_threads
 from demlaws.laws.registry import registry
@@ -316,6 +317,13 @@ def test_nan_in_one_contact_is_reported_and_harms_no_other(name, unloading):
     assert math.isnan(out[0][2])
     for array, old in zip(state.arrays if law.state_size else (), kept, strict=True):
         np.testing.assert_array_equal(array, old)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["jackson-green", "kogut-etsion"])
+def test_nan_on_a_curve_that_gives_a_number_for_it(name):
+    """Unloading along such a curve an overlap that is NaN had a force of some hundred newtons."""
+    test_nan_in_one_contact_is_reported_and_harms_no_other(name, GIVEN)
 
 
 @every_pair

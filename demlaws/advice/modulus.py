@@ -136,7 +136,7 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
     from demlaws.measure import softening
 
     names = [n for n in MEASURED[process][quantity] if unloads or n != "unloading"]
-    pressed, base = process == "oedometer", STEADY
+    pressed = process == "oedometer"
     rows = softening.load()
 
     def change(point, other=None):
@@ -164,17 +164,17 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
         and (p.run.law, p.run.unloading, p.run.density) == (*softening.STUDIED, 1.0)
         and (p.run.scaled or p.run.factor == 1.0)
     }
-    plain = points.get((1.0, base, HALF))
+    plain = points.get((1.0, STEADY, HALF))
     if plain is None:
         return Curves(error_curve([]), None, None, None, None, 0.0)
     geometry, rate, soft, step, unbalanced = [], [], [], [], []
     for (factor, inertial, part), p in points.items():
-        steady = points.get((factor, base, HALF))
-        if part == HALF and inertial == base and factor > 1.0:
+        steady = points.get((factor, STEADY, HALF))
+        if part == HALF and inertial == STEADY and factor > 1.0:
             geometry.append((_of_run(p.run).depth, change(p, plain)))
-        elif part == HALF and inertial > base and steady is not None:
+        elif part == HALF and inertial > STEADY and steady is not None:
             (rate if factor == 1.0 else soft).append((place(p.run), change(p, steady)))
-        elif part > HALF and (factor, inertial) == (1.0, base):
+        elif part > HALF and (factor, inertial) == (1.0, STEADY):
             step.append((part, change(p, plain)))
         if part == HALF and p.unbalanced is not None:
             unbalanced.append((place(p.run), p.unbalanced))
@@ -182,9 +182,9 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
         told = {*softening.scenes("yade", softening.OTHERS), *softening.scenes("yade", softening.FASTER)}
         for p in softening.points(rows, others=True):  # those that are held back are no part of this
             if p.run in told and p.run.scaled and p.run.part == HALF:
-                if p.run.factor > 1.0 and p.run.inertial == base:
+                if p.run.factor > 1.0 and p.run.inertial == STEADY:
                     geometry.append((_of_run(p.run).depth, change(p)))
-                elif p.run.factor == 1.0 and p.run.inertial > base:
+                elif p.run.factor == 1.0 and p.run.inertial > STEADY:
                     rate.append((place(p.run), change(p)))
     chance = max((plain.chance[n] for n in names if plain.chance.get(n) == plain.chance.get(n)), default=0.0)
     moved = error_curve(unbalanced) if unbalanced else None

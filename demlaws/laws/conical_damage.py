@@ -85,20 +85,25 @@ bind(ConicalDamageShape, scale=_scale)
 bind(ConicalDamageParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
+def _blunting(angle):
+    """A = (1 - sin α)/sin α, a depth over a radius."""
+    return (1.0 - math.sin(angle)) / math.sin(angle)
+
+
 def _prepare(contact, strength=None, angle=None):
     if strength is None or angle is None:
         raise DemlawsError("law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=..., angle=...)")
     strength, angle = number(strength, "strength", "Pa"), number(angle, "angle", "rad", 0.0, 0.5 * math.pi)
     if angle >= 0.5 * math.pi:
         raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")
-    return ConicalDamageShape(strength, (1.0 - math.sin(angle)) / math.sin(angle))
+    return ConicalDamageShape(strength, _blunting(angle))
 
 
 def _limits(contact, strength, angle):
     """Of the work of crushing a blunted tip stores 1.2 h/(h + A), more than all of it where A < h/5 [our derivation]."""
     modulus, radius = np.broadcast_arrays(np.asarray(contact.modulus, float), np.asarray(contact.radius, float))
-    h, blunting = (0.5 * math.pi * strength / modulus) ** 2, (1.0 - math.sin(angle)) / math.sin(angle)
-    returns = (h > 5.0 * blunting) & (h < 1.0)
+    h = (0.5 * math.pi * strength / modulus) ** 2
+    returns = (h > 5.0 * _blunting(angle)) & (h < 1.0)
     if not np.any(returns):
         return []
     load = float(np.min((4.0 / 3.0 * modulus * h * np.sqrt(h) * radius * radius)[returns]))

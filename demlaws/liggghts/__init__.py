@@ -1,15 +1,39 @@
-"""The laws inside LIGGGHTS: tables and cases written, the plugin built, checked and run. Importing needs no LIGGGHTS.
+"""The laws inside LIGGGHTS: tables and cases written, the plugin built, checked, run. Importing needs no LIGGGHTS, no numba.
 
 import demlaws.liggghts as lg
-lg.build()                                          # compile the plugin into the cache (seconds, once)
+lg.build()                                          # compile the plugin into the cache (half a minute, once)
 lg.check()                                          # prove it on this machine
 lg.export("case", law="pohrt-popov", grains=[...])  # tables, input, runscript
 log = lg.run("case/in.case", ranks=2)               # the stock binary with the plugin
 """
 
-from demlaws.liggghts.build import build, header_folder
-from demlaws.liggghts.check import check
-from demlaws.liggghts.export import Case, Grain, export, stock_fit
-from demlaws.liggghts.run import read_log, run
+from demlaws.lazy import load_lazily
 
-__all__ = ["Case", "Grain", "build", "check", "export", "header_folder", "read_log", "run", "stock_fit"]
+TYPE_CHECKING = False  # as in demlaws/__init__.py
+if TYPE_CHECKING:
+    from demlaws.liggghts.build import build as build
+    from demlaws.liggghts.build import header_folder as header_folder
+    from demlaws.liggghts.check import check as check
+    from demlaws.liggghts.export import Case as Case
+    from demlaws.liggghts.export import Grain as Grain
+    from demlaws.liggghts.export import export as export
+    from demlaws.liggghts.export import stock_fit as stock_fit
+    from demlaws.liggghts.run import read_log as read_log
+    from demlaws.liggghts.run import run as run
+
+_HOMES = {
+    "Case": "demlaws.liggghts.export",
+    "Grain": "demlaws.liggghts.export",
+    "build": "demlaws.liggghts.build",
+    "check": "demlaws.liggghts.check",
+    "export": "demlaws.liggghts.export",
+    "header_folder": "demlaws.liggghts.build",
+    "read_log": "demlaws.liggghts.run",
+    "run": "demlaws.liggghts.run",
+    "stock_fit": "demlaws.liggghts.export",
+}
+"""Public name → the module that it is loaded from on first use: the plugin is built without numba."""
+
+__all__ = list(_HOMES)
+
+load_lazily(__name__, _HOMES)

@@ -191,7 +191,7 @@ def _made_elsewhere(portable):
 
 
 def build(portable=False, force=False):
-    """Path of the plugin's shared object; compiled (about 10 s) unless the cache has it.
+    """Path of the plugin's shared object; compiled (half a minute to a minute) unless the cache has it.
 
     portable: without -march=native, for a cluster whose nodes differ (the step costs some 10 % more).
     force: compile even so. Where a compiler or the headers are missing, a plugin that was compiled elsewhere for the same

@@ -94,17 +94,19 @@ def _data(centres, radii, width, density, types=3):
     return "\n".join(lines) + "\n"
 
 
-def _plate(width):
-    edge = 0.004
-    a, b = -edge, width + edge
-    corners = [((a, a), (b, a), (b, b)), ((a, a), (b, b), (a, b))]
-    facets = "".join(
-        " facet normal 0 0 1\n  outer loop\n"
-        + "".join(f"   vertex {x:.9g} {y:.9g} 0.0\n" for x, y in three)
-        + "  endloop\n endfacet\n"
-        for three in corners
-    )
-    return f"solid plate\n{facets}endsolid plate\n"
+def flat(axis, *spans):
+    """A mesh file: a flat wall across `axis`, of two triangles; spans: (low, high) [m] along the other two axes."""
+    (a, b), (c, d) = spans
+    normal = " ".join(str(int(k == axis)) for k in range(3))
+    facets = ""
+    for three in (((a, c), (b, c), (b, d)), ((a, c), (b, d), (a, d))):
+        places = [" ".join(f"{v:.9g}" for v in np.insert(place, axis, 0.0)) for place in three]
+        vertices = "".join(f"   vertex {place}\n" for place in places)
+        facets += f" facet normal {normal}\n  outer loop\n{vertices}  endloop\n endfacet\n"
+    return f"solid flat\n{facets}endsolid flat\n"
+
+
+EDGE = 0.004  # [m] by which a wall reaches beyond the packing
 
 
 def grains(given):
@@ -130,14 +132,20 @@ def edinburgh(law, contacts, load):
     fits = [stock_fit(law(contact), load, "edinburgh") for contact in contacts]
     exponent = fits[0].parameters["overlapExponent"]
     stiffness = [load / float(law(contact).overlap(load)) ** exponent for contact in contacts]
-    values = {
-        "LoadingStiffness": pairwise(stiffness),
-        "UnloadingStiffness": pairwise([f.parameters["UnloadingStiffness"] for f in fits]),
-        **{name: pairwise([0.0] * 5) for name in ("pullOffForce", "surfaceEnergy", "coefficientAdhesionStiffness")},
+    unloading = pairwise([f.parameters["UnloadingStiffness"] for f in fits])
+    return edinburgh_lines(pairwise(stiffness), unloading, f"{exponent:.12g}", pairwise([0.0] * 5))
+
+
+def edinburgh_lines(loading, unloading, exponent, none="1 0"):
+    """Property lines of stock edinburgh without adhesion, of texts as LIGGGHTS reads them; none: 0 for every pair of types."""
+    pairs = {
+        "LoadingStiffness": loading,
+        "UnloadingStiffness": unloading,
+        **dict.fromkeys(("pullOffForce", "surfaceEnergy", "coefficientAdhesionStiffness"), none),
     }
-    lines = [f"fix e_{name} all property/global {name} peratomtypepair {value}\n" for name, value in values.items()]
-    scalars = {"overlapExponent": exponent, "adhesionExponent": 1.0}
-    lines += [f"fix e_{name} all property/global {name} scalar {value:.12g}\n" for name, value in scalars.items()]
+    lines = [f"fix e_{name} all property/global {name} peratomtypepair {value}\n" for name, value in pairs.items()]
+    scalars = {"overlapExponent": exponent, "adhesionExponent": "1"}
+    lines += [f"fix e_{name} all property/global {name} scalar {value}\n" for name, value in scalars.items()]
     return "".join(lines)
 
 
@@ -167,7 +175,7 @@ def prepare(path, given, way, centres, case, drag=DRAG, **more):
     (folder / "post").mkdir(parents=True, exist_ok=True)
     radii, width, dt = given["radii"], given["width"], given["dt"]
     (folder / "start.data").write_text(_data(centres, radii, width, given["density"]))
-    (folder / "plate.stl").write_text(_plate(width))
+    (folder / "plate.stl").write_text(flat(2, (-EDGE, width + EDGE), (-EDGE, width + EDGE)))
     model, words, lines = model_lines(folder, given, way)
     friction, none = given["friction"], 0.0
     values = {
@@ -199,8 +207,14 @@ def carry_out(path, plugin):
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     log = run(path, plugin=plugin)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    forces = np.linalg.norm(np.loadtxt(path.parent / "post" / "forces.txt", skiprows=9), axis=1)
-    return log, forces[forces > 0.0], after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    forces = contact_forces(path.parent / "post" / "forces.txt")
+    return log, forces, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+
+
+def contact_forces(path):
+    """Normal forces [N] of the contacts that a local dump holds, those that carry one."""
+    forces = np.linalg.norm(np.loadtxt(path, skiprows=9), axis=1)
+    return forces[forces > 0.0]
 
 
 def oedometer(folder, given, way):

@@ -8,7 +8,7 @@ from demlaws.advice.soften import Softening
 from demlaws.contact import Material, Surface
 from demlaws.liggghts.export import Grain
 from demlaws.materials import GRANITE
-from demlaws.measure.liggghts_oedometer import CASE, DRAG, carry_out, prepare
+from demlaws.measure.liggghts_oedometer import CASE, DRAG, EDGE, carry_out, contact_forces, flat, prepare
 
 RTOL = 1e-5  # of the tables
 _PRESSING = CASE.index("thermo_style    custom step v_stress")
@@ -136,16 +136,17 @@ def _made(scene, told, places):
     return {**scene, **told, "grains": two, "poisson": GRANITE.poisson}, way, centres
 
 
+def _held(scene, forces):
+    """Forces [N] between grains, and how many contacts a grain has."""
+    return {"forces": forces.tolist(), "coordination": 2.0 * forces.size / len(scene["radii"])}
+
+
 def pour(folder, scene, told):
     """A loose block falls and comes to rest; what it wrote, as YADE's does (see yade_softening.py)."""
     given, way, centres = _made(scene, told, "loose")
     path = Path(folder) / "in.pour"
     log, forces, seconds = carry_out(path, prepare(path, {**given, "settle": told["time"]}, way, centres, POUR, AIR))
-    held = {
-        "forces": forces.tolist(),
-        "coordination": 2.0 * forces.size / len(scene["radii"]),
-        "kinetic": float(log["KinEng"][-1]),
-    }
+    held = {**_held(scene, forces), "kinetic": float(log["KinEng"][-1])}
     return {"height": float(log["centre"][-1]), "held": held, "steps": int(log["Step"][-1]), "seconds": seconds}
 
 
@@ -169,27 +170,13 @@ def cycles(folder, scene, told):
         "top": float(height[0]),
         "branches": branches,
         "held": {
-            "forces": forces.tolist(),
-            "coordination": 2.0 * forces.size / len(scene["radii"]),
+            **_held(scene, forces),
             "plate": float(height[end]),
             "stress": float(stress[end]),
         },
         "steps": int(step[-1]),
         "seconds": seconds,
     }
-
-
-def _across(width, height, axis):
-    """A flat wall across `axis` (0 or 1), larger than the packing: a file of two triangles."""
-    edge = 0.004
-    u, v = (-edge, width + edge), (-edge, 1.5 * height + edge)
-    corners = [((u[0], v[0]), (u[1], v[0]), (u[1], v[1])), ((u[0], v[0]), (u[1], v[1]), (u[0], v[1]))]
-    facets = ""
-    for three in corners:
-        places = [(0.0, a, b) if axis == 0 else (a, 0.0, b) for a, b in three]
-        vertices = "".join(f"   vertex {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in places)
-        facets += f" facet normal {1 - axis} {axis} 0\n  outer loop\n{vertices}  endloop\n endfacet\n"
-    return f"solid side\n{facets}endsolid side\n"
 
 
 def shear(folder, scene, told):
@@ -200,16 +187,16 @@ def shear(folder, scene, told):
     stiff = told["gain"] / told["fastest"]
     more = {"stiff": stiff, "fastest": told["fastest"], "every": LOOKS, "most": MOST, "left": 1.0 - told["strain"]}
     plugin = prepare(path, given, way, centres, SHEAR, drag, **more)
+    spans = (-EDGE, scene["width"] + EDGE), (-EDGE, 1.5 * centres[:, 2].max() + EDGE)
     for axis, name in enumerate(("right", "rear")):
-        (path.parent / f"{name}.stl").write_text(_across(scene["width"], centres[:, 2].max(), axis))
+        (path.parent / f"{name}.stl").write_text(flat(axis, *spans))
     log, forces, seconds = carry_out(path, plugin)
-    before = np.loadtxt(path.parent / "post" / "before.txt", skiprows=9)
-    touching = int(np.count_nonzero(np.linalg.norm(before, axis=1)))
+    before = _held(scene, contact_forces(path.parent / "post" / "before.txt"))
     down = np.flatnonzero((log["sheared"] == 1.0) & np.append(np.diff(log["Step"]) > 0, True))  # a run repeats the last row
     columns = ("across_x", "across_y", "across_z", "x", "y", "z")
     return {
-        "before": {"coordination": 2.0 * touching / len(scene["radii"])},
-        "held": {"forces": forces.tolist(), "coordination": 2.0 * forces.size / len(scene["radii"])},
+        "before": {"coordination": before["coordination"]},
+        "held": _held(scene, forces),
         "rows": np.stack([log[name][down] for name in columns], 1).tolist(),
         "steps": int(log["Step"][-1]),
         "seconds": seconds,

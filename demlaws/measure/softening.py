@@ -154,8 +154,11 @@ def _copies(run, count):
 def plan(engine: str, quick: bool = False) -> list[Run]:
     """The runs of a study in one engine, those that say most first. quick: some minutes, factors of 1, 10 and 100 only."""
     one, softer = Run(engine, "cycles", cycles=1 if quick else 25), (10.0, 100.0)
-    both = [one, *(one._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
-    runs = [r for run in both for r in _copies(run, 3)]
+
+    def softened(run):
+        return [run, *(run._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
+
+    runs = [r for run in softened(one) for r in _copies(run, 3)]
     if quick:
         return runs
     if engine == "yade":
@@ -165,13 +168,11 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
         runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s, inertial=rate), 3)]
     runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s), 3)]
     pour = Run(engine, "pour", stress=2e3)
-    ways = [pour, *(pour._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
-    runs += [r for way in ways for r in _copies(way, 3)]
+    runs += [r for way in softened(pour) for r in _copies(way, 3)]
     shear = Run(engine, "shear", stress=1e5, inertial=1e-3)
-    ways = [shear, *(shear._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
-    ways += [shear._replace(factor=s, inertial=rate) for rate in (1e-2, 3e-3) for s in (1.0, 10.0)]
-    ways += [shear._replace(part=0.9), *(way._replace(inertial=3e-4) for way in ways[:5])]
-    ways += [shear._replace(inertial=3e-4, part=part) for part in (0.7, 0.9)]
+    slower = shear._replace(inertial=3e-4)
+    ways = softened(shear) + [shear._replace(factor=s, inertial=rate) for rate in (1e-2, 3e-3) for s in (1.0, 10.0)]
+    ways += [shear._replace(part=0.9), *softened(slower), *(slower._replace(part=part) for part in (0.7, 0.9))]
     runs += [r for way in ways for r in _copies(way, 3)]
     if engine == "yade":
         for rate in (5e-4, 2e-3, 3e-3):

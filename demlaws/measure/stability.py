@@ -134,6 +134,17 @@ def _held_by(rule, p, force, elastic, overlap, state):
     return lambda rule, p, force, elastic, overlap, state: 0.4 * force * elastic
 
 
+def _blur(rule, force, stiffness):
+    """Work [J] that rounding of the force alone makes of a curve that is sought by its force: P ε of P is P ε/K of overlap."""
+
+
+@overload(_blur)
+def _blur_by(rule, force, stiffness):
+    if rule.instance_class is Given:
+        return lambda rule, force, stiffness: 4.0 * 2.0**-52 * force * force / stiffness if stiffness > 0.0 else 0.0
+    return lambda rule, force, stiffness: 0.0
+
+
 @loop
 def finite_loop(params, contacts, largest, count, random):
     """Random first loading from denormal overlaps to `largest`: not finite, negative, decreasing."""
@@ -160,7 +171,8 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
     """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
 
     Work of first loading is the law's energy, on a Hertz-like unloading curve 0.4 (P x) from the forces that `step` returned,
-    on a given one that curve's energy, on one of a law's own what the rule says is stored.
+    on a given one that curve's energy, on one of a law's own what the rule says is stored. Where a given curve is flat, what
+    rounding of its force makes of the overlap is allowed.
     """
     returned = 0
     worst = 0.0
@@ -181,6 +193,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
         mark = -1.0
         work_at_mark = 0.0
         low_work = 0.0
+        blur = 0.0
         for k in range(turns + 1):
             if k == turns:
                 overlap = 0.0
@@ -212,6 +225,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
                     held = now
                     maximum = overlap
                     peak_force = force
+                    blur = max(blur, _blur(rule, force, stiffness))
                 else:
                     closing = max(overlap, 1e-300)  # with a seating load force ends in a step at zero overlap
                     last = force if overlap > 0.0 else dispatch.step(rule, p, closing, s)[0]
@@ -223,9 +237,9 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
             curve = max(curve, scale)
             if curve > 0.0:
                 if mark >= 0.0:
-                    low_work = min(low_work, (work - work_at_mark) / curve)
+                    low_work = min(low_work, (work - work_at_mark + blur) / curve)
                 if k == turns:
-                    low_work = min(low_work, work / curve)
+                    low_work = min(low_work, (work + blur) / curve)
             if mark >= 0.0:
                 mark = -1.0
             elif k < turns - 1 and random.random() < 0.4:
@@ -522,7 +536,6 @@ def _stable_step(law, mass, largest, share, promised, steps=20_000):
         size = (load / law.params.hertz_coefficient) ** (2 / 3)
         for kick in (1e-6, 1e-3, 3e-2):
             kick = min(kick, 0.1 * (overlap - foot) / size)  # a seated contact: less than would part it
-
             held = law, state, mass, load, overlap, -kick * size
             allowed = 20.0 * max(_growth(*held, 0.02 * promised, steps), 1.0)
             for ratio in np.arange(0.7, 3.0, 0.02):

@@ -706,7 +706,7 @@ def respond_loop(kind, shear, rule, records, record_bytes, contacts, out):
         state = contacts.ctypes.data + i * contacts.itemsize + STATE_OFFSET
         old = read_state(rule, state)
         force, stiffness, sideways, new = respond(kind, shear, rule, record, c.radius, c.modulus, c.overlap, old)
-        if force - force != 0.0:
+        if force - force != 0.0 or c.overlap - c.overlap != 0.0:
             bad = i if bad < 0 else bad
             force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
         write_state(rule, state, new)

@@ -181,6 +181,7 @@ class Layout:
         self.library = ctypes.CDLL(_mapped("/libpkg_dem.so"))
         self.core = ctypes.CDLL(_mapped("/libyade.so"))
         self.table = self._symbol(self.library, TABLE)
+        self.table_end = _mapped_until(self.table)
         self.body_by_id = self._symbol(self.core, BODY_BY_ID)
         self.offsets = {
             kernel.OVERLAP: _find(yade.ScGeom, "penetrationDepth"),
@@ -260,7 +261,7 @@ class Layout:
             if ctypes.c_int64.from_address(table - 16).value != -offset:
                 continue  # a base's table states how far the base lies from the start of the object
             thunk = self._symbol(self.library, GO.replace("_ZN", f"_ZThn{offset}_N", 1))
-            entries = read_memory(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= _mapped_until(table) else []
+            entries = read_memory(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= self.table_end else []
             places = [n for n, entry in enumerate(entries[:16]) if int(entry) == thunk]
             found += [(offset, n, thunk) for n in places]
         if len(found) != 1:

@@ -14,6 +14,7 @@ import traceback
 
 import numpy as np
 import pytest
+from examples import shared
 
 from demlaws import cli
 
@@ -125,14 +126,14 @@ def run_in_a_child(arguments, folder):
     return (None if os.WIFSIGNALED(status) else os.WEXITSTATUS(status)), log.read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("half", [0, pytest.param(1, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("part", shared(range(4), (0).__eq__))
 @pytest.mark.parametrize("path", LEAVES, ids=" ".join)
-def test_no_traceback(path, half, folder):
+def test_no_traceback(path, part, folder):
     actions = LEAVES[path]
     if not actions:
         return
     count = int(os.environ.get("DEMLAWS_JUNK", "0")) or 8
-    for arguments in list(cases(path, actions, count))[half::2]:
+    for arguments in list(cases(path, actions, count))[part::4]:
         status, text = run_in_a_child(arguments, folder)
         said = f"demlaws {' '.join(arguments)!r:.300}: status {status}\n{text[-1500:]}"
         assert "Traceback" not in text, said

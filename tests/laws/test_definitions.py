@@ -1,6 +1,7 @@
 """What every law declares in its own file, and that nothing elsewhere knows a law by name."""
 
 import ast
+import contextlib
 import re
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from examples import GRANITE, make, quiet
 
 import demlaws as dl
 from demlaws.core.unloading import RULES
+from demlaws.errors import NotPassive
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT
 from demlaws.laws.registry import find, registry
@@ -37,6 +39,14 @@ def test_facts_agree_with_one_another(name):
         if one.option:  # the law takes it
             shape = definition.shape(GRANITE, **{**definition.example, parameter: float(np.atleast_1d(one.starts(GRANITE))[0])})
             assert type(shape) is type(make(name).shape)
+
+
+@pytest.mark.parametrize("name", dl.laws())
+def test_an_offered_rule_is_taken_or_not_passive(name):
+    """Measurements and self-tests pass over what an example refuses: that must not be for another reason."""
+    for rule in find(name).offered():
+        with contextlib.suppress(NotPassive):
+            quiet(make, name, rule)
 
 
 def test_colours_and_ranks_differ():

@@ -8,6 +8,7 @@ import pytest
 import demlaws as dl
 from demlaws.driver import SOFTENING_SAFETY, STEP_SAFETY, stiffest
 from demlaws.law import Law
+from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.measure.stability import (
     GRANITE,
@@ -81,9 +82,22 @@ def test_time_step_where_the_tangent_falls():
         largest = stiffest_one if end > kink else law.stiffness(end)
         expected = part * 2.0 * math.sqrt(0.01 / largest)
         assert dl.timestep(law, 0.01, float(law.force(end))) == pytest.approx(expected, rel=1e-8)
+    curved = example("conical-damage", GRANITE, "table")  # back along such a curve: 1.22 of the stable step with 0.8 of 2/ω
+    force = float(curved.force(share))
+    assert dl.timestep(curved, 0.01, force) == pytest.approx(1.12 * math.sqrt(0.01 / stiffest(curved, force)), rel=1e-12)
     lossy = example("conical-damage", GRANITE, "thornton")  # nothing grows: below
     force = float(lossy.force(share))
     assert dl.timestep(lossy, 0.01, force) == pytest.approx(1.6 * math.sqrt(0.01 / stiffest(lossy, force)), rel=1e-12)
+
+
+OWN = [name for name, definition in registry().items() if definition.default_unloading != "elastic"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", OWN)
+def test_a_given_curve_serves_a_law_with_a_rule_of_its_own(name):
+    found = measure(Case(name, "table", "closed form"), paths=2000, cycles=1000)
+    assert failures([found]) == []
 
 
 @pytest.mark.slow

@@ -130,7 +130,7 @@ def test_half_moments_against_mpmath():
             assert value == pytest.approx(float(d * mpmath.pcfd(-n - 1, s)), rel=3e-14)
 
 
-@pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, CASES[1::3].__contains__))
+@pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, CASES[1:2].__contains__))
 def test_converged_under_grid_refinement_and_between_nodes(model, parameter):
     whole = curve(model, parameter)
     fine = axisymmetric._Solver(model, parameter, refine=1.6)

@@ -145,6 +145,13 @@ struct Probe : public NormalMod {
   }
 };
 
+// A sub-model, from the words that an input has for it.
+inline void furnish(const Stock &stock, Model *m, int type, std::vector<std::string> words) {
+  std::vector<char *> arg;
+  for (std::string &word : words) arg.push_back(&word[0]);
+  stock.add(m, &arg[0], 0, (int)arg.size(), type);
+}
+
 // Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer,
 // initialised and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
 inline bool abi_fits(void *lmp, const Stock &stock) {
@@ -158,13 +165,9 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
               !m->nondefault_history_transfer;
   for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
   if (!good) return false; // the buffer may be anything: leave it
-  char words[3][4][20] = {
-      {"hertz/material", "3.0", "0.25", "0.125"}, {"linear_nohistory", "0.0", "0.0", ""}, {"viscoelastic", "", "", ""}};
-  const int types[] = {NORMAL, TANGENTIAL, DAMPING}, counts[] = {4, 3, 1};
-  for (int k = 0; k < 3; k++) {
-    char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
-    stock.add(m, arg, 0, counts[k], types[k]);
-  }
+  furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
+  furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
+  furnish(stock, m, DAMPING, {"viscoelastic"});
   NormalMod *const normal = m->normal_model;
   good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
          normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
@@ -174,18 +177,21 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
   if (!good) return false;
   stock.init(m);
   double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};
-  m->contact_type = 1;
-  m->history_update = 0;
-  m->calculate_svector = 0;
-  std::copy(x, x + 3, m->dx);
-  m->xi = x;
-  m->xj = other;
-  m->vi = fast;
-  m->vj = m->omegai = m->omegaj = zero;
-  m->radi = 0.75;
-  m->radj = 0.25;
-  m->meff = 2.;
-  m->dt = 1e-9;
+  const auto place = [&] {
+    m->contact_type = 1;
+    m->history_update = 0;
+    m->calculate_svector = 0;
+    std::copy(x, x + 3, m->dx);
+    m->xi = x;
+    m->xj = other;
+    m->vi = fast;
+    m->vj = m->omegai = m->omegaj = zero;
+    m->radi = 0.75;
+    m->radj = 0.25;
+    m->meff = 2.;
+    m->dt = 1e-9;
+  };
+  place();
   const double a = sqrt(0.25 * 0.1875), E = 3. / (2. * (1. - 0.125 * 0.125));
   good = stock.check(m) && m->touch && m->radsum == 0.75 && m->rsq == 0.25 && m->Reff == 0.1875;
   if (good) {
@@ -203,10 +209,8 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
   bool gone = false;
   memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
   stock.make(m, lmp);
-  for (int k = 1; k < 3; k++) {
-    char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
-    stock.add(m, arg, 0, counts[k], types[k]);
-  }
+  furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
+  furnish(stock, m, DAMPING, {"viscoelastic"});
   Probe *const probe = new Probe(m, &gone);
   m->sub_models[NORMAL] = probe;
   m->normal_model = probe;
@@ -214,18 +218,7 @@ inline bool abi_fits(void *lmp, const Stock &stock) {
   good = m->size_history == 3 && m->nondefault_history_transfer == 1 && m->transfer_history_factor &&
          m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. && m->nsvector == Probe::OUTPUTS &&
          m->svector;
-  m->contact_type = 1;
-  m->history_update = 0;
-  m->calculate_svector = 0;
-  std::copy(x, x + 3, m->dx);
-  m->xi = x;
-  m->xj = other;
-  m->vi = fast;
-  m->vj = m->omegai = m->omegaj = zero;
-  m->radi = 0.75;
-  m->radj = 0.25;
-  m->meff = 2.;
-  m->dt = 1e-9;
+  place();
   good = good && stock.check(m);
   if (good) {
     stock.compute(m);
@@ -309,13 +302,9 @@ inline bool pairs_fit(void *lmp, const Stock &stock) {
   memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
   Model *const m = (Model *)&buffer[0];
   stock.make(m, lmp);
-  char words[3][4][20] = {
-      {"hertz/material", "3.0", "0.25", "0.125"}, {"mindlin", "NULL", "0.5", "0.25"}, {"viscoelastic", "", "", ""}};
-  const int types[] = {NORMAL, TANGENTIAL, DAMPING}, counts[] = {4, 4, 1};
-  for (int k = 0; k < 3; k++) {
-    char *arg[4] = {words[k][0], words[k][1], words[k][2], words[k][3]};
-    stock.add(m, arg, 0, counts[k], types[k]);
-  }
+  furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
+  furnish(stock, m, TANGENTIAL, {"mindlin", "NULL", "0.5", "0.25"});
+  furnish(stock, m, DAMPING, {"viscoelastic"});
   stock.init(m);
   bool good = m->size_history == 3 && m->tangential_model == m->sub_models[TANGENTIAL];
   const int CASES = 24, VALUES = 40;

@@ -49,7 +49,8 @@ def test_case(common, tmp_path, case):
     simulate_and_check(common, case, tmp_path)
 
 
-@pytest.mark.parametrize("unloading", shared(["elastic", "thornton", "table"], "thornton".__eq__))
+@pytest.mark.slow
+@pytest.mark.parametrize("unloading", ["elastic", "thornton", "table"])
 def test_energy_on_two_ranks_with_other_unloading(common, tmp_path, unloading):
     """The sphere slides from one rank to the other in its first contact."""
     simulate_and_check(common, "energy", tmp_path, 2, {"unloading": unloading}, unloading=unloading)

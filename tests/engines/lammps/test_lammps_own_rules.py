@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from examples import shared
 from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, continued, moves_of, simulate, two_spheres
-from own_spring import registered
+from own_spring import FAULTS, registered, spoil
+from processes import parted
 
 import demlaws as dl
 from demlaws.lammps.check import TWO_PARTICLES, follow
@@ -19,7 +20,8 @@ TABLE = f"demlaws/table law.tbl {YOUNG!r} 1.0 0.25 {MINDLIN}"
 ENERGY = "compute e all demlaws/energy"
 
 
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
+@pytest.mark.slow  # the one after a restart compares the force, too
+@pytest.mark.parametrize("ranks", [1, 2])
 def test_a_rule_of_ones_own(tmp_path, ranks):
     """From a file outside the package: within the certificate of the law, and the table's own to rounding."""
     with registered(tmp_path):
@@ -56,26 +58,17 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path, ranks):
             np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-14, err_msg=column)
 
 
-@pytest.mark.parametrize("fault", shared(["missing", "another", "missing on one rank"], "missing".__eq__))
+@pytest.mark.slow
+@pytest.mark.parametrize("fault", shared(FAULTS, "missing".__eq__))
 def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
     with registered(tmp_path):
         table = dl.law("spring", CONTACT, lost=0.3).tabulate(1e-4).save(tmp_path / "law.tbl")
-    code = Path(f"{table}.so")
-    if fault == "another":
-        code.write_bytes(code.read_bytes() + b"\n")
-    elif fault == "missing":
-        code.unlink()
-    ranks = 2 if "rank" in fault else 1
+    ranks = spoil(Path(f"{table}.so"), fault)
     (tmp_path / "in.contact").write_text(TWO_PARTICLES)
     given = {"young": repr(YOUNG), "radius": repr(8e-3), "table": "law.tbl", "newton": "on", "every": 4}
     line, environment = command("in.contact", ranks, given)
-    if ranks > 1:  # the second rank stands elsewhere
-        (tmp_path / "elsewhere").mkdir()
-        script = tmp_path / "start.sh"
-        script.write_text('#!/bin/sh\n[ "${PMI_RANK:-$OMPI_COMM_WORLD_RANK}" = 1 ] && cd elsewhere\nexec "$@"\n')
-        script.chmod(0o755)
-        place = line.index(str(executable().path))
-        line[place:place] = [str(script)]
+    if ranks > 1:
+        line = parted(line, executable().path, tmp_path)
     done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, errors="replace", timeout=120)
     said = " ".join((done.stdout + done.stderr).split())
     assert done.returncode

@@ -367,7 +367,7 @@ def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
         ("rough-plastic", {"yield_pressure": 1.66e9}, [dl.Surface(1.7e-6, 2.22)] * 2, 5),
     ],
 )
-@pytest.mark.parametrize("ranks", [1, 2])
+@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
     """In a folder with a space in its name; run.sh as a user starts it, with the command `demlaws` on the path."""
     grains = [lg.Grain(radius, GRANITE, surface) for radius, surface in zip((0.004, 0.005), grains, strict=True)]
@@ -387,6 +387,7 @@ def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
     assert list((folder / "post").glob("grains.*"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stock", [None, "hertz"])
 def test_the_exported_case_settles(tmp_path, stock):
     """It ends by itself with all grains in and at rest, before its longest time, and they lie where they can."""

@@ -20,9 +20,17 @@ def test_extremes():
 @pytest.mark.parametrize(
     "touching, where, value, message",
     [
-        (True, "velocity", "nan", "particle 3 is at (nan, 0, 0) m with velocity (nan, 0, 0) m/s, which is not finite"),
+        pytest.param(
+            True,
+            "velocity",
+            "nan",
+            "particle 3 is at (nan, 0, 0) m with velocity (nan, 0, 0) m/s, which is not finite",
+            marks=pytest.mark.slow,
+        ),
         (False, "position", "nan", "particle 3 is at (nan, 0, 0) m"),
-        (True, "position", "inf", "Lost atoms"),  # LIGGGHTS's own rule for a particle beyond the box
+        pytest.param(
+            True, "position", "inf", "Lost atoms", marks=pytest.mark.slow
+        ),  # LIGGGHTS's own rule for a particle beyond the box
     ],
 )
 def test_numbers_that_are_none_stop(touching, where, value, message):

@@ -1,10 +1,10 @@
 """EEPA: LIGGGHTS's own (edinburgh/stiffness, n = 1.5, no adhesion) against law eepa with the same numbers on the same path."""
 
+import natives
 import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.measure import natives
 
 pytestmark = pytest.mark.slow
 

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from examples import shared
 from inputs_for_liggghts import two_spheres
-from own_spring import registered
+from own_spring import FAULTS, registered, spoil
+from processes import parted
 
 import demlaws as dl
 from demlaws.liggghts import run
@@ -20,6 +21,7 @@ PAGE = (Path(__file__).parents[3] / "docs" / "own-laws.md").read_text()
 CONTACT = dl.Contact(radius=4e-3, modulus=32e9)
 
 
+@pytest.mark.slow
 def test_a_law_of_ones_own_within_its_certificate(tmp_path, registered_here):
     (text,) = re.findall(r"<!-- file: my_law.py -->\n```python\n(.*?)```", PAGE, re.DOTALL)
     (tmp_path / "my_law.py").write_text(text)
@@ -76,6 +78,7 @@ def test_a_rule_of_ones_own(tmp_path, ranks):
     np.testing.assert_allclose(force, table.force, rtol=1e-12, atol=1e-11 * table.force.max())
 
 
+@pytest.mark.slow
 def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
     """Half way back a restart file is written; a new process goes on as the first would have."""
     with registered(tmp_path):
@@ -99,27 +102,17 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
     np.testing.assert_allclose(later["force"], whole["force"][same], rtol=1e-12, atol=1e-12 * whole["force"].max())
 
 
-@pytest.mark.parametrize("fault", shared(["missing", "another", "missing on one rank"], "missing".__eq__))
+@pytest.mark.parametrize("fault", shared(FAULTS, "missing".__eq__))
 def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
     with registered(tmp_path):
         law = dl.law("spring", CONTACT, lost=0.3)
         table = law.tabulate(1e-4).save(tmp_path / "law.tbl")
-    code = Path(f"{table}.so")
-    if fault == "another":
-        code.write_bytes(code.read_bytes() + b"\n")
-    elif fault == "missing":
-        code.unlink()
-    ranks = 2 if "rank" in fault else 1
+    ranks = spoil(Path(f"{table}.so"), fault)
     text, variables = two_particles_on(ranks)
     (tmp_path / "in.case").write_text(text)
     line, environment = command("in.case", ranks, variables)
-    if ranks > 1:  # the second rank stands elsewhere
-        (tmp_path / "elsewhere").mkdir()
-        script = tmp_path / "start.sh"
-        script.write_text('#!/bin/sh\n[ "$OMPI_COMM_WORLD_RANK" = 1 ] && cd elsewhere\nexec "$@"\n')
-        script.chmod(0o755)
-        place = line.index(executable())
-        line[place:place] = [str(script)]
+    if ranks > 1:
+        line = parted(line, executable(), tmp_path)
     done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, errors="replace", timeout=120)
     said = done.stdout + done.stderr
     assert done.returncode

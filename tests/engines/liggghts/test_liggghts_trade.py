@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from natives import edinburgh_input
 
 import demlaws as dl
 from demlaws.cli import main
 from demlaws.liggghts import run, stock_fit
-from demlaws.liggghts.check import TWO_PARTICLES
 from demlaws.measure import candidates, packings, peers, trade
+from demlaws.measure.liggghts_oedometer import edinburgh_lines
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -61,19 +62,10 @@ def test_edinburgh_is_what_its_formula_says(tmp_path, granite_pair):
     """The force that `peers` puts on the picture against stock LIGGGHTS, loading, unloading and reloading."""
     law = dl.law("pohrt-popov", granite_pair, "hertz")
     fit = stock_fit(law, 10.0, "edinburgh")
-    values = {
-        "LoadingStiffness": fit.parameters["LoadingStiffness"],
-        "UnloadingStiffness": fit.parameters["UnloadingStiffness"],
-        **dict.fromkeys(("pullOffForce", "surfaceEnergy", "coefficientAdhesionStiffness"), 0.0),
-    }
-    lines = [f"fix e_{n} all property/global {n} peratomtypepair 1 {v:.15g}\n" for n, v in values.items()]
-    scalars = {"overlapExponent": fit.parameters["overlapExponent"], "adhesionExponent": 1.0}
-    lines += [f"fix e_{n} all property/global {n} scalar {v:.15g}\n" for n, v in scalars.items()]
-    style = "pair_style      gran model demlaws/table tangential history table ${table}\n"
-    assert style in TWO_PARTICLES
-    (tmp_path / "in.edinburgh").write_text(
-        TWO_PARTICLES.replace(style, "".join(lines) + "pair_style gran model edinburgh/stiffness tangential off\n")
+    loading, unloading, exponent = (
+        f"{fit.parameters[name]:.15g}" for name in ("LoadingStiffness", "UnloadingStiffness", "overlapExponent")
     )
+    (tmp_path / "in.edinburgh").write_text(edinburgh_input(edinburgh_lines(f"1 {loading}", f"1 {unloading}", exponent)))
     young = 2.0 * granite_pair.modulus * (1.0 - 0.25**2)
     variables = {"young": repr(young), "radius": repr(2.0 * granite_pair.radius)}
     log = run(tmp_path / "in.edinburgh", 1, variables, plugin=False)

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from examples import shared
 
 import demlaws as dl
 from demlaws.liggghts import run
@@ -114,7 +115,7 @@ def hertz(overlap):
     return 4 / 3 * MODULUS * math.sqrt(RADIUS) * max(overlap, 0.0) ** 1.5
 
 
-@pytest.mark.parametrize("n", [3, 4, 5, 6, 8, 12])
+@pytest.mark.parametrize("n", shared([3, 4, 5, 6, 8, 12], (3, 12).__contains__))
 @pytest.mark.parametrize("side", [1, -1])
 def test_a_sphere_in_a_hole_rests_on_every_edge(tmp_path, tables, n, side):
     """From above and from below: n edges, each with Hertz's force at the overlap there."""
@@ -125,7 +126,12 @@ def test_a_sphere_in_a_hole_rests_on_every_edge(tmp_path, tables, n, side):
     assert np.abs(force[:2]).max() <= 1e-9 * abs(force[2])
 
 
-@pytest.mark.parametrize("at", ["hole", "rim", "outer corner", "inner corner", "fold", "ridge", "node", "edge"])
+@pytest.mark.parametrize(
+    "at",
+    shared(
+        ["hole", "rim", "outer corner", "inner corner", "fold", "ridge", "node", "edge"], ("rim", "fold", "node").__contains__
+    ),
+)
 def test_the_support_is_that_of_the_stock_wall(tmp_path, tables, at):
     """A hundred places about each feature of a mesh, Hertz as a table against stock hertz."""
     fold = {"fold": lambda x, y: abs(x) * 0.2, "ridge": lambda x, y: -abs(x) * 0.2}

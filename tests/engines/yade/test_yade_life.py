@@ -264,6 +264,7 @@ def test_changed_tag_stops(omega, tmp_path):
         omega.load(str(file))
 
 
+@pytest.mark.slow
 def test_batch(tmp_path):
     from demlaws.yade.run import run
 

@@ -1,10 +1,10 @@
 """The Conical Damage Model: YADE's own against law conical-damage with the same numbers, each as `demlaws trade` drives it."""
 
+import natives
 import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.measure import natives
 
 pytestmark = pytest.mark.slow
 

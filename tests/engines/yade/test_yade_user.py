@@ -373,7 +373,7 @@ def test_a_foreign_contact_is_told_without_advice_that_destroys_unsaid(omega):
         law.binding.verify()
 
 
-@pytest.mark.parametrize("name", ["hertz", "pohrt-popov"])
+@pytest.mark.parametrize("name", [pytest.param("hertz", marks=pytest.mark.slow), "pohrt-popov"])
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_a_marker_bears_nothing(omega, name, way):
     """young=0, as YADE's examples mark water levels: no force, as native Mindlin."""
@@ -811,6 +811,7 @@ def engines_around(law):
 # --- the command
 
 
+@pytest.mark.slow
 def test_run_keeps_the_interpreter(tmp_path):
     """As yade does: what is typed after the script sees its variables; -x leaves; options and arguments go through."""
     script = tmp_path / "script.py"

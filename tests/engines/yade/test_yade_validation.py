@@ -30,6 +30,7 @@ def test_a_stiffness_after_yield_of_its_own_acts_in_yade():
     assert here.restitution < plain.restitution - 0.05
 
 
+@pytest.mark.slow
 def test_the_places_that_lammps_keeps_are_met_in_yade():
     """LAMMPS's own DEM tests 02 and 03, with the law in place of stock hertz."""
     found = engines.in_yade(kept_jobs())

@@ -1,16 +1,21 @@
 """Laws of the literature that engines have themselves: theirs with the numbers of ours, on a path."""
 
 import math
+import re
 import tempfile
 from pathlib import Path
 
 import numpy as np
 
+from demlaws.liggghts.check import TWO_PARTICLES
+from demlaws.liggghts.run import run
 from demlaws.materials import DENSITY
 from demlaws.measure.costs import under_yade
+from demlaws.measure.liggghts_oedometer import edinburgh_lines
 
 POISSON = 0.25
-_SPEED, _STEP = 0.2, 1e-8  # of the sphere in LIGGGHTS [m/s, s]
+_SPEED = 0.2  # of the sphere in LIGGGHTS [m/s]
+_STEP = float(re.search(r"^timestep +(\S+)$", TWO_PARTICLES, re.MULTILINE)[1])  # [s]
 
 
 def in_yade(law, corners):
@@ -27,23 +32,20 @@ def in_yade(law, corners):
     return path, np.array(under_yade("yade_cost.py", given)[0][0])
 
 
+def edinburgh_input(lines):
+    """The input of `demlaws liggghts check` with stock edinburgh, of these property lines, in place of a table."""
+    style = "pair_style      gran model demlaws/table tangential history table ${table}\n"
+    assert style in TWO_PARTICLES
+    return TWO_PARTICLES.replace(style, lines + "pair_style gran model edinburgh/stiffness tangential off\n")
+
+
 def in_liggghts(law, corners):
     """The same of LIGGGHTS's edinburgh/stiffness with n = 1.5, without adhesion; the overlaps are those that it moved."""
-    from demlaws.liggghts.check import TWO_PARTICLES
-    from demlaws.liggghts.run import run
-
     coefficient = 4.0 / 3.0 * law.contact.modulus * math.sqrt(law.contact.radius)
-    values = {
-        "LoadingStiffness": law.options["softness"] * coefficient,
-        "UnloadingStiffness": law.options["stiffness_ratio"],
-        **dict.fromkeys(("pullOffForce", "surfaceEnergy", "coefficientAdhesionStiffness"), 0.0),
-    }
-    lines = [f"fix e_{n} all property/global {n} peratomtypepair 1 {v:.17g}\n" for n, v in values.items()]
-    scalars = {"overlapExponent": 1.5, "adhesionExponent": 1.0}
-    lines += [f"fix e_{n} all property/global {n} scalar {v:.17g}\n" for n, v in scalars.items()]
-    text = TWO_PARTICLES.split("velocity ", 1)[0].replace("timestep        1e-9", f"timestep {_STEP:g}")
-    style = "pair_style      gran model demlaws/table tangential history table ${table}\n"
-    text = text.replace(style, "".join(lines) + "pair_style gran model edinburgh/stiffness tangential off\n")
+    lines = edinburgh_lines(
+        f"1 {law.options['softness'] * coefficient:.17g}", f"1 {law.options['stiffness_ratio']:.17g}", "1.5"
+    )
+    text = edinburgh_input(lines).split("velocity ", 1)[0]
     at = -1e-7
     for corner in corners:
         steps = max(1, round(abs(corner - at) / (_SPEED * _STEP)))
