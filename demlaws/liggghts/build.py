@@ -63,13 +63,41 @@ def _compiler():
     return compiler
 
 
-def _headers():
-    folder = Path(os.environ.get("DEMLAWS_LIGGGHTS_INCLUDE", HEADERS))
-    if not (folder / "contact_models.h").is_file():
+def engine_library():
+    """Path of the libliggghts that the binary loads; None where nobody says: no binary, no ldd, a script that starts it."""
+    binary = shutil.which(os.environ.get("DEMLAWS_LIGGGHTS", "liggghts"))
+    said = _output(["ldd", binary]) if binary else ""
+    found = re.search(r"(/\S*/libliggghts[^/\s]*) \(0x", said)
+    if found:
+        return Path(found.group(1))
+    if "libliggghts" in said:
+        raise DemlawsError(f"{binary} does not find its libliggghts: set LD_LIBRARY_PATH to the folder of that library")
+    if said:
         raise DemlawsError(
-            f"the headers of LIGGGHTS are not in {folder}: {PACKAGES}, or set DEMLAWS_LIGGGHTS_INCLUDE to their folder"
+            f"{binary} holds LIGGGHTS in itself and loads no libliggghts, through which alone a plugin reaches it: "
+            "link main.cpp with the shared library instead (docs/machines.md has the line)"
         )
-    return folder
+    return None
+
+
+def packaged(library):
+    """Whether a libliggghts is the system's, or unknown and taken to be so."""
+    return library is None or str(library).startswith(("/lib/", "/usr/lib/"))
+
+
+def headers():
+    """Folder of the headers of the LIGGGHTS in use: those of another one might not fit its memory."""
+    named, library = os.environ.get("DEMLAWS_LIGGGHTS_INCLUDE"), engine_library()
+    if named or packaged(library):
+        places = [Path(named or HEADERS)]
+    else:
+        places = [library.parent.parent / "include", library.parent.parent / "include" / "liggghts"]
+    for folder in places:
+        if (folder / "contact_models.h").is_file():
+            return folder
+    raise DemlawsError(
+        f"the headers of LIGGGHTS are not in {places[0]}: {PACKAGES}, or set DEMLAWS_LIGGGHTS_INCLUDE to their folder"
+    )
 
 
 def _mpi_flags():
@@ -80,11 +108,17 @@ def _mpi_flags():
     raise DemlawsError(f"the MPI headers were not found (neither mpicxx nor pkg-config ompi-cxx answers): {PACKAGES}")
 
 
-def mpi_libraries(compiler):
-    """Paths of the MPI libraries that libliggghts itself loads, directly or through others: no other may be in the process."""
-    library = _output([compiler, "-print-file-name=libliggghts.so"]).strip()
-    if "/" not in library:
+def linked_library():
+    """Path of the libliggghts that the plugin is linked with: the binary's own, else the one that the compiler finds."""
+    compiler = os.environ.get("CXX", "g++")
+    library = engine_library() or _output([compiler, "-print-file-name=libliggghts.so"]).strip()
+    if "/" not in str(library):
         raise DemlawsError(f"{compiler} finds no libliggghts.so: {PACKAGES}")
+    return str(library)
+
+
+def mpi_libraries(library):
+    """Paths of the MPI libraries that a libliggghts loads, directly or through others: no other may be in the process."""
     found = re.findall(r"^\s*(\S*mpi\S*) => (/\S+)", _output(["ldd", library]), re.M | re.I)
     if not found:
         raise DemlawsError(f"{library} loads no MPI library that ldd finds: {PACKAGES}")
@@ -94,12 +128,14 @@ def mpi_libraries(compiler):
 def compile_command(portable):
     """The compiler's command without its output, and what it links."""
     architecture = [] if portable else ["-march=native"]
-    headers = _headers()
     includes = [f"-I{SOURCES / 'styles'}", f"-I{SOURCES}", f"-I{SHARED}"]
-    includes += ["-isystem", str(headers), *_mpi_flags()]  # so that warnings are of our own files only
+    includes += ["-isystem", str(headers()), *_mpi_flags()]  # so that warnings are of our own files only
     compiler = _compiler()
-    link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", "-lliggghts"]
-    link += ["-Wl,--as-needed", *mpi_libraries(compiler)]  # several of that name; only what is used is linked
+    library = linked_library()
+    link = [f"-Wl,--version-script={SOURCES / 'export.map'}", "-Wl,--no-undefined", library]
+    if not packaged(library):
+        link.append(f"-Wl,-rpath,{Path(library).parent}")  # else the loader would find the system's by the same name
+    link += ["-Wl,--as-needed", *mpi_libraries(library)]  # several of that name; only what is used is linked
     return [compiler, *FLAGS, *architecture, *includes, str(SOURCES / "demlaws_liggghts.cpp")], link
 
 
@@ -121,9 +157,8 @@ def _processor():
 
 def _engine():
     """The bytes of LIGGGHTS's library, as the binary loads it."""
-    binary = shutil.which(os.environ.get("DEMLAWS_LIGGGHTS", "liggghts"))
-    found = re.search(r"libliggghts\S* => (/\S+)", _output(["ldd", binary])) if binary else None
-    return Path(found.group(1)).read_bytes() if found else b""
+    library = engine_library()
+    return library.read_bytes() if library else b""
 
 
 def _runs_on(portable):
@@ -139,7 +174,7 @@ def _made_by(command, link, portable):
     parts = [*command, *link, _output([command[0], "--version"])]
     if not portable:  # -march=native means another thing on another processor
         parts.append(_output([command[0], "-march=native", "-Q", "--help=target"]))
-    for file in sorted(_headers().glob("*.h")):  # an update of LIGGGHTS changes them
+    for file in sorted(headers().glob("*.h")):  # an update of LIGGGHTS changes them
         parts.append(f"{file.name} {file.stat().st_size} {file.stat().st_mtime_ns}")
     return _key(parts)
 
@@ -168,6 +203,7 @@ def build(portable=False, force=False):
             f"the cache {cache_folder()} has a space or a colon in its name, at which LD_PRELOAD splits: "
             "set DEMLAWS_CACHE to another folder"
         )
+    engine_library()  # a LIGGGHTS that no plugin reaches is refused before anything else is missed
     try:
         command, link = compile_command(portable)
     except DemlawsError as missing:

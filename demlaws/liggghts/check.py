@@ -9,7 +9,7 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError
-from demlaws.liggghts.build import PACKAGES, build
+from demlaws.liggghts.build import PACKAGES, build, engine_library, headers, packaged
 from demlaws.liggghts.run import HEAD, executable, run, versions
 from demlaws.make import law as make_law
 
@@ -86,8 +86,12 @@ def two_particles(law, rtol=1e-5, radius=None, folder=None, ranks=1):
 def check(report=print):
     """Versions, build and self-test; prints what it finds, raises DemlawsError at the first thing that fails."""
     report(f"binary    {executable()}: {versions()}")
-    for name, version in packages().items():
-        report(f"package   {name} {version}")
+    library = engine_library()
+    if packaged(library):
+        for name, version in packages().items():
+            report(f"package   {name} {version}")
+    else:
+        report(f"library   {library}, headers {headers()}")
     report(f"plugin    {build()}")
     contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)
     for unloading in ("elastic", "hertz"):

@@ -41,7 +41,10 @@ def executable():
 @functools.lru_cache
 def _versions_of(binary):
     """Version line of the binary; raises where it is not the one the plugin is for, or a superquadric build."""
-    line = subprocess.run([binary, "-h"], capture_output=True, text=True).stdout
+    asked = subprocess.run([binary, "-h"], capture_output=True, text=True)
+    line = asked.stdout
+    if asked.returncode and not line:  # a library that it does not find
+        raise DemlawsError(f"{binary} does not start: {asked.stderr.strip()[:300]}")
     found = re.search(r"Version (LIGGGHTS\S*) (\S+?),", line)
     if not found or found.group(2) != VERSION:
         raise DemlawsError(f"the plugin is for LIGGGHTS {VERSION}, the binary says {found.group(0) if found else line[:80]!r}")

@@ -16,7 +16,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.laws.registry import registry
-from demlaws.liggghts.build import build
+from demlaws.liggghts.build import build, linked_library, mpi_libraries
 from demlaws.liggghts.run import versions
 from demlaws.measure.extremes import POISSON, Balance
 
@@ -47,8 +47,9 @@ class _Library:
     def __init__(self, screen=False):
         versions()
         self._words = [b"liggghts", b"-log", b"none", *([] if screen else [b"-screen", b"none"])]
-        ctypes.CDLL("libmpi.so.40", mode=ctypes.RTLD_GLOBAL)
-        self._library = library = ctypes.CDLL("libliggghts.so.3", mode=ctypes.RTLD_GLOBAL)
+        path = linked_library()
+        for name in (*mpi_libraries(path), path):
+            self._library = library = ctypes.CDLL(name, mode=ctypes.RTLD_GLOBAL)
         ctypes.CDLL(str(build()), mode=ctypes.RTLD_GLOBAL)
         for name in ("lammps_extract_atom", "lammps_extract_compute"):
             getattr(library, name).restype = ctypes.c_void_p

@@ -2,6 +2,7 @@
 
 import importlib.metadata
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -13,7 +14,7 @@ INSTALL = "install it with `sudo apt install yade`"
 
 
 def executable(name="yade"):
-    """Path of Debian's yade (or yade-batch); the environment variable YADE names another."""
+    """Path of the system's yade (or yade-batch); the environment variable YADE names another."""
     chosen = os.environ.get("YADE") or "yade"
     path = shutil.which(chosen)
     if path is None:
@@ -31,8 +32,15 @@ def python_of(yade):
     with open(yade, "rb") as script:
         first = script.readline().decode(errors="replace").strip()
     interpreter = first.removeprefix("#!").split()[-1] if first.startswith("#!") else ""
-    version = os.path.basename(interpreter).removeprefix("python").split(".")
+    version = os.path.basename(os.path.realpath(interpreter or "/"))  # /usr/bin/python3 is a link
+    version = version.removeprefix("python").split(".")
     return tuple(int(part) for part in version) if len(version) == 2 and all(part.isdigit() for part in version) else None
+
+
+def modules_of(yade):
+    """Folder of YADE's Python modules that a yade start script puts on the path, or None where it does not say."""
+    found = re.search(r"^sys\.path\.insert\(\d+, *'([^']+)'\)", Path(yade).read_text(errors="replace"), re.M)
+    return Path(found.group(1)) if found else None
 
 
 def numpy_built_for(folder="/usr/lib/python3/dist-packages"):

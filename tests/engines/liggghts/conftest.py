@@ -1,5 +1,6 @@
 """Tests that run the real LIGGGHTS; skipped only where it, its headers or a compiler is absent."""
 
+import os
 import shutil
 import sys
 from pathlib import Path
@@ -7,17 +8,27 @@ from pathlib import Path
 import pytest
 
 import demlaws as dl
-from demlaws.liggghts.build import HEADERS
+from demlaws.errors import DemlawsError
+from demlaws.liggghts.build import headers
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE))  # inputs_for_liggghts.py, inputs that the tests share
+
+
+def _headers():
+    try:
+        return headers()
+    except DemlawsError:
+        return None
+
+
 ABSENT = [
     name
     for name, there in (
-        ("liggghts", shutil.which("liggghts")),
+        ("liggghts", shutil.which(os.environ.get("DEMLAWS_LIGGGHTS", "liggghts"))),
         ("mpirun", shutil.which("mpirun")),
         ("g++", shutil.which("g++")),
-        ("libliggghts-dev", (HEADERS / "contact_models.h").is_file()),
+        ("libliggghts-dev", _headers()),
     )
     if not there
 ]

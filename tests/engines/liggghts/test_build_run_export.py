@@ -63,14 +63,45 @@ LDD_SID = """\
 
 def test_mpi_is_what_libliggghts_loads(monkeypatch):
     """Debian sid's Open MPI 6 keeps ompi_mpi_double in libopen_mpi, which only libmpi asks for."""
-    answers = {"g++": "/usr/lib/libliggghts.so\n", "ldd": LDD_SID}
-    monkeypatch.setattr(build_module, "_output", lambda command: answers[command[0]])
-    names = [Path(path).name for path in build_module.mpi_libraries("g++")]
+    monkeypatch.setattr(build_module, "_output", lambda command: LDD_SID)
+    names = [Path(path).name for path in build_module.mpi_libraries("/usr/lib/libliggghts.so")]
     assert names == ["libmpi.so.40", "libvtkParallelMPI-9.6.so.1", "libopen_mpi.so.40"]
-    for tool, answer, message in (("ldd", "libc.so.6 => /lib/libc.so.6", "no MPI"), ("g++", "libliggghts.so", "finds no lib")):
-        monkeypatch.setitem(answers, tool, answer)
-        with pytest.raises(DemlawsError, match=message):
-            build_module.mpi_libraries("g++")
+    monkeypatch.setattr(build_module, "_output", lambda command: "libc.so.6 => /lib/libc.so.6")
+    with pytest.raises(DemlawsError, match="no MPI"):
+        build_module.mpi_libraries("/usr/lib/libliggghts.so")
+
+
+def test_library_and_headers_are_those_of_the_binary(tmp_path, monkeypatch):
+    """A LIGGGHTS of one's own stands beside Debian's: nothing of the one goes into a plugin for the other."""
+    binary, own, system = tmp_path / "liggghts", tmp_path / "lib" / "libliggghts.so", "/usr/lib/libliggghts.so"
+    binary.touch(0o755)
+    monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(binary))
+    monkeypatch.delenv("DEMLAWS_LIGGGHTS_INCLUDE", raising=False)
+    monkeypatch.delenv("CXX", raising=False)
+    answers = {"ldd": f"\tlibliggghts.so => {own} (0x00007f7b)\n", "g++": f"{system}\n"}
+    monkeypatch.setattr(build_module, "_output", lambda command: answers[command[0]])
+    assert build_module.linked_library() == str(own)
+    with pytest.raises(DemlawsError, match=f"not in {tmp_path}/include: .*DEMLAWS_LIGGGHTS_INCLUDE"):
+        build_module.headers()
+    (tmp_path / "include" / "liggghts").mkdir(parents=True)
+    (tmp_path / "include" / "liggghts" / "contact_models.h").touch()
+    assert build_module.headers() == tmp_path / "include" / "liggghts"
+    monkeypatch.setenv("DEMLAWS_LIGGGHTS_INCLUDE", str(tmp_path / "lib"))
+    with pytest.raises(DemlawsError, match=f"not in {tmp_path}/lib"):
+        build_module.headers()
+    answers["ldd"] = f"\t{own} (0x00007f7b)\n"  # linked by its path
+    assert build_module.linked_library() == str(own)
+    answers["ldd"] = ""  # a script that starts it
+    assert build_module.linked_library() == system
+    answers["g++"] = "libliggghts.so\n"
+    with pytest.raises(DemlawsError, match="finds no lib"):
+        build_module.linked_library()
+    answers["ldd"] = "\tlibliggghts.so => not found\n\tlibc.so.6 => /lib/libc.so.6 (0x00007f7b)\n"
+    with pytest.raises(DemlawsError, match="LD_LIBRARY_PATH"):
+        lg.build()
+    answers["ldd"] = "\tlibmpi.so.40 => /lib/libmpi.so.40 (0x00007f7b)\n"  # what LIGGGHTS's own CMakeLists makes
+    with pytest.raises(DemlawsError, match="holds LIGGGHTS in itself"):
+        lg.build()
 
 
 def test_plugin_loads_the_mpi_of_liggghts_and_no_other():
@@ -166,6 +197,7 @@ def test_import_needs_no_liggghts(tmp_path):
     """Without any program in reach the package imports, and says what is missing when asked to run."""
     code = "import demlaws.liggghts as lg\ntry:\n lg.run('in.case')\nexcept ValueError as e: print(e)"
     environment = {**os.environ, "PYTHONPATH": HOME, "PATH": str(tmp_path)}
+    environment.pop("DEMLAWS_LIGGGHTS", None)
     (tmp_path / "in.case").write_text("")
     out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert "apt install" in out.stdout, out.stderr
@@ -314,6 +346,12 @@ def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
         versions()
     pretend("3.8.0", "granular superquadric")
     with pytest.raises(DemlawsError, match="superquadric"):
+        versions()
+    broken = tmp_path / "broken"
+    broken.write_text("#!/bin/sh\necho error while loading shared libraries: libliggghts.so >&2; exit 127\n")
+    broken.chmod(0o755)
+    monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(broken))
+    with pytest.raises(DemlawsError, match=r"does not start: .*libliggghts\.so"):
         versions()
 
 

@@ -12,6 +12,7 @@ from inputs_for_liggghts import modulus, two_spheres
 import demlaws as dl
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import build, read_log, run
+from demlaws.liggghts.build import linked_library, mpi_libraries
 from demlaws.liggghts.run import command
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -238,9 +239,7 @@ def test_nothing_is_left_after_clear(granite):
 
 TWO_INSTANCES = """\
 import ctypes, sys
-ctypes.CDLL("libmpi.so.40", mode=ctypes.RTLD_GLOBAL)
-library = ctypes.CDLL("libliggghts.so.3", mode=ctypes.RTLD_GLOBAL)
-ctypes.CDLL(sys.argv[1], mode=ctypes.RTLD_GLOBAL)
+*_, library, plugin = [ctypes.CDLL(path, mode=ctypes.RTLD_GLOBAL) for path in sys.argv[1].split(":")]
 words = (ctypes.c_char_p * 5)(b"liggghts", b"-log", b"none", b"-screen", b"none")
 for number, name in enumerate(sys.argv[2:]):
     instance = ctypes.c_void_p()
@@ -258,8 +257,9 @@ def test_a_second_instance_at_the_same_address_finds_nothing(granite):
     (granite / "in.second").write_text(
         first.replace("demlaws/table tangential history table granite.tbl", "hertz tangential history")
     )
+    libraries = [*mpi_libraries(linked_library()), linked_library(), str(build())]
     done = subprocess.run(
-        [sys.executable, "-c", TWO_INSTANCES, str(build()), "in.first", "in.first", "in.second"],
+        [sys.executable, "-c", TWO_INSTANCES, ":".join(libraries), "in.first", "in.first", "in.second"],
         cwd=granite, capture_output=True, text=True, timeout=600,
     )  # fmt: skip
     assert done.stdout.count("ran in.first") == 2, done.stderr

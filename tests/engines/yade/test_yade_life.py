@@ -237,6 +237,8 @@ print("totals", *demlaws.yade.attached("demlaws").totals())
 
 
 def test_loading_without_this_package_stops(omega, tmp_path):
+    from demlaws.yade.run import executable
+
     law = functor(bridge="native")
     pair(law)
     omega.run(100, True)
@@ -244,7 +246,7 @@ def test_loading_without_this_package_stops(omega, tmp_path):
     omega.save(str(file))
     script = tmp_path / "script.py"
     script.write_text(f"import yade\nyade.O.load({str(file)!r})\nyade.O.run(5, True)\n")
-    done = subprocess.run(["yade", "-n", "-x", str(script)], capture_output=True, text=True, cwd=tmp_path, timeout=600)
+    done = subprocess.run([executable(), "-n", "-x", str(script)], capture_output=True, text=True, cwd=tmp_path, timeout=600)
     assert done.returncode != 0
     assert "No module named 'demlaws'" in done.stdout + done.stderr
 

@@ -735,6 +735,24 @@ def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
         native.layout()
 
 
+def test_what_a_start_script_says(tmp_path):
+    """Debian's names python3.13; YADE's own cmake names the python3 that it found, which links to one."""
+    from demlaws.yade import run
+
+    script, modules = tmp_path / "yade", tmp_path / "lib" / "yade-mine" / "py"
+    (tmp_path / "python3").symlink_to("python3.99")
+    for first, python in (
+        ("#!/usr/bin/python3.13", (3, 13)),
+        (f"#! {tmp_path}/python3", (3, 99)),
+        ("#!/usr/bin/env python3.12", (3, 12)),
+        ("#!/bin/sh", None),
+    ):
+        script.write_text(f"{first}\n# encoding: utf-8\nimport sys\nsys.path.insert(1,'{modules}')\n")
+        assert (run.python_of(script), run.modules_of(script)) == (python, modules)
+    script.write_text("#!/bin/sh\nexec /opt/yade/bin/yade\n")
+    assert run.modules_of(script) is None
+
+
 def test_numpy_as_yade_is_built_for(tmp_path, monkeypatch):
     from demlaws.yade import run
 
@@ -851,10 +869,12 @@ def test_plain_yade(tmp_path):
     """`yade script.py`, the package being installed for that Python (here: on its path)."""
     import os
 
-    from demlaws.yade.run import environment
+    from demlaws.yade.run import environment, executable
 
     script = tmp_path / "script.py"
     script.write_text("import demlaws.yade\nprint(demlaws.yade.Law2_ScGeom_MindlinPhys_Demlaws('hertz').way)\n")
     environment = {**os.environ, "PYTHONPATH": environment()["PYTHONPATH"]}
-    done = subprocess.run(["yade", "-n", "-x", str(script)], env=environment, capture_output=True, text=True, timeout=2000)
+    done = subprocess.run(
+        [executable(), "-n", "-x", str(script)], env=environment, capture_output=True, text=True, timeout=2000
+    )
     assert done.returncode == 0 and "native" in done.stdout.splitlines()
