@@ -35,7 +35,7 @@ def test_every_case_named_by_the_documentation_is_there():
     assert CASES == ["ballast", "compression", "energy", "impact", "migration", "packing", "restart", "two_spheres", "walls"]
 
 
-LONG = ("migration", "packing", "ballast", "compression")
+LONG = ("migration", "packing", "ballast", "compression", "energy", "impact")
 
 
 @pytest.mark.parametrize("case", [pytest.param(c, marks=[pytest.mark.slow] if c in LONG else []) for c in CASES])
