@@ -6,8 +6,8 @@ same functor alternates between our code and its own every two steps, of which t
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
 Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--laws LAW ...]
     [--every] [--out FOLDER]
-Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: 15 min a size, quick: 8, and 6 GB
-with 60000, besides some eight minutes for compiling them once). Saves cost.png.
+Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: 15 min a size, quick: 8,
+with 6 GB at 60000, besides some eight minutes for compiling them once). Saves cost.png.
 """
 
 import argparse
