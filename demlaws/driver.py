@@ -11,9 +11,9 @@ from demlaws.checks import number, real, whole
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop
-from demlaws.core.loops import energy_loop, evaluate_loop
+from demlaws.core.loops import energy_loop
+from demlaws.core.params import first_loading, loading_part
 from demlaws.core.shear import CHOICES, DEFAULT
-from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Path
 
@@ -240,7 +240,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
         values = np.atleast_1d(np.asarray(overlaps, float))
         result = np.empty(values.size)
-        energy_loop(params, values, result)
+        energy_loop(loading_part(params), values, result)
         return result
 
     high = float(law.contact.radius)
@@ -302,7 +302,7 @@ def _jumps_down(law, end):
 def _first_loading(law, overlap):
     """Force [N] and stiffness [N/m] of first loading, without the advice that `law.force` gives."""
     forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-    evaluate_loop(Elastic(), law.params, overlap, (), forces, stiffness)
+    first_loading(law.params, overlap, forces, stiffness)
     return forces, stiffness
 
 

@@ -5,9 +5,9 @@ import math
 import numpy as np
 
 from demlaws.core.curve import TableParams
-from demlaws.core.loops import evaluate_loop, inverse_loop
-from demlaws.core.params import loading_part, one_of
-from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
+from demlaws.core.loops import inverse_loop
+from demlaws.core.params import first_loading, loading_part, one_of
+from demlaws.core.unloading import JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError, NotPassive
 from demlaws.law import Law
 
@@ -87,12 +87,12 @@ def largest_stiffness_ratio(law, points=2000):
         steps = [] if isinstance(part, TableParams) else law.definition.kinks(part, **law.options)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
         force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-        evaluate_loop(Elastic(), p, overlap, (), force, stiffness)
+        first_loading(p, overlap, force, stiffness)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
             elastic, own, other = (np.empty(overlap.size) for _ in range(3))
             inverse_loop(p.unloading, force, elastic)
-            evaluate_loop(Elastic(), p.unloading, elastic, (), own, other)
+            first_loading(p.unloading, elastic, own, other)
             usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
             if not np.any(usable):
                 raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")

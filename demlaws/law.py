@@ -18,10 +18,9 @@ from demlaws.checks import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, evaluate_loop, follow_loop, inverse_loop, unload_loop
-from demlaws.core.params import bind_params, loading_part, map_leaves, one_of
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follow_loop, inverse_loop, unload_loop
+from demlaws.core.params import bind_params, first_loading, loading_part, map_leaves, one_of
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
-from demlaws.core.unloading import Elastic
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.laws.registry import is_own
 from demlaws.soundness import refuse_unsound, refuse_unsound_rule
@@ -198,13 +197,14 @@ class Law:
                 raise DemlawsError(
                     f"{name} has shape {array.shape}, but the law holds {size} contacts: one entry each"
                 ) from None
-        return np.ascontiguousarray(array), array.shape
+        # a copy where it may not be written to: loops would be compiled once more for that
+        return np.require(array, requirements="CW"), array.shape
 
     def _both(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
         force, stiffness = np.empty(values.size), np.empty(values.size)
-        finite = evaluate_loop(Elastic(), self.params, values.ravel(), (), force, stiffness)
+        finite = first_loading(self.params, values.ravel(), force, stiffness)
         if not finite:
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._advise(force)
@@ -228,7 +228,7 @@ class Law:
         """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
-        inverse_loop(self.params, values.ravel(), result)
+        inverse_loop(loading_part(self.params), values.ravel(), result)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._force_out_of_range(float(values.max())))
         self._check_range(result.reshape(shape))
@@ -243,7 +243,7 @@ class Law:
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
         result = np.empty(values.size)
-        energy_loop(self.params, values.ravel(), result)
+        energy_loop(loading_part(self.params), values.ravel(), result)
         return _as_given(result.reshape(shape))
 
     # --- history
@@ -317,7 +317,7 @@ class Law:
             small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
             most, stiffness = small.copy(), np.empty(small.size)
             if self.state_size:
-                evaluate_loop(Elastic(), self.params, small, (), most, stiffness)
+                first_loading(self.params, small, most, stiffness)
             self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE[0])))
         return self._end
 
@@ -327,7 +327,7 @@ class Law:
         if force == math.inf:
             return math.inf
         result = np.empty(self.contact.size or 1)
-        inverse_loop(self.params, np.full(result.size, force), result)
+        inverse_loop(loading_part(self.params), np.full(result.size, force), result)
         result[np.isnan(result)] = math.inf
         return result if self.contact.size is not None else float(result[0])
 

@@ -14,9 +14,8 @@ import numpy as np
 
 from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
 from demlaws.core.fastmath import loop
-from demlaws.core.loops import evaluate_loop, follow_loop
-from demlaws.core.params import bind_params, one_of
-from demlaws.core.unloading import Elastic
+from demlaws.core.loops import follow_loop
+from demlaws.core.params import bind_params, first_loading, one_of
 from demlaws.errors import DemlawsError
 
 LOWEST, HIGHEST = 1e-9, 0.1
@@ -249,7 +248,7 @@ def _refuse_array(name, params, contact):
     for share in (1e-6, 1e-4, 1e-2):
         overlap = share * np.broadcast_to(np.asarray(contact.radius, float), contact.size).copy()
         force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-        evaluate_loop(Elastic(), params, overlap, (), force, stiffness)
+        first_loading(params, overlap, force, stiffness)
         bad = np.flatnonzero(~(np.isfinite(force) & np.isfinite(stiffness) & (force >= 0.0) & (stiffness >= 0.0)))
         if bad.size:
             k = int(bad[0])

@@ -24,9 +24,17 @@ from demlaws.checks import SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.curve import BulkYield
 from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes
-from demlaws.core.loops import evaluate_loop, inverse_loop
-from demlaws.core.params import SMOOTHEST, bind_params, clamped_roughness, clamped_roughnesses, loading_part, one_of
-from demlaws.core.unloading import GIVEN, Elastic, JoinedShape
+from demlaws.core.loops import inverse_loop
+from demlaws.core.params import (
+    SMOOTHEST,
+    bind_params,
+    clamped_roughness,
+    clamped_roughnesses,
+    first_loading,
+    loading_part,
+    one_of,
+)
+from demlaws.core.unloading import GIVEN, JoinedShape
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, write_atomically, write_together
 from demlaws.given import Called, GivenCurve, Knots, MeasuredCurve, residual_overlap
@@ -100,7 +108,7 @@ def _curve_of(params):
 
     def exact(overlap):
         force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-        evaluate_loop(Elastic(), params, overlap, (), force, stiffness)
+        first_loading(params, overlap, force, stiffness)
         return force, stiffness
 
     return exact

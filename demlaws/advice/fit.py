@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
+from demlaws.core.params import loading_part
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
@@ -113,7 +114,7 @@ def history(law, force):
     """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts on a virgin contact."""
     peak = np.maximum.accumulate(force)
     top, load, stiffness = (np.empty(force.size) for _ in range(3))
-    inverse_loop(law.params, peak, top)
+    inverse_loop(loading_part(law.params), peak, top)
     state = law.new_state(force.size)
     evaluate_loop(law.rule, law.params, top, state.arrays, load, stiffness)
     overlap = np.empty(force.size)

@@ -4,8 +4,8 @@ import numpy as np
 from numba.extending import register_jitable
 
 from demlaws.core.fastmath import INLINED
-from demlaws.core.loops import scale_loop, scale_one
-from demlaws.core.unloading import JoinedParams, JoinedShape
+from demlaws.core.loops import evaluate_loop, scale_loop, scale_one
+from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError
 
 SMOOTHEST = 1e-40
@@ -38,6 +38,11 @@ def loading_part(params):
     return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
 
 
+def first_loading(params, overlap, force, stiffness):
+    """Force [N] and stiffness [N/m] of first loading at any overlaps [m], into arrays: whether all forces are finite."""
+    return evaluate_loop(Elastic(), loading_part(params), overlap, (), force, stiffness)
+
+
 def clamped_roughnesses(contact):
     """The same for a contact or an array of contacts."""
     return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
@@ -48,9 +53,8 @@ def bind_params(shape, contact):
     roughness = clamped_roughnesses(contact)
     if contact.size is None:
         return scale_one(shape, contact.radius, contact.modulus, float(roughness))
-    columns = [
-        np.ascontiguousarray(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)
-    ]
+    # copies: loops are compiled once for arrays that may be written to, once more for others
+    columns = [np.array(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)]
     if contact.size == 0:
         raise DemlawsError("the contact's arrays are empty: give at least one contact")
     first = scale_one(shape, *(float(c[0]) for c in columns))

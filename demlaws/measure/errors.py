@@ -6,8 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import energies_loop, energy_loop, evaluate_loop, unloaded_loop
-from demlaws.core.unloading import Elastic
+from demlaws.core.loops import energies_loop, energy_loop, unloaded_loop
+from demlaws.core.params import first_loading, loading_part
 from demlaws.errors import ValidityWarning
 
 QUANTITIES = {
@@ -74,8 +74,8 @@ class Loaded:
         overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
         found, force, stiffness = (np.empty(work.size) for _ in range(3))
         for _ in range(60):
-            energy_loop(params, overlap, found)
-            evaluate_loop(Elastic(), params, overlap, (), force, stiffness)
+            energy_loop(loading_part(params), overlap, found)
+            first_loading(params, overlap, force, stiffness)
             step = np.log(work / found) * found / (force * overlap)
             step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
             overlap *= np.exp(step)
