@@ -18,7 +18,7 @@ from demlaws.checks import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follow_loop, inverse_loop, unload_loop
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follow_loop, inverse_loop, unloaded_loop
 from demlaws.core.params import bind_params, first_loading, loading_part, map_leaves, one_of
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
@@ -420,9 +420,9 @@ class Law:
     def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
-        arrays = self._arrays_of(state, 1)
         result = np.empty(values.size)
-        unload_loop(self.rule, self._single(), values.ravel(), arrays, result)
+        states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
+        unloaded_loop(self.rule, self._single(), values.ravel(), states, result)
         return _as_given(result.reshape(shape))
 
     # --- range

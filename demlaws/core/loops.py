@@ -90,13 +90,6 @@ def energies_loop(rule, params, overlap, state, stored, dissipated):
 
 
 @loop
-def unload_loop(rule, p, force, state, overlap):
-    """Overlap [m] at each force [N] on the unloading curve of the first contact's state, into `overlap`."""
-    for i in range(force.size):
-        overlap[i] = dispatch.unloaded(rule, p, force[i], gather(state, 0))
-
-
-@loop
 def follow_loop(rule, p, overlap, state, history, force, stiffness, stored, dissipated):
     """One contact along a path; `state` (arrays of length 1) goes in as it is and comes out as the path leaves it."""
     banked = 0.0
