@@ -17,7 +17,7 @@ from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, scatter, virgin
 from demlaws.core.fastmath import loop
 from demlaws.core.params import loading_part, one_of
-from demlaws.core.unloading import Given, rule_of
+from demlaws.core.unloading import GIVEN, Given, rule_of
 from demlaws.driver import elastic_contact, impact_loop, timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test
@@ -669,7 +669,8 @@ def failures(rows):
         label = f"{r.law}, {r.unloading}, {r.evaluation}"
         if r.not_finite or r.falling:
             found.append(f"{label}: {r.not_finite} values not finite or negative, {r.falling} falling")
-        if r.returned:
+        # two tables of one curve, a law's own as that it unloads along, differ by what they are certified to
+        if r.returned and not (r.unloading == GIVEN and r.evaluation == "table" and r.worst_return <= 2.0 * TABLE):
             found.append(
                 f"{label}: {r.returned} of {r.paths} paths return work, at most {r.worst_return:.1e} of the energy held"
             )
