@@ -157,7 +157,9 @@ def _refuse_other_units(displacement, force, contact, give):
 
 
 def _said_of_order(displacement, force):
-    """Notes on points that were sorted: the one column rises all along while the other comes back."""
+    """Notes on points that were sorted: the one column rises all along while the other comes back.
+
+    A narrow loop (below a tenth) is not told from noise."""
     for name, sorted_one, other in (("displacement", displacement, force), ("force", force, displacement)):
         fall = float(np.max(np.maximum.accumulate(other) - other)) / (float(np.ptp(other)) or 1.0)
         if np.all(np.diff(sorted_one) >= 0.0) and fall > 0.1:
@@ -336,7 +338,9 @@ def fit(
             n for n in (definition.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in definition.fitted
         ]
         if force.size < len(varied) + 4:
-            raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
+            raise DemlawsError(
+                f"{force.size} points with a force above 0 (compression): at least {len(varied) + 4} are needed for {name}"
+            )
         for rule in asked or (definition.unloading if falls else ("elastic",)):
             jobs.append((name, rule, [n for n in varied if rule != "elastic" or not _on_unloading(definition, n)]))
     measured = displacement, force, displacement_noise, force_noise
