@@ -287,7 +287,7 @@ class MeasuredCurve:
         return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), 4.0 * np.nan_to_num(sigma))
 
     def _check_touch(self, overlap, force, sigma, largest, what):
-        """Points without overlap, which the curve cannot hold, carry no force, and those without force lie where it has none."""
+        """Points without overlap carry no force, and those without force lie where it has none."""
         expected = np.zeros(overlap.size)
         expected[overlap > 0.0] = self.evaluate(overlap[overlap > 0.0])[0]
         bad = np.flatnonzero(np.abs(force - expected) > self._allowed(0.0, sigma, largest))
