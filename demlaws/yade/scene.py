@@ -129,9 +129,9 @@ def _laws_in(engines, old):
             live += [] if engine.dead else [dispatcher]
     if len(live) > 1 and any(is_ours(f) or public.stands_for(f) for dispatcher in live for f in dispatcher.functors):
         raise DemlawsError(
-            f"{len(live)} engines of the list hold law functors, one of them a demlaws law: each would compute every contact, and "
-            "forces count more than once. Put all law functors into one InteractionLoop; demlaws laws that differ by pairs of "
-            "materials are one law, given as a dict {(label, label): law}"
+            f"{len(live)} engines of the list hold law functors, one of them a demlaws law: each would compute every contact, "
+            "and forces count more than once. Put all law functors into one InteractionLoop; demlaws laws that differ by pairs "
+            "of materials are one law, given as a dict {(label, label): law}"
         )
     for engine, _, functor in law_functors(engines):
         behind = public.stands_for(functor)

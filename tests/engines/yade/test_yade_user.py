@@ -365,8 +365,8 @@ def test_a_law_beside_one_of_yades(omega):
 
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_one_functor_for_a_kind_of_contact(omega, way):
-    """Of functors for the same contacts YADE lists one and asks another: the native law would act, or a functor without a scene,
-    which ends the process. Two loops compute every contact twice."""
+    """Of functors for the same contacts YADE lists one and asks another: the native law would act, or a functor without a
+    scene, which ends the process. Two loops compute every contact twice."""
     import yade
 
     def loop(*functors):
@@ -643,7 +643,7 @@ def test_true_restitution(omega):
 
 
 def test_restitution_goes_by_the_masses_of_the_bodies(omega):
-    """Not by density and radius: a body may be fixed, or have been made heavier. Without damping the rebound is energy's alone."""
+    """Not by density and radius: a body may be fixed, or made heavier. Without damping the rebound is energy's alone."""
     from yade.utils import sphere
 
     stone = material()
