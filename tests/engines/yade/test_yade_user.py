@@ -615,8 +615,12 @@ def test_a_stepper_without_a_bound_is_warned_of(omega):
     stepper.maxDt = 5e-6
     omega.engines = [*engines(law), stepper]
     assert stepper.maxDt == 5e-6  # a bound of the user's own
-    with pytest.raises(dl.DemlawsError, match=r"timestep = 3"):
-        engines(law, timestep=3)
+    for wrong in (3, "0.5"):
+        with pytest.raises(dl.DemlawsError, match=f"timestep = {wrong!r}"):
+            engines(law, timestep=wrong)
+    for wrong in ("hertz", None):  # YADE ends the process at None
+        with pytest.raises(dl.DemlawsError, match="give the law functor"):
+            engines(wrong)
 
 
 # --- restitution
