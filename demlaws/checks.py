@@ -89,6 +89,13 @@ def any_quantity(text):
     return None
 
 
+def unmasked(value):
+    """A masked array as a plain one with NaN where it is masked; anything else as it is. numpy itself drops the mask."""
+    if not isinstance(value, np.ma.MaskedArray) or value.dtype.kind not in "fiu":
+        return value
+    return (value if value.dtype.kind == "f" else value.astype(float)).filled(math.nan)
+
+
 def real(value, name, unit="", array=False):
     """A number (or an array of them) as float64: numbers, or text as `quantity` reads it; nothing else passes for one."""
     if isinstance(value, str):
@@ -96,7 +103,7 @@ def real(value, name, unit="", array=False):
     try:
         if array and isinstance(value, (list, tuple)):
             value = [quantity(v, name, unit) if isinstance(v, str) else v for v in value]
-        result = np.asarray(value)
+        result = np.asarray(unmasked(value))
         if result.dtype.kind not in "fiu":  # None, text, complex numbers, dates, truth values
             raise TypeError
         result = result.astype(float)

@@ -1,4 +1,4 @@
-"""Files are written whole or not at all."""
+"""Files are written whole or not at all, and text is read in whatever encoding it came."""
 
 import os
 import tempfile
@@ -14,6 +14,18 @@ def as_path(path: Any) -> Path:
         return Path(path)
     except TypeError:
         raise DemlawsError(f"the name of a file must be text or a Path, got {path!r:.60}") from None
+
+
+def read_text(path, what=""):
+    """Text of a file that an instrument or a spreadsheet wrote, whatever its encoding."""
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {what}{path}: {error.strerror or error}") from error
+    try:
+        return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")  # older programs' µ; whatever is no text fails as a number
 
 
 def write_atomically(path, content):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.checks import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number
+from demlaws.checks import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
@@ -35,6 +35,8 @@ class State:
 
     def __init__(self, names, size, dtype=np.float64):
         try:
+            if np.ndim(size) or np.dtype(dtype) not in (np.float64, np.float32):  # whole numbers would lose the history
+                raise TypeError
             arrays = tuple(np.zeros(size, dtype) for _ in names)
         except (TypeError, ValueError, MemoryError):
             raise DemlawsError(
@@ -181,7 +183,7 @@ class Law:
 
     def _shaped(self, value, name, unit):
         try:
-            array = np.asarray(value)
+            array = np.asarray(unmasked(value))
             if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
                 raise TypeError
             array = array.astype(float, copy=False)
@@ -269,7 +271,8 @@ class Law:
         finite, its history is as it was; all others are good. Overlaps
         beyond a tenth of the radius give one warning.
         """
-        overlap = np.asarray(overlap)
+        if type(overlap) is not np.ndarray:
+            overlap = np.asarray(unmasked(overlap))
         if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
             raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
         n = overlap.size

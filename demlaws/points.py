@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.files import read_text
 
 UNLOADED = 0.02
 """Part of the largest force so far by which the force must fall to count as unloading, rather than as noise."""
@@ -221,17 +222,6 @@ def _unit(title, column, where):
     )
 
 
-def _text(path):
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise DemlawsError(f"cannot read points {path}: {error.strerror or error}") from error
-    try:
-        return data.decode("utf-16" if data[:2] in (b"\xff\xfe", b"\xfe\xff") else "utf-8-sig")
-    except UnicodeDecodeError:
-        return data.decode("latin-1")  # older programs' µ; whatever is no text fails as a number
-
-
 def _split(line, mark):
     if mark is None:
         return re.split(r"\s+(?![(\[])", line.strip())
@@ -275,7 +265,7 @@ def read_points(path):
     names the file and the line.
     """
     path = Path(path)
-    lines = _text(path).splitlines()
+    lines = read_text(path, "points ").splitlines()
     first, titles, mark = _header(lines, path)
     places = {column: _find(titles, column) for column in _COLUMNS}
     units = {column: _unit(titles[place], column, f"{path}, line {first + 1}") for column, place in places.items()}

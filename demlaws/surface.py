@@ -16,7 +16,7 @@ import numpy as np
 from demlaws import checks
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError
-from demlaws.files import as_path, write_atomically
+from demlaws.files import as_path, read_text, write_atomically
 
 UNITS = {**checks.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
@@ -32,7 +32,7 @@ def length(text, name="length"):
 
 @dataclass(frozen=True)
 class HeightMap:
-    """Heights [m] on a regular grid: rows along y, columns along x; NaN where the instrument saw nothing.
+    """Heights [m] on a regular grid: rows along y, columns along x; NaN (or masked) where the instrument saw nothing.
 
     pixel_x, pixel_y: grid spacing [m]. form_order: polynomial order removed so far (None: none).
     """
@@ -44,7 +44,10 @@ class HeightMap:
 
     def __post_init__(self):
         try:
-            heights = np.ascontiguousarray(self.heights, dtype=float)
+            heights = np.asarray(checks.unmasked(self.heights))
+            if heights.dtype.kind in "bcmM":  # truth values, complex numbers, dates
+                raise TypeError
+            heights = np.ascontiguousarray(heights, dtype=float)
         except (TypeError, ValueError):
             raise DemlawsError("heights must be a 2-D array of numbers in m") from None
         if heights.ndim != 2 or min(heights.shape) < 4:
@@ -164,11 +167,12 @@ class HeightMap:
         width = length(width, "width")
         height = width if height is None else length(height, "height")
         whole = self.field_of_view
-        if centre is None:
-            centre = 0.5 * whole[0], 0.5 * whole[1]
+        middle = checks.real((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
+        if middle.shape != (2,) or not np.all(np.isfinite(middle)):
+            raise DemlawsError(f"centre = {centre!r:.60}: give x and y in m")
         edges = []
         for name, size, at, pixel, count in zip(
-            "xy", (width, height), centre, (self.pixel_x, self.pixel_y), self.shape[::-1], strict=True
+            "xy", (width, height), middle.tolist(), (self.pixel_x, self.pixel_y), self.shape[::-1], strict=True
         ):
             first, number = round((at - 0.5 * size) / pixel), round(size / pixel)
             if first < 0 or first + number > count or number < 4:
@@ -474,15 +478,12 @@ def _pixel_pair(pixel):
 
 
 def _read_text(path):
-    try:
-        lines = path.read_text(encoding="utf-8-sig", errors="replace").splitlines()
-    except OSError as error:
-        raise DemlawsError(f"cannot read {path}: {error.strerror}") from None
+    lines = read_text(path).splitlines()
     header, esri, rows, ends, width, first = {}, {}, [], set(), None, 0
     for number, line in enumerate(lines, 1):
         text = line.strip()
         if text.startswith("#"):
-            _gwyddion(text, header)
+            _gwyddion(text, header, f"{path}, line {number}")
             continue
         if not text:
             continue
@@ -508,6 +509,11 @@ def _read_text(path):
     heights = np.array(rows)
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
+    for name, written, held in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
+        if written in esri and checks.real(esri[written], f"{path}: {written}") != held:
+            raise DemlawsError(
+                f"{path}: its header says {esri[written]} {name}, but there are {held}, one row a line: is it cut short?"
+            )
     if "nodata_value" in esri:
         heights[heights == float(checks.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "cellsize" in esri:
@@ -519,12 +525,14 @@ def _read_text(path):
     return heights, header
 
 
-def _gwyddion(text, header):
+def _gwyddion(text, header, where):
     match = re.match(r"#\s*(width|height)\s*:\s*([-+0-9.eE]+)\s*([a-zµμ]+)", text, re.IGNORECASE)
     if match and match[3] in UNITS:
         header[match[1].lower()] = float(match[2]) * UNITS[match[3]]
-    match = re.match(r"#\s*value units?\s*:\s*([a-zµμ]+)", text, re.IGNORECASE)
-    if match and match[1] in UNITS:
+    match = re.match(r"#\s*value units?\s*:\s*(\S+)", text, re.IGNORECASE)
+    if match and match[1] not in UNITS:
+        raise DemlawsError(f"{where}: heights in {match[1]!r}; export them in one of {', '.join(UNITS)}")
+    if match:
         header["scale"] = UNITS[match[1]]
 
 

@@ -547,6 +547,12 @@ def in_place(law, out):
         (lambda law: law.force(1e-6 + 0j), "overlap must be a number"),
         (lambda law: law.new_state("many"), "n = 'many'"),
         (lambda law: law.new_state(-1), "n = -1"),
+        (lambda law: law.new_state(1, int), "float64 or float32"),  # plastic overlaps of 0: it was elastic without a word
+        (lambda law: law.new_state(1, np.float16), "float64 or float32"),
+        (lambda law: law.new_state((2, 3)), "whole number"),
+        (lambda law: law.force(np.ma.array([1e-6, 2e-6], mask=[0, 1])), "overlap contains nan m"),
+        (lambda law: law.evaluate(np.ma.array([1e-6, 2e-6], mask=[0, 1]), law.new_state(2)), "contact 1: .*not finite|nan"),
+        (lambda law: dl.Contact(radius=np.ma.array([1e-3, 1.0], mask=[0, 1]), modulus=1e9), r"radius = nan m \(entry 1\)"),
     ],
 )
 def test_bad_calls(call, text):

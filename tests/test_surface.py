@@ -173,6 +173,25 @@ def test_gwyddion_header(tmp_path):
     assert heights.heights[0, 3] == pytest.approx(4e-9)
 
 
+@pytest.mark.parametrize("encoding", ["latin-1", "utf-16", "utf-8-sig"])
+def test_encodings_of_instruments(tmp_path, encoding):
+    path = tmp_path / "g.txt"
+    path.write_text("# Width: 8 µm\n# Height: 4 µm\n# Value units: µm\n" + "1 2 3 4\n" * 4, encoding=encoding)
+    heights = surface.read(path)
+    assert heights.pixel_x == pytest.approx(2e-6)
+    assert heights.heights[0, 3] == pytest.approx(4e-6)
+
+
+def test_masked_heights_are_missing():
+    heights = self_affine(20, 1e-6, 0.8, 1e-6, 1).heights
+    masked = np.ma.array(heights, mask=heights > 1e-6)
+    masked.data[masked.mask] = 1.0
+    assert HeightMap(masked, 1e-6).sq == pytest.approx(float(np.std(heights[heights <= 1e-6])))
+    for other in (heights + 1j, heights > 0):
+        with pytest.raises(dl.DemlawsError, match="2-D array of numbers"):
+            HeightMap(other, 1e-6)
+
+
 @pytest.mark.parametrize(("name", "content", "words"), [
     ("a.csv", b"1,2,3,4\n1,2,3\n", "line 2: 3 columns, but line 1 has 4"),
     ("a.csv", b"1,2,3,4\n1,x,3,4\n", "line 2: 'x' is not a height"),
@@ -180,6 +199,9 @@ def test_gwyddion_header(tmp_path):
     ("a.csv", b"1,2\n3,4\n", "at least 4 by 4"),
     ("a.csv", b",,,,,\n" * 5, "every pixel"),
     ("a.npy", b"nonsense", "not a numpy array"),
+    ("a.asc", b"ncols 4\nnrows 6\ncellsize 1e-6\n" + b"1 2 3 4\n" * 5, "says 6 rows, but there are 5"),
+    ("a.asc", b"ncols 8\nnrows 4\ncellsize 1e-6\n" + b"1 2 3 4\n" * 8, "says 8 columns, but there are 4"),
+    ("a.txt", "# Value units: Å\n".encode() + b"1 2 3 4\n" * 4, "line 1: heights in 'Å'; export them"),
 ])  # fmt: skip
 def test_bad_files_are_named(tmp_path, name, content, words):
     (tmp_path / name).write_bytes(content)
@@ -279,6 +301,10 @@ def test_field_of_view():
     corner = heights.cropped(4e-6, 8e-6, centre=(2e-6, 4e-6))
     np.testing.assert_array_equal(corner.heights, heights.heights[:4, :4])
     assert (part.pixel_x, part.pixel_y) == (1e-6, 2e-6)
+    assert heights.cropped("4um", "8um", ("2um", "4um")).heights[0, 0] == heights.heights[0, 0]
+    for bad in (3e-6, (1e-6, np.nan), (1e-6, 2e-6, 3e-6)):
+        with pytest.raises(dl.DemlawsError, match="give x and y in m"):
+            heights.cropped(4e-6, centre=bad)
     for field in ({"width": 31e-6}, {"width": 10e-6, "centre": (2e-6, 20e-6)}, {"width": 2e-6}):
         with pytest.raises(dl.DemlawsError, match="field of view"):
             heights.cropped(**field)

@@ -10,13 +10,13 @@ The apparatus may give way as a spring: `compliance` [m/N] times the force adds 
 import itertools
 import math
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.checks import number
+from demlaws.checks import LARGEST_OVERLAP, number, unmasked
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
 from demlaws.core.params import loading_part
@@ -128,10 +128,10 @@ def history(law, force):
 def _arrays(points):
     """Displacement and force of (n, 2) values or granite.Points, without the points that carry no force."""
     if hasattr(points, "displacement"):
-        displacement, force = np.asarray(points.displacement, float), np.asarray(points.force, float)
+        displacement, force = (np.asarray(unmasked(one), float) for one in (points.displacement, points.force))
     else:
         try:
-            array = np.asarray(points, dtype=float)
+            array = np.asarray(unmasked(points), dtype=float)
         except (TypeError, ValueError):
             raise DemlawsError("points must be numbers: an array of shape (n, 2), displacement in m and force in N") from None
         if array.ndim != 2 or array.shape[1] != 2:
@@ -140,6 +140,33 @@ def _arrays(points):
     if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(force))):
         raise DemlawsError("points contain NaN or infinite values: remove those rows")
     return displacement, force
+
+
+def _refuse_other_units(displacement, force, contact, give):
+    """An error for points in contact that no law can follow: in other units, columns exchanged, or of the other sign.
+
+    give: how far the apparatus may give way [m/N]."""
+    travel, most = np.ptp(displacement), LARGEST_OVERLAP * contact.radius + give * np.ptp(force)
+    if travel > most:
+        raise DemlawsError(
+            f"points in contact lie {travel:.3g} m apart, more than the effective radius R = {contact.radius:g} m, beyond "
+            "which no law answers: give displacement in m, first, and force in N, without points from before contact"
+        )
+    if travel > 0.0 and np.ptp(force) > 0.0 and np.corrcoef(displacement, force)[0, 1] < -0.5:
+        raise DemlawsError("the displacement falls where the force rises: count the approach of the bodies as positive, in m")
+
+
+def _said_of_order(displacement, force):
+    """Notes on points that were sorted: the one column rises all along while the other comes back.
+
+    A narrow loop (below a tenth) is not told from noise."""
+    for name, sorted_one, other in (("displacement", displacement, force), ("force", force, displacement)):
+        fall = float(np.max(np.maximum.accumulate(other) - other)) / (float(np.ptp(other)) or 1.0)
+        if np.all(np.diff(sorted_one) >= 0.0) and fall > 0.1:
+            yield (
+                f"the {name} never falls, but the other column does, by up to {100 * fall:.0f} % of its range: points must "
+                "stand in the order of the test, not sorted"
+            )
 
 
 def _in_contact(displacement, force, noise):
@@ -261,7 +288,7 @@ def fit(
     `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
     map, but for those whose parameters are calibrated, not measured); unloading: a rule or several (default: each that the law
     takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default:
-    `Definition.free`); options: law name → options that stay as
+    `Definition.free`; none: []); options: law name → options that stay as
     they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
     uncertainty, else the scatter of the points about the law does; compliance [m/N]: how far the apparatus gives way, taken
     off the displacement (to fit it, name "compliance" in `free`); progress: wraps the list of fits, as tqdm does.
@@ -282,7 +309,7 @@ def fit(
         raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
     displacement, force = _arrays(points)
     names = [find(n).name for n in _texts(laws, "laws") or _default_laws()]
-    free = _texts(free, "free")
+    free, options = _texts(free, "free"), _checked_options(options)
     if displacement_noise is not None:
         displacement_noise = number(displacement_noise, "displacement_noise", "m", 1e-13, 1e-2, allow_low=True)
     force_noise = number(force_noise, "force_noise", "N", allow_low=True)
@@ -291,6 +318,9 @@ def fit(
         raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weighs the points")
     keep, dropped, _ = _in_contact(displacement, force, force_noise)
     displacement, force = displacement[keep], force[keep]
+    if force.size:
+        give = _COMPLIANCE.bounds(contact)[1] if COMPLIANCE in (free or ()) else 0.0
+        _refuse_other_units(displacement, force, contact, give)
     known = parameters()
     if unknown := [n for n in free or () if n not in known]:
         raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(known)}")
@@ -304,15 +334,19 @@ def fit(
             raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {', '.join(rules)}")
     for name in names:
         definition = find(name)
-        varied = [n for n in free or definition.free if n in ("modulus", COMPLIANCE) or n in definition.fitted]
+        varied = [
+            n for n in (definition.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in definition.fitted
+        ]
         if force.size < len(varied) + 4:
-            raise DemlawsError(f"{force.size} points with a force above 0: at least {len(varied) + 4} are needed for {name}")
+            raise DemlawsError(
+                f"{force.size} points with a force above 0 (compression): at least {len(varied) + 4} are needed for {name}"
+            )
         for rule in asked or (definition.unloading if falls else ("elastic",)):
             jobs.append((name, rule, [n for n in varied if rule != "elastic" or not _on_unloading(definition, n)]))
     measured = displacement, force, displacement_noise, force_noise
 
     def one(name, rule, varied):
-        return _fit_one(_Model(name, contact, rule, varied, (options or {}).get(name, {})), *measured)
+        return _fit_one(_Model(name, contact, rule, varied, options.get(name, {})), *measured)
 
     for job in progress(jobs):
         name, rule, _ = job
@@ -326,7 +360,8 @@ def fit(
         count, reason = dropped.split(": ", 1)
         skipped[count] = reason
     fits.sort(key=lambda f: f.aicc)
-    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], one, contact, displacement)))
+    order = _said_of_order(displacement, force)
+    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *order, *_suspicions(fits[0], one, contact, displacement)))
     best = fits[0].aicc
     total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
     ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
@@ -345,6 +380,15 @@ def _texts(given, name):
     if not isinstance(given, list | tuple | set) or not all(isinstance(one, str) for one in given):
         raise DemlawsError(f"{name} must be a name or a list of names, got {given!r:.60}")
     return list(given)
+
+
+def _checked_options(options):
+    """{} or law name → its options, as it was given."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping) or not all(isinstance(one, Mapping) for one in options.values()):
+        raise DemlawsError(f"options must be {{law: {{option: value}}}}, got {options!r:.60}")
+    return {find(name).name: one for name, one in options.items()}
 
 
 def _default_laws():

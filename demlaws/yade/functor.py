@@ -122,7 +122,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
     def restitution(self, first, second, speed, en=None):
         """Rebound over impact speed of two bodies (`O.bodies[n]`) that meet head-on at `speed` [m/s], under this law and the
-        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`: a law that dissipates rebounds with less than `en`."""
+        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`: a law that dissipates rebounds with less than `en`. Masses are
+        the bodies' own: a fixed one does not give way, a clump's member counts by its own mass, not by the clump's."""
         from demlaws.yade.restitution import restitution
 
         return restitution(self.binding.pairs, self.binding.ratio, first, second, speed, en)

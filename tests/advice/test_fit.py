@@ -209,6 +209,44 @@ def test_bad_points():
         dl.fit([[1e-6, 1.0]] * 9, PAIR, free=["colour"])
     with pytest.raises(dl.DemlawsError, match="displacement_noise"):
         dl.fit([[1e-6, 1.0]] * 9, PAIR, force_noise=0.1)
+    for bad in ({"hertzz": {}}, {"hertz": 3}, [1]):
+        with pytest.raises(dl.DemlawsError, match=r"unknown law 'hertzz'|options must be"):
+            dl.fit(good, PAIR, laws="hertz", options=bad)
+    masked = np.ma.array(good, mask=False)
+    masked[4] = np.ma.masked
+    with pytest.raises(dl.DemlawsError, match="NaN"):
+        dl.fit(masked, PAIR, laws="hertz")
+
+
+def test_points_in_other_units_are_not_fitted():
+    """Micrometres, columns exchanged, approach counted as negative: fits gave a modulus at its bound, contacts 10 m deep."""
+    good = points(dl.law("hertz", PAIR), np.linspace(1, 90, 20), 0.0, 0)
+    for other in (good * [1e6, 1.0], good[:, ::-1], good * [1e3, 1.0] * 1e2):
+        with pytest.raises(dl.DemlawsError, match="more than the effective radius R"):
+            dl.fit(other, PAIR, laws="hertz")
+    with pytest.raises(dl.DemlawsError, match="approach of the bodies as positive"):
+        dl.fit(good * [-1.0, 1.0], PAIR, laws="hertz")
+    far = good + np.outer(good[:, 1], [9e-5, 0.0])  # an apparatus that gives way by more than R, and is fitted
+    best = dl.fit(far, PAIR, laws="hertz", free=["compliance"]).best
+    assert best.parameters["compliance"].value == pytest.approx(9e-5, rel=1e-6)
+
+
+def test_sorted_points_are_told():
+    plastic = dl.law("walton-braun", PAIR, loading_stiffness=3e6, stiffness_ratio=2.0)
+    path = dl.driver.force_controlled(plastic, [90.0, 1.0], steps=15)
+    rows = np.column_stack([path.overlap, path.force])[1:]
+    said = [
+        any("not sorted" in note for note in dl.fit(one, PAIR, laws="hertz").best.notes)
+        for one in (rows, rows[np.argsort(rows[:, 0])], rows[np.argsort(rows[:, 1])])
+    ]
+    assert said == [False, True, True]
+
+
+def test_nothing_but_the_zero_is_fitted_where_nothing_is_free():
+    rows = points(dl.law("rms", PAIR), np.linspace(1, 90, 20), 1e-8, 0)
+    best = dl.fit(rows, PAIR, laws="rms", free=[]).best
+    assert best.coordinates == ("zero",)
+    assert best.contact == PAIR
 
 
 def test_points_of_a_file(tmp_path):
