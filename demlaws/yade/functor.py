@@ -11,6 +11,7 @@ import yade
 from demlaws.checks import CREATES_ENERGY
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.names import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span
@@ -49,7 +50,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
     def __init__(
         self,
-        law="hertz",
+        law=HERTZ,
         unloading=None,
         surfaces=None,
         *,
