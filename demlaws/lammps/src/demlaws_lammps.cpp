@@ -13,6 +13,7 @@
 #include "demlaws_rule.h"
 #include "demlaws_table.h"
 #include "energy.h"
+#include "numbers.h"
 #include "range.h"
 #include "slots.h"
 #include "stock.h"
@@ -99,6 +100,8 @@ void pair_forces_here(void *pair, int eflag, int vflag);
 void wall_forces_here(void *wall, int vflag);
 void region_forces_here(void *wall, int vflag);
 void post_run_here(void *modify);
+void delete_atoms_here(void *command, int count, char **arg);
+void reset_atoms_here(void *command, int count, char **arg);
 
 // LAMMPS's Force, which holds the constants of the units; NULL where it is not where it should be.
 void *force_of(void *lmp) {
@@ -154,6 +157,8 @@ Patch *patches() {
                         {DEMLAWS_WALL_FORCES, (void *)&wall_forces_here, 0},
                         {DEMLAWS_REGION_FORCES, (void *)&region_forces_here, 0},
                         {DEMLAWS_POST_RUN, (void *)&post_run_here, 0},
+                        {DEMLAWS_DELETE, (void *)&delete_atoms_here, 0},
+                        {DEMLAWS_RESET, (void *)&reset_atoms_here, 0},
                         {NULL, NULL, 0}};
   for (Patch *p = all; p->name; p++) p->slots = 0;
   return all;
@@ -268,6 +273,7 @@ void pair_make_here(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
   prove(lmp); // preloaded, nobody asked before; the lines of stock models are to be counted, too
   Histories::all().erase(pair);
+  Numbers::forget(lmp);
   Range::of(lmp) = Range();
 }
 void pair_coeff_here(void *pair, int count, char **arg) {
@@ -292,6 +298,7 @@ void pair_init_here(void *pair) {
               "same tangential, "
               "rolling and twisting models");
   Stock::get().pair_init(pair);
+  Numbers::after_init(pair);
 }
 
 // A position that is no number touches nothing: a particle with one would drop out of the model silently.
@@ -349,6 +356,13 @@ void post_run_here(void *modify) {
   Range::of(instance_of(modify)).tell(instance_of(modify), *((void ***)modify)[3]);
 }
 
+void delete_atoms_here(void *command, int count, char **arg) {
+  Numbers::follow(Stock::get().delete_atoms, command, count, arg);
+}
+void reset_atoms_here(void *command, int count, char **arg) {
+  Numbers::follow(Stock::get().reset_atoms, command, count, arg);
+}
+
 void *add_compute_here(void *modify, int count, char **arg, int suffix) {
   if (count < 3 || strcmp(arg[2], "demlaws/energy")) return Stock::get().add_compute(modify, count, arg, suffix);
   return Ledger::of(instance_of(modify)).add_compute(modify, count, arg, suffix);
@@ -378,6 +392,8 @@ EXPORTED void demlaws_pair_forces(void *, int, int) __asm__(DEMLAWS_PAIR_FORCES)
 EXPORTED void demlaws_wall_forces(void *, int) __asm__(DEMLAWS_WALL_FORCES);
 EXPORTED void demlaws_region_forces(void *, int) __asm__(DEMLAWS_REGION_FORCES);
 EXPORTED void demlaws_post_run(void *) __asm__(DEMLAWS_POST_RUN);
+EXPORTED void demlaws_delete_atoms(void *, int, char **) __asm__(DEMLAWS_DELETE);
+EXPORTED void demlaws_reset_atoms(void *, int, char **) __asm__(DEMLAWS_RESET);
 EXPORTED bool demlaws_check(void *) __asm__(DEMLAWS_CHECK);
 EXPORTED void demlaws_compute(void *) __asm__(DEMLAWS_COMPUTE);
 EXPORTED void lammpsplugin_init(void *, void *, void *);
@@ -397,6 +413,8 @@ void demlaws_pair_forces(void *pair, int eflag, int vflag) { pair_forces_here(pa
 void demlaws_wall_forces(void *wall, int vflag) { wall_forces_here(wall, vflag); }
 void demlaws_region_forces(void *wall, int vflag) { region_forces_here(wall, vflag); }
 void demlaws_post_run(void *modify) { post_run_here(modify); }
+void demlaws_delete_atoms(void *command, int count, char **arg) { delete_atoms_here(command, count, arg); }
+void demlaws_reset_atoms(void *command, int count, char **arg) { reset_atoms_here(command, count, arg); }
 bool demlaws_check(void *model) { return Stock::get().check(model); } // until take_pairs()
 void demlaws_compute(void *model) { Stock::get().compute(model); }
 

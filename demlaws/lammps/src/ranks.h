@@ -39,6 +39,19 @@ public:
     if (count > 1) gather_(&mine, sizeof mine, byte_, &all[0], sizeof mine, byte_, comm_);
     return all;
   }
+  // All that the ranks have, one after another.
+  template <class T> std::vector<T> join(const std::vector<T> &mine) const {
+    const std::vector<long> sizes = gather((long)mine.size());
+    const long most = *std::max_element(sizes.begin(), sizes.end());
+    if (count == 1 || !most) return mine;
+    std::vector<T> padded(mine), all(count * most), joined;
+    padded.resize(most);
+    const int bytes = (int)(most * sizeof(T));
+    gather_(&padded[0], bytes, byte_, &all[0], bytes, byte_, comm_);
+    for (int rank = 0; rank < count; rank++)
+      joined.insert(joined.end(), all.begin() + rank * most, all.begin() + rank * most + sizes[rank]);
+    return joined;
+  }
   int me, count;
 
 private:

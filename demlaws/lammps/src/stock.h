@@ -26,6 +26,9 @@
 #define DEMLAWS_WALL_FORCES "_ZN9LAMMPS_NS11FixWallGran10post_forceEi"
 #define DEMLAWS_REGION_FORCES "_ZN9LAMMPS_NS17FixWallGranRegion10post_forceEi"
 #define DEMLAWS_POST_RUN "_ZN9LAMMPS_NS6Modify8post_runEv"
+#define DEMLAWS_DELETE "_ZN9LAMMPS_NS11DeleteAtoms7commandEiPPc"
+#define DEMLAWS_RESET "_ZN9LAMMPS_NS12ResetAtomsID7commandEiPPc"
+#define DEMLAWS_HISTORY(rest) "_ZN9LAMMPS_NS15FixNeighHistory" rest
 #define DEMLAWS_CHECK DEMLAWS_MODEL("13check_contactEv")
 #define DEMLAWS_COMPUTE DEMLAWS_MODEL("16calculate_forcesEv")
 
@@ -65,6 +68,8 @@ private:
 
 // The instance that an object of a class derived from LAMMPS's Pointers belongs to.
 inline void *instance_of(void *object) { return ((void **)object)[1]; }
+// Its list of fixes and computes: the eleventh of the references that Pointers holds.
+inline void *modify_of(void *object) { return *((void ***)object)[12]; }
 
 struct Stock {
   int (*add)(void *, char **, int, int, int);
@@ -93,6 +98,7 @@ struct Stock {
   void *(*pair_match)(void *, const std::string &, int, int);
   void *(*add_compute)(void *, int, char **, int);
   void *(*add_fix)(void *, int, char **, int);
+  void (*delete_fix)(void *, const std::string &);
   void *(*find_compute)(const void *, const std::string &);
   void *(*find_fix)(const void *, const std::string &);
   void *reduce_one;
@@ -101,6 +107,14 @@ struct Stock {
   void (*pair_local)(void *);
   void (*post_run)(void *);
   int (*communicator)(void *);
+  void (*delete_atoms)(void *, int, char **);
+  void (*reset_atoms)(void *, int, char **);
+  int (*id_count)(void *, const char *);
+  int (*id_name)(void *, const char *, int, char *, int);
+  const void *history_table;
+  int (*history_size)(void *, int);
+  int (*history_pack)(void *, int, double *);
+  int (*history_unpack)(void *, int, double *);
   std::string missing; // the first function that this LAMMPS does not have
 
   static Stock &get() {
@@ -169,12 +183,21 @@ private:
       find("_ZN9LAMMPS_NS5Force10pair_matchERK" DEMLAWS_STRING "ii", pair_match);
       find(DEMLAWS_ADD_COMPUTE, add_compute);
       find("_ZN9LAMMPS_NS6Modify7add_fixEiPPci", add_fix);
+      find("_ZN9LAMMPS_NS6Modify10delete_fixERK" DEMLAWS_STRING, delete_fix);
       find("_ZNK9LAMMPS_NS6Modify17get_compute_by_idERK" DEMLAWS_STRING, find_compute);
       find("_ZNK9LAMMPS_NS6Modify13get_fix_by_idERK" DEMLAWS_STRING, find_fix);
       find("_ZN9LAMMPS_NS13ComputeReduce11compute_oneEii", reduce_one);
       find("_ZTVN9LAMMPS_NS13ComputeReduceE", reduce_table);
       find("_ZN9LAMMPS_NS16ComputePairLocal13compute_localEv", pair_local);
       find(DEMLAWS_POST_RUN, post_run);
+      find(DEMLAWS_DELETE, delete_atoms);
+      find(DEMLAWS_RESET, reset_atoms);
+      find("lammps_id_count", id_count);
+      find("lammps_id_name", id_name);
+      find("_ZTVN9LAMMPS_NS15FixNeighHistoryE", history_table);
+      find(DEMLAWS_HISTORY("12size_restartEi"), history_size);
+      find(DEMLAWS_HISTORY("13pack_exchangeEiPd"), history_pack);
+      find(DEMLAWS_HISTORY("15unpack_exchangeEiPd"), history_unpack);
       find("lammps_get_mpi_comm", communicator, false);
       if (!all && !all4 && missing.empty()) missing = DEMLAWS_ERROR("all") "S8_";
       Dl_info place;

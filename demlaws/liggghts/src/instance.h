@@ -37,6 +37,7 @@ struct Line {
 // What walls take over from the pair style unless their own line says otherwise.
 struct PairSettings {
   Files files;
+  std::map<std::string, std::shared_ptr<Table>> tables; // as read: since then the folder, or the file, may be another
   bool use_roughness, extrapolate;
   double radius_tolerance;
   Shear shear; // what K_t goes by

@@ -276,7 +276,10 @@ private:
     const demlaws::PairSettings &from = instance_->pair;
     now_ = own_;
     if (wall_) {
-      if (own_.files.empty()) now_.files = from.files;
+      if (own_.files.empty()) {
+        now_.files = from.files;
+        tables_ = from.tables;
+      }
       if (!given_.count("surfaceRoughness")) now_.use_roughness = from.use_roughness;
       if (!given_.count("radius_tolerance")) now_.radius_tolerance = from.radius_tolerance;
       if (!given_.count("extrapolation")) now_.extrapolate = from.extrapolate;
@@ -288,6 +291,7 @@ private:
       if (!table) table = demlaws::load(lmp, it->second);
       state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
     }
+    if (!wall_) instance_->pair.tables = tables_;
   }
 
   // The file of two types; empty where there is none.

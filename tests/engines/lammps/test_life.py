@@ -275,6 +275,42 @@ def test_run_refuses_nonsense(tmp_path):
         lm.read_log(tmp_path / "log")
 
 
+GOOD = (
+    HEAD
+    + """\
+region          box block 0 1 0 1 0 1
+create_box      1 box
+create_atoms    1 single 0.5 0.5 0.5
+set             atom 1 diameter 0.1 density 2500
+fix             m all nve/sphere
+compute         x all reduce sum x
+{thermo}
+thermo          5
+run             10
+run             10
+"""
+)
+
+
+@pytest.mark.parametrize(
+    "text, arguments, columns",
+    [
+        (GOOD.format(thermo="log other.log\nthermo_style custom step atoms c_x"), [], ["Step", "Atoms", "x"]),
+        (GOOD.format(thermo="thermo_style custom ke c_x"), ["-screen", "none"], ["KinEng", "x"]),
+        (GOOD.format(thermo="thermo_style yaml"), [], ["Step", "Temp"]),
+        ("print 'ERROR is a word'\n", [], []),
+    ],
+)
+def test_a_good_run_is_good_whatever_it_prints(tmp_path, capsys, text, arguments, columns):
+    (tmp_path / "in.case").write_text(text)
+    assert cli.main(["lammps", "run", str(tmp_path / "in.case"), "--stock", *arguments]) == 0
+    found = lm.run(tmp_path / "in.case", plugin=False, arguments=arguments)
+    assert list(found)[: len(columns)] == columns
+    if "Step" in columns:
+        assert found["Step"].tolist() == [0, 5, 10, 15, 20]
+    assert np.all(found.get("x", 0.5) == 0.5)
+
+
 def test_check_and_command_line(capsys, folder):
     assert cli.main(["lammps", "check"]) == 0
     out = capsys.readouterr().out
@@ -353,6 +389,59 @@ def test_deleting_a_touching_sphere(folder):
     kept = log["Step"] > 1000
     assert np.all(log["e[1]"][kept] == 0) and log["e[1]"][~kept].max() > 0
     assert log["e[2]"][kept] == pytest.approx(0.5 * log["e[2]"][~kept][-1], rel=1e-12)
+
+
+# Four spheres in a row, the last of them to be created far away from the others, which touch.
+ROW = (
+    HEAD
+    + f"""\
+boundary        f f f
+processors      * 1 1
+region          box block -0.1 0.1 -0.02 0.02 -0.02 0.02 units box
+create_box      1 box
+neighbor        1e-3 bin
+pair_style      granular
+pair_coeff      * * {TABLE}
+timestep        1e-7
+create_atoms    1 single 0.05 0 0 units box
+create_atoms    1 single 0.01739 0 0 units box
+create_atoms    1 single 0 0 0 units box
+create_atoms    1 single -0.017375 0 0 units box
+set             group all diameter 0.0174 density 2650
+"""
+)
+ROW_SEEN = """\
+fix             move all nve/noforce
+compute         c all pair/local force p13 p14 cutoff radius
+compute         now all reduce sum c_c[*] inputs local
+thermo_style    custom step atoms c_now[1] c_now[2] c_now[3]
+thermo_modify   norm no format float %.17e
+thermo          10
+"""
+ROW_PRESSED = ROW + "group lone id 1\ngroup last id 4\n" + ROW_SEEN
+ROW_PRESSED += "velocity last set 0.1 0 0\nrun 100\nvelocity last set -0.1 0 0\nrun 60\nvelocity all set 0 0 0\nrun 1\n"
+
+
+@pytest.mark.parametrize(
+    "ranks, renumber",
+    [(1, "delete_atoms group lone"), (2, "delete_atoms group lone"), (1, "reset_atoms id sort yes")],
+)
+def test_histories_follow_particles_that_get_new_numbers(folder, ranks, renumber):
+    """Stock LAMMPS looks histories up by the old numbers, and finds none, or another contact's."""
+    log = simulate(folder, ROW_PRESSED + f"{renumber}\nrun 1\n", ranks)
+    assert log["Atoms"][-1] == 4 - renumber.startswith("delete")
+    assert log["now[2]"][-2] > 1e-5 + 2e-5 and log["now[3]"][-2] > 0
+    for name in ("now[1]", "now[2]", "now[3]"):
+        assert log[name][-1] == pytest.approx(log[name][-2], rel=1e-14)
+
+
+def test_histories_follow_particles_that_get_new_numbers_after_read_restart(folder):
+    """Twice, before the restart file's histories were given out."""
+    log = simulate(folder, ROW_PRESSED + "write_restart now.restart\n")
+    again = "comm_modify vel yes\nread_restart now.restart\nneighbor 1e-3 bin\ntimestep 1e-7\n" + ROW_SEEN
+    after = simulate(folder, again + "delete_atoms group lone\nreset_atoms id sort yes\ndelete_atoms group lone\nrun 1\n")
+    for name in ("now[1]", "now[2]", "now[3]"):
+        assert after[name] == pytest.approx(log[name][-1], rel=1e-14)
 
 
 def test_balancing_moves_contacts_from_rank_to_rank(folder, law):

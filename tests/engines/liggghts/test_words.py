@@ -2,6 +2,7 @@
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 
@@ -146,6 +147,19 @@ def test_a_wall_may_stand_above_the_pair_style(granite):
     assert np.array_equal(
         own["KinEng"], simulate(granite, falling("table hertz.tbl", after=WALL + "table granite.tbl"))["KinEng"]
     )
+
+
+def test_a_wall_has_the_table_that_the_pair_style_has_read(granite):
+    """Though another file of that name lies where the input has gone meanwhile."""
+    (granite / "results").mkdir()
+    shutil.copy(granite / "hertz.tbl", granite / "results" / "granite.tbl")
+    places = (
+        {"before": "", "after": WALL},
+        {"before": "", "after": "shell cd results\n" + WALL},
+        {"before": WALL, "after": "shell cd results"},
+    )
+    plain, *elsewhere = (simulate(granite, falling("table granite.tbl", **p).replace("run 3000", "run 800")) for p in places)
+    assert all(np.array_equal(one["KinEng"], plain["KinEng"]) for one in elsewhere)
 
 
 # --- contradictions and order
