@@ -270,7 +270,7 @@ class MeasuredCurve:
         self.largest = float(overlap[-1])
         departure = np.abs(self.evaluate(overlap)[0] - force)
         allowed = self._allowed(force, sigma, force.max())
-        self._check_touch(*without, force.max(), what)
+        self._check_touch(without, force.max(), what)
         worst = int(np.argmax(departure / allowed))
         if departure[worst] > allowed[worst]:
             raise DemlawsError(
@@ -286,8 +286,9 @@ class MeasuredCurve:
         """How far points may lie from the curve [N]."""
         return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), 4.0 * np.nan_to_num(sigma))
 
-    def _check_touch(self, overlap, force, sigma, largest, what):
+    def _check_touch(self, points, largest, what):
         """Points without overlap carry no force, and those without force lie where it has none."""
+        overlap, force, sigma = points
         expected = np.zeros(overlap.size)
         expected[overlap > 0.0] = self.evaluate(overlap[overlap > 0.0])[0]
         bad = np.flatnonzero(np.abs(force - expected) > self._allowed(0.0, sigma, largest))
