@@ -14,17 +14,9 @@ import numpy as np
 from demlaws import granite, regime
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import (
-    BAHRAMI,
     CONE_DIMENSION,
-    GODDARD,
-    GREENWOOD_TRIPP,
-    HERTZ,
     MICRO,
-    POHRT_POPOV,
-    RMS,
-    ROUGH_PLASTIC,
     ROUGH_SPHERES,
-    YIP_VENART,
     bind,
     displacement_gained,
     find_test,
@@ -34,6 +26,7 @@ from demlaws.granite import (
     stiffness_at,
 )
 from demlaws.laws.greenwood_tripp import MU
+from demlaws.laws.names import BAHRAMI, GODDARD, GREENWOOD_TRIPP, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 from demlaws.make import law
 
 REPRODUCED, NOT_REPRODUCED = "reproduced", "not reproduced"

@@ -18,16 +18,13 @@ from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.law import Path
+from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.points import Points, read_points  # noqa: F401  what a test's points are read into stands beside the tests
 
 _MODULUS = 0.5 * GRANITE.plane_modulus
-HERTZ, RMS, POHRT_POPOV, GODDARD = "hertz", "rms", "pohrt-popov", "goddard"
-YIP_VENART, BAHRAMI, GREENWOOD_TRIPP, ROUGH_PLASTIC = "yip-venart", "bahrami", "greenwood-tripp", "rough-plastic"
-"""The laws that papers speak of: their sentences, figures and numbers are about these, whatever else there is."""
-
 SWITCH_FORCE = 10.0
 """Load [N] at which the tests went over from displacement control to force control."""
 MICRO, MILLI = 1e-6, 1e-3

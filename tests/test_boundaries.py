@@ -11,8 +11,9 @@ import demlaws
 from demlaws.advice.choose import Choice
 from demlaws.advice.fit import Fit
 from demlaws.cli import COMMANDS
+from demlaws.core.unloading import RULES
 from demlaws.law import Path, State
-from demlaws.laws import MODULES
+from demlaws.laws import MODULES, names
 from demlaws.laws.definition import Definition
 
 COMPILED = [path.relative_to(PACKAGE).as_posix() for path in sorted((PACKAGE / "core").glob("*.py"))]
@@ -43,6 +44,22 @@ def test_the_compiled_core_imports_nothing_else(file):
 def test_every_law_has_one_file():
     files = {path.stem for path in (PACKAGE / "laws").glob("*.py") if "\nLAW = " in path.read_text()}
     assert files == set(MODULES)
+
+
+def test_laws_are_meant_by_name_in_one_file():
+    """Outside laws/ a law's name is one of laws/names.py; the same words stand for sources, solvers' models and titles, too."""
+    written = {value for name, value in vars(names).items() if name.isupper()}
+    assert written <= set(demlaws.laws())
+    shared = {*RULES, "hertz", "eepa"}  # rules, and what engines call their own models
+    others = {"solvers/axisymmetric.py": "models", "validation/published.py": "sources", "validation/row.py": "sources"}
+    titles = {("cli/trade.py", "rms"), ("measure/peers.py", "rms")}
+    found = set()
+    for path in PACKAGE.rglob("*.py"):
+        where = path.relative_to(PACKAGE).as_posix()
+        if not where.startswith("laws/") and where not in others:
+            constants = [node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)]
+            found |= {(where, one) for one in constants if isinstance(one, str) and one in written - shared}
+    assert found <= titles, "say it with demlaws.laws.names"
 
 
 def test_only_the_shell_knows_plots_and_engines():

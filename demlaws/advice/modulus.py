@@ -26,6 +26,7 @@ from demlaws.advice.soften import Softening, soften
 from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 
@@ -377,7 +378,7 @@ def predict(
     scene: Scene,
     factor: float,
     inertial: float = STEADY,
-    law: str = "pohrt-popov",
+    law: str = USUAL,
     options: dict | None = None,
     part: float = HALF,
 ) -> Advice:
@@ -394,7 +395,7 @@ def predict(
     return _finished(_predicted(scene, law, options, factor, inertial, part, here), law, options)
 
 
-def advise(scene: Scene, law: str = "pohrt-popov", options: dict | None = None, ways: tuple = WAYS) -> Advice | None:
+def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> Advice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
     A `rate` of the scene [1/s] is the fastest that it allows; where that of the advised I is faster, density is multiplied

@@ -4,12 +4,13 @@ from demlaws.cli import option
 from demlaws.cli.arguments import density, law_name, length, plain, pressure, whole
 from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
+from demlaws.laws.names import USUAL
 
 
 def grain_arguments(export):
     """Add the folder, the law and the grains of a case to a parser."""
     export.add_argument("folder", help="folder to write")
-    export.add_argument("--law", type=law_name, default="pohrt-popov", help="name of the law (default %(default)s)")
+    export.add_argument("--law", type=law_name, default=USUAL, help="name of the law (default %(default)s)")
     export.add_argument(
         "--unloading",
         help="elastic, hertz, thornton, a rule of the law's own, or a table file whose curve all contacts unload along "

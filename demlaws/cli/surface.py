@@ -9,6 +9,7 @@ from demlaws.cli.arguments import figures, force, length, output, plain, whole
 from demlaws.cli.bodies import bodies, draw, pair_of
 from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
+from demlaws.laws.names import ASPERITY
 
 
 def register(subparsers):
@@ -325,7 +326,7 @@ def _table(arguments, contact, load):
         options["max_force"] = arguments.max_force
     unloading = "elastic" if arguments.curve == "reloading" else arguments.unloading
     bound = law(
-        "asperity",
+        ASPERITY,
         contact.pair,
         unloading,
         surface=contact.heights,

@@ -9,6 +9,7 @@ from demlaws.contact import Contact
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
 from demlaws.lammps.run import HEAD, command, executable, run, versions
+from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 
 # load, unload, reload, separate, load again; the speed is along x
@@ -115,9 +116,9 @@ def check(report=print):
     contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)
     for unloading in ("elastic", "hertz"):
         for rtol, limit in ((1e-5, 1e-5), (1e-9, 1e-8)):
-            law = make_law("pohrt-popov", contact, unloading=unloading)
+            law = make_law(USUAL, contact, unloading=unloading)
             _compare(report, law, f"two spheres, {unloading} unloading, table {rtol:g}", limit, rtol=rtol)
-    law = make_law("pohrt-popov", contact, unloading="hertz")
+    law = make_law(USUAL, contact, unloading="hertz")
     for wall in ("plane", "region"):
         _compare(report, law, f"{wall} wall, hertz unloading, table 1e-09", 1e-8, text=WALL, rtol=1e-9, wall=wall)
     report("all good")

@@ -15,6 +15,7 @@ from demlaws.checks import number
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
+from demlaws.laws.names import USUAL
 from demlaws.laws.registry import find
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
@@ -133,7 +134,7 @@ def loose(grains, count, seed=15485863):
 
 def export(
     folder,
-    law="pohrt-popov",
+    law=USUAL,
     grains=(),
     unloading=None,
     options=None,

@@ -9,6 +9,7 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError
+from demlaws.laws.names import USUAL
 from demlaws.liggghts.build import PACKAGES, build, engine_library, headers, packaged
 from demlaws.liggghts.run import HEAD, executable, run, versions
 from demlaws.make import law as make_law
@@ -96,7 +97,7 @@ def check(report=print):
     contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)
     for unloading in ("elastic", "hertz"):
         for rtol, limit in ((1e-5, 1e-5), (1e-9, 1e-8)):
-            law = make_law("pohrt-popov", contact, unloading=unloading)
+            law = make_law(USUAL, contact, unloading=unloading)
             _, force, expected = two_particles(law, rtol)
             worst = float(np.max(np.abs(force - expected)) / np.max(expected))
             line = (

@@ -18,6 +18,7 @@ from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
+from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
@@ -123,7 +124,7 @@ class Case:
     have the last type.
     """
 
-    law: str = "pohrt-popov"
+    law: str = USUAL
     grains: tuple = ()
     unloading: object = None  # the law's own rule where it has one, else "hertz"
     options: dict = field(default_factory=dict)
@@ -195,7 +196,7 @@ class Case:
         return folder / "in.case"
 
 
-def export(folder, law="pohrt-popov", grains=(), unloading=None, options=None, **more):
+def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written are the tables (one for all pairs

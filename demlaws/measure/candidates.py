@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from demlaws.contact import Surface
 from demlaws.errors import ValidityWarning
+from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
 from demlaws.make import law as bind_law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 
@@ -35,28 +36,28 @@ class Way(NamedTuple):
             return law.tabulate(self.rtol) if self.rtol else law
 
 
-RICHEST = Way("rough-plastic, thornton", "rough-plastic", "thornton", options=(("yield_pressure", GRANITE_YIELD_PRESSURE),))
+RICHEST = Way("rough-plastic, thornton", ROUGH_PLASTIC, "thornton", options=(("yield_pressure", GRANITE_YIELD_PRESSURE),))
 
 
 def ways(engine):
     """The ways of an engine, the richest first. LIGGGHTS and LAMMPS compute tables, of rough-plastic one a pair of sizes."""
     table = 0.0 if engine == "yade" else 1e-5
-    tables = [Way(f"pohrt-popov, hertz, table {r:g}", "pohrt-popov", "hertz", r) for r in (1e-1, 1e-5, 1e-7)]
+    tables = [Way(f"pohrt-popov, hertz, table {r:g}", POHRT_POPOV, "hertz", r) for r in (1e-1, 1e-5, 1e-7)]
     own = {
         "yade": [Way("YADE's Hertz-Mindlin", model="hertz"), Way("YADE's Conical Damage Model", model="cdm")],
         "liggghts": [Way("LIGGGHTS's hertz", model="hertz"), Way("LIGGGHTS's edinburgh", model="edinburgh")],
         "lammps": [Way("LAMMPS's hertz/material", model="hertz")],
     }[engine]
-    closed = [] if table else [Way("pohrt-popov, hertz", "pohrt-popov", "hertz")]
+    closed = [] if table else [Way("pohrt-popov, hertz", POHRT_POPOV, "hertz")]
     return [
         RICHEST._replace(rtol=table),
         RICHEST._replace(label="the same, shaken", rtol=table, shaken=True),
         RICHEST._replace(label="rough-plastic, hertz", unloading="hertz", rtol=table),
         *closed,
         *tables,
-        Way("pohrt-popov, elastic", "pohrt-popov", "elastic", table),
-        Way("rms, hertz", "rms", "hertz", table),
-        Way("rms, elastic", "rms", "elastic", table),
-        Way("hertz", "hertz", "elastic", table),
+        Way("pohrt-popov, elastic", POHRT_POPOV, "elastic", table),
+        Way("rms, hertz", RMS, "hertz", table),
+        Way("rms, elastic", RMS, "elastic", table),
+        Way("hertz", HERTZ, "elastic", table),
         *own,
     ]

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.errors import DemlawsError
+from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import registry
 from demlaws.liggghts.build import build, linked_library, mpi_libraries
 from demlaws.liggghts.run import versions
@@ -239,7 +240,7 @@ class Liggghts:
         """Four spheres, one of which gets a number that is none; ends the process where the engine stops."""
         from demlaws.measure.stability import GRANITE, Case
 
-        lib, case = self._lib, Case("hertz", "elastic", "table")
+        lib, case = self._lib, Case(HERTZ, "elastic", "table")
         radius = np.full(4, 2.0 * GRANITE.radius)
         spacing = (1.9999 if touching == "touching" else 3.0) * radius[0]
         position = np.zeros((4, 3))

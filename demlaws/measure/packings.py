@@ -19,6 +19,7 @@ import numpy as np
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
+from demlaws.laws.names import HERTZ
 from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
 from demlaws.measure.candidates import CDM, GRANITE, RADII, SURFACE, Way, ways
@@ -81,7 +82,7 @@ class Setup:
     def timestep(self):
         """Stable step [s] of every way: a grain of the smaller size between stiff contacts."""
         grain = Grain(min(RADII), GRANITE, SURFACE)
-        law = bind_law("hertz", grain.contact(grain))
+        law = bind_law(HERTZ, grain.contact(grain))
         return 0.5 * timestep(law, grain.mass, self.largest_force) / math.sqrt(3.0)
 
 

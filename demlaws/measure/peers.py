@@ -11,6 +11,7 @@ from demlaws.checks import number
 from demlaws.driver import force_controlled
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test, options_for
+from demlaws.laws.names import CONICAL_DAMAGE, EEPA, HERTZ, LUDING, THORNTON_NING, WALTON_BRAUN
 from demlaws.laws.registry import find
 from demlaws.liggghts.export import Grain, stock_fit
 from demlaws.make import law as bind_law
@@ -90,7 +91,7 @@ def force_error(way, reference, peaks, yield_pressure):
     if way.model == "edinburgh":
         return edinburgh_error(reference, peaks)[0]
     sample = Sample(reference.contact, peaks, np.full(peaks.size, 1.0 / peaks.size))
-    law = bind_law("hertz", reference.contact) if way.model == "hertz" else way.bind(reference.contact)
+    law = bind_law(HERTZ, reference.contact) if way.model == "hertz" else way.bind(reference.contact)
     worst = float(error_of(law, reference, sample, "force", True).max())
     return worst if math.isfinite(worst) else math.nan
 
@@ -145,7 +146,7 @@ def law_costs(names, engine="yade", overlap=1e-4, side=8, repeats=40):
 # --- the laws that users of other codes have, each fitted as well as it can be
 
 
-PEERS = ("hertz", "thornton-ning", "conical-damage", "walton-braun", "luding", "eepa")
+PEERS = (HERTZ, THORNTON_NING, CONICAL_DAMAGE, WALTON_BRAUN, LUDING, EEPA)
 TESTS_HELD = (("SS(12-18)", 100.0), ("RFC10", 450.0))
 """Granite tests, and the largest force [N] of each."""
 

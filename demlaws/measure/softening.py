@@ -18,6 +18,7 @@ from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS, USUAL
 from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
@@ -35,7 +36,7 @@ QUANTILES = tuple(range(5, 100, 5))
 RESTING = 2870  # steps at half the stable step to come to rest under gravity
 LEAST = 0.2  # of the stress, to which a cycle unloads
 
-STUDIED = ("pohrt-popov", "hertz")
+STUDIED = (USUAL, "hertz")
 """Law and rule of the runs that others are held against."""
 
 
@@ -96,7 +97,7 @@ class Run(NamedTuple):
         """Stable step [s]: a smooth grain of the smaller size between stiff contacts, forces up to ten times the mean."""
         grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
         mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
-        hertz = bind_law("hertz", grain.contact(grain))
+        hertz = bind_law(HERTZ, grain.contact(grain))
         return timestep(hertz, grain.mass, 10.0 * mean) / math.sqrt(3.0) * Softening(self.factor).step
 
     @property
@@ -180,7 +181,7 @@ def plan(engine: str, quick: bool = False) -> list[Run]:
         runs += [r for part in (0.5, 0.9) for r in _copies(pour._replace(part=part), 3)]
         runs += _copies(once._replace(density=100.0), 3)
     runs += [r for part in (0.1, 0.7, 0.9, 1.2) for r in _copies(once._replace(part=part), 3)]
-    for law, rule in (("hertz", "elastic"), ("rms", "hertz"), ("pohrt-popov", "elastic")):
+    for law, rule in ((HERTZ, "elastic"), (RMS, "hertz"), (POHRT_POPOV, "elastic")):
         runs += _copies(one._replace(law=law, unloading=rule), 3)
     third = [one._replace(factor=3.0, scaled=scaled) for scaled in (True, False)]
     runs += [r for run in third for r in _copies(run, 3)]

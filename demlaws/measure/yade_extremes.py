@@ -6,6 +6,7 @@ import numpy as np
 import yade
 
 from demlaws.contact import Surface
+from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find
 from demlaws.materials import GRANITE
 from demlaws.measure.extremes import POISSON, Balance
@@ -167,7 +168,7 @@ class Yade:
 
         radius = 2.0 * GRANITE.radius
         law, material = self._scene(
-            Case("hertz", "elastic", "closed form"), {}, GRANITE, [1e-6], GRANITE.modulus, np.array([GRANITE.radius])
+            Case(HERTZ, "elastic", "closed form"), {}, GRANITE, [1e-6], GRANITE.modulus, np.array([GRANITE.radius])
         )
         stuff = material(GRANITE.modulus, 1e-6)
         spacing = 1.9999 * radius if touching else 3.0 * radius

@@ -9,6 +9,7 @@ import numpy as np
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.laws.definition import Definition
+from demlaws.laws.names import HERTZ, POHRT_POPOV
 from demlaws.laws.registry import registry
 
 
@@ -206,7 +207,7 @@ def granite_roughness(tests, make, points=None):
     fig, (left, right) = figure(columns=2)
     load = np.geomspace(0.05, 100.0, 300)
     for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
-        bound = make("pohrt-popov", test)
+        bound = make(POHRT_POPOV, test)
         overlap = bound.overlap(load)
         label = f"{test.name}, σ = {test.roughness * 1e6:.2f} µm"
         left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=shade, label=label)
@@ -215,7 +216,7 @@ def granite_roughness(tests, make, points=None):
             one = points[test.name]
             left.plot((one.displacement - one.zero([bound])[0]) * 1e6, one.force, ".", color=shade, ms=3, label="measured")
             _tangent(right, one, color=shade)
-    hertz = make("hertz", tests[1])
+    hertz = make(HERTZ, tests[1])
     left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
     right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")
     left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")

@@ -9,6 +9,7 @@ import functools
 import numpy as np
 
 from demlaws import granite
+from demlaws.laws.names import BAHRAMI, HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC, YIP_VENART
 from demlaws.plots import (
     colour,
     figure,
@@ -23,9 +24,9 @@ from demlaws.plots import (
 )
 
 MICRO = 1e6
-COMPARED = (granite.HERTZ, granite.RMS, granite.POHRT_POPOV)
+COMPARED = (HERTZ, RMS, POHRT_POPOV)
 """The laws that the paper draws for unloading and for cones."""
-SPHERES = (granite.HERTZ, granite.RMS, granite.POHRT_POPOV, granite.BAHRAMI, granite.YIP_VENART)
+SPHERES = (HERTZ, RMS, POHRT_POPOV, BAHRAMI, YIP_VENART)
 """The laws that it draws for spheres."""
 PRINTED_THRESHOLD = 73.0
 """Load [N] of the paper's text at which SS(18-18) crosses over to Hertz."""
@@ -47,7 +48,7 @@ class Paper:
 
     def yielding(self, test):
         """The run of the law whose bulk yields."""
-        return self.run(granite.ROUGH_PLASTIC, test)
+        return self.run(ROUGH_PLASTIC, test)
 
     def whose(self, *tests):
         """What to say of the points behind a figure."""
@@ -69,10 +70,10 @@ def displacements(paper):
     said = ["displacement gained from 0.1 to 100 N (µm), computed:"]
     for name, shade in zip(tests, ("#1f77b4", "#2ca02c", "#d62728"), strict=True):
         test = granite.find_test(name)
-        for law, style in ((granite.POHRT_POPOV, "-"), (granite.HERTZ, "--")):
+        for law, style in ((POHRT_POPOV, "-"), (HERTZ, "--")):
             one = paper.law(law, name)
             overlap = (one.overlap(load) - one.overlap(0.1)) * MICRO
-            label = f"{name}, σ = {test.roughness * MICRO:.2f} µm: {law}" if law != granite.HERTZ else f"{name}: hertz"
+            label = f"{name}, σ = {test.roughness * MICRO:.2f} µm: {law}" if law != HERTZ else f"{name}: hertz"
             ax.plot(overlap, load, style, color=shade, lw=1.6 if style == "-" else 0.9, label=label)
         _measured(ax, paper, name, shade)
         said.append(f"  {name} (σ = {test.roughness * MICRO:.2f}, printed): {_gained(paper, name, COMPARED)}")
@@ -84,7 +85,7 @@ def displacements(paper):
 def _measured(ax, paper, name, shade):
     if name in paper.points:
         points = paper.points[name]
-        zero, _ = points.zero([paper.law(granite.POHRT_POPOV, name)])
+        zero, _ = points.zero([paper.law(POHRT_POPOV, name)])
         ax.plot((points.displacement - zero) * MICRO, points.force, ".", color=shade, ms=3, label=f"{name}: measured")
 
 
@@ -101,7 +102,7 @@ def radius(paper):
             one = paper.law(law, name)
             hertz = (9.0 * load**2 / (16.0 * test.radius * test.contact.modulus**2)) ** (1 / 3)
             ax.plot(test.roughness / hertz, np.sqrt(one.overlap(load) / hertz), marker, color=colour(law), ms=3.5, mfc="none")
-            if law == granite.POHRT_POPOV:
+            if law == POHRT_POPOV:
                 at = [float(test.contact.roughness_parameter(f)) for f in (1.0, 10.0, 100.0)]
                 size = [
                     float(np.sqrt(one.overlap(f) * a / test.roughness)) for f, a in zip((1.0, 10.0, 100.0), at, strict=True)
@@ -126,7 +127,7 @@ def crossover(paper):
     """Fig. 5: stiffness of Hertz and of Pohrt-Popov, and where the lines cross."""
     test = granite.find_test("SS(18-18)")
     threshold = granite.threshold_force(test)
-    fig = granite_crossover(test, [paper.law(name, test.name) for name in (granite.HERTZ, granite.POHRT_POPOV)], threshold)
+    fig = granite_crossover(test, [paper.law(name, test.name) for name in (HERTZ, POHRT_POPOV)], threshold)
     return fig, [
         f"F: computed {threshold:.2f} N from the paper's Eqs. 8 and 9 and its table; printed around {PRINTED_THRESHOLD:g} N"
     ]
@@ -154,7 +155,7 @@ def unloading(paper):
     """Fig. 7: unloading of SS(12-18) along each law's own curve."""
     test = granite.find_test("SS(12-18)")
     laws = [paper.law(name, test.name) for name in COMPARED]
-    fig = granite_unloading(test, laws, paper.run(granite.POHRT_POPOV, test.name).paths[0], paper.points.get(test.name))
+    fig = granite_unloading(test, laws, paper.run(POHRT_POPOV, test.name).paths[0], paper.points.get(test.name))
     back = ", ".join(f"{law.name} {float(law.overlap(100.0) - law.overlap(0.1)) * MICRO:.1f}" for law in laws)
     return fig, [
         f"displacement recovered from 100 to 0.1 N along each law's own curve (µm), computed: {back}",

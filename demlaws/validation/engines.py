@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.granite import HERTZ
+from demlaws.laws.names import HERTZ
 from demlaws.measure.costs import available
 from demlaws.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, kept_jobs, packing_jobs, shear_jobs
 from demlaws.validation.published import (

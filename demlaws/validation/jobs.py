@@ -5,7 +5,7 @@ import math
 from demlaws.contact import Contact
 from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
-from demlaws.granite import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
+from demlaws.laws.names import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
 from demlaws.validation.arrays import RIGID
 from demlaws.validation.published import BRANCHES, IMPACTS, KEPT, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 

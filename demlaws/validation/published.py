@@ -11,18 +11,22 @@ from demlaws import driver
 from demlaws.contact import Contact
 from demlaws.criterion import central_pressure
 from demlaws.errors import ValidityWarning
-from demlaws.granite import (
+from demlaws.granite import displacement_gained, find_test, options_for, stiffness_at
+from demlaws.laws.names import (
     BAHRAMI,
+    CONICAL_DAMAGE,
+    EEPA,
     GODDARD,
     HERTZ,
+    JACKSON_GREEN,
+    KOGUT_ETSION,
+    LUDING,
     POHRT_POPOV,
     RMS,
     ROUGH_PLASTIC,
+    THORNTON_NING,
+    WALTON_BRAUN,
     YIP_VENART,
-    displacement_gained,
-    find_test,
-    options_for,
-    stiffness_at,
 )
 from demlaws.make import law
 from demlaws.regime import PRINTED_RATIOS
@@ -235,9 +239,9 @@ def indentation():
 _RATIO = 2.5
 _REST = 1.0 - 1.0 / _RATIO
 BRANCHES = (
-    ("walton-braun", "linear", {"loading_stiffness": 2e6, "stiffness_ratio": _RATIO}, math.sqrt(1.0 / _RATIO)),
+    (WALTON_BRAUN, "linear", {"loading_stiffness": 2e6, "stiffness_ratio": _RATIO}, math.sqrt(1.0 / _RATIO)),
     # e² = 1 - 1.5 (k2/k1) c^1.5 (1 - c) with c = (1 - k1/k2)^(2/3), from the branches' areas
-    ("eepa", "eepa", {"stiffness_ratio": _RATIO}, math.sqrt(1.0 - 1.5 * _RATIO * _REST * (1.0 - _REST ** (2.0 / 3.0)))),
+    (EEPA, "eepa", {"stiffness_ratio": _RATIO}, math.sqrt(1.0 - 1.5 * _RATIO * _REST * (1.0 - _REST ** (2.0 / 3.0)))),
 )
 """Law, its rule, options and restitution, which does not depend on speed, for the engines."""
 
@@ -254,20 +258,20 @@ def plastic_laws():
     radius, modulus = contact.radius, contact.modulus
     hertz = 4.0 / 3.0 * modulus * math.sqrt(radius)
     pressure, ratio = YIELD_RATIO * modulus, 20.0
-    one = law("thornton-ning", contact, yield_pressure=pressure)
+    one = law(THORNTON_NING, contact, yield_pressure=pressure)
     found = quiet(driver.impact, one, mass, ratio * yield_speed(contact, pressure, mass), 40000).restitution
     yield near("thornton-ning: restitution at V/V_y = 20", PYTHON, restitution_of(ratio), found, 1e-5, "thornton")
 
     contact, strength = Contact(0.01, 100e9, roughness=0.0), 1e8
     for ratio in (10.0, 110.0):
         wanted, overlap, load = _jackson_green(ratio, strength, contact)
-        found = float(quiet(law("jackson-green", contact, yield_strength=strength).force, ratio * overlap)) / load
+        found = float(quiet(law(JACKSON_GREEN, contact, yield_strength=strength).force, ratio * overlap)) / load
         yield near(f"jackson-green: P/P_c at {ratio:g} ω_c", PYTHON, wanted, found, 1e-12, "jackson-green")
     critical = (math.pi * (0.454 + 0.41 * 0.3) * 2.8 * strength / (2.0 * modulus)) ** 2 * radius
     load = hertz * critical**1.5
     for ratio, wanted in ((3.0, 1.03 * 3.0**1.425), (50.0, 1.40 * 50.0**1.263)):
         found = (
-            float(quiet(law("kogut-etsion", Contact(radius, modulus), yield_strength=strength).force, ratio * critical)) / load
+            float(quiet(law(KOGUT_ETSION, Contact(radius, modulus), yield_strength=strength).force, ratio * critical)) / load
         )
         yield near(f"kogut-etsion: P/P_c at {ratio:g} ω_c", PYTHON, wanted, found, 1e-12, "kogut-etsion")
 
@@ -277,19 +281,19 @@ def plastic_laws():
     top = 3.0 * h * radius
     now = (top + radius * blunting) / (h + blunting)
     wanted = [4.0 / 3.0 * modulus * math.sqrt(now) * (d + (radius - now) * blunting) ** 1.5 for d in (top, 0.9 * top)]
-    found = cycle("conical-damage", {"strength": peak, "angle": 1.2}, contact, top, 0.9)
+    found = cycle(CONICAL_DAMAGE, {"strength": peak, "angle": 1.2}, contact, top, 0.9)
     for what, one, other in zip(("loading", "unloading"), wanted, found, strict=True):
         yield near(f"conical-damage: force at 3 δ_y, {what}", PYTHON, one, float(other), 1e-12, "conical-damage", "N")
 
     k1, k2 = 2e6, 5e6
-    found = quiet(driver.impact, law("walton-braun", contact, loading_stiffness=k1, stiffness_ratio=k2 / k1), mass, 0.1, 20000)
+    found = quiet(driver.impact, law(WALTON_BRAUN, contact, loading_stiffness=k1, stiffness_ratio=k2 / k1), mass, 0.1, 20000)
     yield near("walton-braun: restitution", PYTHON, math.sqrt(k1 / k2), found.restitution, 1e-6, "walton-braun")
 
     depth = 0.002
     limit = k2 / (k2 - k1) * depth * 2.0 * radius
     stiffness = k1 + (k2 - k1) * 0.5
     found = cycle(
-        "luding", {"loading_stiffness": k1, "stiffness_ratio": k2 / k1, "plasticity_depth": depth}, contact, 0.5 * limit, 0.9
+        LUDING, {"loading_stiffness": k1, "stiffness_ratio": k2 / k1, "plasticity_depth": depth}, contact, 0.5 * limit, 0.9
     )
     yield near("luding: force at δ*/2", PYTHON, 0.5 * k1 * limit, float(found[0]), 1e-12, "luding", "N")
     wanted = 0.5 * limit * (k1 - 0.1 * stiffness)
@@ -297,7 +301,7 @@ def plastic_laws():
 
     top = 1e-5
     plastic = (1.0 - 1.0 / 3.0) ** (2.0 / 3.0) * top
-    found = cycle("eepa", {"stiffness_ratio": 3.0}, contact, top, 0.95)
+    found = cycle(EEPA, {"stiffness_ratio": 3.0}, contact, top, 0.95)
     wanted = 3.0 * hertz * ((0.95 * top) ** 1.5 - plastic**1.5)
     yield near("eepa: after unloading by a twentieth", PYTHON, wanted, float(found[1]), 1e-12, "eepa", "N")
 

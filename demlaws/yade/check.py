@@ -3,7 +3,9 @@
 import platform
 import time
 
-QUICK = (("hertz", "elastic"), ("pohrt-popov", "hertz"))
+from demlaws.laws.names import HERTZ, USUAL
+
+QUICK = ((HERTZ, "elastic"), (USUAL, "hertz"))
 
 
 def main(quick=False):

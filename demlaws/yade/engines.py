@@ -1,5 +1,7 @@
 """A whole engine list around a law."""
 
+from numbers import Real
+
 import yade
 
 from demlaws.errors import DemlawsError
@@ -15,6 +17,8 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
     of the bodies, also of those that come later: the contacts' stiffness now says nothing of what it is in the next step, and
     4 r √(ρ/E) is less than a sphere stands whose contacts have grown to 0.3 R, four a side, whatever the law.
     """
+    if not isinstance(law, yade.LawFunctor):
+        raise DemlawsError(f"engines(law): give the law functor, Law2_ScGeom_MindlinPhys_Demlaws(…), got {law!r}")
     bounds = bounds or [yade.Bo1_Sphere_Aabb(), yade.Bo1_Facet_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Box_Aabb()]
     geometries = geometries or [
         yade.Ig2_Sphere_Sphere_ScGeom(),
@@ -24,7 +28,7 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
     ]
     stepper = []
     if timestep is not None:
-        if not 0.0 < timestep <= 1.0:
+        if not (isinstance(timestep, Real) and 0.0 < timestep <= 1.0):
             raise DemlawsError(f"timestep = {timestep!r}: a share of the critical step, above 0 and up to 1")
         stepper = [yade.GlobalStiffnessTimeStepper(timestepSafetyCoefficient=timestep, timeStepUpdateInterval=10)]
     if hasattr(law, "binding"):

@@ -1,12 +1,17 @@
 """The functor that a YADE script uses: `Law2_ScGeom_MindlinPhys_Demlaws`."""
 
+import builtins
+import keyword
+import math
 import warnings
+from numbers import Real
 
 import yade
 
 from demlaws.checks import CREATES_ENERGY
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.names import HERTZ
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span
@@ -45,7 +50,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
     def __init__(
         self,
-        law="hertz",
+        law=HERTZ,
         unloading=None,
         surfaces=None,
         *,
@@ -62,10 +67,14 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         attributes = {name: options.pop(name) for name in list(options) if name in NATIVE_ATTRIBUTES}
         if bridge not in ("auto", "native", "public"):
             raise DemlawsError(f'bridge must be "auto", "native" or "public", got {bridge!r}')
-        if not isinstance(label, str) or not label.isidentifier():
+        if not isinstance(label, str) or not label.isidentifier() or keyword.iskeyword(label):
             raise DemlawsError(f"label must be a Python name, got {label!r}: YADE makes a variable of it")
-        if tangential_ratio is not None and not 0.0 < tangential_ratio < 10.0:
-            raise DemlawsError(f"tangential_ratio = {tangential_ratio:g}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
+        if hasattr(builtins, label) and not isinstance(getattr(builtins, label), yade.Serializable):
+            raise DemlawsError(
+                f"label {label!r} would hide what Python or YADE has under this name: YADE makes a variable of it"
+            )
+        if tangential_ratio is not None and not (isinstance(tangential_ratio, Real) and 0.0 < tangential_ratio < 10.0):
+            raise DemlawsError(f"tangential_ratio = {tangential_ratio!r}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
         super().__init__(label=label, **attributes)
         spans = _spans(radii, moduli, flats)
         pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear)
@@ -121,7 +130,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
     def restitution(self, first, second, speed, en=None):
         """Rebound over impact speed of two bodies (`O.bodies[n]`) that meet head-on at `speed` [m/s], under this law and the
-        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`: a law that dissipates rebounds with less than `en`."""
+        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`: a law that dissipates rebounds with less than `en`. Masses are
+        the bodies' own: a fixed one does not give way, a clump's member counts by its own mass, not by the clump's."""
         from demlaws.yade.restitution import restitution
 
         return restitution(self.binding.pairs, self.binding.ratio, first, second, speed, en)
@@ -181,11 +191,22 @@ def _tell_untested(stacklevel):
         warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
 
 
+def _range(name, unit, given):
+    """(smallest, largest) as a user gave it, or None."""
+    if given is None:
+        return None
+    try:
+        low, high = map(float, given)
+    except (TypeError, ValueError):
+        low = high = math.nan
+    if not 0.0 < low <= high < math.inf:
+        raise DemlawsError(f"{name} must be (smallest, largest) in {unit}, got {given!r}")
+    return low, high
+
+
 def _spans(radii, moduli, flats):
     """Label pair → `Span` of the contacts: what the user gave, else what the scene's bodies and materials allow."""
-    for name, unit, pair in (("radii", "m", radii), ("moduli", "Pa", moduli)):
-        if pair is not None and not (len(pair) == 2 and 0.0 < pair[0] <= pair[1]):
-            raise DemlawsError(f"{name} must be (smallest, largest) in {unit}, got {pair!r}")
+    radii, moduli = _range("radii", "m", radii), _range("moduli", "Pa", moduli)
     sizes, flat, materials = {}, set(), {}
     for body in O.bodies:
         label = "" if body.material is None else body.material.label
@@ -207,19 +228,20 @@ def _spans(radii, moduli, flats):
             if spheres and (other in flat or (not other and flat)):
                 # YADE has r/2 at a wall, 2r/3 at a facet, and r with hertzian=True
                 found += [min(spheres) if flats == "plane" else 0.5 * min(spheres), max(spheres)]
-        every = of(sizes, "")
-        if not found and every:  # bodies that do not meet by what is known
-            found = [0.5 * min(every), max(every)]
-        return (min(found), max(found)) if found else None
+        return found
 
     def span(labels):
-        radius = radii or reach(labels)
-        if radius is None:
+        found, every = radii or reach(labels), of(sizes, "")
+        meets = len(found) > 0
+        if not meets and every:
+            found = [0.5 * min(every), max(every)]
+        if not len(found):
             return None
+        radius = min(found), max(found)
         if moduli is not None:
-            return Span(tuple(radius), tuple(moduli))
+            return Span(radius, moduli, meets)
         first, second = (of(materials, wanted) for wanted in labels)
         values = [1.0 / ((1.0 - p**2) / y + (1.0 - q**2) / z) for y, p in first for z, q in second]
-        return Span(tuple(radius), (min(values), max(values))) if values else None
+        return Span(radius, (min(values), max(values)), meets) if values else None
 
     return span

@@ -39,10 +39,14 @@ NOT_SERVED = (
 
 
 class Span(NamedTuple):
-    """Smallest and largest effective radius [m] and modulus [Pa] that a pair's contacts may have."""
+    """Smallest and largest effective radius [m] and modulus [Pa] that a pair's contacts may have.
+
+    meets: whether bodies of the two labels can meet by what is known of them (two walls cannot).
+    """
 
     radius: tuple
     modulus: tuple
+    meets: bool = True
 
     def widened(self):
         """At least 2 % of radius, so that laws that depend on it are made as families."""
@@ -127,6 +131,11 @@ class Source:
         """Whether the law's curve must be solved for the contacts that occur: their range must be known beforehand."""
         return self._is("solved")
 
+    @property
+    def needs_one_contact(self):
+        """Whether the law's curve is solved for one R and E* alone: a height map's."""
+        return self._is("needs_map")
+
     def _is(self, fact):
         """Whether a definition that takes part says so of itself: the law's, its loading's, the unloading curve's."""
         loading = self.options.get("loading")
@@ -156,7 +165,7 @@ class Source:
         contact = Contact(
             roughness=surface.roughness, fractal_dimension=dimension, hardness=surface.hardness, **span.arguments()
         )
-        if contact.size is not None and self._is("needs_map"):
+        if contact.size is not None and self.needs_one_contact:
             (low, high), (soft, stiff) = span.radius, span.modulus
             raise DemlawsError(
                 f"law {self.name!r} is solved for one contact, these may have R from {low:g} to {high:g} m and "
@@ -188,8 +197,10 @@ class Source:
                 raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {wanted:g}{unit}")
         return table.shape
 
-    def only_for(self):
-        """R [m] and E* [Pa] outside which this law may not be used; zeros: any."""
+    def only_for(self, span):
+        """R [m] and E* [Pa] outside which this law may not be used, being made for contacts of this span; zeros: any."""
+        if self.needs_one_contact:
+            return span.radius[1], span.modulus[1]
         for source in (self, self.curve):
             if source is not None and source.table is not None and not source.table.collapses:
                 return tuple(
@@ -238,7 +249,7 @@ class Pairs:
     """
 
     def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT):
-        if shear not in CHOICES:
+        if not isinstance(shear, str) or shear not in CHOICES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}
@@ -257,6 +268,8 @@ class Pairs:
         self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
         self.spans = {}
         if isinstance(given, dict):
+            if not given:
+                raise DemlawsError("law: an empty dict names no law; give a law, or a dict (label, label) → law")
             self.default = None
             self.special = {self._key(pair): self._source(one, options) for pair, one in given.items()}
             rules = {source.unloading for source in self.special.values()}
@@ -324,6 +337,13 @@ class Pairs:
         self.records = np.array([row + [0] * (width - len(row)) for row in rows], np.int64)
         return True
 
+    def of_a_law(self):
+        """Two labels whose pair the law is for, and its record: the last ones, which are listed if any is."""
+        last = len(self.labels) - 1
+        places = [(i, j, int(self.numbers[i, j])) for i in range(last, -1, -1) for j in range(i, -1, -1)]
+        i, j, number = next((place for place in places if self.shapes[place[2]] is not None), places[0])
+        return (self.labels[i], self.labels[j]), number
+
     def specimen(self, number):
         """R [m] and E* [Pa] of a contact that the law of this record serves."""
         if self.only_for[number][0] > 0.0:
@@ -351,14 +371,17 @@ class Pairs:
             span = Span(**NOMINAL).around(surface.roughness)
             if source.needs_span:
                 return None, (math.nan, math.nan)  # no such contact is expected, and none is served
+        if not span.meets and source.needs_one_contact:
+            return None, (math.nan, math.nan)
         span = span.widened() if widened else span
         self.spans[len(self.shapes)] = span
         try:
-            return source.shape(surface, self.unloading, span), source.only_for()
+            shape = source.shape(surface, self.unloading, span)
         except DemlawsError as error:
             if not known:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(f"{names}: {error}") from None
+        return shape, (0.0, 0.0) if shape is None else source.only_for(span)
 
     def _known_spans(self):
         for i, second in enumerate(self.labels):
@@ -441,7 +464,7 @@ class Pairs:
         given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:
             given = Source.from_dict(content["default"])
-        spans = {(a, b): Span(tuple(radius), tuple(modulus)) for a, b, radius, modulus in content["spans"]}
+        spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
         # scenes saved before these were asked for
         flats, smooth, shear = content.get("flats", "yade"), content.get("smooth", True), content.get("shear", "tangent")
         return cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats, shear=shear)

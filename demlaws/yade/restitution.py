@@ -32,6 +32,11 @@ def restitution(pairs, ratio, first, second, speed, en=None):
     bodies = [_Like(body) for body in (first, second)]
     if not any(body.radius for body in bodies):
         raise DemlawsError("two flats do not meet: give a sphere's body, O.bodies[n]")
+    for body in bodies:
+        if not body.mass > 0.0:
+            raise DemlawsError(f"mass = {body.mass:g} kg: a body that moves must have one")
+    if all(math.isinf(body.mass) for body in bodies):
+        raise DemlawsError("two fixed bodies do not meet: give one that moves (a sphere without fixed=True)")
     home = O.thisScene
     own = O.addScene()
     O.switchToScene(own)
@@ -60,7 +65,7 @@ def en_for(pairs, ratio, first, second, speed, wanted):
 
 
 class _Like:
-    """What an impact takes from a body: its radius (0: a flat), mass and material."""
+    """What an impact takes from a body: its radius (0: a flat), mass (a fixed one's is infinite) and material."""
 
     def __init__(self, body):
         if not isinstance(body, yade.Body) or not isinstance(body.material, yade.FrictMat):
@@ -68,18 +73,18 @@ class _Like:
         stone = body.material
         self.radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 0.0
         self.material = {name: getattr(stone, name) for name in ("young", "poisson", "density", "frictionAngle", "label")}
-        self.mass = 4.0 / 3.0 * math.pi * self.radius**3 * stone.density
+        self.mass = body.state.mass if body.dynamic else math.inf
 
 
 def _bounce(binding, bodies, speed, en):
     lower, upper = bodies
     if lower.radius:
         base = utils.sphere((0, 0, -lower.radius), lower.radius, fixed=True, material=yade.FrictMat(**lower.material))
-        radius, mass = upper.radius * lower.radius / (upper.radius + lower.radius), upper.mass * lower.mass
-        mass /= upper.mass + lower.mass
+        radius = upper.radius * lower.radius / (upper.radius + lower.radius)
     else:
         base = utils.wall(0, 2, sense=1, material=yade.FrictMat(**lower.material))
-        radius, mass = upper.radius, upper.mass
+        radius = upper.radius
+    mass = 1.0 / (1.0 / upper.mass + 1.0 / lower.mass)
     ball = utils.sphere((0, 0, upper.radius * (1 + 1e-9)), upper.radius, material=yade.FrictMat(**upper.material))
     O.bodies.append([base, ball])
     ball.state.vel, ball.state.mass, ball.state.blockedDOFs = yade.Vector3(0, 0, -speed), mass, "xyXYZ"

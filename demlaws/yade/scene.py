@@ -28,6 +28,8 @@ IN_SECONDS = 1.0
 TOKEN = "demlaws-scene"
 LAW = "demlaws.{label}"
 FUNCTOR = "demlaws-functor.{label}"
+CONTACT = ["ScGeom", "MindlinPhys"]
+"""Classes of the contacts that a law acts on."""
 
 _living = set()
 """Tokens of scenes that hold a law of ours: the tag `TOKEN` of a scene is its own, and is given anew when it is loaded."""
@@ -120,7 +122,17 @@ def set_visible(engines):
 
 def _laws_in(engines, old):
     """Label → functor of our laws in a list that a user assigns."""
-    laws = {}
+    laws, live = {}, []
+    for engine in engines:
+        for dispatcher in dispatchers(engine):
+            _refuse_rivals(dispatcher)
+            live += [] if engine.dead else [dispatcher]
+    if len(live) > 1 and any(is_ours(f) or public.stands_for(f) for dispatcher in live for f in dispatcher.functors):
+        raise DemlawsError(
+            f"{len(live)} engines of the list hold law functors, one of them a demlaws law: each would compute every contact, "
+            "and forces count more than once. Put all law functors into one InteractionLoop; demlaws laws that differ by pairs "
+            "of materials are one law, given as a dict {(label, label): law}"
+        )
     for engine, _, functor in law_functors(engines):
         behind = public.stands_for(functor)
         if behind is not None:
@@ -134,6 +146,22 @@ def _laws_in(engines, old):
         if functor.binding.attachment is None:
             public.check(engines, engines.index(engine), functor)
     return laws
+
+
+def _refuse_rivals(dispatcher):
+    """Of functors for one kind of contact YADE lists the first of a class and asks the last: only one law may be given."""
+    takers = [f for f in dispatcher.functors if list(f.bases) == CONTACT]
+    if not takers:
+        return
+    asked = dispatcher.dispFunctor(*(getattr(yade, name)() for name in CONTACT))
+    if not any(is_ours(f) for f in (*takers, asked)):
+        return
+    known = {native.address(f): f for f in (*takers, asked)}
+    if len(known) > 1:
+        raise DemlawsError(
+            f"{type(dispatcher).__name__} was given {len(known)} functors for the same contacts "
+            f"({', '.join(map(str, known.values()))}), of which YADE asks one only, and whose scene it may not set: give one"
+        )
 
 
 def _take_over(functor, old):

@@ -34,7 +34,7 @@ def _deepest(pairs, row, wanted):
 
 
 def run(binding):
-    """Take two spheres of the first listed surface along a path; returns (steps, largest error over largest force).
+    """Take two spheres of surfaces that the law is for along a path; returns (steps, largest error over largest force).
 
     Works in a scene apart: the user's is left as it is. Raises SelfTestFailed.
     """
@@ -61,12 +61,12 @@ def _compare(binding, omega):
     pairs = binding.pairs
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
     binding.attachment.patch(functor)
-    label = pairs.labels[-1]
-    effective_radius, modulus = pairs.specimen(int(pairs.numbers[-1, -1]))
+    labels, number = pairs.of_a_law()
+    effective_radius, modulus = pairs.specimen(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
-    material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
-    omega.materials.append(material)
-    for height in (0.0, 2 * radius):
+    for height, label in zip((0.0, 2 * radius), labels, strict=True):
+        material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
+        omega.materials.append(material)
         body = yade.Body()
         body.shape, body.material = yade.Sphere(radius=radius), material
         body.state.pos = body.state.refPos = yade.Vector3(0, 0, height)
@@ -82,8 +82,7 @@ def _compare(binding, omega):
     ]
     set_engines(engines)
     omega.dt = 1e-9
-    number = pairs.numbers[-1, -1] + 1.0
-    row = np.array([(0.0, 1.0, number, effective_radius, modulus, 0.0, 0.0, 0.0)], kernel.CONTACT)
+    row = np.array([(0.0, 1.0, number + 1.0, effective_radius, modulus, 0.0, 0.0, 0.0)], kernel.CONTACT)
     wrong, largest, applied, steps = 0.0, 0.0, [], 0
     for overlap in _overlaps(_deepest(pairs, row, 4e-3 * effective_radius)):
         omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)

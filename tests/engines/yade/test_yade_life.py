@@ -421,12 +421,19 @@ def test_table_of_a_law_without_one_curve(omega):
         ({"unloading": "plastic"}, "unknown unloading rule"),
         ({"bridge": "fast"}, "bridge must be"),
         ({"label": "two words"}, "Python name"),
+        ({"label": "class"}, "Python name"),
+        ({"label": "print"}, "would hide"),
         ({"tangential_ratio": -1.0}, "tangential_ratio"),
+        ({"tangential_ratio": "0.8"}, "tangential_ratio = '0.8'"),
+        ({"shear": ["elastic"]}, "shear must be"),
+        ({"law": {}}, "an empty dict"),
         ({"surfaces": {"granite": 2e-6}}, "demlaws.Surface"),
         ({"surfaces": {"granite": dl.Surface(2e-6)}}, "fractal_dimension"),
         ({"law": "/nowhere/table"}, "cannot read table"),
         ({"law": {("granite", "steel"): "hertz"}}, "not a pair of labels"),
         ({"radii": (2.0, 1.0)}, "radii must be"),
+        ({"radii": 0.01}, r"radii must be \(smallest, largest\) in m, got 0.01"),
+        ({"moduli": (1e9, float("inf"))}, "moduli must be"),
         ({"colour": "red"}, "colour"),
     ],
 )
@@ -480,6 +487,42 @@ def test_a_measured_map_serves_one_contact():
         dl.DemlawsError, match=r"solved for one contact, these may have R from 0.0049 to 0.0051 m.*radii=\(R, R\)"
     ):
         Pairs("asperity", {"granite": GRANITE}, "hertz", find("asperity").example, spans)
+
+
+def test_a_measured_map_beside_a_wall(omega):
+    """Two walls do not meet: their pair has a range of radii that no map serves, and needs none."""
+    from yade.utils import sphere, wall
+
+    from demlaws.laws.registry import find
+
+    stone, steel = material(), material("steel")
+    omega.bodies.append([sphere((0, 0, 0.01 - 2e-6), 0.01, fixed=True, material=stone), wall(0, 2, material=steel)])
+    options = find("asperity").example
+    law = functor("asperity", "elastic", {"granite": GRANITE, "steel": dl.Surface()}, bridge="native", **options)
+    set_engines(law, 1e-9)
+    omega.run(3, True)
+    pair = dl.Contact(0.01, 60.6e9 / (1 - 0.25**2) / 2, GRANITE.roughness, GRANITE.fractal_dimension, GRANITE.hardness)
+    wanted = dl.law("asperity", pair, "elastic", **options).force(law.contacts().overlap[0])
+    assert omega.forces.f(0)[2] == pytest.approx(wanted, rel=1e-13)
+    text = law.binding.pairs.as_text()
+    assert type(law.binding.pairs).from_text(text).as_text() == text
+
+
+def test_a_measured_map_is_refused_for_another_contact(omega):
+    """Before: 0.8765 N at R = 10 mm by a law made for R = 5 mm, where the map gives 0.8699 N; 26 % more by half the modulus."""
+    from yade.utils import sphere
+
+    from demlaws.laws.registry import find
+
+    modulus = 60.6e9 / (1 - 0.25**2) / 2
+    stone = material()
+    law = functor(
+        "asperity", "elastic", radii=(0.005, 0.005), moduli=(modulus, modulus), bridge="native", **find("asperity").example
+    )
+    omega.bodies.append([sphere((0, 0, z), 0.02, fixed=True, material=stone) for z in (0, 0.04 - 2e-6)])
+    set_engines(law, 1e-9)
+    with pytest.raises(RuntimeError, match="a solved curve, was made for other contacts"):
+        omega.run(3, True)
 
 
 # --- the command

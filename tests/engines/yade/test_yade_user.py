@@ -363,6 +363,39 @@ def test_a_law_beside_one_of_yades(omega):
     assert law.totals() == (0.0, 0.0) and len(law.contacts().force) == 0
 
 
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_one_functor_for_a_kind_of_contact(omega, way):
+    """Of functors for the same contacts YADE lists one and asks another: the native law would act, or a functor without a
+    scene, which ends the process. Two loops compute every contact twice."""
+    import yade
+
+    def loop(*functors):
+        return yade.InteractionLoop(
+            [yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], list(functors)
+        )
+
+    def listed(*loops):
+        return [yade.ForceResetter(), yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()]), *loops, yade.NewtonIntegrator()]
+
+    law = functor(bridge=way)
+    second = functor("hertz", "elastic", bridge=way, label="second")
+    mindlin, linear = yade.Law2_ScGeom_MindlinPhys_Mindlin(), yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear()
+    cundall = yade.Law2_ScGeom_FrictPhys_CundallStrack()
+    for functors in ((law, mindlin), (mindlin, law), (law, second), (law, linear), (linear, law)):
+        with pytest.raises(dl.DemlawsError, match="for the same contacts"):
+            omega.engines = listed(loop(*functors))
+    for functors in ((law, law), (law, second), (law, cundall)):
+        with pytest.raises(dl.DemlawsError, match="more than once"):
+            omega.engines = listed(*(loop(one) for one in functors))
+    assert law.binding.scene is None
+    dead = loop(cundall)
+    dead.dead = True
+    still(law)
+    omega.engines = listed(loop(law, law), dead)
+    omega.run(3, True)
+    assert omega.forces.f(1)[2] == pytest.approx(expected(), rel=1e-13)
+
+
 def test_a_foreign_contact_is_told_without_advice_that_destroys_unsaid(omega):
     import yade
 
@@ -582,8 +615,12 @@ def test_a_stepper_without_a_bound_is_warned_of(omega):
     stepper.maxDt = 5e-6
     omega.engines = [*engines(law), stepper]
     assert stepper.maxDt == 5e-6  # a bound of the user's own
-    with pytest.raises(dl.DemlawsError, match=r"timestep = 3"):
-        engines(law, timestep=3)
+    for wrong in (3, "0.5"):
+        with pytest.raises(dl.DemlawsError, match=f"timestep = {wrong!r}"):
+            engines(law, timestep=wrong)
+    for wrong in ("hertz", None):  # YADE ends the process at None
+        with pytest.raises(dl.DemlawsError, match="give the law functor"):
+            engines(wrong)
 
 
 # --- restitution
@@ -607,6 +644,27 @@ def test_true_restitution(omega):
     with pytest.raises(dl.DemlawsError, match="is the most"):
         law.en_for(0.999, first, second, 0.1)
     assert len(omega.bodies) == 2 and law.totals() == (0.0, 0.0)
+
+
+def test_restitution_goes_by_the_masses_of_the_bodies(omega):
+    """Not by density and radius: a body may be fixed, or made heavier. Without damping the rebound is energy's alone."""
+    from yade.utils import sphere
+
+    stone = material()
+    omega.bodies.append([sphere((0, 0, z), 0.01, material=stone, fixed=z > 0.1) for z in (0, 0.05, 0.2, 0.3)])
+    first, second, fixed, other = omega.bodies
+    law = functor(bridge="native")
+    faster = law.restitution(first, second, 0.1 * 2**0.5)
+    assert faster == pytest.approx(0.7715, abs=1e-3)  # 0.771462 when the two meet in the user's scene; 0.7285 at 0.1 m/s
+    assert law.restitution(first, fixed, 0.1) == pytest.approx(faster, abs=2e-4)
+    first.state.mass *= 2
+    second.state.mass *= 2
+    assert law.restitution(first, second, 0.1) == pytest.approx(faster, abs=2e-4)
+    with pytest.raises(dl.DemlawsError, match="two fixed bodies"):
+        law.restitution(fixed, other, 0.1)
+    first.state.mass = 0
+    with pytest.raises(dl.DemlawsError, match="mass = 0 kg"):
+        law.restitution(first, second, 0.1)
 
 
 # --- while it runs
