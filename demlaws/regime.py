@@ -131,8 +131,8 @@ def assess(contact, load, mu=None, yield_pressure=None):
         central_pressure=ratio * contact.hardness,
         ratio=ratio,
         deforms=deforming_part(ratio),
-        transition_load=transition_load(contact),
-        transition_roughness=transition_roughness(contact, load),
+        transition_load=transition_load(contact, mu=mu),
+        transition_roughness=transition_roughness(contact, load, mu=mu),
         mu=mu,
     )
 
@@ -184,13 +184,13 @@ class Advice(NamedTuple):
     reason: str
 
 
-def advise(contact, load, yield_pressure=None):
+def advise(contact, load, yield_pressure=None, mu=None):
     """For each law, whether its physics fits this contact from first touch up to `load` [N], with the reason.
 
     The laws differ in what deforms: elastic asperities on an elastic bulk (rms, pohrt-popov, greenwood-tripp), plastic
     asperities on an elastic bulk (bahrami, yip-venart, asperity), a yielding bulk (rough-plastic), or no roughness
-    (hertz); each says itself what it fits (`Definition.advise`). yield_pressure: as for `assess`. Without that and a hardness
-    the bulk cannot be judged, which the reason then says.
+    (hertz); each says itself what it fits (`Definition.advise`). yield_pressure, mu: as for `assess`. Without a hardness or a
+    yield pressure the bulk cannot be judged, which the reason then says.
     """
     _contact(contact)
     load = number(load, "load", "N")
@@ -201,7 +201,7 @@ def advise(contact, load, yield_pressure=None):
     elif contact.hardness is None:
         yields, state = False, "no hardness given: bulk yield not judged"
     else:
-        ratio = float(np.max(pressure_ratio(contact, load)))
+        ratio = float(np.max(pressure_ratio(contact, load, mu)))
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
     advice = {name: definition.advise(conditions) for name, definition in registry().items()}
