@@ -700,6 +700,18 @@ def test_a_law_made_while_it_runs_says_why_it_is_slow(omega):
     assert made[0].way == "public" and native.layout()
 
 
+def test_contacts_of_a_list_with_potential_ones(omega):
+    """`O.interactions.all()` holds those that do not touch yet; one contact needs no list."""
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    still(law)
+    omega.bodies.append(sphere((0, 0, 0.0401), 0.01, fixed=True, material=omega.bodies[0].material))
+    omega.run(3, True)
+    assert len(omega.interactions.all()) > omega.interactions.countReal() == 1
+    assert law.contacts(omega.interactions.all()).force == law.contacts(omega.interactions[0, 1]).force == law.contacts().force
+
+
 def test_contacts_for_paraview(omega, tmp_path):
     law = functor(bridge="native")
     still(law)
