@@ -256,7 +256,8 @@ class Binding:
         if bodies is None or self.unlisted_served:
             return
         borne = {body.material.label for body in O.bodies if body.material is not None}
-        missing = [label for label in self.pairs.surfaces if label not in borne]
+        known = borne | {one.label for one in O.materials}  # bodies of it may come later
+        missing = [label for label in self.pairs.surfaces if label not in known]
         if self.pairs.surfaces and not missing:
             self.unlisted_served = self.attachment_serves_unlisted()
             return
