@@ -11,6 +11,7 @@ from pathlib import Path
 
 import demlaws
 from demlaws.errors import DemlawsError
+from demlaws.files import user_cache
 
 SOURCES = Path(__file__).parent / "src"
 SHARED = Path(__file__).parent.parent / "cpp"
@@ -59,7 +60,7 @@ def cache_folder():
     named = os.environ.get("DEMLAWS_CACHE")
     if named:
         return Path(named)
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "demlaws"
+    return user_cache()
 
 
 def _output(command):

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import demlaws
 from demlaws.errors import DemlawsError
+from demlaws.files import user_cache
 
 SOURCES = Path(__file__).parent / "src"
 SHARED = Path(__file__).parent.parent / "cpp"
@@ -38,7 +39,7 @@ def cache_folder():
     named = os.environ.get("DEMLAWS_CACHE")
     if named:
         return Path(named).absolute()  # LIGGGHTS is started in the input's folder
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
+    return user_cache().absolute()
 
 
 @functools.lru_cache(maxsize=256)

@@ -163,26 +163,30 @@ public:
     if (state_size_ > 0 && wall_) neighbor->register_contact_dist_factor(1.01);
     types_ = registry.max_type() + 1;
     pairs_.assign(types_ * types_, demlaws::TypePair());
-    demlaws::Fingerprints &used = instance_->used[instance_->owner];
-    used.clear();
+    demlaws::Fingerprints &used = instance_->used[instance_->owner], before;
+    before.swap(used);
     for (int i = 1; i < types_; i++)
       for (int j = 1; j < types_; j++) used[demlaws::types_of(i, j)] = connect(i, j);
-    check_restart(instance_->owner);
+    demlaws::Fingerprints of_file;
+    of_file.swap(instance_->stored[instance_->owner]); // which concerns the first init only
+    if (!check_restart_) return;
+    compare(used, of_file, "the restart file was written with", "take that table, or say 'restart_check off'");
+    if (state_size_ > 0) // a wall; a pair style that is given anew starts with virgin contacts
+      compare(used, before, "it had in the run before",
+              "define the wall anew (unfix, fix), or say 'restart_check off' in its line");
   }
 
-  // Refuses other tables than those of the restart file: the overlaps kept in it are of those laws.
-  void check_restart(const std::string &owner) const {
-    std::map<std::string, demlaws::Fingerprints>::const_iterator of_file = instance_->stored.find(owner);
-    if (of_file == instance_->stored.end() || !check_restart_) return;
-    const demlaws::Fingerprints &used = instance_->used[owner];
-    for (demlaws::Fingerprints::const_iterator it = of_file->second.begin(); it != of_file->second.end(); ++it) {
+  // Refuses other tables than before: the overlaps that contacts keep are of those laws.
+  void compare(const demlaws::Fingerprints &used, const demlaws::Fingerprints &before, const char *when,
+               const char *remedy) const {
+    for (demlaws::Fingerprints::const_iterator it = before.begin(); it != before.end(); ++it) {
       demlaws::Fingerprints::const_iterator mine = used.find(it->first);
       if (mine == used.end() || mine->second == it->second) continue;
       std::ostringstream what;
-      what << "model demlaws/table: " << owner << ", types " << it->first.first << " and " << it->first.second << ": "
-           << file_of(it->first.first, it->first.second) << " (fingerprint " << std::hex << mine->second
-           << ") is not the table that the restart file was written with (" << it->second
-           << "), so the overlaps kept in it belong to another law; take that table, or say 'restart_check off'";
+      what << "model demlaws/table: " << instance_->owner << ", types " << it->first.first << " and "
+           << it->first.second << ": " << file_of(it->first.first, it->first.second) << " (fingerprint " << std::hex
+           << mine->second << ") is not the table that " << when << " (" << it->second
+           << "), so the overlaps that its contacts keep belong to another law; " << remedy;
       error->all(FLERR, what.str().c_str());
     }
   }

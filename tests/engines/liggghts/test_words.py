@@ -162,6 +162,18 @@ def test_a_wall_has_the_table_that_the_pair_style_has_read(granite):
     assert all(np.array_equal(one["KinEng"], plain["KinEng"]) for one in elsewhere)
 
 
+def test_a_wall_whose_contacts_are_of_another_table_is_refused(granite):
+    """A pair_style line that is given again starts its contacts anew, a wall's go on."""
+    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=1e-6, fractal_dimension=2.22)
+    dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(granite / "other.tbl")
+    text = falling("table granite.tbl").replace("run 3000", "run 800")
+    again = GRAN.join(["pair_style ", "table {}\npair_coeff * *\nrun 200\n"]).replace("pair_style pair_style", "pair_style")
+    message = refused(granite, text + again.format("other.tbl"))
+    assert "wall floor, types 1 and 1: other.tbl" in message and "define the wall anew" in message
+    simulate(granite, text + again.format("granite.tbl"))
+    simulate(granite, text + "unfix floor\n" + again.format("other.tbl").replace("run", WALL + "\nrun"))
+
+
 # --- contradictions and order
 
 
