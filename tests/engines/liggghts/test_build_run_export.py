@@ -16,7 +16,7 @@ import demlaws.liggghts as lg
 from demlaws import cli
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.check import TWO_PARTICLES, packages, versions
-from demlaws.liggghts.run import command
+from demlaws.liggghts.run import command, executable
 
 # demlaws.liggghts.build and .run are functions of the package; these are the modules
 build_module = importlib.import_module("demlaws.liggghts.build")
@@ -175,6 +175,15 @@ def test_a_relative_cache_is_made_absolute(tmp_path, monkeypatch):
     monkeypatch.delenv("DEMLAWS_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", "other")
     assert build_module.library_path().parent == tmp_path / "other" / "demlaws"
+
+
+def test_a_relative_binary_is_found_from_the_inputs_folder(tmp_path, monkeypatch):
+    (tmp_path / "engine").symlink_to(executable())
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "in.case").write_text("print here\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DEMLAWS_LIGGGHTS", "./engine")
+    assert lg.run("case/in.case", plugin=False) == {}
 
 
 @pytest.mark.parametrize(
