@@ -396,6 +396,22 @@ def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
     assert list((folder / "post").glob("grains.*"))
 
 
+def test_walls_are_of_the_first_grains_stuff(tmp_path):
+    """What grains of unlike materials meet there; LIGGGHTS refuses a table of another modulus."""
+    soft = dl.Material(young=6e9, poisson=0.3, hardness=6e9)
+    grains = [lg.Grain(0.004, GRANITE, ROUGH), lg.Grain(0.005, soft, ROUGH)]
+    path = lg.export(tmp_path, "rough-plastic", grains, options={"yield_pressure": 1.66e9}, count=10, rtol=1e-3)
+    at_wall = dl.Table.load(tmp_path / "rough-plastic.2-wall.tbl").contact
+    assert at_wall.modulus == dl.Contact.between(soft, GRANITE, radius1=0.005, radius2=np.inf).modulus
+    assert lg.run(path, variables={"steps": 20})["Atoms"][-1] == 10
+
+
+def test_a_smooth_grain_beside_a_rough_one_is_refused_before_the_run(tmp_path):
+    grains = [lg.Grain(0.004, GRANITE, ROUGH), lg.Grain(0.005, GRANITE, dl.Surface(0.0, 2.22))]
+    with pytest.raises(DemlawsError, match="a smooth grain beside a rough one"):
+        lg.export(tmp_path, grains=grains)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("stock", [None, "hertz"])
 def test_the_exported_case_settles(tmp_path, stock):
