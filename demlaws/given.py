@@ -241,8 +241,8 @@ class MeasuredCurve:
 
     Up to `knots` points, each is a knot (points of one overlap become their mean); more are averaged in ln δ, ln P over so
     many intervals of equal ratio. Neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is
-    further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 standard uncertainties are refused. Below
-    the first knot the curve is a power law with the
+    further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 standard uncertainties are refused, those
+    without an overlap or without a force, which make no knot, too. Below the first knot the curve is a power law with the
     exponent there, from 1 to 4; beyond the last, one with the exponent there.
     """
 
@@ -251,7 +251,7 @@ class MeasuredCurve:
     """Difference of the forces with which loading ends and unloading begins, relative."""
 
     def __init__(self, overlap: Any, force: Any, uncertainty: Any = None, knots: int = 24, what: str = "first loading"):
-        overlap, force, sigma = _columns(overlap, force, uncertainty, what)
+        (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
         knots = whole(knots, "knots", 2, 30)
         order = np.argsort(overlap, kind="stable")
         overlap, force, sigma = overlap[order], force[order], sigma[order]
@@ -269,7 +269,8 @@ class MeasuredCurve:
         self.last = max(float(self.m[-1]), 1e-3)
         self.largest = float(overlap[-1])
         departure = np.abs(self.evaluate(overlap)[0] - force)
-        allowed = np.maximum(self.FURTHEST * np.maximum(force, 0.05 * force.max()), 4.0 * np.nan_to_num(sigma))
+        allowed = self._allowed(force, sigma, force.max())
+        self._check_touch(without, force.max(), what)
         worst = int(np.argmax(departure / allowed))
         if departure[worst] > allowed[worst]:
             raise DemlawsError(
@@ -280,6 +281,23 @@ class MeasuredCurve:
         known = np.array([_uncertainty(sigma[g], departure[g], smoothed) for g in groups])
         text = f"{overlap.size} points averaged to {len(groups)} knots" if smoothed else f"none: a knot a point, {len(groups)}"
         self.knots = Knots(np.exp(x), np.exp(y), known, int(overlap.size), float(departure.max()), text)
+
+    def _allowed(self, force, sigma, largest):
+        """How far points may lie from the curve [N]."""
+        return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), 4.0 * np.nan_to_num(sigma))
+
+    def _check_touch(self, points, largest, what):
+        """Points without overlap carry no force, and those without force lie where it has none."""
+        overlap, force, sigma = points
+        expected = np.zeros(overlap.size)
+        expected[overlap > 0.0] = self.evaluate(overlap[overlap > 0.0])[0]
+        bad = np.flatnonzero(np.abs(force - expected) > self._allowed(0.0, sigma, largest))
+        if bad.size:
+            k = bad[np.argmax(np.abs(overlap[bad]))]
+            raise DemlawsError(
+                f"{what}: at overlap {overlap[k]:.6g} m the force is {force[k]:.6g} N: overlaps count from where the bodies "
+                "touch; subtract the displacement at which they do (demlaws table: --zero)"
+            )
 
     def evaluate(self, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and stiffness [N/m] at overlaps [m] > 0."""
@@ -307,7 +325,7 @@ class MeasuredCurve:
 
 
 def _columns(overlap, force, uncertainty, what):
-    """Overlaps, forces and uncertainties of points with an overlap and a force above 0."""
+    """Overlaps, forces and uncertainties of points with an overlap and a force above 0, and those of the others."""
     overlap = np.atleast_1d(
         real(overlap if isinstance(overlap, np.ndarray) else list(_listed(overlap, what)), f"{what}: overlap", "m", array=True)
     )
@@ -339,7 +357,8 @@ def _columns(overlap, force, uncertainty, what):
         raise DemlawsError(
             f"{what}: {np.unique(overlap[keep]).size} points with an overlap and a force above 0; at least 2 are needed"
         )
-    return overlap[keep], force[keep], sigma[keep]
+    columns = (overlap, force, sigma)
+    return tuple(one[keep] for one in columns), tuple(one[~keep] for one in columns)
 
 
 def _listed(values, what):

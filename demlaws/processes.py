@@ -5,13 +5,15 @@ import re
 import subprocess
 from pathlib import Path
 
+from demlaws.files import user_cache
+
 
 def cache_folder():
     """Where plugins are kept: $DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws; always an absolute path."""
     named = os.environ.get("DEMLAWS_CACHE")
     if named:
         return Path(named).absolute()  # an engine is started in the input's folder
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
+    return user_cache().absolute()
 
 
 def output(command, folder, environment, echo=False, timeout=None):

@@ -253,6 +253,9 @@ REFUSED = {
     "text": (("1", "2"), "two rows of numbers"),
     "in µm": ((UP * 1e6, 3e9 * UP**1.7), r"overlap 10 m is 2\.5e\+03 times the effective radius"),
     "no force": ((UP, 0 * UP), "0 points with an overlap"),
+    "from before touch": ((UP - 3e-6, 3e9 * UP**1.7), r"at overlap -2e-06 m the force is 0\.1.* overlaps count from"),
+    "a hole": ((UP, 3e9 * UP**1.7 * (UP != UP[9])), r"the force is 0 N: overlaps count"),
+    "masked": ((np.ma.array(UP, mask=UP > 9e-6), UP * 1e6), "overlap of point 10 is nan m"),
 }
 
 

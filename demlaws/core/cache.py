@@ -39,8 +39,7 @@ _UNUSED = 86400.0  # [s] after which another version's folder is taken for aband
 def _cache_folder():
     """Where machine code is kept, one folder a version of the core: below NUMBA_CACHE_DIR, else beside this file, else in
     the user's own cache. None where none of them may be written."""
-    own = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    places = (config.CACHE_DIR,) if config.CACHE_DIR else (Path(__file__).parent / "__pycache__", Path(own, "demlaws"))
+    places = (config.CACHE_DIR,) if config.CACHE_DIR else (Path(__file__).parent / "__pycache__", *_of_user())
     for place in places:
         folder = Path(place, f"loops-{_TAG}-{sys.implementation.cache_tag}")
         try:
@@ -53,6 +52,12 @@ def _cache_folder():
             _remove_abandoned(folder)
         return folder
     return None
+
+
+def _of_user():
+    """The user's own cache, if there is one: in a container a user may have neither a HOME nor a name."""
+    with contextlib.suppress(RuntimeError):
+        yield Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache", "demlaws")
 
 
 def _remove_abandoned(folder):

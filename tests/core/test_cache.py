@@ -1,11 +1,18 @@
 """Compiled code comes from the disk, never from yesterday, whatever other processes write at the same time."""
 
 import os
+import pwd
+import runpy
 import shutil
 import time
 
 import pytest
 from processes import PACKAGE, counted, finish, python, start
+
+import demlaws as dl
+from demlaws.core import cache
+from demlaws.lammps.build import cache_folder as lammps_cache
+from demlaws.liggghts.build import cache_folder as liggghts_cache
 
 RUN_EVERYTHING = counted("""
     import itertools, warnings
@@ -201,3 +208,18 @@ def test_works_where_no_folder_takes_a_cache():
     """A package installed where its user may not write, who has no home to write to either: slower, not broken."""
     stiffness, compiled = hertz(NUMBA_CACHE_DIR="/dev/null/nowhere")
     assert stiffness > 0 and compiled > 3
+
+
+def test_a_user_without_a_home(monkeypatch):
+    """In a container: neither HOME nor an entry. It ended in a RuntimeError of pathlib when a law was made."""
+
+    def no_entry(uid):
+        raise KeyError(f"getpwuid(): uid not found: {uid}")
+
+    for name in ("HOME", "XDG_CACHE_HOME", "DEMLAWS_CACHE"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", no_entry)
+    assert runpy.run_path(cache.__file__)["FOLDER"] == cache.FOLDER
+    for folder in (liggghts_cache, lammps_cache):
+        with pytest.raises(dl.DemlawsError, match="set DEMLAWS_CACHE or HOME"):
+            folder()
