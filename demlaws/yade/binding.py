@@ -171,7 +171,8 @@ class Binding:
 
         def read():
             self.settle()
-            return state_of(self.pairs, real_contacts() if interactions is None else list(interactions))
+            given = [interactions] if isinstance(interactions, yade.Interaction) else interactions
+            return state_of(self.pairs, real_contacts() if given is None else [one for one in given if is_ours(one)])
 
         return self.between_engines(read)
 
@@ -184,6 +185,18 @@ class Binding:
         for contact in contacts:  # YADE may show it until the next step: its history is not counted twice
             contact.phys.momentTwist = yade.Vector3(0, 0, 0)
         self.held.valid_at = None
+
+    def account(self, function):
+        """function(), which erases contacts of its own choice: what those had dissipated stays in the account."""
+        self.settle()
+        contacts = [contact for contact in real_contacts() if contact.phys.momentBend[0] > 0]
+        dissipated = self.pairs.energies(rows_of(contacts))["dissipated"]
+        names = [(contact.id1, contact.id2) for contact in contacts]
+        result = function()
+        left = {(contact.id1, contact.id2) for contact in real_contacts()}
+        self.banked += float(sum(energy for name, energy in zip(names, dissipated, strict=True) if name not in left))
+        self.held.valid_at = None
+        return result
 
     def describe(self):
         """One line: law, surfaces, way, counts."""
@@ -243,7 +256,8 @@ class Binding:
         if bodies is None or self.unlisted_served:
             return
         borne = {body.material.label for body in O.bodies if body.material is not None}
-        missing = [label for label in self.pairs.surfaces if label not in borne]
+        known = borne | {one.label for one in O.materials}  # bodies of it may come later
+        missing = [label for label in self.pairs.surfaces if label not in known]
         if self.pairs.surfaces and not missing:
             self.unlisted_served = self.attachment_serves_unlisted()
             return

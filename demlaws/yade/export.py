@@ -1,9 +1,9 @@
 """Contacts for ParaView: what VTKRecorder cannot know of them, since it asks YADE's own classes only."""
 
-from pathlib import Path
-
 import numpy as np
 import yade
+
+from demlaws.files import as_path, write_atomically
 
 QUANTITIES = (
     "force",
@@ -25,7 +25,7 @@ def write_contacts(path, state):
     A quantity that the law's unloading rule does not have is NaN; in a periodic scene the second end is the image that is met.
     Returns the path.
     """
-    path = Path(path)
+    path = as_path(path)
     bodies, contacts = yade.O.bodies, yade.O.interactions
     ends = np.empty((len(state.body1), 2, 3))
     for n, (first, second) in enumerate(zip(state.body1.tolist(), state.body2.tolist(), strict=True)):
@@ -45,5 +45,5 @@ def write_contacts(path, state):
     ]
     for name in QUANTITIES:
         lines += [f"SCALARS {name} double 1", "LOOKUP_TABLE default", *(f"{x:.17g}" for x in getattr(state, name).tolist())]
-    path.write_text("\n".join(lines) + "\n")
+    write_atomically(path, "\n".join(lines) + "\n")
     return path

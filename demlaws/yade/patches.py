@@ -39,6 +39,8 @@ def install():
         (contacts, "clear", _all),
     ):
         _wrap(container, name, lambda native, erased=erased: _erasing(native, erased))
+    for name in ("deleteClumpBody", "deleteClumpMember", "replaceByClumps"):
+        _wrap(bodies, name, _replacing)
     scene.attach_saved()
 
 
@@ -113,6 +115,19 @@ def _erasing(native, erased):
         return native(container, *arguments, **keywords)
 
     return erase
+
+
+def _replacing(native):
+    """`native`, a function that erases bodies of its own choice, with the account of their contacts kept."""
+
+    def replace(container, *arguments, **keywords):
+        def now():
+            return native(container, *arguments, **keywords)
+
+        laws = list(scene.laws_here().values())
+        return laws[0].binding.account(now) if laws else now()
+
+    return replace
 
 
 def _of_body(bodies, number, eraseClumpMembers=False):

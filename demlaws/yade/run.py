@@ -11,6 +11,8 @@ from pathlib import Path
 from demlaws.errors import DemlawsError
 
 INSTALL = "install it with `sudo apt install yade`"
+SCENES = tuple(name + packed for name in (".xml", ".yade", ".bin") for packed in ("", ".gz", ".bz2"))
+"""How names of saved scenes end."""
 
 
 def executable(name="yade"):
@@ -97,8 +99,13 @@ def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=Fals
     ended, as `yade` does by itself; options: further options of yade (or yade-batch).
     """
     script = str(script)
-    if not os.path.exists(script):
-        raise DemlawsError(f"no script {script}")
+    if not os.path.isfile(script):
+        raise DemlawsError(f"no script {script}" + (": this is a folder" if os.path.isdir(script) else ""))
+    if not script.endswith((".py", *SCENES)):
+        raise DemlawsError(
+            f"{script}: YADE runs scripts named *.py and saved scenes (*.xml, *.yade, *.bin, each also with .gz or .bz2); "
+            "one of another name it passes over without a word: give it such a name"
+        )
     if batch is not None:
         if not os.path.exists(batch):
             raise DemlawsError(f"no parameter table {batch}")

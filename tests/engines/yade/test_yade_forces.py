@@ -288,7 +288,7 @@ def test_bodies_come_and_go(omega):
 
 
 @pytest.mark.parametrize("way", ["native", "public"])
-@pytest.mark.parametrize("erase", ["body", "contact", "all contacts", "all bodies", "clump"])
+@pytest.mark.parametrize("erase", ["body", "contact", "all contacts", "all bodies", "clump", "body of a clump"])
 def test_dissipation_of_erased_contacts_stays_in_the_account(omega, way, erase):
     from yade.utils import sphere
 
@@ -296,7 +296,7 @@ def test_dissipation_of_erased_contacts_stays_in_the_account(omega, way, erase):
     stone = material()
     omega.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material=stone))
     upper = sphere((0, 0, 0.02), 0.01, material=stone)
-    clump = omega.bodies.appendClumped([upper])[0] if erase == "clump" else omega.bodies.append(upper)
+    clump = omega.bodies.appendClumped([upper])[0] if "clump" in erase else omega.bodies.append(upper)
     omega.bodies[clump].state.vel = (0, 0, -0.3)
     set_engines(law)
     omega.run(60, True)
@@ -308,6 +308,7 @@ def test_dissipation_of_erased_contacts_stays_in_the_account(omega, way, erase):
         "all contacts": omega.interactions.clear,
         "all bodies": omega.bodies.clear,
         "clump": lambda: omega.bodies.erase(clump, True),
+        "body of a clump": lambda: omega.bodies.deleteClumpBody(omega.bodies[clump]),
     }[erase]()
     after = law.totals()
     assert after.dissipated == pytest.approx(dissipated, rel=1e-12)

@@ -285,6 +285,22 @@ def test_what_would_be_smooth_unsaid_is_an_error(omega, tmp_path, law, surfaces,
         omega.run(5, True)
 
 
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_surface_for_bodies_that_come_later(omega, way):
+    """A label that a material of the scene bears is no slip of the pen, though no body has it yet."""
+    from yade.utils import sphere
+
+    floor, later = material("floor"), material("later")
+    law = functor(surfaces={"granite": GRANITE, "later": dl.Surface(1e-6, 2.3)}, bridge=way)
+    still(law)
+    omega.bodies.append(sphere((0, 0, -0.02 + OVERLAP), 0.01, fixed=True, material=floor))
+    omega.run(4, True)
+    assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.4e-6 * 2**0.5])
+    omega.bodies.append(sphere((0, 0, 0.04 - 2 * OVERLAP), 0.01, fixed=True, material=later))
+    omega.run(3, True)
+    assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
+
+
 def test_smooth_said(omega):
     still(functor(surfaces=None, smooth=True, bridge="native"))
     omega.run(3, True)
@@ -700,6 +716,18 @@ def test_a_law_made_while_it_runs_says_why_it_is_slow(omega):
     assert made[0].way == "public" and native.layout()
 
 
+def test_contacts_of_a_list_with_potential_ones(omega):
+    """`O.interactions.all()` holds those that do not touch yet; one contact needs no list."""
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    still(law)
+    omega.bodies.append(sphere((0, 0, 0.0401), 0.01, fixed=True, material=omega.bodies[0].material))
+    omega.run(3, True)
+    assert len(omega.interactions.all()) > omega.interactions.countReal() == 1
+    assert law.contacts(omega.interactions.all()).force == law.contacts(omega.interactions[0, 1]).force == law.contacts().force
+
+
 def test_contacts_for_paraview(omega, tmp_path):
     law = functor(bridge="native")
     still(law)
@@ -899,6 +927,14 @@ def test_command_lines(tmp_path, monkeypatch):
     line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
     assert line[1:] == ["-j1", "--cores=0,1", str(script)]
     assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
+    with pytest.raises(dl.DemlawsError, match="this is a folder"):
+        run.command(tmp_path)
+    for name in ("scene", "scene.txt"):  # YADE ends well, having done nothing
+        (tmp_path / name).write_text("raise ValueError")
+        with pytest.raises(dl.DemlawsError, match=r"passes over without a word"):
+            run.command(tmp_path / name)
+    (tmp_path / "scene.yade.bz2").write_text("")
+    assert run.command(tmp_path / "scene.yade.bz2")[-1].endswith("scene.yade.bz2")
 
 
 def test_windows_and_a_newer_mpmath(tmp_path, monkeypatch):
