@@ -581,6 +581,8 @@ class Table(Law):
 
     def bound_to(self, contact: Contact) -> "Table":
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
+        if not isinstance(contact, Contact):
+            raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
         if not self.collapses:
             raise DemlawsError(
                 f"the table of {self.name!r} holds for the contact it was made for only: make one for this contact"
@@ -601,7 +603,7 @@ class Table(Law):
     def lent_to(self, contact: Contact) -> "Table":
         """`bound_to` of an unloading curve, whose surface is its own: only radius, modulus and roughness are the contact's."""
         own = {name: getattr(self.contact, name) for name in ("fractal_dimension", "hardness")}
-        return self.bound_to(contact.with_values(**own))
+        return self.bound_to(contact.with_values(**own) if isinstance(contact, Contact) else contact)
 
     def save(self, path: str | os.PathLike) -> Path:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
