@@ -683,6 +683,18 @@ def test_restitution_goes_by_the_masses_of_the_bodies(omega):
         law.restitution(first, second, 0.1)
 
 
+def test_restitution_on_a_facet_by_yades_own_radius(omega):
+    """flats="yade": R is 2r/3 on a facet, r/2 on a wall; when they meet in the user's scene 0.790009 and 0.799463."""
+    from yade.utils import facet, sphere, wall
+
+    stone, steel = material(), material("steel", 2e11, 0.3)
+    omega.bodies.append(sphere((0, 0, 0), 0.01, material=stone))
+    omega.bodies.append([facet([(0, 0, 1), (1, 0, 1), (0, 1, 1)], material=steel), wall(2, 2, material=steel)])
+    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface()}, flats="yade", bridge="native")
+    found = [law.restitution(omega.bodies[0], omega.bodies[flat], 0.1) for flat in (1, 2)]
+    assert found == pytest.approx([0.7900, 0.7995], abs=2e-4)
+
+
 # --- while it runs
 
 
