@@ -1,7 +1,19 @@
 """Engines as processes of their own."""
 
+import os
 import re
 import subprocess
+from pathlib import Path
+
+from demlaws.files import user_cache
+
+
+def cache_folder():
+    """Where plugins are kept: $DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws; always an absolute path."""
+    named = os.environ.get("DEMLAWS_CACHE")
+    if named:
+        return Path(named).absolute()  # an engine is started in the input's folder
+    return user_cache().absolute()
 
 
 def output(command, folder, environment, echo=False, timeout=None):

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import demlaws
 from demlaws.errors import DemlawsError
-from demlaws.files import user_cache
+from demlaws.processes import cache_folder
 
 SOURCES = Path(__file__).parent / "src"
 SHARED = Path(__file__).parent.parent / "cpp"
@@ -53,14 +53,6 @@ def packaged():
     except OSError:
         pass
     return None
-
-
-def cache_folder():
-    """$DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws."""
-    named = os.environ.get("DEMLAWS_CACHE")
-    if named:
-        return Path(named)
-    return user_cache()
 
 
 def _output(command):

@@ -54,7 +54,7 @@ def executable():
     for found in candidates:
         if not found or not Path(found).is_file():
             continue
-        path = Path(found)
+        path = Path(found).absolute()  # it is started in the input's folder
         with open(path, "rb") as file:
             script = file.read(2) == b"#!"
         if script:

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import demlaws
 from demlaws.errors import DemlawsError
-from demlaws.files import user_cache
+from demlaws.processes import cache_folder
 
 SOURCES = Path(__file__).parent / "src"
 SHARED = Path(__file__).parent.parent / "cpp"
@@ -32,14 +32,6 @@ FLAGS += ["-fPIC", "-shared", "-w", "-DOMPI_SKIP_MPICXX"]
 def header_folder():
     """Folder of demlaws_table.h, the standalone C++11 header that any DEM code can include."""
     return SHARED
-
-
-def cache_folder():
-    """$DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws; always an absolute path."""
-    named = os.environ.get("DEMLAWS_CACHE")
-    if named:
-        return Path(named).absolute()  # LIGGGHTS is started in the input's folder
-    return user_cache().absolute()
 
 
 @functools.lru_cache(maxsize=256)

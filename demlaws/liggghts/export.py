@@ -238,11 +238,13 @@ def write_tables(case, folder):
     pairs = [(i, j) for i in range(len(grains)) for j in range(i, len(grains))]
     alike = len({(g.surface.fractal_dimension, g.surface.hardness, g.material.hardness) for g in grains}) == 1
     if case.bound(grains[0].contact(grains[0])).collapses and alike:
+        roughness = [g.surface.roughness for g in grains]
+        if len(set(roughness)) > 1 and min(roughness) <= 0.0:  # two smooth ones have no length that scales the table
+            raise DemlawsError("a smooth grain beside a rough one: give every grain a roughness, or none")
         # the table ends at a tenth of the radius over the length: take the pair for which that is most
-        contacts = [grains[i].contact(grains[j]) for i, j in pairs] + [g.contact(g, wall=True) for g in grains]
+        contacts = [grains[i].contact(grains[j]) for i, j in pairs] + [g.contact(grains[0], wall=True) for g in grains]
         widest = max(contacts, key=lambda c: c.radius / (c.roughness or c.radius))
         case.bound(widest).tabulate(rtol=case.rtol).save(folder / f"{name}.tbl")
-        roughness = [g.surface.roughness for g in grains]
         if len(set(roughness)) == 1:
             return f"table {name}.tbl", None
         return f"table {name}.tbl surfaceRoughness on", roughness
@@ -252,7 +254,7 @@ def write_tables(case, folder):
         case.bound(grains[i].contact(grains[j])).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
     for i, grain in enumerate(grains):
         words.append(f"pairtable {i + 1} {case.wall_type} {name}.{i + 1}-wall.tbl")
-        case.bound(grain.contact(grain, wall=True)).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
+        case.bound(grain.contact(grains[0], wall=True)).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
     # every pair that the box has needs a table, also those that never meet
     words.append(f"pairtable {case.wall_type} {case.wall_type} {name}.1-wall.tbl")
     return " ".join(words), None

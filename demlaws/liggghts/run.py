@@ -33,7 +33,7 @@ def executable():
     found = shutil.which(name)
     if not found:
         raise DemlawsError(f"{name!r} not found: {PACKAGES}, or set DEMLAWS_LIGGGHTS to the binary")
-    return found
+    return os.path.abspath(found)  # it is started in the input's folder
 
 
 @functools.lru_cache

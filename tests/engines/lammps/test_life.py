@@ -69,6 +69,21 @@ def test_what_is_missing_is_named(monkeypatch, variable, value, words):
         lm.versions() if variable == "DEMLAWS_LAMMPS" else lm.build()
 
 
+def test_relative_paths_of_cache_and_binary_hold_in_the_inputs_folder(tmp_path, monkeypatch):
+    binary = executable().path
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "in.case").write_text(HEAD)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DEMLAWS_LAMMPS", os.path.relpath(binary))
+    assert executable().path.samefile(binary) and lm.run("case/in.case", plugin=False) == {}
+    monkeypatch.setenv("DEMLAWS_CACHE", "cache")
+    library = build_module.library_path()
+    assert library.is_absolute() and library.parents[1] == tmp_path / "cache"
+    monkeypatch.delenv("DEMLAWS_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "other")
+    assert build_module.library_path().parents[1] == tmp_path / "other" / "demlaws"
+
+
 def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
     monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
     shutil.copytree(build_module.SOURCES, tmp_path / "src")

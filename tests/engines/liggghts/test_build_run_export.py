@@ -16,7 +16,7 @@ import demlaws.liggghts as lg
 from demlaws import cli
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.check import TWO_PARTICLES, packages, versions
-from demlaws.liggghts.run import command
+from demlaws.liggghts.run import command, executable
 
 # demlaws.liggghts.build and .run are functions of the package; these are the modules
 build_module = importlib.import_module("demlaws.liggghts.build")
@@ -175,6 +175,15 @@ def test_a_relative_cache_is_made_absolute(tmp_path, monkeypatch):
     monkeypatch.delenv("DEMLAWS_CACHE")
     monkeypatch.setenv("XDG_CACHE_HOME", "other")
     assert build_module.library_path().parent == tmp_path / "other" / "demlaws"
+
+
+def test_a_relative_binary_is_found_from_the_inputs_folder(tmp_path, monkeypatch):
+    (tmp_path / "engine").symlink_to(executable())
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "in.case").write_text("print here\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DEMLAWS_LIGGGHTS", "./engine")
+    assert lg.run("case/in.case", plugin=False) == {}
 
 
 @pytest.mark.parametrize(
@@ -385,6 +394,22 @@ def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
     assert result.returncode == 0, result.stdout[-2000:] + result.stderr
     assert lg.read_log(folder / "log.liggghts")["Step"][-1] == 5001
     assert list((folder / "post").glob("grains.*"))
+
+
+def test_walls_are_of_the_first_grains_stuff(tmp_path):
+    """What grains of unlike materials meet there; LIGGGHTS refuses a table of another modulus."""
+    soft = dl.Material(young=6e9, poisson=0.3, hardness=6e9)
+    grains = [lg.Grain(0.004, GRANITE, ROUGH), lg.Grain(0.005, soft, ROUGH)]
+    path = lg.export(tmp_path, "rough-plastic", grains, options={"yield_pressure": 1.66e9}, count=10, rtol=1e-3)
+    at_wall = dl.Table.load(tmp_path / "rough-plastic.2-wall.tbl").contact
+    assert at_wall.modulus == dl.Contact.between(soft, GRANITE, radius1=0.005, radius2=np.inf).modulus
+    assert lg.run(path, variables={"steps": 20})["Atoms"][-1] == 10
+
+
+def test_a_smooth_grain_beside_a_rough_one_is_refused_before_the_run(tmp_path):
+    grains = [lg.Grain(0.004, GRANITE, ROUGH), lg.Grain(0.005, GRANITE, dl.Surface(0.0, 2.22))]
+    with pytest.raises(DemlawsError, match="a smooth grain beside a rough one"):
+        lg.export(tmp_path, grains=grains)
 
 
 @pytest.mark.slow
