@@ -1,5 +1,7 @@
 """What surrounds the law, as a user of YADE meets it: engine lists, scenes, labels, loading, markers, the time step."""
 
+import copy
+import pickle
 import re
 import subprocess
 import sys
@@ -332,6 +334,23 @@ def test_label_is_read_only(omega):
     with pytest.raises(dl.DemlawsError, match="label='other'"):
         law.label = "other"
     assert law.label == "demlaws"
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda law: pickle.loads(pickle.dumps(law))])
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_copy_is_the_same_law(omega, way, copied):
+    """Before: smooth Hertz, 34.1 N for 6.67."""
+    law = functor(bridge=way, label="first", neverErase=True)
+    still(law)
+    omega.run(3, True)
+    other = copied(law)
+    assert other.label == "first" and other.neverErase and other.way == way
+    assert other.binding is not law.binding and other.binding.same_as(law.binding)
+    omega.reset()
+    still(other)
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert other.totals().dissipated == pytest.approx(other.contacts().dissipated[0], rel=1e-12)  # of this scene alone
 
 
 def test_surfaces_in_a_list(omega):
