@@ -463,11 +463,11 @@ def jamari_claims():
 
 
 def _repeated():
-    from demlaws.solvers.patches import MEMORIES, published_contact, repeat
+    from demlaws.solvers.patches import MEMORIES, repeat
 
     change = {}
     for memory in MEMORIES:
-        history = repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())
+        history = repeat(regime.published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())
         change[memory] = history[1].relative_change
     text = ", ".join(f"{name} {100 * value:.2g} %" for name, value in change.items())
     yield Claim(

@@ -10,6 +10,9 @@ from numpy.typing import ArrayLike
 from demlaws.checks import real
 from demlaws.errors import DemlawsError
 
+LOWEST_HARDNESS = 1e-6
+"""Hardness over effective modulus below which one of them is in another unit: 1e-4 of sodium is the softest solid's."""
+
 
 def _check(
     owner: Any,
@@ -140,6 +143,12 @@ class Contact:
         except ValueError:
             sizes = {name: np.size(getattr(self, name)) for name in ("radius", "modulus", "roughness")}
             raise DemlawsError(f"one entry a contact is needed, got {sizes}; give arrays of one length") from None
+        if self.hardness is not None and np.any(self.hardness < LOWEST_HARDNESS * np.asarray(self.modulus)):
+            share = self.hardness / float(np.max(self.modulus))
+            raise DemlawsError(
+                f"hardness = {self.hardness:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
+                '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)'
+            )
         rougher = np.asarray(self.roughness > np.asarray(self.radius))
         if np.any(rougher):
             worst = float(np.broadcast_to(self.roughness, rougher.shape)[rougher].max() if rougher.ndim else self.roughness)

@@ -15,7 +15,7 @@ import math
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.checks import number, real
 from demlaws.errors import DemlawsError
 
 YIELD_RATIO = 0.6
@@ -51,7 +51,9 @@ def central_pressure(roughness_parameter, mu):
     """p(0)/p0 by Greenwood & Tripp's own solution at α and μ = (8/3) η σ √(2Rβ): numbers, or arrays of α."""
     from demlaws.solvers.axisymmetric import solve_greenwood_tripp
 
-    alpha = np.atleast_1d(np.asarray(roughness_parameter, float))
+    alpha = np.atleast_1d(real(roughness_parameter, "roughness_parameter", array=True))
+    if not np.all(alpha >= 0.0):
+        raise DemlawsError(f"roughness_parameter = {roughness_parameter!r:.60}: α is 0 or more")
     force = 4.0 / 3.0 * np.maximum(alpha, 1e-4) ** -1.5  # at α = 1e-4 the ratio is 1 within 1e-3
     order = np.argsort(force)
     found = np.empty(alpha.size)
@@ -72,13 +74,15 @@ def deforming_part(ratio):
     return "asperities" if ratio < YIELD_RATIO - BAND else "bulk" if ratio > YIELD_RATIO + BAND else "both"
 
 
-def transition_load(contact, ratio=YIELD_RATIO):
+def transition_load(contact, ratio=YIELD_RATIO, mu=None):
     """Load [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
 
     p(0) rises with the load at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
-    one such load. One number, or one entry a contact.
+    one such load. One number, or one entry a contact. mu: see `central_pressure`; of one contact, to 1e-5.
     """
     hardness, ratio = hardness_of(contact), number(ratio, "ratio")
+    if mu is not None:
+        return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_one(contact), ratio), 2.0)
     smooth = math.pi**3 * contact.radius**2 * (ratio * hardness) ** 3 / (6.0 * contact.modulus**2)
     low = np.log(np.asarray(smooth, float))
     high = low + 1.0
@@ -107,13 +111,45 @@ def lowest_transition_load(contact):
     return float(np.min(transition_load(contact)))
 
 
-def transition_roughness(contact, load, ratio=YIELD_RATIO):
-    """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed."""
+def transition_roughness(contact, load, ratio=YIELD_RATIO, mu=None):
+    """Combined roughness σ [m] at which p(0)/H_m equals `ratio` under `load` [N]; 0 where no roughness is needed.
+
+    mu: see `central_pressure`; of one contact and one load, to 1e-5."""
+    if mu is not None:
+        start = transition_roughness(_one(contact), float(checked_loads(load)), ratio)
+        share, scale = ratio * hardness_of(contact) / hertz_pressure(contact, load), _roughness_scale(contact, load)
+        # what differs from the smooth contact by less than the solution resolves needs no roughness either
+        return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start, 2.0) if share < 0.999 else 0.0
     load = checked_loads(load)
     share = number(ratio, "ratio") * hardness_of(contact) / hertz_pressure(contact, load)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
-    return _plain(alpha / (16.0 * contact.radius * contact.modulus**2 / (9.0 * load**2)) ** (1 / 3))
+    return _plain(alpha / _roughness_scale(contact, load))
+
+
+def _roughness_scale(contact, load):
+    """α over σ [1/m] under `load` [N]."""
+    return (16.0 * contact.radius * contact.modulus**2 / (9.0 * load**2)) ** (1 / 3)
+
+
+def _root(function, start, factor):
+    """Where a function that rises is 0, looked for from `start` by factors."""
+    from scipy.optimize import brentq
+
+    low = high = start
+    while function(low) > 0.0:
+        low /= factor
+    while function(high) < 0.0:
+        high *= factor
+    if low == high:
+        return start
+    return math.exp(brentq(lambda x: function(math.exp(x)), math.log(low), math.log(high), xtol=1e-6))
+
+
+def _one(contact):
+    if contact.size is not None:
+        raise DemlawsError("Greenwood & Tripp's solution is searched for one contact; this one is an array")
+    return contact
 
 
 def hardness_of(contact):
@@ -127,7 +163,7 @@ def hardness_of(contact):
 
 def checked_loads(load):
     """Loads [N] as an array; DemlawsError unless all are positive and finite."""
-    array = np.asarray(load, float)
+    array = real(load, "load", "N", array=True)
     if not np.all(np.isfinite(array) & (array > 0)):
         raise DemlawsError(f"load must be positive and finite, in N, got {load!r}")
     return array

@@ -47,6 +47,7 @@ __all__ = [
     "pressure_drop",
     "pressure_map",
     "pressure_ratio",
+    "published_contact",
     "published_tests",
     "transition_load",
     "transition_roughness",
@@ -131,8 +132,8 @@ def assess(contact, load, mu=None, yield_pressure=None):
         central_pressure=ratio * contact.hardness,
         ratio=ratio,
         deforms=deforming_part(ratio),
-        transition_load=transition_load(contact),
-        transition_roughness=transition_roughness(contact, load),
+        transition_load=transition_load(contact, mu=mu),
+        transition_roughness=transition_roughness(contact, load, mu=mu),
         mu=mu,
     )
 
@@ -184,13 +185,13 @@ class Advice(NamedTuple):
     reason: str
 
 
-def advise(contact, load, yield_pressure=None):
+def advise(contact, load, yield_pressure=None, mu=None):
     """For each law, whether its physics fits this contact from first touch up to `load` [N], with the reason.
 
     The laws differ in what deforms: elastic asperities on an elastic bulk (rms, pohrt-popov, greenwood-tripp), plastic
     asperities on an elastic bulk (bahrami, yip-venart, asperity), a yielding bulk (rough-plastic), or no roughness
-    (hertz); each says itself what it fits (`Definition.advise`). yield_pressure: as for `assess`. Without that and a hardness
-    the bulk cannot be judged, which the reason then says.
+    (hertz); each says itself what it fits (`Definition.advise`). yield_pressure, mu: as for `assess`. Without a hardness or a
+    yield pressure the bulk cannot be judged, which the reason then says.
     """
     _contact(contact)
     load = number(load, "load", "N")
@@ -201,7 +202,7 @@ def advise(contact, load, yield_pressure=None):
     elif contact.hardness is None:
         yields, state = False, "no hardness given: bulk yield not judged"
     else:
-        ratio = float(np.max(pressure_ratio(contact, load)))
+        ratio = float(np.max(pressure_ratio(contact, load, mu)))
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
     advice = {name: definition.advise(conditions) for name, definition in registry().items()}
@@ -249,3 +250,29 @@ def published_tests():
         name = "aluminium" if flat is ALUMINIUM else "brass"
         tests.append(PublishedTest(label, name, contact, load, alpha, mu, ratio, seen))
     return tests
+
+
+def published_contact(kind, seed=2, memory="pressure"):
+    """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
+
+    SiC ball, R = 3.175 mm, on aluminium; the measured maps are not public, so a self-affine map of the paper's roughness and
+    field of view (260 by 240 µm) stands in, 0.5 µm pixels, waves of 6 to 40 µm, the anisotropic one 8 times longer
+    along x [our choice].
+    """
+    from demlaws.solvers.patches import ALUMINIUM_FACTOR, ALUMINIUM_RATIO, RoughContact
+    from demlaws.surface import self_affine
+
+    if kind not in ("isotropic", "anisotropic"):
+        raise DemlawsError(f"kind = {kind!r}: the surfaces of the paper are 'isotropic' and 'anisotropic'")
+    test = {t.label: t for t in published_tests()}[f"2008 {kind}"]
+    heights = self_affine(
+        (480, 520),
+        0.5e-6,
+        0.8,
+        test.contact.roughness,
+        seed,
+        shortest=6e-6,
+        longest=40e-6,
+        anisotropy=8.0 if kind == "anisotropic" else 1.0,
+    )
+    return RoughContact(heights, test.contact, 0.34, ALUMINIUM_FACTOR, ALUMINIUM_RATIO, memory=memory)

@@ -81,7 +81,8 @@ def _regime(column):
 
 def _memory(memory):
     """Change of the map in cycle 2 [% of cycle 1's], isotropic surface."""
-    from demlaws.solvers.patches import published_contact, repeat
+    from demlaws.regime import published_contact
+    from demlaws.solvers.patches import repeat
 
     return 100.0 * repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())[1].relative_change
 

@@ -1,6 +1,7 @@
 """What imports what, and what neither an import nor a call for help may load."""
 
 import ast
+import importlib
 import inspect
 import sys
 
@@ -73,13 +74,146 @@ def test_only_the_shell_knows_plots_and_engines():
         assert not at_import & heavy, f"{where} imports {at_import & heavy} when it is imported"
 
 
-def imports_anywhere(path):
+def imports_anywhere(path, names=False):
+    """(module, whether importing the file imports it), also inside functions; `names`: with what is taken from the package."""
     for node in ast.walk(ast.parse(path.read_text())):
         top = getattr(node, "col_offset", 1) == 0
         if isinstance(node, ast.Import):
             yield from ((alias.name, top) for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module, top
+            if names and node.module == "demlaws":
+                yield from ((f"demlaws.{alias.name}", top) for alias in node.names)
+            else:
+                yield node.module, top
+
+
+FLOORS = (
+    "errors lazy processes",
+    "checks core files",
+    "contact criterion points rule_object soundness",
+    "given materials matching surface",
+    "solvers",
+    "laws",
+    "law regime table_file defined",
+    "joining driver",
+    "table",
+    "make",
+    "granite yade liggghts lammps",
+    "claims measure advice",
+    "plots",
+    "cli validation",
+    "__init__ __main__",
+)
+"""The house from the ground up: a room uses its own floor and those below."""
+UPWARD = {
+    ("criterion.py", "solvers"): "a curve of the criterion is Greenwood & Tripp's solution, solved when it is asked for",
+    ("table.py", "__init__"): "the version",
+    ("liggghts/build.py", "__init__"): "the version",
+    ("liggghts/export.py", "__init__"): "the version",
+    ("lammps/build.py", "__init__"): "the version",
+    ("lammps/export.py", "__init__"): "the version",
+    ("validation/report.py", "__init__"): "the version",
+    ("cli/__init__.py", "__init__"): "the version",
+    ("yade/run.py", "__init__"): "the folder that YADE is to find",
+    ("yade/check.py", "__init__"): "run by YADE as a user's script is",
+    ("measure/yade_cost.py", "__init__"): "run by YADE as a user's script is",
+    ("measure/yade_oedometer.py", "__init__"): "run by YADE as a user's script is",
+    ("validation/in_yade.py", "__init__"): "run by YADE as a user's script is",
+}
+
+
+def rooms_used(path):
+    """Rooms of the package that a file imports from, when it is imported or later."""
+    for module, _ in imports_anywhere(path, names=True):
+        parts = module.split(".")
+        if parts[0] == "demlaws":
+            known = len(parts) > 1 and ((PACKAGE / parts[1]).is_dir() or (PACKAGE / f"{parts[1]}.py").is_file())
+            yield parts[1] if known else "__init__"
+
+
+def test_arrows_go_one_way():
+    floor = {room: number for number, rooms in enumerate(FLOORS) for room in rooms.split()}
+    there = {path.stem for path in PACKAGE.glob("*.py")} | {path.parent.name for path in PACKAGE.glob("*/*.py")}
+    assert set(floor) == there, "a new room needs its floor, one that went leaves none"
+    upward = set()
+    for path in PACKAGE.rglob("*.py"):
+        where = path.relative_to(PACKAGE)
+        room = where.parts[0] if len(where.parts) > 1 else path.stem
+        if room != "__init__":
+            upward |= {(where.as_posix(), other) for other in rooms_used(path) if floor[other] > floor[room]}
+    assert upward == set(UPWARD)
+
+
+def test_advice_and_measure_do_not_go_round():
+    """Both stand on one floor: what measures uses the fits; what chooses uses what was measured."""
+    used = {file: set() for file in ("advice/fit.py", "advice/soften.py")}
+    for file, modules in used.items():
+        modules |= {module for module, _ in imports_anywhere(PACKAGE / file)}
+    assert not any(module.startswith("demlaws.measure") for modules in used.values() for module in modules)
+    for path in (PACKAGE / "measure").glob("*.py"):
+        advice = {module for module, _ in imports_anywhere(path) if module.startswith("demlaws.advice")}
+        assert advice <= {"demlaws.advice.fit", "demlaws.advice.soften"}, path.name
+
+
+def test_no_engine_knows_another():
+    engines = {"yade", "liggghts", "lammps"}
+    for engine in engines:
+        for path in (PACKAGE / engine).rglob("*.py"):
+            assert not set(rooms_used(path)) & (engines - {engine}), path.name
+
+
+def module_of(name):
+    """The module of this name, None where it is something else's."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
+        return None
+
+
+def missing(path):
+    """Names that a file takes from modules of the package, by import or by a dot, and that are not there."""
+    tree, modules = ast.parse(path.read_text()), {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("demlaws"):
+            if not node.module.startswith(UNDER_YADE):
+                for alias in node.names:
+                    one = f"{node.module}.{alias.name}"
+                    if not hasattr(importlib.import_module(node.module), alias.name):
+                        modules[alias.asname or alias.name] = module = module_of(one)
+                        if module is None:
+                            yield one
+                    elif inspect.ismodule(getattr(importlib.import_module(node.module), alias.name)):
+                        modules[alias.asname or alias.name] = module_of(one)
+        elif isinstance(node, ast.Import):
+            ours = [alias for alias in node.names if alias.name.startswith("demlaws") and not alias.name.startswith(UNDER_YADE)]
+            modules |= {alias.asname: module_of(alias.name) for alias in ours if alias.asname}
+    bound = {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
+    bound |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id not in bound:
+            module = modules.get(node.value.id)
+            if module is not None and not hasattr(module, node.attr) and module_of(f"{module.__name__}.{node.attr}") is None:
+                yield f"{module.__name__}.{node.attr}"
+
+
+UNDER_YADE = ("demlaws.yade", "demlaws.measure.yade_", "demlaws.validation.in_yade")
+"""What imports YADE when it is imported."""
+
+
+def test_what_runs_seldom_uses_what_is_there():
+    """Benchmarks, scripts, imports inside functions: a name that moved is missed here, not when it is wanted."""
+    places = (
+        "demlaws",
+        "yade_scripts",
+        "liggghts_inputs",
+        "lammps_inputs",
+        "docs/making",
+        "tests/benchmarks",
+        "tests/machines",
+    )
+    files = [path for place in places for path in sorted((PACKAGE.parent / place).rglob("*.py"))]
+    assert len(files) > 150
+    assert not {str(path.relative_to(PACKAGE.parent)): names for path in files if (names := sorted(set(missing(path))))}
 
 
 def test_import_leaves_heavy_packages_alone():

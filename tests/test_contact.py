@@ -86,6 +86,13 @@ def test_bad_input_names_value_unit_and_remedy(make, text):
         make()
 
 
+@pytest.mark.parametrize("hardness", [640.0, 6.266])
+def test_hardness_in_other_units_is_told(hardness):
+    """Vickers numbers and GPa: the bulk yielded at once, and the criterion said so by a ratio of 1e5."""
+    with pytest.raises(dl.DemlawsError, match=r"of the effective modulus: check the units"):
+        dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=hardness)
+
+
 def test_a_contact_is_not_changed():
     contact = dl.Contact(radius=1e-3, modulus=1e9)
     with pytest.raises(AttributeError):

@@ -82,6 +82,23 @@ def test_the_answer_changes_at_the_transition(contact):
     assert regime.pressure_ratio(contact, load * 1.01) > 0.6 > regime.pressure_ratio(contact, load * 0.99)
 
 
+def test_with_mu_laws_are_judged_by_the_solution():
+    contact, mu = TESTS[1].contact, TESTS[1].mu
+    reasons = [advice.reason for advice in regime.advise(contact, TESTS[1].load, mu=mu)]
+    assert "p(0)/H_m = 0.58" in reasons  # by the fit 0.63: the bulk yields
+
+
+@pytest.mark.slow
+def test_with_mu_the_answer_changes_where_the_solution_says():
+    """It changed by the closed fit: below the load of this test, whose ratio is under 0.6."""
+    test = next(test for test in TESTS if test.label == "Al_AB")
+    found = regime.assess(test.contact, test.load, mu=test.mu)
+    assert found.ratio == pytest.approx(0.5794, abs=1e-3) and found.transition_load > test.load
+    assert regime.pressure_ratio(test.contact, found.transition_load, test.mu) == pytest.approx(0.6, rel=1e-4)
+    rough = test.contact.with_values(roughness=found.transition_roughness)
+    assert regime.pressure_ratio(rough, test.load, test.mu) == pytest.approx(0.6, rel=1e-4)
+
+
 @given(contacts, st.floats(1e-6, 1e6), st.floats(1e-6, 1e6))
 def test_the_ratio_rises_with_load_and_falls_with_roughness(contact, load1, load2):
     low, high = sorted((load1, load2))
@@ -124,6 +141,8 @@ def test_advice_follows_the_regime():
 @pytest.mark.parametrize(("call", "names"), [
     (lambda: regime.assess(dl.Contact(radius=1e-3, modulus=1e9), 1.0), "hardness"),
     (lambda: regime.assess(TESTS[0].contact, -1.0), "load"),
+    (lambda: regime.pressure_ratio(TESTS[0].contact, "ten"), "load must be a number"),
+    (lambda: regime.central_pressure(-1.0, 4.0), "α is 0 or more"),
     (lambda: regime.pressure_ratio(TESTS[0].contact, [1.0, math.nan]), "load"),
     (lambda: regime.assess(TESTS[0].contact.with_values(roughness=np.array([1e-6, 2e-6])), 1.0), "one contact"),
 ])  # fmt: skip

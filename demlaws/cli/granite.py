@@ -9,6 +9,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import figures, law_name
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.names import HERTZ, POHRT_POPOV
 
 
 def register(subparsers):
@@ -60,7 +61,7 @@ def run(arguments):
     from demlaws.laws.registry import find
 
     if arguments.tables:
-        print_printed_tables(granite)
+        print_printed_tables()
     if arguments.figures:
         _only_figures(arguments)
     if arguments.tables or arguments.figures:
@@ -77,7 +78,7 @@ def run(arguments):
             result, messages = granite.run_test(name, test)
             runs.setdefault(test.name, []).append(result)
             notes[test.name, name] = messages
-    print_tables(granite, tests, runs, notes, points, arguments.fit_compliance)
+    print_tables(tests, runs, notes, points, arguments.fit_compliance)
     chosen = None if arguments.test is None else [tests[0].name]
     found = [] if arguments.law else claims.granite_claims(points, chosen, arguments.fit_compliance)
     if found:
@@ -86,8 +87,8 @@ def run(arguments):
         print_sensitivity(claims.cone_sensitivity())
     with warnings.catch_warnings():  # what was to be said has been printed with the tables
         warnings.simplefilter("ignore", ValidityWarning)
-        files = write_csv(granite, arguments.out, tests, runs, notes, found)
-        files += draw(granite, arguments.out, tests, runs, points, whole=not (arguments.test or arguments.law))
+        files = write_csv(arguments.out, tests, runs, notes, found)
+        files += draw(arguments.out, tests, runs, points, whole=not (arguments.test or arguments.law))
     print(f"\n{len(files)} files written to {arguments.out}/")
 
 
@@ -101,8 +102,10 @@ def _only_figures(arguments):
     draw_figures(pictures.FIGURES, arguments.figures, arguments.out, pictures.Paper(_points(arguments, tests)))
 
 
-def print_printed_tables(granite):
+def print_printed_tables():
     """Tables 1 to 3 as printed, and beside each what follows from it."""
+    from demlaws import granite
+
     stone = granite.GRANITE
     print("Table 1 (printed: relative density 2.68, ν 0.25, E 60.6 GPa, Shore hardness 77 = 639 kgf/mm² Vickers)")
     print(
@@ -174,8 +177,10 @@ def print_sensitivity(rows):
         )
 
 
-def print_tables(granite, tests, runs, notes, points, compliance):
+def print_tables(tests, runs, notes, points, compliance):
     """Print a table a test: displacement and stiffness of each law, with its misfit where points are given."""
+    from demlaws import granite
+
     for test in tests:
         low, high, loads = granite.forces_of(test)
         print(
@@ -191,7 +196,7 @@ def print_tables(granite, tests, runs, notes, points, compliance):
             print(f"  {row.law:16} {row.displacement:17.1f} " + "".join(f"{k:10.0f}" for k in row.stiffness) + misfit)
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
-                print_stages(granite, result)
+                print_stages(result)
             for message in notes[test.name, result.law.name]:
                 print(f"  warning: {message}")
 
@@ -201,8 +206,10 @@ def _misfit(fit, compliance):
     return text + (f", compliance {fit.compliance * 1e6:.4f} µm/N" if compliance else "")
 
 
-def print_stages(granite, result):
+def print_stages(result):
     """Print stiffness and plastic overlap of each stage of a cyclic test."""
+    from demlaws import granite
+
     print(f"  {result.law.name}, {result.law.unloading} unloading, p_y = {result.test.yield_pressure / 1e9:.2f} GPa")
     print(f"    {'stage':>5} {'to (N)':>7} {'reload K/K_H':>13} {'K at maximum (N/mm)':>20} {'plastic overlap (µm)':>21}")
     for s in granite.stages_of(result):
@@ -240,8 +247,10 @@ def draw_figures(known, chosen, out, *given):
             print(f"  {line}")
 
 
-def write_csv(granite, out, tests, runs, notes, found):
+def write_csv(out, tests, runs, notes, found):
     """Write paths, cycles, summary and claims as CSV; returns the files."""
+    from demlaws import granite
+
     files, summary = [], []
     for test in tests:
         low, high, loads = granite.forces_of(test)
@@ -273,9 +282,9 @@ def write_csv(granite, out, tests, runs, notes, found):
     return files
 
 
-def draw(granite, out, tests, runs, points, whole):
+def draw(out, tests, runs, points, whole):
     """Draw all figures of these tests; returns the files."""
-    from demlaws import plots
+    from demlaws import granite, plots
     from demlaws.plots import granite as pictures
 
     if not plots.available():
@@ -291,7 +300,7 @@ def draw(granite, out, tests, runs, points, whole):
         keep(f"force-{test.key}", plots.granite_force(test, runs[test.name], points.get(test.name)))
         if not test.cyclic and len(test.stages[0]) == 2:
             elastic = [granite.bind(r.law.name, test, "elastic") for r in runs[test.name]]
-            hertz = granite.run_test(granite.POHRT_POPOV, test)[0].paths[0]
+            hertz = granite.run_test(POHRT_POPOV, test)[0].paths[0]
             keep(f"unloading-{test.key}", plots.granite_unloading(test, elastic, hertz, points.get(test.name)))
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
@@ -300,7 +309,7 @@ def draw(granite, out, tests, runs, points, whole):
         return files
     keep("stiffness", plots.granite_stiffness([(by_name[n], runs[n]) for n in granite.ROUGH_SPHERES], points))
     first = by_name["SS(18-18)"]
-    pair = [granite.bind(n, first, "elastic") for n in (granite.HERTZ, granite.POHRT_POPOV)]
+    pair = [granite.bind(n, first, "elastic") for n in (HERTZ, POHRT_POPOV)]
     keep("crossover-ss-18-18", plots.granite_crossover(first, pair, granite.threshold_force(first)))
     trio = [by_name[n] for n in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
     keep("roughness", plots.granite_roughness(trio, lambda name, test: granite.bind(name, test, "elastic"), points))

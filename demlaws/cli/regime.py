@@ -70,11 +70,12 @@ def run_regime(arguments):
     if arguments.load is None:
         if measured:
             raise DemlawsError("--load missing: a measured yield is held against a load")
-        print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {regime.transition_load(pair):.4g} N; below, asperities")
+        yields = regime.transition_load(pair, mu=arguments.mu)
+        print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")
     else:
         print(regime.assess(pair, arguments.load, arguments.mu, limit))
         print("laws at this load:")
-        for advice in regime.advise(pair, arguments.load, limit):
+        for advice in regime.advise(pair, arguments.load, limit, arguments.mu):
             print(f"  {advice.law:16} {'fits' if advice.fits else 'no'}: {advice.reason}")
     draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0

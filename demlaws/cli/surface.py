@@ -256,7 +256,7 @@ def _contact(arguments, name):
 
     published = name in ("isotropic", "anisotropic") and not Path(name).exists()
     if published:
-        contact = asperity.published_contact(name, memory=arguments.memory)
+        contact = regime.published_contact(name, memory=arguments.memory)
         load, cycles = arguments.load or 0.2, max(arguments.cycles, 20)
     else:
         heights = _levelled(arguments, name)

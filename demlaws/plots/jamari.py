@@ -1,7 +1,7 @@
 """The figures of Jamari & Schipper 2006 and 2008, each with the numbers in it and who says them.
 
 Every function returns (figure, lines of text). The papers' maps and measured profiles are not public: where they are needed a
-synthetic map of the printed roughness stands in (`patches.published_contact`).
+synthetic map of the printed roughness stands in (`regime.published_contact`).
 """
 
 import functools
@@ -128,9 +128,9 @@ def summits(heights=None):
 @functools.cache
 def _history(kind, memory):
     """The contact of the paper before and after each of its cycles; kept: it is drawn three times."""
-    from demlaws.solvers.patches import published_contact, repeat
+    from demlaws.solvers.patches import repeat
 
-    contact = published_contact(kind, memory=memory)
+    contact = regime.published_contact(kind, memory=memory)
     return contact, repeat(contact, LOAD, cycles=CYCLES[-1], keep=CYCLES)
 
 

@@ -998,29 +998,3 @@ def summits(heights):
         spread=float(np.std(z)),
         roughness=heights.sq,
     )
-
-
-def published_contact(kind, seed=2, memory="pressure"):
-    """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
-
-    SiC ball, R = 3.175 mm, on aluminium; the measured maps are not public, so a self-affine map of the paper's roughness and
-    field of view (260 by 240 µm) stands in, 0.5 µm pixels, waves of 6 to 40 µm, the anisotropic one 8 times longer
-    along x [our choice].
-    """
-    from demlaws.regime import published_tests
-    from demlaws.surface import self_affine
-
-    if kind not in ("isotropic", "anisotropic"):
-        raise DemlawsError(f"kind = {kind!r}: the surfaces of the paper are 'isotropic' and 'anisotropic'")
-    test = {t.label: t for t in published_tests()}[f"2008 {kind}"]
-    heights = self_affine(
-        (480, 520),
-        0.5e-6,
-        0.8,
-        test.contact.roughness,
-        seed,
-        shortest=6e-6,
-        longest=40e-6,
-        anisotropy=8.0 if kind == "anisotropic" else 1.0,
-    )
-    return RoughContact(heights, test.contact, 0.34, ALUMINIUM_FACTOR, ALUMINIUM_RATIO, memory=memory)

@@ -122,13 +122,14 @@ def start(contacts, rounds):
 def surfaces(contacts, rounds):
     from scipy import ndimage
 
-    from demlaws.laws import asperity
+    from demlaws.regime import published_contact
+    from demlaws.solvers.patches import RoughContact
     from demlaws.surface import self_affine
 
     found = {}
     for size in (1024, 2048):
         heights = self_affine(size, 0.5e-6, 0.8, 1.3e-6, 1, periodic=True)
-        contact = asperity.RoughContact(heights, asperity.published_contact("isotropic").pair, 0.34, flat=True)
+        contact = RoughContact(heights, published_contact("isotropic").pair, 0.34, flat=True)
         load = 0.2 * (size / 512) ** 2
         step = contact.load(load)
         both = {

@@ -52,6 +52,20 @@ def test_tables_and_figures_by_command(tmp_path, capsys):
     assert main(["granite", "--figures", "5", "--law", "rms"]) == 2
 
 
+def test_the_whole_command(tmp_path, capsys):
+    """What `make granite` runs: tables, paths, claims and every figure."""
+    assert main(["granite", "--out", str(tmp_path)]) == 0
+    assert f"{len(list(tmp_path.iterdir()))} files written" in capsys.readouterr().out
+    drawn = {file.stem for file in tmp_path.glob("*.png")}
+    assert {f"force-{test.key}" for test in granite.TESTS} < drawn
+    assert {"stiffness", "crossover-ss-18-18", "roughness", "plastic-overlap", "effective-radius"} < drawn
+    paths = {file.name for file in tmp_path.glob("*.csv")}
+    assert {
+        f"{test.key}-{name}.csv" for test in granite.TESTS for name in granite.laws_for_tests() if len(test.stages) == 1
+    } < paths
+    assert {"summary.csv", "claims.csv"} < paths
+
+
 def test_what_is_printed_of_the_stones_gives_what_is_printed_of_the_pairs():
     """Table 2 against itself: R and σ of the pair follow from both stones, to the digits printed."""
     for test in granite.TESTS:
