@@ -69,10 +69,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
             raise DemlawsError(f'bridge must be "auto", "native" or "public", got {bridge!r}')
         if not isinstance(label, str) or not label.isidentifier() or keyword.iskeyword(label):
             raise DemlawsError(f"label must be a Python name, got {label!r}: YADE makes a variable of it")
-        if hasattr(builtins, label) and not isinstance(getattr(builtins, label), yade.Serializable):
-            raise DemlawsError(
-                f"label {label!r} would hide what Python or YADE has under this name: YADE makes a variable of it"
-            )
+        if getattr(vars(builtins).get(label), "__module__", "") == "builtins":
+            raise DemlawsError(f"label {label!r} would hide what Python has under this name: YADE makes a variable of it")
         if tangential_ratio is not None and not (isinstance(tangential_ratio, Real) and 0.0 < tangential_ratio < 10.0):
             raise DemlawsError(f"tangential_ratio = {tangential_ratio!r}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
         super().__init__(label=label, **attributes)
@@ -93,6 +91,15 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         if binding.attachment is not None:
             binding.attachment.patch(functor)
         return functor
+
+    @classmethod
+    def _from_text(cls, label, text, attributes):
+        """The functor that `__reduce__` described, in no scene."""
+        return cls._restored(Binding.from_text(label, text), attributes)
+
+    def __reduce__(self):
+        """Copies and pickles: YADE's own would make a functor without arguments, which is Hertz's law."""
+        return type(self)._from_text, (self.label, self.binding.as_text(), self.settings())
 
     def __repr__(self):
         return f"<{type(self).__name__} {self.label!r}: {self.binding.describe()}>"

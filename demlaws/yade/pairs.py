@@ -19,7 +19,7 @@ from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
 from demlaws.laws.hertz import HertzShape
-from demlaws.laws.registry import find
+from demlaws.laws.registry import find, home_of, registry
 from demlaws.make import law, rebound, rule_and_curve
 from demlaws.surface import HeightMap
 from demlaws.table import Table
@@ -136,12 +136,15 @@ class Source:
         """Whether the law's curve is solved for one R and E* alone: a height map's."""
         return self._is("needs_map")
 
-    def _is(self, fact):
-        """Whether a definition that takes part says so of itself: the law's, its loading's, the unloading curve's."""
+    def definitions(self):
+        """Those that take part: the law's, its loading's, the unloading curve's. (A table stands for itself.)"""
         loading = self.options.get("loading")
         taking_part = [self.definition, *([find(loading)] if isinstance(loading, str) else [])]
-        own = self.table is None and any(getattr(definition, fact) for definition in taking_part)
-        return own or (self.curve is not None and self.curve._is(fact))
+        return (taking_part if self.table is None else []) + (self.curve.definitions() if self.curve is not None else [])
+
+    def _is(self, fact):
+        """Whether a definition that takes part says so of itself."""
+        return any(getattr(definition, fact) for definition in self.definitions())
 
     def _bound(self, contact, unloading):
         """The `Law` (or `Table`) of a contact with a rule."""
@@ -226,6 +229,11 @@ class Source:
     def from_dict(cls, content):
         """A source from the content of a saved scene."""
         if "table" not in content:
+            if content["law"] not in registry():
+                raise DemlawsError(
+                    f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
+                    "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"
+                )
             source = cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
             if "curve" in content:
                 source.curve, source.ratios = cls.from_dict(content["curve"]), tuple(content["ratios"])
@@ -450,12 +458,33 @@ class Pairs:
             "flats": self.flats,
             "shear": self.shear_name,
         }
+        if self._own():
+            content["answers"] = self._answers()
         if identity:
             del content["spans"], content["smooth"]
         try:
             return json.dumps(content, default=lambda value: value.portable())
         except (TypeError, AttributeError) as error:
             raise DemlawsError(f"the law's options cannot be saved with the simulation: {error}") from None
+
+    def _own(self):
+        """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
+        sources = [source for source in (self.default, *self.special.values()) if source is not None]
+        return sorted({d.name for source in sources for d in source.definitions() if home_of(d.name) != home_of("hertz")})
+
+    def _answers(self):
+        """Forces [N] that tell laws of one name apart: of every pair on loading, unloading and loading further.
+
+        At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.
+        """
+        rows = np.zeros(len(self.shapes), kernel.CONTACT)
+        rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
+        rows["radius"], rows["modulus"] = NOMINAL["radius"][0], NOMINAL["modulus"][0]
+        forces = []
+        for depth in (1e-5, 1e-4, 1e-3, 9e-4, 4e-3):
+            rows["overlap"] = depth * rows["radius"]
+            forces.append([float(f"{force:.9e}") for force in self.respond(rows)[0]["kno"] * rows["overlap"] ** 1.5])
+        return forces
 
     @classmethod
     def from_text(cls, text):
@@ -467,4 +496,11 @@ class Pairs:
         spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
         # scenes saved before these were asked for
         flats, smooth, shear = content.get("flats", "yade"), content.get("smooth", True), content.get("shear", "tangent")
-        return cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats, shear=shear)
+        pairs = cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats, shear=shear)
+        answers = content.get("answers")
+        if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):
+            raise DemlawsError(
+                f"law {', '.join(map(repr, pairs._own()))} is registered, but answers otherwise than when the scene was saved: "
+                "the history of its contacts belongs to the other one. Register the law as it was"
+            )
+        return pairs

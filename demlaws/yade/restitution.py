@@ -74,6 +74,7 @@ class _Like:
         self.radius = body.shape.radius if isinstance(body.shape, yade.Sphere) else 0.0
         self.material = {name: getattr(stone, name) for name in ("young", "poisson", "density", "frictionAngle", "label")}
         self.mass = body.state.mass if body.dynamic else math.inf
+        self.facet = isinstance(body.shape, yade.Facet)  # YADE's own R of a sphere on one is not that on a wall
 
 
 def _bounce(binding, bodies, speed, en):
@@ -82,7 +83,9 @@ def _bounce(binding, bodies, speed, en):
         base = utils.sphere((0, 0, -lower.radius), lower.radius, fixed=True, material=yade.FrictMat(**lower.material))
         radius = upper.radius * lower.radius / (upper.radius + lower.radius)
     else:
-        base = utils.wall(0, 2, sense=1, material=yade.FrictMat(**lower.material))
+        size, stone = 4 * upper.radius, yade.FrictMat(**lower.material)
+        corners = [(-size, -size, 0), (size, -size, 0), (0, size, 0)]
+        base = utils.facet(corners, material=stone) if lower.facet else utils.wall(0, 2, sense=1, material=stone)
         radius = upper.radius
     mass = 1.0 / (1.0 / upper.mass + 1.0 / lower.mass)
     ball = utils.sphere((0, 0, upper.radius * (1 + 1e-9)), upper.radius, material=yade.FrictMat(**upper.material))
@@ -95,8 +98,14 @@ def _bounce(binding, bodies, speed, en):
     set_engines(
         [
             yade.ForceResetter(),
-            yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), yade.Bo1_Wall_Aabb()], verletDist=0.1 * upper.radius),
-            yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom(), yade.Ig2_Wall_Sphere_ScGeom()], [physics], [functor]),
+            yade.InsertionSortCollider(
+                [yade.Bo1_Sphere_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Facet_Aabb()], verletDist=0.1 * upper.radius
+            ),
+            yade.InteractionLoop(
+                [yade.Ig2_Sphere_Sphere_ScGeom(), yade.Ig2_Wall_Sphere_ScGeom(), yade.Ig2_Facet_Sphere_ScGeom()],
+                [physics],
+                [functor],
+            ),
             yade.NewtonIntegrator(damping=0),
         ]
     )

@@ -1,5 +1,6 @@
 """A law of a user's own file, and a table of a user's function, inside YADE: the force that was applied against both."""
 
+import json
 import os
 import re
 import subprocess
@@ -8,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from yade_scenes import Recorder, functor, material, set_engines
+from yade_scenes import GRANITE, Recorder, functor, material, set_engines
 
 import demlaws as dl
 
@@ -44,6 +45,53 @@ def test_a_law_of_ones_own_is_exact(omega, page, registered_here):
     recorder = two_spheres(functor("power", "hertz", SMOOTH, bridge="native", factor=0.9))
     wrong, tangent, steps = recorder.worst("power", "hertz", dl.Surface(), factor=0.9)
     assert steps > 300 and wrong <= 1e-14 and tangent <= 1e-13
+
+
+def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
+    """A saved scene knows a user's law by its name: what it answered is saved with it, and compared."""
+    from yade.utils import sphere
+
+    from demlaws.yade import pairs
+
+    monkeypatch.setattr(pairs, "home_of", lambda name: "mine.py" if name == "pohrt-popov" else "demlaws")
+    made = functor().binding.pairs
+    text = made.as_text()
+    assert pairs.Pairs.from_text(text).as_text() == text
+    omega.bodies.append(sphere((0, 0, 0), 0.03, material=material()))
+    assert functor().binding.pairs.as_text(True) == made.as_text(True)  # whatever bodies have come
+    content = json.loads(text)
+    pair = dl.Contact(5e-3, 30e9, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
+    assert content["answers"][-1][-1] == pytest.approx(dl.law("pohrt-popov", pair, "hertz").force(2e-5), rel=1e-9)
+    content["answers"][-1][-1] *= 1 + 1e-6
+    with pytest.raises(dl.DemlawsError, match=r"law 'pohrt-popov' is registered, but answers otherwise"):
+        pairs.Pairs.from_text(json.dumps(content))
+    content["default"]["law"] = "gone"
+    with pytest.raises(dl.DemlawsError, match=r"saved with law 'gone', which is not registered"):
+        pairs.Pairs.from_text(json.dumps(content))
+
+
+@pytest.mark.slow
+def test_a_law_changed_under_its_name_is_another(omega, tmp_path, registered_here):
+    """Before: the same functor made again went on by the old functions, a loaded scene by the new ones, without a word."""
+
+    def register(constant):
+        dl.register(dl.define("spring", lambda p, x: constant * x**1.5, lambda p, x: 1.5 * constant * x**0.5))
+        return functor("spring", "hertz", SMOOTH, bridge="native")
+
+    two_spheres(register(1e9))
+    omega.save(str(tmp_path / "scene.xml"))
+    assert omega.interactions.countReal() == 1
+    set_engines(register(1e9))  # the same again
+    changed = register(1.001e9)
+    with pytest.raises(dl.DemlawsError, match="the law is switched"):
+        set_engines(changed)
+    omega.reset()
+    with pytest.raises(dl.DemlawsError, match="law 'spring' is registered, but answers otherwise"):
+        omega.load(str(tmp_path / "scene.xml"))
+    omega.reset()
+    register(1e9)
+    omega.load(str(tmp_path / "scene.xml"))
+    omega.run(2, True)
 
 
 def test_a_table_of_a_function_is_the_function_within_its_certificate(omega):

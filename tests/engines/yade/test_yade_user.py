@@ -1,5 +1,7 @@
 """What surrounds the law, as a user of YADE meets it: engine lists, scenes, labels, loading, markers, the time step."""
 
+import copy
+import pickle
 import re
 import subprocess
 import sys
@@ -332,6 +334,23 @@ def test_label_is_read_only(omega):
     with pytest.raises(dl.DemlawsError, match="label='other'"):
         law.label = "other"
     assert law.label == "demlaws"
+
+
+@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda law: pickle.loads(pickle.dumps(law))])
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_copy_is_the_same_law(omega, way, copied):
+    """Before: smooth Hertz, 34.1 N for 6.67."""
+    law = functor(bridge=way, label="first", neverErase=True)
+    still(law)
+    omega.run(3, True)
+    other = copied(law)
+    assert other.label == "first" and other.neverErase and other.way == way
+    assert other.binding is not law.binding and other.binding.same_as(law.binding)
+    omega.reset()
+    still(other)
+    omega.run(3, True)
+    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert other.totals().dissipated == pytest.approx(other.contacts().dissipated[0], rel=1e-12)  # of this scene alone
 
 
 def test_surfaces_in_a_list(omega):
@@ -681,6 +700,18 @@ def test_restitution_goes_by_the_masses_of_the_bodies(omega):
     first.state.mass = 0
     with pytest.raises(dl.DemlawsError, match="mass = 0 kg"):
         law.restitution(first, second, 0.1)
+
+
+def test_restitution_on_a_facet_by_yades_own_radius(omega):
+    """flats="yade": R is 2r/3 on a facet, r/2 on a wall; when they meet in the user's scene 0.790009 and 0.799463."""
+    from yade.utils import facet, sphere, wall
+
+    stone, steel = material(), material("steel", 2e11, 0.3)
+    omega.bodies.append(sphere((0, 0, 0), 0.01, material=stone))
+    omega.bodies.append([facet([(0, 0, 1), (1, 0, 1), (0, 1, 1)], material=steel), wall(2, 2, material=steel)])
+    law = functor(surfaces={"granite": GRANITE, "steel": dl.Surface()}, flats="yade", bridge="native")
+    found = [law.restitution(omega.bodies[0], omega.bodies[flat], 0.1) for flat in (1, 2)]
+    assert found == pytest.approx([0.7900, 0.7995], abs=2e-4)
 
 
 # --- while it runs
