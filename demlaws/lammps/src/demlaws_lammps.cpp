@@ -232,8 +232,8 @@ int add_here(void *model, char **arg, int at, int count, int type) {
 // What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
 struct Histories {
   std::vector<std::vector<int>> sizes;
-  bool ours;
-  Histories() : ours(false) {}
+  bool ours, kept; // there are tables; with unloading of their own
+  Histories() : ours(false), kept(false) {}
   static std::map<void *, Histories> &all() {
     static std::map<void *, Histories> histories;
     return histories;
@@ -262,6 +262,7 @@ void init_here(void *model) {
   kept.sizes.push_back(layout == LATE ? late::sizes_of((late::Model *)model) : early::sizes_of((early::Model *)model));
   if (layout == LATE ? late::has_table((late::Model *)model) : early::has_table((early::Model *)model))
     kept.ours = true;
+  if (layout == LATE ? late::keeps((late::Model *)model) : early::keeps((early::Model *)model)) kept.kept = true;
 }
 
 struct PairNow {
@@ -299,6 +300,8 @@ void pair_init_here(void *pair) {
               "rolling and twisting models");
   Stock::get().pair_init(pair);
   Numbers::after_init(pair);
+  if (kept != Histories::all().end() && kept->second.kept)
+    Range::of(instance_of(pair)).look_across(instance_of(pair), *((void ***)pair)[3]);
 }
 
 // A position that is no number touches nothing: a particle with one would drop out of the model silently.

@@ -103,6 +103,7 @@ public:
 
   double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
   double stiffness() const { return stiffness_; }
+  bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
   // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
   // model are at work; else LAMMPS's own.
@@ -423,6 +424,10 @@ inline int add(Model *m, char **arg, int at, int count, int type, bool outputs) 
 inline void plan(Model *m, bool proved) {
   Table *const table = dynamic_cast<Table *>(m->normal_model);
   if (table) table->plan(proved);
+}
+inline bool keeps(Model *m) {
+  const Table *const table = dynamic_cast<Table *>(m->normal_model);
+  return table && table->unloads_otherwise();
 }
 inline bool has_table(Model *m) { return dynamic_cast<Table *>(m->normal_model) != NULL; }
 // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the normal

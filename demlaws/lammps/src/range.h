@@ -23,8 +23,9 @@ struct Range {
   Excess deep, beyond; // than SMALL_OVERLAP; the last row
   bool used;           // there is a table
   bool tangent_told;   // what `shear tangent` does to energy
+  bool thin_told;      // that the box is thin
   long long checked;   // the step in which positions were looked at
-  Range() : deep(), beyond(), used(false), tangent_told(false), checked(-1) {}
+  Range() : deep(), beyond(), used(false), tangent_told(false), thin_told(false), checked(-1) {}
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;
@@ -49,6 +50,33 @@ struct Range {
     const Ranks ranks(lmp, error);
     sum(ranks, error, deep, "deeper than a tenth of R", "that: the laws hold for small overlaps");
     sum(ranks, error, beyond, "beyond the last row of their table", "its overlap: extrapolated, not certified");
+  }
+
+  // Where a box is periodic and less than two contacts long, two particles can touch through both sides: two contacts
+  // with the same two numbers, by which LAMMPS finds their histories.
+  void look_across(void *lmp, void *error) {
+    const Stock &stock = Stock::get();
+    const int *const periodic = (const int *)stock.global(lmp, "periodicity");
+    if (thin_told || !periodic) return;
+    const double *const radius = (const double *)stock.atom(lmp, "radius");
+    const int local = radius ? stock.setting(lmp, "nlocal") : 0;
+    const std::vector<double> all = Ranks(lmp, error).gather(local ? *std::max_element(radius, radius + local) : 0.);
+    const double reach = 2. * *std::max_element(all.begin(), all.end());
+    static const char *const ends[3][2] = {{"boxxlo", "boxxhi"}, {"boxylo", "boxyhi"}, {"boxzlo", "boxzhi"}};
+    for (int k = 0; k < stock.setting(lmp, "dimension") && !thin_told; k++) {
+      const double *const low = (const double *)stock.global(lmp, ends[k][0]), *const high =
+                                                                                   (const double *)stock.global(
+                                                                                       lmp, ends[k][1]);
+      if (!periodic[k] || !low || !high || *high - *low >= 2. * reach) continue;
+      thin_told = true;
+      std::ostringstream what;
+      what << "demlaws/table: the box is " << *high - *low << " m long in "
+           << "xyz"[k]
+           << ", where it is periodic: two particles can touch through both sides, and their two histories are mixed "
+              "up, which LAMMPS finds by their numbers; from "
+           << 2. * reach << " m on they cannot";
+      if (stock.setting(lmp, "world_rank") == 0 && stock.warn) stock.warn(error, "demlaws", 0, what.str());
+    }
   }
 
 private:

@@ -92,7 +92,7 @@ private:
 // contacts where delete_atoms gives the particles new numbers. The plugin makes it; there is one.
 class FixEnergy : public Fix {
 public:
-  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
+  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)), told_(false) {
     restart_global = 1;
     instance_->ledger.taken = 0.;
   }
@@ -102,7 +102,10 @@ public:
     keep_for_particles(modify, numbers(), false);
     follow_new_numbers();
   }
-  void setup_pre_force(int vflag) { pre_force(vflag); }
+  void setup_pre_force(int vflag) {
+    look_across();
+    pre_force(vflag);
+  }
   void pre_force(int) {
     Ledger &ledger = instance_->ledger;
     ledger.taken_of = kept_for_particles(modify, ComputeEnergy::taken()); // it grows with the number of particles
@@ -131,6 +134,26 @@ public:
 
 private:
   const std::shared_ptr<Instance> instance_;
+  bool told_;
+
+  // Where a box is periodic and less than two contacts long, two particles can touch through both sides: two contacts
+  // with the same two numbers, by which LIGGGHTS finds their histories.
+  void look_across() {
+    bool keeps = false;
+    for (const auto &one : instance_->pair.tables) keeps = keeps || state_size(one.second->unloading()) > 0;
+    const double reach = neighbor->cutneighmax - neighbor->skin;
+    for (int k = 0; k < domain->dimension && keeps && !told_; k++) {
+      if (!domain->periodicity[k] || domain->prd[k] >= 2. * reach) continue;
+      told_ = true;
+      std::ostringstream what;
+      what << "model demlaws/table: the box is " << domain->prd[k] << " long in "
+           << "xyz"[k]
+           << ", where it is periodic: two particles can touch through both sides, and their two histories are mixed "
+              "up, which LIGGGHTS finds by their numbers; from "
+           << 2. * reach << " on they cannot";
+      if (comm->me == 0) error->warning(FLERR, what.str().c_str());
+    }
+  }
 
   // Adds up the ranks' counts of the run that ends, and starts anew.
   void tell(Excess &excess, const char *where, const char *meaning) {

@@ -174,6 +174,16 @@ def test_a_wall_whose_contacts_are_of_another_table_is_refused(granite):
     simulate(granite, text + "unfix floor\n" + again.format("other.tbl").replace("run", WALL + "\nrun"))
 
 
+@pytest.mark.parametrize("table, width, told", [("granite", 0.034, True), ("granite", 0.036, False), ("hertz", 0.034, False)])
+def test_a_box_so_thin_that_histories_are_mixed_up_is_told(granite, table, width, told):
+    """Two spheres of 17.4 mm that touch through both sides have two histories with the same two numbers."""
+    text = two_spheres(GRAN + f"table {table}.tbl", [(-0.2, 0, 2)]).replace("boundary        f f f", "boundary        f p f")
+    text = text.replace("-0.02 0.02 -0.02 0.02 units box", f"{-width / 2} {width / 2} -0.02 0.02 units box")
+    simulate(granite, text)
+    said = f"the box is {width} long in y, where it is periodic" in (granite / "log.liggghts").read_text()
+    assert said == told
+
+
 # --- contradictions and order
 
 
