@@ -423,6 +423,8 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
         with pytest.raises(dl.DemlawsError, match="more than once"):
             omega.engines = listed(*(loop(one) for one in functors))
     assert law.binding.scene is None
+    with pytest.raises(dl.DemlawsError, match="InteractionLoop has Ip2_FrictMat_FrictMat_FrictPhys"):
+        set_engines(law, physics=yade.Ip2_FrictMat_FrictMat_FrictPhys())
     dead = loop(cundall)
     dead.dead = True
     still(law)
