@@ -79,7 +79,7 @@ def rebound(unloading, contact):
     names = ("radius", "modulus", "roughness")
     if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in names):
         return curve
-    return curve.bound_to(contact)
+    return curve.lent_to(contact) if isinstance(curve, Table) else curve.bound_to(contact)
 
 
 def unloading_of_case(name):

@@ -262,7 +262,7 @@ def published_contact(kind, seed=2, memory="pressure"):
     from demlaws.solvers.patches import ALUMINIUM_FACTOR, ALUMINIUM_RATIO, RoughContact
     from demlaws.surface import self_affine
 
-    if kind not in ("isotropic", "anisotropic"):
+    if not isinstance(kind, str) or kind not in ("isotropic", "anisotropic"):
         raise DemlawsError(f"kind = {kind!r}: the surfaces of the paper are 'isotropic' and 'anisotropic'")
     test = {t.label: t for t in published_tests()}[f"2008 {kind}"]
     heights = self_affine(

@@ -412,7 +412,7 @@ class Table(Law):
     def __init__(self, law, shape, nodes, certificate, rtol, contact=None):
         curve = law.unloading_law
         if curve is not None and contact is not None:
-            curve = curve.bound_to(contact)
+            curve = curve.lent_to(contact)
         super().__init__(law.definition, contact or law.contact, law.unloading, law.options, shape, None, curve)
         self.nodes = nodes
         self.force_error, self.stiffness_error = certificate
@@ -581,15 +581,29 @@ class Table(Law):
 
     def bound_to(self, contact: Contact) -> "Table":
         """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
+        if not isinstance(contact, Contact):
+            raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
         if not self.collapses:
             raise DemlawsError(
                 f"the table of {self.name!r} holds for the contact it was made for only: make one for this contact"
             )
         if self.loading_shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
+        for name in ("fractal_dimension", "hardness"):  # what the curve's form depends on
+            made_for, wanted = getattr(self.contact, name), getattr(contact, name)
+            if made_for is None or name not in self.definition.needed(**self.options):
+                continue
+            if wanted is not None and not math.isclose(wanted, made_for, rel_tol=1e-6):
+                raise DemlawsError(f"the table is for {name} = {made_for:g}, the contact has {wanted:g}: make one for that")
+            contact = contact.with_values(**{name: made_for})
         bound = Table(self, self.shape, self.nodes, (self.force_error, self.stiffness_error), self.rtol, contact)
         bound.said_to_collapse = self.said_to_collapse
         return bound
+
+    def lent_to(self, contact: Contact) -> "Table":
+        """`bound_to` of an unloading curve, whose surface is its own: only radius, modulus and roughness are the contact's."""
+        own = {name: getattr(self.contact, name) for name in ("fractal_dimension", "hardness")}
+        return self.bound_to(contact.with_values(**own) if isinstance(contact, Contact) else contact)
 
     def save(self, path: str | os.PathLike) -> Path:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.

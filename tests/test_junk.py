@@ -130,6 +130,7 @@ LEFT_OUT = {
     "driver",
     "swaps",
     "box_correction",
+    "published_contact",  # makes a large map; what is given goes to self_affine and RoughContact
 }
 JUNK = {
     "none": None,

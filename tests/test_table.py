@@ -21,6 +21,8 @@ from demlaws.core import loops
 from demlaws.core.params import leaves
 from demlaws.laws.registry import registry
 
+SMOOTHER_ALIKE = SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension)
+
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 LAWS = dl.laws()
@@ -179,7 +181,7 @@ def test_range_errors():
 def test_bound_to_another_contact(name, rng):
     """One curve serves every radius, modulus and roughness."""
     table = table_of(name)
-    other = dl.law(name, SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension), **options_of(name))
+    other = dl.law(name, SMOOTHER_ALIKE, **options_of(name))
     bound = table.bound_to(other.contact)
     overlap = np.exp(rng.uniform(np.log(1e-12), np.log(min(0.9 * bound.largest_overlap, 0.1 * SMOOTHER.radius)), 3000))
     np.testing.assert_allclose(bound.force(overlap), other.force(overlap), rtol=1.2e-5)
@@ -199,6 +201,16 @@ def test_a_curve_of_one_contact_is_not_lent(name):
     many = GRANITE.with_values(radius=np.array([4e-3, 5e-3]))
     with pytest.raises(dl.DemlawsError, match=r"no single dimensionless curve|one pair of bodies"):
         dl.law(name, many, **options_of(name)).tabulate()
+
+
+def test_a_surface_of_another_form_is_refused():
+    """The curve of Df = 2.22 was taken for that of 2.6 without a word; an unloading curve keeps the surface it was made for."""
+    table = table_of("pohrt-popov")
+    with pytest.raises(dl.DemlawsError, match=r"for fractal_dimension = 2\.22, the contact has 2\.6"):
+        table.bound_to(GRANITE.with_values(fractal_dimension=2.6))
+    assert table.bound_to(GRANITE.with_values(fractal_dimension=None)).contact == GRANITE
+    assert table.lent_to(GRANITE.with_values(fractal_dimension=2.6)).contact == GRANITE
+    assert table_of("rms").bound_to(GRANITE.with_values(fractal_dimension=2.6)).force(1e-6) == table_of("rms").force(1e-6)
 
 
 def test_no_roughness_is_refused_where_the_table_scales_with_it():
@@ -310,7 +322,7 @@ def test_a_table_is_given_a_curve_and_other_rules():
         joined.joined("hertz").follow(path).force, table_of("pohrt-popov", "hertz").follow(path).force
     )
     assert joined.joined("elastic").state_size == 0
-    bound = joined.bound_to(SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension))
+    bound = joined.bound_to(SMOOTHER_ALIKE)
     curve = bound.unloading_law
     state = bound.new_state(1)
     path = bound.follow(SMOOTHER.roughness * np.array([3.0, 2.8]), state)
@@ -451,7 +463,7 @@ def test_a_law_that_is_not_here_is_its_table(tmp_path):
     assert own.name == "coulombs" and own.collapses and own.limits() == []
     overlap = own.largest_overlap * np.array([1e-3, 0.2, 0.9])
     np.testing.assert_array_equal(own.force(overlap), known.force(overlap))
-    assert own.joined("elastic").bound_to(SMOOTHER).force(1e-8) == known.joined("elastic").bound_to(SMOOTHER).force(1e-8)
+    assert own.joined("elastic").bound_to(SMOOTHER).force(1e-8) == known.joined("elastic").bound_to(SMOOTHER_ALIKE).force(1e-8)
 
 
 @pytest.mark.parametrize("said", ["yes", "no"])
@@ -461,10 +473,10 @@ def test_collapses_is_what_the_file_says(said, tmp_path):
     table = dl.Table.load(tmp_path / "a.tbl")
     for one in (table, table.joined("elastic")):
         if said == "yes":
-            one.bound_to(SMOOTHER)
+            one.bound_to(SMOOTHER_ALIKE)
         else:
             with pytest.raises(dl.DemlawsError, match="made for only"):
-                one.bound_to(SMOOTHER)
+                one.bound_to(SMOOTHER_ALIKE)
     without = [line for line in lines if not line.startswith("collapses")]
     assert "lack 'collapses'" in refuse(tmp_path / "b.tbl", sealed(without))[1]
 

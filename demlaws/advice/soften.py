@@ -18,7 +18,7 @@ from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.definition import PRESSURE, power_of, softened_option
-from demlaws.laws.registry import find
+from demlaws.laws.registry import find, registry
 from demlaws.make import joined
 from demlaws.make import law as bind_law
 from demlaws.table import Table
@@ -136,6 +136,11 @@ class Softening:
         return replace(thing, **changes)
 
     def _law(self, law):
+        if law.name not in registry():
+            raise DemlawsError(
+                f"{law.name!r} is no law that is known here, but a table of a function, of points or of another's law: make it "
+                "anew, with overlaps times s^(2/3) at the same forces"
+            )
         contact, curve = self.of(law.contact), law.unloading_law
         if isinstance(law, Table) and law.loading_shape.length_over_roughness:
             # rows in multiples of σ, which is stretched as overlaps are: they stay as they are

@@ -183,6 +183,8 @@ def test_what_cannot_be_softened(monkeypatch):
         dl.soften(GRANITE, 1e6)
     with pytest.raises(dl.DemlawsError, match="nothing to soften"):
         dl.soften(3.0, 10.0)
+    with pytest.raises(dl.DemlawsError, match="'mine' is no law that is known here, but a table of a function"):
+        dl.soften(dl.Table.from_function(lambda d: 3e9 * d**1.5, GRANITE, name="mine", rtol=1e-2), 10.0)
     law = make("goddard")
     definition = law.definition
     rigid = definition._replace(rigid="its gap of 1 nm is no length of the surface")
