@@ -331,6 +331,8 @@ class Binding:
             )
         if kind == kernel.TOO_DEEP:
             raise DemlawsError(f"contact {first}+{second}: {too_large_overlap(overlap, self.attachment.deep_radius)}")
+        if kind == kernel.WRONG_MODULUS:
+            raise DemlawsError(self.wrong_modulus(first, second, overlap))
         if kind == kernel.WRONG_CONTACT:
             raise DemlawsError(f"contact {first}+{second} with R = {overlap:g} m: {NOT_SERVED}")
         if kind == kernel.TOO_ROUGH:
@@ -340,6 +342,12 @@ class Binding:
             "radius or modulus is outside those that the law was made for, or the overlap is not a number): make the table for "
             "larger forces, give radii=… and moduli=…, or take a smaller time step"
         )
+
+    def wrong_modulus(self, first, second, modulus):
+        """The sentence about a contact whose effective modulus [Pa] is no positive number."""
+        stones = [O.bodies[number].material for number in (first, second)]
+        of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
+        return f"contact {first}+{second}: its materials make E* = {modulus:g} Pa, which must be above 0 and finite: {of}"
 
     def too_rough(self, first, second, radius):
         """The sentence about a contact whose roughness exceeds its radius [m]."""

@@ -66,7 +66,7 @@ LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 2
 
 SLACK = 1e-11
 
-WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP = 1, 2, 3, 4, 5
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = 1, 2, 3, 4, 5, 6
 
 # A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
 RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
@@ -520,6 +520,9 @@ def first_sight(context, geom, phys, interaction):
     ratio = from_bits(word(context, RATIO))
     if native == 0.0:
         ratio = 0.0
+    elif not 0.0 < native < math.inf:
+        fault(context, WRONG_MODULUS, interaction, modulus)
+        store_double(history + MODULUS, 0.0)  # a marker until the guard stops the run: no force
     elif not serves(record, radius, modulus):
         fault(context, WRONG_CONTACT, interaction, radius)
     elif load_double(record + RECORD_ROUGHNESS) > radius:

@@ -160,6 +160,8 @@ def first_sight(binding, contact, row):
     number = pairs.number(*labels)
     row["ratio"] = 0.0
     if phys.kno != 0.0:
+        if not 0.0 < phys.kno < np.inf:
+            raise DemlawsError(binding.wrong_modulus(contact.id1, contact.id2, row["modulus"]))
         if not pairs.serves(number, row["radius"], row["modulus"]):
             raise DemlawsError(f"contact {contact.id1}+{contact.id2} with R = {row['radius']:g} m: {NOT_SERVED}")
         if pairs.roughnesses[number] > row["radius"]:

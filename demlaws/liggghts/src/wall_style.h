@@ -6,6 +6,7 @@
 #include "arguments.h"
 #include "energy.h"
 #include "fix_wall_gran_base.h"
+#include "primitive_wall.h"
 
 namespace demlaws {
 using namespace LIGGGHTS;
@@ -26,6 +27,7 @@ public:
     ensure_fixes(lmp_->modify);
     instance_->owner = owner();
     Walls::Granular<MODEL>::init_granular();
+    forget_opened();
   }
   // While the foot of a sphere lies within the mesh's precision (1e-8) of an edge, both coplanar triangles claim it if
   // it comes from the one with the higher number, and the stock wall lets both push. Here the second only takes over
@@ -69,6 +71,21 @@ private:
     double delta[3]; // from the contact point to the centre
   };
   static size_t none() { return (size_t)-1; }
+  // A primitive wall looks at the particles near it only: the history of one that was put elsewhere between two runs
+  // (displace_atoms, set) would wait there for it to come back.
+  void forget_opened() {
+    if (parent_->is_mesh_wall() || parent_->dnum() == 0) return;
+    Fix *const kept = lmp_->modify->find_fix_id((std::string("history_") + parent_->id).c_str());
+    PrimitiveWall *const wall = parent_->primitiveWall();
+    if (!kept || !kept->array_atom || !wall) return;
+    double delta[3];
+    for (int i = 0; i < lmp_->atom->nlocal; i++) {
+      double *const history = kept->array_atom[i];
+      if (std::count(history, history + parent_->dnum(), 0.) < parent_->dnum() &&
+          wall->resolveContact(lmp_->atom->x[i], lmp_->atom->radius[i], delta) > 0.)
+        std::fill(history, history + parent_->dnum(), 0.);
+    }
+  }
   std::string owner() const { return std::string("wall ") + parent_->id; }
 
   // Whether two triangles that the mesh takes for one plane touch the sphere at the same point: within the mesh's

@@ -184,6 +184,21 @@ def test_a_box_so_thin_that_histories_are_mixed_up_is_told(granite, table, width
     assert said == told
 
 
+def test_a_sphere_that_is_put_elsewhere_and_back_meets_the_wall_anew(granite):
+    """Stock keeps the wall's history of a particle that goes without passing the gap above the wall."""
+    text = falling("table granite.tbl", after=WALL + "\ncompute e all demlaws/energy").replace("nve/sphere", "nve/noforce")
+    text = (
+        text.replace("step ke", "step c_e[1] c_e[2]")
+        .replace("create_atoms 2", "# create_atoms 2")
+        .replace("run 3000", "run 500")
+    )
+    moves = "".join(f"displace_atoms all move 0 0 {way} units box\nrun 1\n" for way in ("0.01", "-0.01"))
+    log = simulate(granite, text + "velocity all set 0 0 0\nrun 1\n" + moves)
+    assert log["Step"].tolist()[-3:] == [501, 502, 503] and log["e[1]"][-2] == 0
+    assert log["e[1]"][-1] == pytest.approx(log["e[1]"][-3], rel=1e-6) and log["e[1]"][-1] > 0
+    assert log["e[2]"][-1] == pytest.approx(2 * log["e[2]"][-3], rel=1e-6)
+
+
 # --- contradictions and order
 
 

@@ -423,6 +423,8 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
         with pytest.raises(dl.DemlawsError, match="more than once"):
             omega.engines = listed(*(loop(one) for one in functors))
     assert law.binding.scene is None
+    with pytest.raises(dl.DemlawsError, match="InteractionLoop has Ip2_FrictMat_FrictMat_FrictPhys"):
+        set_engines(law, physics=yade.Ip2_FrictMat_FrictMat_FrictPhys())
     dead = loop(cundall)
     dead.dead = True
     still(law)
@@ -439,6 +441,22 @@ def test_a_foreign_contact_is_told_without_advice_that_destroys_unsaid(omega):
     law = functor(bridge="native")
     with pytest.raises(dl.DemlawsError, match=r"erases their history|erases all contacts with their history"):
         law.binding.verify()
+
+
+@pytest.mark.parametrize(
+    ("way", "wrong"),
+    [
+        ("native", {"young": -1e9}),
+        ("native", {"poisson": 1.2}),
+        ("native", {"young": float("inf")}),  # by the public way YADE's own assertion ends the process
+        ("public", {"young": -1e9}),
+    ],
+)
+def test_a_modulus_that_is_none_stops(omega, way, wrong):
+    """As YADE's own law a slip of the pen made contacts that attract: -71 N with poisson=1.2, and no word."""
+    still(functor(bridge=way), **wrong)
+    with pytest.raises(RuntimeError, match=r"contact 0\+1: its materials make E\* = \S+ Pa, .*'granite' young="):
+        omega.run(3, True)
 
 
 @pytest.mark.parametrize("name", [pytest.param("hertz", marks=pytest.mark.slow), "pohrt-popov"])
