@@ -80,7 +80,8 @@ class State:
 class Path(NamedTuple):
     """What one contact does along a path: arrays with one entry an overlap, SI units.
 
-    plastic_overlap is NaN where a law's own rule remembers no quantity of that name.
+    plastic_overlap is NaN where a law's own rule remembers no quantity of that name. stored and dissipated [J] are the
+    contact's: where the path goes on from a state, what was done to it before since it last closed is in them, too.
     """
 
     overlap: np.ndarray
@@ -93,7 +94,8 @@ class Path(NamedTuple):
 
     @property
     def work(self) -> np.ndarray:
-        """Work done on the contact since the path began [J]: ∫P dδ, exact between the points of the path."""
+        """Work done on the contact [J], ∫P dδ, exact between the points of the path: from virgin, or from where a contact whose
+        state was given last closed; of a part of a path take the difference of two entries."""
         return self.stored + self.dissipated
 
 
