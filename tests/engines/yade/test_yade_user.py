@@ -715,6 +715,11 @@ def test_restitution_goes_by_the_masses_of_the_bodies(omega):
     assert law.restitution(first, second, 0.1) == pytest.approx(faster, abs=2e-4)
     with pytest.raises(dl.DemlawsError, match="two fixed bodies"):
         law.restitution(fixed, other, 0.1)
+    with pytest.warns(dl.ValidityWarning, match=r"100 m/s goes deeper than 0.1 R"):
+        law.restitution(first, fixed, 100.0)
+    for speed in ("fast", None):
+        with pytest.raises(dl.DemlawsError, match=f"speed = {speed!r} m/s"):
+            law.restitution(first, fixed, speed)
     first.state.mass = 0
     with pytest.raises(dl.DemlawsError, match="mass = 0 kg"):
         law.restitution(first, second, 0.1)
