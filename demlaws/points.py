@@ -1,5 +1,6 @@
 """Measured points of a contact test: displacement and force, read from text files of test machines and spreadsheets."""
 
+import contextlib
 import csv
 import math
 import re
@@ -201,13 +202,16 @@ _COLUMNS = {
     "displacement": (("displacement", "overlap"), {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}),
     "force": (("force", "load"), {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}),
 }
+_UNIT = re.compile(r"[(\[_ ]\s*([A-Za-zµμ]+)\s*[)\]]?\s*$")
+"""The unit at the end of a title."""
+_THOUSANDS = re.compile(r"[-+]?\d{1,3},\d{3}$")
 _COMMENTS = ("#", "%", "//")
 
 
 def _unit(title, column, where):
     """Factor to SI of a title's unit, as written; another spelling only where it can mean nothing else."""
     units = _COLUMNS[column][1]
-    match = re.search(r"[(\[_ ]\s*([A-Za-zµμ]+)\s*[)\]]?\s*$", title.strip())
+    match = _UNIT.search(title.strip())
     unit = (match.group(1) if match else "").replace("µ", "u").replace("μ", "u")
     if unit in units:
         return units[unit]
@@ -229,8 +233,25 @@ def _split(line, mark):
 
 
 def _find(titles, column):
+    """Places of the titles that name the column; one that says nothing else ("force (N)") stands for all."""
     words = _COLUMNS[column][0]
-    return next((i for i, title in enumerate(titles) if any(word in title.lower() for word in words)), None)
+    found = [i for i, title in enumerate(titles) if any(word in title.lower() for word in words)]
+    alone = [i for i in found if _UNIT.sub("", titles[i].strip()).strip(' /"').lower() in words]
+    return alone or found
+
+
+def _place(titles, column, where):
+    """Place and factor to SI of a column."""
+    found, units = _find(titles, column), {}
+    for place in found:
+        with contextlib.suppress(DemlawsError):  # a rate, or a time under load
+            units[place] = _unit(titles[place], column, where)
+    if len(units) == 1:
+        return next(iter(units.items()))
+    if not units:
+        return found[0], _unit(titles[found[0]], column, where)
+    several = " and ".join(repr(titles[place].strip()) for place in units)
+    raise DemlawsError(f"{where}: {several} may be the {column}: leave one of them, or name it {column!r} with its unit alone")
 
 
 def _header(lines, path):
@@ -244,7 +265,7 @@ def _header(lines, path):
             continue
         mark = next((m for m in (";", "\t", ",") if m in text), None)
         titles = _split(text, mark)
-        if all(_find(titles, column) is not None for column in _COLUMNS) and len(titles) > 1:
+        if all(_find(titles, column) for column in _COLUMNS) and len(titles) > 1:
             return number, titles, mark
         if comment is None:
             wanted = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
@@ -261,27 +282,31 @@ def read_points(path):
     """Measured points from a text file: a line of titles with units, then numbers.
 
     Columns are split by commas, semicolons, tabs or blanks; unless by commas, decimal commas are read. Lines that begin
-    with #, % or // are comments (the titles may stand in one); further columns are left aside. Raises DemlawsError that
-    names the file and the line.
+    with #, % or // are comments (the titles may stand in one); further columns are left aside. Of several that may be the
+    force or the displacement the one named so alone is taken. Raises DemlawsError that names the file and the line.
     """
     path = Path(path)
     lines = read_text(path, "points ").splitlines()
     first, titles, mark = _header(lines, path)
-    places = {column: _find(titles, column) for column in _COLUMNS}
-    units = {column: _unit(titles[place], column, f"{path}, line {first + 1}") for column, place in places.items()}
-    values = []
+    found = {column: _place(titles, column, f"{path}, line {first + 1}") for column in _COLUMNS}
+    values, marks = [], set()
     for number, line in enumerate(lines[first + 1 :], start=first + 2):
         if not line.strip() or line.strip().startswith(_COMMENTS):
             continue
         where = f"{path}, line {number}"
         try:
             row = _split(line, mark)
-            pair = [_number(row[place], mark) * units[column] for column, place in places.items()]
+            pair = [_number(row[place], mark) * unit for place, unit in found.values()]
         except (ValueError, IndexError, csv.Error):
             raise DemlawsError(f"{where}: two numbers are needed, got {line.strip()[:60]!r}") from None
         if any(cell.strip() for cell in row[len(titles) :]):
             remedy = "split columns by ; if commas are decimal"
             raise DemlawsError(f"{where}: {len(row)} columns, but {len(titles)} titles; {remedy}")
+        marks.update(
+            "." if "." in row[k] else "," for k, _ in found.values() if "." in row[k] or _THOUSANDS.match(row[k].strip())
+        )
+        if len(marks) > 1:
+            raise DemlawsError(f"{where}: {line.strip()[:60]!r}: is , before thousands and . before decimals? Leave the , out")
         if not all(map(math.isfinite, pair)):
             raise DemlawsError(f"{where}: {line.strip()[:60]!r} is not finite")
         values.append(pair)

@@ -80,6 +80,8 @@ FILES = {
     "more columns": "time (s),force (kN),note,displacement (mm)\n0,5e-4,,1.5e-3\n1,1.5e-3,x,2e-3\n2,3e-3,,3e-3\n",
     "quoted": '"displacement (um)","force (N)"\n"1.5","0.5"\n"2","1.5"\n"3","3"\n',
     "our own curve": "overlap (m),force (N),stiffness (N/m)\n1.5e-6,0.5,1\n2e-6,1.5,2\n3e-6,3,3\n",
+    "other forces": "preload (N),loading rate (N/s),force (N),time under load (s),displacement (um)\n"
+    "9,9,0.5,9,1.5\n9,9,1.5,9,2\n9,9,3,9,3\n",
     "millinewtons": "displacement (nm),force (mN)\n1500,500\n2000,1500\n3000,3000\n",
     "meganewtons": "displacement (UM),force (MN)\n1.5,5e-7\n2,1.5e-6\n3,3e-6\n",
 }
@@ -111,6 +113,11 @@ def test_files(tmp_path, text, encoding):
         ("displacement (um),force (N)\n1,2\n2,inf\n", "line 3: '2,inf' is not finite"),
         ("displacement (um),force (N)\n1,2\n2,3\n", "2 points; at least 3"),
         ("\x00\x01\xff\xfe\x00", "two columns"),
+        (
+            "force A (N),displacement (um),force B (N)\n1,2,3\n2,3,4\n3,4,5\n",
+            "'force A .N.' and 'force B .N.' may be the force",
+        ),
+        ("displacement (nm)\tforce (N)\n998\t2.5\n999\t3.5\n1,000\t5.5\n", r"line 4: '1,000.*: is , before thousands"),
     ],
 )
 def test_bad_files(tmp_path, text, says):

@@ -124,6 +124,7 @@ def _laws_in(engines, old):
     """Label → functor of our laws in a list that a user assigns."""
     laws, live = {}, []
     for engine in engines:
+        _refuse_other_physics(engine)
         for dispatcher in dispatchers(engine):
             _refuse_rivals(dispatcher)
             live += [] if engine.dead else [dispatcher]
@@ -161,6 +162,17 @@ def _refuse_rivals(dispatcher):
         raise DemlawsError(
             f"{type(dispatcher).__name__} was given {len(known)} functors for the same contacts "
             f"({', '.join(map(str, known.values()))}), of which YADE asks one only, and whose scene it may not set: give one"
+        )
+
+
+def _refuse_other_physics(engine):
+    """A loop that makes another law's physics: YADE would end the process at the first contact."""
+    if not isinstance(engine, yade.InteractionLoop) or not any(is_ours(f) for f in engine.lawDispatcher.functors):
+        return
+    listed = [type(f).__name__ for f in engine.physDispatcher.functors]
+    if listed and not any("Mindlin" in name for name in listed):
+        raise DemlawsError(
+            f"the law's contacts need Ip2_FrictMat_FrictMat_MindlinPhys, InteractionLoop has {', '.join(listed)}: put it there"
         )
 
 
