@@ -421,17 +421,11 @@ print           "kinetic energy ${{moving}} J; grains at rest have less than {re
 
 _RUN = """\
 #!/bin/sh
-# ./run.sh [ranks]: the stock liggghts with the demlaws plugin; demlaws liggghts build compiles it at first use
+# ./run.sh [ranks]: the stock liggghts with the demlaws plugin; `demlaws liggghts build` compiles it at first use
 set -e
 cd "$(dirname "$0")"
 # DEMLAWS: another demlaws than the one that wrote this case
-plugin=$(${DEMLAWS:-@PYTHON@ -m demlaws} liggghts build)
-ranks=${1:-1}
-if [ "$ranks" -gt 1 ]; then
-  root=; [ "$(id -u)" = 0 ] && root="--allow-run-as-root --oversubscribe"
-  exec mpirun $root -np "$ranks" -x LD_PRELOAD="$plugin" liggghts -in in.case
-fi
-exec env LD_PRELOAD="$plugin" liggghts -in in.case
+exec ${DEMLAWS:-@PYTHON@ -m demlaws} liggghts run in.case -np "${1:-1}"
 """
 
 _RUN_STOCK = """\
@@ -441,8 +435,8 @@ set -e
 cd "$(dirname "$0")"
 ranks=${1:-1}
 if [ "$ranks" -gt 1 ]; then
-  root=; [ "$(id -u)" = 0 ] && root="--allow-run-as-root --oversubscribe"
-  exec mpirun $root -np "$ranks" liggghts -in in.case
+  root=; [ "$(id -u)" = 0 ] && root=--allow-run-as-root
+  exec mpirun $root --oversubscribe -np "$ranks" "${DEMLAWS_LIGGGHTS:-liggghts}" -in in.case
 fi
-exec liggghts -in in.case
+exec "${DEMLAWS_LIGGGHTS:-liggghts}" -in in.case
 """

@@ -119,7 +119,7 @@ def run(
     status, lines = output(line, folder, environment, echo, timeout)
     if status:
         errors = [text.strip() for text in lines if text.startswith("ERROR")]
-        reason = errors[0] if errors else "".join(lines[-8:]).strip()
+        reason = errors[-1] if errors else "".join(lines[-8:]).strip()
         raise EngineStopped(f"LIGGGHTS stopped (exit {status}): {reason}")
     return thermo(lines, _BEGINS)  # not of the log file: the input may have named another
 

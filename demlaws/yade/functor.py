@@ -214,7 +214,7 @@ def _range(name, unit, given):
 def _spans(radii, moduli, flats):
     """Label pair → `Span` of the contacts: what the user gave, else what the scene's bodies and materials allow."""
     radii, moduli = _range("radii", "m", radii), _range("moduli", "Pa", moduli)
-    sizes, flat, materials = {}, set(), {}
+    sizes, flat, compliances = {}, set(), {}
     for body in O.bodies:
         label = "" if body.material is None else body.material.label
         if isinstance(body.shape, yade.Sphere):
@@ -222,7 +222,9 @@ def _spans(radii, moduli, flats):
         elif body.shape is not None and not isinstance(body.shape, yade.Clump):
             flat.add(label)
         if isinstance(body.material, yade.FrictMat) and body.material.young > 0.0:  # a marker's contacts bear nothing
-            materials.setdefault(label, set()).add((body.material.young, body.material.poisson))
+            compliance = (1.0 - body.material.poisson**2) / body.material.young
+            if compliance > 0.0:  # others are refused when they meet
+                compliances.setdefault(label, set()).add(compliance)
 
     def of(table, wanted):
         """What bodies of a label have; "" stands for all labels, so that unlisted ones are among them."""
@@ -247,8 +249,9 @@ def _spans(radii, moduli, flats):
         radius = min(found), max(found)
         if moduli is not None:
             return Span(radius, moduli, meets)
-        first, second = (of(materials, wanted) for wanted in labels)
-        values = [1.0 / ((1.0 - p**2) / y + (1.0 - q**2) / z) for y, p in first for z, q in second]
-        return Span(radius, (min(values), max(values)), meets) if values else None
+        first, second = (of(compliances, wanted) for wanted in labels)
+        if not (first and second):
+            return None
+        return Span(radius, tuple(1.0 / (one(first) + one(second)) for one in (max, min)), meets)
 
     return span

@@ -5,12 +5,15 @@ that dissipates by itself rebounds with less; and the damping force goes by 1.5 
 """
 
 import math
+import warnings
+from numbers import Real
 
 import yade
 from scipy.optimize import brentq
 from yade import utils
 
-from demlaws.errors import DemlawsError
+from demlaws.checks import SMALL_OVERLAP
+from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import O, set_engines
 
@@ -23,9 +26,9 @@ def restitution(pairs, ratio, first, second, speed, en=None):
 
     en: that of Ip2_FrictMat_FrictMat_MindlinPhys, None for no damping. In a scene of its own; the user's stays as it is.
     """
-    if not speed > 0.0:
+    if not (isinstance(speed, Real) and speed > 0.0):
         raise DemlawsError(f"speed = {speed!r} m/s: an impact needs a positive speed")
-    if en is not None and not 0.0 < en <= 1.0:
+    if en is not None and not (isinstance(en, Real) and 0.0 < en <= 1.0):
         raise DemlawsError(f"en = {en!r}: above 0 and up to 1")
     if O.running:
         raise DemlawsError("the impact needs a scene of its own, but a simulation is running: call O.pause() first")
@@ -50,7 +53,7 @@ def restitution(pairs, ratio, first, second, speed, en=None):
 def en_for(pairs, ratio, first, second, speed, wanted):
     """The `en` to give to Ip2_FrictMat_FrictMat_MindlinPhys so that these bodies rebound with `wanted` times their speed."""
     most = restitution(pairs, ratio, first, second, speed)
-    if not 0.0 < wanted <= most:
+    if not (isinstance(wanted, Real) and 0.0 < wanted <= most):
         raise DemlawsError(
             f"a restitution of {wanted!r} cannot be had at {speed:g} m/s: the law itself dissipates, {most:.4f} is the most"
         )
@@ -118,4 +121,10 @@ def _bounce(binding, bodies, speed, en):
             break
     if binding.attachment.take_fault() is not None or not math.isfinite(ball.state.vel[2]):
         raise DemlawsError(f"the law does not serve an impact of these bodies at {speed:g} m/s (does a table end?)")
+    if binding.attachment.take_deep():
+        warnings.warn(
+            f"the impact at {speed:g} m/s goes deeper than {SMALL_OVERLAP:g} R, the range of contact laws",
+            ValidityWarning,
+            stacklevel=4,
+        )
     return ball.state.vel[2] / speed

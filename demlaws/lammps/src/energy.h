@@ -10,10 +10,10 @@
 
 namespace {
 
-// A wall contact in the last pass over its wall.
+// A wall contact in the last pass over its wall: what it stores, what its plastic flow took that no step has booked
+// yet.
 struct WallContact {
-  const demlaws::Pair *pair;
-  double radius, overlap, state[3];
+  double stored, pending;
 };
 
 class Ledger {
@@ -21,6 +21,7 @@ public:
   bool busy;        // somebody wants to know: the contacts take the long way
   bool collecting;  // `compute pair/local` is asking every pair contact once
   double collected; // what they store [J]
+  double pending;   // what plastic flow took of them, and of walls, that no step has booked yet [J]
 
   // One for each instance of LAMMPS.
   static Ledger &of(void *lmp) {
@@ -30,8 +31,8 @@ public:
     return one;
   }
   Ledger()
-      : busy(false), collecting(false), collected(0.), wanted_(false), lmp_(NULL), modify_(NULL), taken_(NULL),
-        wall_(NULL) {}
+      : busy(false), collecting(false), collected(0.), pending(0.), wanted_(false), lmp_(NULL), modify_(NULL),
+        taken_(NULL), wall_(NULL) {}
 
   // Before the pair style, or a wall, computes its forces.
   void begin(void *wall) {
@@ -131,7 +132,7 @@ private:
     return step ? *(const long long *)step : 0;
   }
 
-  // ComputeReduce::compute_one for our compute: this rank's share of [1] stored, [2] dissipated.
+  // ComputeReduce::compute_one for our compute: this rank's share of [1] stored, [2] dissipated; asked in this order.
   static double one(void *compute, int which, int) {
     Ledger &ledger = of(instance_of(compute));
     return which == 0 ? ledger.stored() : ledger.dissipated();
@@ -142,7 +143,7 @@ private:
     const int local = stock.setting(lmp_, "nlocal");
     double sum = 0.;
     for (int i = 0; taken && i < local; i++) sum += taken[i];
-    return sum;
+    return sum + pending;
   }
   double stored() {
     const Stock &stock = Stock::get();
@@ -151,7 +152,7 @@ private:
       raise(error(), true, "compute demlaws/energy: its helper, compute demlaws_pairs, was deleted; define it anew");
     const bool was = busy;
     busy = collecting = true;
-    collected = 0.;
+    collected = pending = 0.;
     try {
       stock.pair_local(compute);
     } catch (...) {
@@ -161,14 +162,12 @@ private:
     }
     busy = was;
     collecting = false;
-    double sum = collected, dissipated;
+    double sum = collected;
     const long long step = now();
     for (std::map<void *, Wall>::const_iterator it = walls_.begin(); it != walls_.end(); ++it)
       for (size_t n = 0; it->second.step == step && n < it->second.contacts.size(); n++) {
-        const WallContact &c = it->second.contacts[n];
-        double stored;
-        demlaws::stored_and_dissipated(*c.pair, c.radius, c.overlap, c.state, stored, dissipated);
-        sum += stored;
+        sum += it->second.contacts[n].stored;
+        pending += it->second.contacts[n].pending;
       }
     return sum;
   }

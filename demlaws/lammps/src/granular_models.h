@@ -125,36 +125,39 @@ protected:
         per_stiffness_;
     return now.force;
   }
-  // After a step that somebody wants to know more of.
-  __attribute__((noinline, cold)) void account(const double *before, const double *state) {
+  // After a step that somebody wants to know more of: the state that the contact had before, that it keeps, and that
+  // the step at this overlap gives it, which is not kept where histories are only looked at (setup, compute
+  // pair/local).
+  __attribute__((noinline, cold)) void account(const double *before, const double *kept, const double *state) {
     Model *const m = gm;
-    double stored = 0., dissipated = 0.;
-    if (ledger_.collecting || m->calculate_svector)
-      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
+    double stored = 0., dissipated = 0., none, booked = 0.;
+    demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
+    demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, kept, none, booked);
+    const double pending = dissipated - booked;
     if (m->calculate_svector && nsvector) {
       double *const out = m->svector + index_svector;
-      const bool kept = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
+      const bool keeps = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
       const bool own = pair_.rule == demlaws::OWN; // which remembers what it likes
-      out[MAXIMUM] = own ? NAN : kept ? state[0] : m->delta;
-      out[PLASTIC] = own ? NAN : kept ? state[1] : 0.;
+      out[MAXIMUM] = own ? NAN : keeps ? state[0] : m->delta;
+      out[PLASTIC] = own ? NAN : keeps ? state[1] : 0.;
       out[STORED] = stored;
       out[DISSIPATED] = dissipated;
       out[STIFFNESS] = stiffness_;
     }
     if (ledger_.collecting) {
       ledger_.collected += stored;
+      ledger_.pending += pending;
       return;
     }
     if (!ledger_.busy) return;
     const bool wall = m->contact_type != 0;
     if (m->history_update && !std::equal(before, before + MOST_STATE, state)) {
-      double earlier = 0., later = 0.;
-      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, before, stored, earlier);
-      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, later);
-      ledger_.take(m->vi, wall ? NULL : m->vj, later - earlier);
+      double earlier = 0.;
+      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, before, none, earlier);
+      ledger_.take(m->vi, wall ? NULL : m->vj, dissipated - earlier);
     }
     if (wall) {
-      const WallContact contact = {&pair_, m->Reff, m->delta, {state[0], state[1], state[2]}};
+      const WallContact contact = {stored, pending};
       ledger_.enter(contact);
     }
   }
@@ -260,7 +263,9 @@ private:
     const double before[MOST_STATE] = {state[0], state[1], state[2]};
     const double force =
         this->template finish<RULE>(demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, state, m->history_update != 0));
-    account(before, state);
+    double now[MOST_STATE] = {state[0], state[1], state[2]};
+    if (!m->history_update) demlaws::step_rule<RULE>(pair_, m->Reff, m->delta, now, true);
+    account(before, state, now);
     return force;
   }
 };

@@ -469,6 +469,28 @@ def test_a_box_so_thin_that_histories_are_mixed_up_is_told(folder, width, told):
     assert said == told
 
 
+@pytest.mark.parametrize("ranks, newton", [(1, "on"), (2, "off")])
+def test_energies_of_virgin_contacts_before_the_first_step(folder, law, ranks, newton):
+    """A pair and a wall that overlap where the run begins: what they will have when a step has kept it."""
+    seen = "compute e all demlaws/energy\ncompute c all pair/local p14 p15 p16\ncompute p all reduce sum c_c[*] inputs local"
+    columns = "c_e[1] c_e[2] c_p[1] c_p[2] c_p[3]"
+    text = two_spheres(TABLE, [], newton=newton, left=-0.0087, more=seen, columns=columns)
+    wall = 2 * 0.0087 + 1e-7 - 5.1e-6 - 4e-6
+    text += f"displace_atoms right move -5.1e-6 0 0\nfix w right wall/gran granular {TABLE} xplane NULL {wall!r}\n"
+    log = simulate(folder, text + "thermo 1\nrun 0\nrun 1\n", ranks)
+    at_wall = dl.law("pohrt-popov", law.contact.with_values(radius=0.0087), unloading="hertz")
+    pair, wall = law.follow(log["overlap"][:1]), at_wall.follow(np.array([4e-6]))
+    expected = [
+        pair.stored + wall.stored,
+        pair.dissipated + wall.dissipated,
+        pair.plastic_overlap,
+        pair.stored,
+        pair.dissipated,
+    ]
+    for name, value in zip(("e[1]", "e[2]", "p[1]", "p[2]", "p[3]"), expected, strict=True):
+        assert log[name] == pytest.approx(value[0] * np.ones(2), rel=1e-6), name
+
+
 def test_balancing_moves_contacts_from_rank_to_rank(folder, law):
     text = two_spheres(TABLE, [], more="compute e all demlaws/energy", columns="c_e[1] c_e[2]")
     text += (

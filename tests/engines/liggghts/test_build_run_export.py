@@ -240,7 +240,7 @@ def test_run_takes_the_portable_plugin():
 def test_run_refuses_nonsense(tmp_path):
     with pytest.raises(DemlawsError, match="does not exist"):
         lg.run(tmp_path / "in.none")
-    (tmp_path / "in.case").write_text("nonsense\n")
+    (tmp_path / "in.case").write_text("print 'ERROR is a word'\nnonsense\n")
     with pytest.raises(DemlawsError, match="Unknown command"):
         lg.run(tmp_path / "in.case")
     with pytest.raises(DemlawsError, match="ranks = 0"):
@@ -394,6 +394,21 @@ def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
     assert result.returncode == 0, result.stdout[-2000:] + result.stderr
     assert lg.read_log(folder / "log.liggghts")["Step"][-1] == 5001
     assert list((folder / "post").glob("grains.*"))
+
+
+@pytest.mark.parametrize("stock", [None, "hertz"])
+def test_the_case_runs_in_the_liggghts_that_is_named(tmp_path, stock):
+    path = lg.export(tmp_path, grains=[lg.Grain(0.004, GRANITE, ROUGH)], count=10, rtol=1e-3, stock=stock)
+    path.write_text(re.sub(r"steps index \d+", "steps index 20", path.read_text()))
+    (tmp_path / "own liggghts").symlink_to(executable())
+    (tmp_path / "bin").mkdir()
+    (tmp_path / "bin" / "liggghts").write_text("#!/bin/sh\nexit 7\n")
+    (tmp_path / "bin" / "liggghts").chmod(0o755)
+    environment = {**os.environ, "PYTHONPATH": HOME, "DEMLAWS_LIGGGHTS": str(tmp_path / "own liggghts")}
+    environment["PATH"] = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
+    result = subprocess.run([str(tmp_path / "run.sh")], env=environment, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout[-2000:] + result.stderr
+    assert lg.read_log(tmp_path / "log.liggghts")["Step"][-1] == 21
 
 
 def test_walls_are_of_the_first_grains_stuff(tmp_path):
