@@ -16,14 +16,6 @@ def as_path(path: Any) -> Path:
         raise DemlawsError(f"the name of a file must be text or a Path, got {path!r:.60}") from None
 
 
-def user_cache():
-    """$XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws."""
-    try:
-        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "demlaws"
-    except RuntimeError:  # neither HOME nor an entry of the user's, as in containers
-        raise DemlawsError("this user has no home folder for what is built once and kept: set DEMLAWS_CACHE or HOME") from None
-
-
 def read_text(path, what=""):
     """Text of a file that an instrument or a spreadsheet wrote, whatever its encoding."""
     try:

@@ -5,7 +5,7 @@ import re
 import subprocess
 from pathlib import Path
 
-from demlaws.files import user_cache
+from demlaws.errors import DemlawsError
 
 
 def cache_folder():
@@ -13,7 +13,10 @@ def cache_folder():
     named = os.environ.get("DEMLAWS_CACHE")
     if named:
         return Path(named).absolute()  # an engine is started in the input's folder
-    return user_cache().absolute()
+    try:
+        return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
+    except RuntimeError:  # neither HOME nor an entry of the user's, as in containers
+        raise DemlawsError("this user has no home folder for what is built once and kept: set DEMLAWS_CACHE or HOME") from None
 
 
 def output(command, folder, environment, echo=False, timeout=None):

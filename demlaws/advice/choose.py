@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import Scene, samples, stable_step
+from demlaws.advice.scene import Scene, samples, stable_step, way_back
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
@@ -254,17 +254,10 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
-    if isinstance(scene.unloading, Law):
-        return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=scene.unloading)
-    if scene.unloading is not None:
-        return Plan(definition.name, tuple(options.items()), definition.rule(scene.unloading).name, "closed form")
-    for rule in definition.unloading[:0:-1] if scene.unloads else ():
-        try:
-            bind_law(definition.name, contact, rule, **options)
-            return Plan(definition.name, tuple(options.items()), rule, "closed form")
-        except NotPassive:
-            continue
-    return Plan(definition.name, tuple(options.items()), definition.unloading[0], "closed form")
+    back = way_back(scene, definition.name, options)
+    if isinstance(back, Law):
+        return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=back)
+    return Plan(definition.name, tuple(options.items()), definition.rule(back).name, "closed form")
 
 
 def _before_yield(plan):

@@ -21,13 +21,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import PROCESSES, Scene, stable_step
+from demlaws.advice.scene import PROCESSES, Scene, stable_step, way_back
 from demlaws.advice.soften import Softening, soften
 from demlaws.checks import number
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
+from demlaws.make import rebound
 from demlaws.materials import DENSITY
 
 STIFFNESS = ("low", "loading", "unloading")
@@ -364,8 +365,9 @@ def _finished(advice, law, options):
     def bind(contact):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            return bind_law(law, contact, **options)
+            return bind_law(law, contact, rebound(back, contact), **options)
 
+    back = way_back(scene, law, options)  # of many a law unloading is stiffer than loading
     stable = stable_step(scene, bind) * Softening(advice.factor).step * math.sqrt(density)
     softer = soften(scene, advice.factor)
     if density != 1.0:

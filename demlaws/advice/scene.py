@@ -1,5 +1,6 @@
 """A `Scene`: what a simulation's contacts go through, and contacts and loads that stand for them."""
 
+import contextlib
 import itertools
 import math
 import os
@@ -12,8 +13,10 @@ from demlaws.advice.fit import Fit
 from demlaws.checks import number, real
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, NotPassive
 from demlaws.law import Law
+from demlaws.laws.registry import find
+from demlaws.make import law as bind_law
 from demlaws.make import rule_and_curve
 from demlaws.materials import DENSITY
 from demlaws.measure.errors import QUANTITIES, Sample
@@ -283,6 +286,18 @@ def _fit_measured(scene, measured, path):
     points = read_points(path.parent / str(measured["points"]))
     contact = scene.contacts(number(measured["radius"], "radius", "m"))[0]
     return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
+
+
+def way_back(scene, name, options):
+    """How the scene's contacts unload with law `name`: as the scene says, else by the richest rule that the law takes."""
+    if scene.unloading is not None:
+        return scene.unloading
+    rules, contact = find(name).unloading, scene.contacts(scene.effective_radii()[0])[0]
+    for rule in rules[:0:-1] if scene.unloads else ():
+        with contextlib.suppress(NotPassive):
+            bind_law(name, contact, rule, **options)
+            return rule
+    return rules[0]
 
 
 def stable_step(scene, bind):

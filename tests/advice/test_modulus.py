@@ -1,13 +1,14 @@
 """How soft, how fast: predicted errors bound those measured on scenes that no prediction is made from."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import demlaws as dl
 from demlaws.advice import modulus
-from demlaws.advice.scene import Scene
+from demlaws.advice.scene import Scene, stable_step
 from demlaws.materials import GRANITE
 from demlaws.measure import softening
 
@@ -95,6 +96,21 @@ def test_advice_is_within_the_tolerance_and_the_rate():
     slow = modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
     assert slow.rate <= 0.1 * (1.0 + 1e-9) < advice.rate
     assert modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=1e-6)) is None
+
+
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+def test_the_step_is_that_of_the_way_back():
+    """It was that of elastic unloading: for a law that yields 1.4 times too long, 0.98 of the stable step in place of 0.7."""
+    scene = scene_of(softening.Run("yade", "cycles"), radii=(0.01, 0.03), pressure=(1e5, 2e6))
+    options = {"yield_pressure": 1.66e9, "loading": "pohrt-popov"}
+    advice = modulus.predict(scene, 1.0, law="rough-plastic", options=options, part=0.7)
+    stable = {
+        rule: stable_step(scene, lambda c, rule=rule: dl.law("rough-plastic", c, rule, **options))
+        for rule in ("elastic", "thornton", "hertz")
+    }
+    assert advice.dt == pytest.approx(0.7 * stable["thornton"]) and stable["elastic"] > 1.2 * stable["thornton"]
+    given = modulus.predict(replace(scene, unloading="hertz"), 1.0, law="rough-plastic", options=options, part=0.7)
+    assert given.dt == pytest.approx(0.7 * stable["hertz"])
 
 
 def test_each_process_has_its_own_advice():

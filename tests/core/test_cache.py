@@ -11,8 +11,7 @@ from processes import PACKAGE, counted, finish, python, start
 
 import demlaws as dl
 from demlaws.core import cache
-from demlaws.lammps.build import cache_folder as lammps_cache
-from demlaws.liggghts.build import cache_folder as liggghts_cache
+from demlaws.processes import cache_folder
 
 RUN_EVERYTHING = counted("""
     import itertools, warnings
@@ -220,6 +219,5 @@ def test_a_user_without_a_home(monkeypatch):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(pwd, "getpwuid", no_entry)
     assert runpy.run_path(cache.__file__)["FOLDER"] == cache.FOLDER
-    for folder in (liggghts_cache, lammps_cache):
-        with pytest.raises(dl.DemlawsError, match="set DEMLAWS_CACHE or HOME"):
-            folder()
+    with pytest.raises(dl.DemlawsError, match="set DEMLAWS_CACHE or HOME"):
+        cache_folder()
