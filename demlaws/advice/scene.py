@@ -139,6 +139,10 @@ class Scene:
 
     def with_fit(self, fit: Fit) -> "Scene":
         """This scene with the surface, the modulus and the law that `demlaws.fit` found for its contacts."""
+        if len(self.materials) > 1:
+            raise DemlawsError(
+                f"a fit is of one kind of grain, this scene has {len(self.materials)}: give materials and surfaces instead"
+            )
         contact = fit.contact
         poisson = self.materials[0].poisson
         material = replace(self.materials[0], young=2.0 * contact.modulus * (1.0 - poisson**2), hardness=contact.hardness)
@@ -253,9 +257,12 @@ def _from_toml(path):
     values = {}
     try:
         for key, kind in (("material", Material), ("surface", Surface)):
+            if key in text and f"{key}s" in text:
+                raise DemlawsError(f"{path}: [{key}] and [[{key}s]] say the same: give one of them")
             given = text.pop(f"{key}s", text.pop(key, None))
             if given is not None:
-                values[f"{key}s"] = [kind(**entry) for entry in ([given] if isinstance(given, dict) else given)]
+                entries = [given] if isinstance(given, dict) else given
+                values[f"{key}s"] = [_entry(kind, entry, f"{path}: [{key}]") for entry in entries]
         reference = text.pop("reference", None)
         if isinstance(reference, dict):
             values["reference"] = reference.pop("law", None)
@@ -272,6 +279,17 @@ def _from_toml(path):
     if measured is not None:
         scene = scene.with_fit(_fit_measured(scene, measured, path))
     return scene
+
+
+def _entry(kind, entry, where):
+    """A Material or a Surface of a file's table."""
+    known = ", ".join(kind.__dataclass_fields__)
+    if not isinstance(entry, dict):
+        raise DemlawsError(f"{where}: got {entry!r:.60}; a table is needed, its keys are {known}")
+    try:
+        return kind(**entry)
+    except TypeError as error:
+        raise DemlawsError(f"{where}: {str(error).split(') ')[-1]}; its keys are {known}") from None
 
 
 def _fit_measured(scene, measured, path):

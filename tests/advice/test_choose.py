@@ -246,7 +246,7 @@ def test_a_rule_is_left_by_the_type_of_its_refusal(monkeypatch):
                 raise kind("words of no meaning")
             return dl.law(name, contact, **options)
 
-        monkeypatch.setattr("demlaws.advice.choose.bind_law", bind)
+        monkeypatch.setattr("demlaws.advice.scene.bind_law", bind)
 
     refuse(NotPassive)
     assert reference_plan(scene(cyclic=True)).unloading == "elastic"
@@ -446,3 +446,34 @@ def test_an_unloading_curve_of_a_scene_file_stands_beside_it(tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(TOML.replace("cyclic = true", 'cyclic = true\nunloading = "back.tbl"'))
     assert dl.Scene.load(file).unloading.name == "hertz"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ("young =", "youngs =", r"\[material\]: got an unexpected keyword argument 'youngs'; its keys are young, poisson"),
+        (
+            "[material]",
+            "[[materials]]\nyoung = 1e9\npoisson = 0.2\n[material]",
+            r"\[material\] and \[\[materials\]\] say the same",
+        ),
+        (
+            "[surface]",
+            "[surfaces]\nrough = 3\n[other]",
+            r"\[surface\]: got an unexpected keyword argument 'rough'; its keys are",
+        ),
+    ],
+)
+def test_mistaken_tables_of_a_scene_file(tmp_path, old, new, says):
+    file = tmp_path / "scene.toml"
+    file.write_text(TOML.replace(old, new))
+    with pytest.raises(dl.DemlawsError, match=says):
+        dl.Scene.load(file)
+
+
+def test_a_fit_is_of_one_kind_of_grain():
+    """The other kinds were dropped without a word."""
+    scene = dl.Scene(radii=4e-3, materials=[GRANITE, GRANITE], force=(1, 2))
+    best = dl.fit([(x * 1e-6, 2.7 * x**1.5) for x in range(1, 9)], dl.Contact(4e-3, 32e9), laws="hertz").best
+    with pytest.raises(dl.DemlawsError, match="one kind of grain, this scene has 2"):
+        scene.with_fit(best)
