@@ -154,6 +154,11 @@ class Contact:
             worst = float(np.broadcast_to(self.roughness, rougher.shape)[rougher].max() if rougher.ndim else self.roughness)
             raise DemlawsError(f"roughness = {worst:g} m exceeds the effective radius: check the units (σ is usually µm, R mm)")
 
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Contact):
+            return NotImplemented
+        return all(np.array_equal(getattr(self, field.name), getattr(other, field.name)) for field in fields(self))
+
     @classmethod
     def between(
         cls,

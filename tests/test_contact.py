@@ -93,6 +93,15 @@ def test_hardness_in_other_units_is_told(hardness):
         dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=hardness)
 
 
+def test_contacts_are_compared_entry_by_entry():
+    """Arrays of contacts ended in numpy's ValueError."""
+    many = dl.Contact(radius=[1e-3, 2e-3], modulus=1e9)
+    assert many == dl.Contact(radius=np.array([1e-3, 2e-3]), modulus=1e9) and many != many.with_values(radius=[1e-3, 3e-3])
+    assert many != many.with_values(radius=1e-3) and many != 3
+    one = dl.Contact(radius=1e-3, modulus=1e9)
+    assert hash(one) == hash(dl.Contact(radius="1mm", modulus=1e9)) and one == dl.Contact(radius="1mm", modulus=1e9)
+
+
 def test_a_contact_is_not_changed():
     contact = dl.Contact(radius=1e-3, modulus=1e9)
     with pytest.raises(AttributeError):
