@@ -196,7 +196,7 @@ def test_timestep_against_the_measured_limit(name, unloading):
     assert growth(law, place, state, MASS, 0.98 * dt) < 100.0
     low, high = 0.5 * dt, 4.0 * dt
     assert growth(law, place, state, MASS, high) > 100.0
-    for _ in range(8):
+    for _ in range(5):
         middle = 0.5 * (low + high)
         low, high = (middle, high) if growth(law, place, state, MASS, middle) < 100.0 else (low, middle)
     assert dt <= high * 1.01

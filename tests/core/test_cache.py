@@ -182,6 +182,7 @@ def test_processes_that_compile_the_same_loops_at_once(tmp_path):
     assert left and all(name.endswith(".nbc") for name in left), left
 
 
+@pytest.mark.slow
 def test_a_spoilt_file_is_compiled_anew(tmp_path):
     first, _ = hertz(NUMBA_CACHE_DIR=tmp_path)
     for file in tmp_path.rglob("*.nbc"):

@@ -125,6 +125,7 @@ def test_kept_rows_say_what_the_documents_say():
     assert abs(by[10.0, True].errors["exponent"]) < 0.02 < 0.1 < -by[10.0, False].errors["exponent"]
 
 
+@pytest.mark.slow
 def test_the_command(tmp_path, capsys):
     figure, file = tmp_path / "s.png", tmp_path / "s.csv"
     assert main(["trade", "--softening", "--figure", str(figure), "--csv", str(file)]) == 0

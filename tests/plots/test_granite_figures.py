@@ -52,6 +52,7 @@ def test_tables_and_figures_by_command(tmp_path, capsys):
     assert main(["granite", "--figures", "5", "--law", "rms"]) == 2
 
 
+@pytest.mark.slow
 def test_the_whole_command(tmp_path, capsys):
     """What `make granite` runs: tables, paths, claims and every figure."""
     assert main(["granite", "--out", str(tmp_path)]) == 0
