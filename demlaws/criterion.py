@@ -11,6 +11,7 @@ not known. Both papers print 16 in place of the 6 and one loses the cube root; w
 is reproduced (`regime.published_tests`).
 """
 
+import functools
 import math
 
 import numpy as np
@@ -82,7 +83,7 @@ def transition_load(contact, ratio=YIELD_RATIO, mu=None):
     """
     hardness, ratio = hardness_of(contact), number(ratio, "ratio")
     if mu is not None:
-        return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_one(contact), ratio), 2.0)
+        return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_one(contact), ratio))
     smooth = math.pi**3 * contact.radius**2 * (ratio * hardness) ** 3 / (6.0 * contact.modulus**2)
     low = np.log(np.asarray(smooth, float))
     high = low + 1.0
@@ -119,7 +120,7 @@ def transition_roughness(contact, load, ratio=YIELD_RATIO, mu=None):
         start = transition_roughness(_one(contact), float(checked_loads(load)), ratio)
         share, scale = ratio * hardness_of(contact) / hertz_pressure(contact, load), _roughness_scale(contact, load)
         # what differs from the smooth contact by less than the solution resolves needs no roughness either
-        return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start, 2.0) if share < 0.999 else 0.0
+        return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start) if share < 0.999 else 0.0
     load = checked_loads(load)
     share = number(ratio, "ratio") * hardness_of(contact) / hertz_pressure(contact, load)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -132,18 +133,22 @@ def _roughness_scale(contact, load):
     return (16.0 * contact.radius * contact.modulus**2 / (9.0 * load**2)) ** (1 / 3)
 
 
-def _root(function, start, factor):
-    """Where a function that rises is 0, looked for from `start` by factors."""
+def _root(function, start):
+    """Where a function that rises is 0, looked for from `start` by factors of 2."""
     from scipy.optimize import brentq
 
-    low = high = start
-    while function(low) > 0.0:
-        low /= factor
-    while function(high) < 0.0:
-        high *= factor
+    @functools.cache  # a solved curve takes long: the ends of the bracket are known when brentq asks for them
+    def at(logarithm):
+        return function(math.exp(logarithm))
+
+    low = high = math.log(start)
+    while at(low) > 0.0:
+        low -= math.log(2.0)
+    while at(high) < 0.0:
+        high += math.log(2.0)
     if low == high:
         return start
-    return math.exp(brentq(lambda x: function(math.exp(x)), math.log(low), math.log(high), xtol=1e-6))
+    return math.exp(brentq(at, low, high, xtol=1e-6))
 
 
 def _one(contact):

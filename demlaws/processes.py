@@ -39,6 +39,22 @@ def output(command, folder, environment, echo=False, timeout=None):
     return process.returncode, lines
 
 
+def log_lines(path):
+    """Lines of an engine's log."""
+    try:
+        return Path(path).read_text(errors="replace").splitlines()
+    except OSError as error:
+        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
+
+
+def thermo_of_log(path, begins, column=str):
+    """`thermo` of a log, in which there must be some."""
+    found = thermo(log_lines(path), begins, column)
+    if not found:
+        raise DemlawsError(f"{path} holds no thermo output")
+    return found
+
+
 _MULTI = re.compile(r"-+ Step\s+(\S+) -+ CPU =\s+(\S+)")
 _VALUE = re.compile(r"(\S+)\s*=\s*([-+]?\d\S*)")
 

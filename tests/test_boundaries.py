@@ -175,15 +175,13 @@ def missing(path):
     tree, modules = ast.parse(path.read_text()), {}
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("demlaws"):
-            if not node.module.startswith(UNDER_YADE):
-                for alias in node.names:
-                    one = f"{node.module}.{alias.name}"
-                    if not hasattr(importlib.import_module(node.module), alias.name):
-                        modules[alias.asname or alias.name] = module = module_of(one)
-                        if module is None:
-                            yield one
-                    elif inspect.ismodule(getattr(importlib.import_module(node.module), alias.name)):
-                        modules[alias.asname or alias.name] = module_of(one)
+            home = None if node.module.startswith(UNDER_YADE) else importlib.import_module(node.module)
+            for alias in node.names if home else ():
+                one = f"{node.module}.{alias.name}"
+                if not hasattr(home, alias.name) and module_of(one) is None:
+                    yield one
+                elif inspect.ismodule(value := getattr(home, alias.name)):
+                    modules[alias.asname or alias.name] = value
         elif isinstance(node, ast.Import):
             ours = [alias for alias in node.names if alias.name.startswith("demlaws") and not alias.name.startswith(UNDER_YADE)]
             modules |= {alias.asname: module_of(alias.name) for alias in ours if alias.asname}

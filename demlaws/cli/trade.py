@@ -3,7 +3,7 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import law_name, output, pressure, whole
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import USUAL
+from demlaws.laws.names import POHRT_POPOV
 
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
 ENGINES = tuple(NAMES)
@@ -109,7 +109,7 @@ def run(arguments):
     entries, floor = trade.measure(laws, arguments.contacts, arguments.rounds, progress)
     print(trade.table(entries, floor))
     steps = []
-    chosen = next((e for e in entries if e[:3] == (USUAL, "hertz", "closed form")), None)
+    chosen = next((e for e in entries if e[:3] == (POHRT_POPOV, "hertz", "closed form")), None)
     if chosen is not None:
         steps = trade.steps_trade(chosen.ns)
         print("\nimpacts of a granite sphere, 1e-3 to 1 m/s, any phase of the step, pohrt-popov with hertz unloading")

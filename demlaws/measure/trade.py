@@ -18,7 +18,7 @@ from demlaws.core.fastmath import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.laws.names import USUAL
+from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.liggghts.export import Grain
 from demlaws.make import example
@@ -229,7 +229,7 @@ def _mark_front(entries):
     return [e._replace(front=n in front) for n, e in enumerate(entries)]
 
 
-def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name=USUAL, rule="hertz"):
+def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name=POHRT_POPOV, rule="hertz"):
     """Error and energy drift of impacts against steps per contact; ns: cost of one evaluation of the law."""
     entries = []
     with warnings.catch_warnings():
