@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.checks import real
+from demlaws.units import real
 from demlaws.errors import DemlawsError
 
 LOWEST_HARDNESS = 1e-6

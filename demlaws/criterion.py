@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from demlaws.checks import number, real
+from demlaws.units import number, real
 from demlaws.errors import DemlawsError
 
 YIELD_RATIO = 0.6

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.contact import Contact
 from demlaws.core.cache import digest_of
 from demlaws.core.dispatch import bind

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.checks import number, real, whole
+from demlaws.units import number, real, whole
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop

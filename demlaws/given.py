@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number, real, whole
+from demlaws.units import number, real, whole
 from demlaws.errors import DemlawsError
 from demlaws.soundness import fault_of_slope, fault_of_values
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.checks import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
+from demlaws.units import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert

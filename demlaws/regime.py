@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number, real
+from demlaws.units import number, real
 from demlaws.contact import Contact, Material
 from demlaws.criterion import (
     BAND,

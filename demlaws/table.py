@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws import table_file
-from demlaws.checks import SMALL_OVERLAP, check_overlaps, number
+from demlaws.units import SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.curve import BulkYield
 from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes

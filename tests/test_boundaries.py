@@ -89,7 +89,7 @@ def imports_anywhere(path, names=False):
 
 FLOORS = (
     "errors lazy processes",
-    "checks core files",
+    "core files units",
     "contact criterion points rule_object soundness",
     "given materials matching surface",
     "solvers",

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.checks import LARGEST_OVERLAP, number, unmasked
+from demlaws.units import LARGEST_OVERLAP, number, unmasked
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
 from demlaws.core.params import loading_part

@@ -23,7 +23,7 @@ import numpy as np
 
 from demlaws.advice.scene import PROCESSES, Scene, stable_step, way_back
 from demlaws.advice.soften import Softening, soften
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.names import USUAL

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.fit import Fit
-from demlaws.checks import number, real
+from demlaws.units import number, real
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, NotPassive

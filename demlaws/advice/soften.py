@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, number
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law

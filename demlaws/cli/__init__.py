@@ -102,7 +102,7 @@ def option(text):
     """`name=value` with the value as a number (also with a unit: 1.66GPa), true, false or null, else text."""
     import json
 
-    from demlaws.checks import any_quantity
+    from demlaws.units import any_quantity
 
     name, separator, value = text.partition("=")
     if not separator or not name:

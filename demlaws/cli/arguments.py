@@ -9,7 +9,7 @@ from demlaws.errors import DemlawsError
 
 def _quantity(unit, kind):
     def convert(text):
-        from demlaws.checks import quantity
+        from demlaws.units import quantity
 
         try:
             return quantity(text, kind, unit)

@@ -1154,7 +1154,7 @@ inline double eepa_energy(double overlap, double plastic) {
 // What the tangential stiffness K_t is the ratio of an elastic contact of (docs/shear.md).
 enum Shear { TANGENT_SHEAR = 0, ELASTIC_SHEAR = 1, LOADING_SHEAR = 2 };
 
-// What an engine warns of once where contacts with a history are sheared by the tangent (demlaws/checks.py).
+// What an engine warns of once where contacts with a history are sheared by the tangent (demlaws/units.py).
 static const char *const TANGENT_CREATES_ENERGY =
     "shear tangent: K_t falls whenever a contact goes on beyond its largest load, and closed cycles of shear and "
     "normal "

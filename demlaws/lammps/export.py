@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.contact import Contact
 from demlaws.core.unloading import RULES, Rule
 from demlaws.criterion import lowest_transition_load

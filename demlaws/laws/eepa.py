@@ -5,7 +5,7 @@ With n = 1 the model is Walton & Braun's of constant k2.
 
 from typing import NamedTuple
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.core.dispatch import bind, energy, parts, virgin
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap

@@ -2,7 +2,7 @@
 
 import math
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter, always
 from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare

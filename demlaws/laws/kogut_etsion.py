@@ -17,7 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap

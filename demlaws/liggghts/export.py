@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.advice.fit import fit
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.driver import force_controlled
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test, options_for

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks import number
+from demlaws.units import number
 from demlaws.core.fastmath import kernel, loop
 from demlaws.errors import DemlawsError, ValidityWarning
 

@@ -8,7 +8,7 @@ from numbers import Real
 
 import yade
 
-from demlaws.checks import CREATES_ENERGY
+from demlaws.units import CREATES_ENERGY
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.names import HERTZ

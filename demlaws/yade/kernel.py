@@ -14,7 +14,7 @@ from llvmlite import ir
 from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
-from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
 from demlaws.core.fastmath import INLINED, callback, cbrt, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient

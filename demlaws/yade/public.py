@@ -8,7 +8,7 @@ InteractionLoop are hidden from him, as the guard of the native way is (see `sce
 import numpy as np
 import yade
 
-from demlaws.checks import LARGEST_OVERLAP, SMALL_OVERLAP, too_large_overlap
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, too_large_overlap
 from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel

@@ -12,7 +12,7 @@ import yade
 from scipy.optimize import brentq
 from yade import utils
 
-from demlaws.checks import SMALL_OVERLAP
+from demlaws.units import SMALL_OVERLAP
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import O, set_engines

@@ -1,5 +1,5 @@
 // How far overlaps may go: a warning beyond SMALL_OVERLAP of the effective radius, no answer beyond LARGEST_OVERLAP of
-// it (both as in demlaws/checks.py), and no certified force beyond the last row of a table.
+// it (both as in demlaws/units.py), and no certified force beyond the last row of a table.
 #ifndef DEMLAWS_RANGE_H
 #define DEMLAWS_RANGE_H
 
