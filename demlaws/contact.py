@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.units import real
 from demlaws.errors import DemlawsError
+from demlaws.units import real
 
 LOWEST_HARDNESS = 1e-6
 """Hardness over effective modulus below which one of them is in another unit: 1e-4 of sodium is the softest solid's."""

@@ -16,8 +16,8 @@ import math
 
 import numpy as np
 
-from demlaws.units import number, real
 from demlaws.errors import DemlawsError
+from demlaws.units import number, real
 
 YIELD_RATIO = 0.6
 """p(0)/H_m at which the bulk begins to yield (Tabor)."""

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.contact import Contact
 from demlaws.core.cache import digest_of
 from demlaws.core.dispatch import bind
@@ -18,6 +17,7 @@ from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Option
+from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
 _OF_CONTACT = ("fractal_dimension", "hardness")

@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.units import number, real, whole
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.fastmath import loop
@@ -16,6 +15,7 @@ from demlaws.core.params import first_loading, loading_part
 from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Path
+from demlaws.units import number, real, whole
 
 
 def _points(turning_points, unit):

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.units import number, real, whole
 from demlaws.errors import DemlawsError
 from demlaws.soundness import fault_of_slope, fault_of_values
+from demlaws.units import number, real, whole
 
 _STEPS = (1e-2, 1e-3, 1e-4)  # of ln δ, tried in turn
 _AGREE = 1e-7  # of derivatives with one step and with twice that

@@ -14,7 +14,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.units import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
 from demlaws.contact import Contact
 from demlaws.core.curve import TableShape
 from demlaws.core.grid import quick_to_invert
@@ -24,6 +23,7 @@ from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.laws.registry import is_own
 from demlaws.soundness import refuse_unsound, refuse_unsound_rule
+from demlaws.units import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
 
 
 class State:

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number, real
 from demlaws.contact import Contact, Material
 from demlaws.criterion import (
     BAND,
@@ -31,6 +30,7 @@ from demlaws.criterion import (
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.definition import Conditions
 from demlaws.laws.registry import registry
+from demlaws.units import number, real
 
 __all__ = [
     "BAND",

@@ -13,18 +13,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from demlaws import checks
+from demlaws import units
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError
 from demlaws.files import as_path, read_text, write_atomically
 
-UNITS = {**checks.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
+UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
 
 
 def length(text, name="length"):
     """Metres from "0.5um", "5e-7" or a number. Raises DemlawsError for anything else."""
-    value = float(checks.real(text, name, "m"))
+    value = float(units.real(text, name, "m"))
     if not (math.isfinite(value) and value > 0):
         raise DemlawsError(f"{name} = {text!r}: a length must be positive")
     return value
@@ -44,7 +44,7 @@ class HeightMap:
 
     def __post_init__(self):
         try:
-            heights = np.asarray(checks.unmasked(self.heights))
+            heights = np.asarray(units.unmasked(self.heights))
             if heights.dtype.kind in "bcmM":  # truth values, complex numbers, dates
                 raise TypeError
             heights = np.ascontiguousarray(heights, dtype=float)
@@ -167,7 +167,7 @@ class HeightMap:
         width = length(width, "width")
         height = width if height is None else length(height, "height")
         whole = self.field_of_view
-        middle = checks.real((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
+        middle = units.real((0.5 * whole[0], 0.5 * whole[1]) if centre is None else centre, "centre", "m", array=True)
         if middle.shape != (2,) or not np.all(np.isfinite(middle)):
             raise DemlawsError(f"centre = {centre!r:.60}: give x and y in m")
         edges = []
@@ -228,7 +228,7 @@ class HeightMap:
 
         Plane removed and Hann window applied. Bins are even in log q and only those that hold a wavevector are returned.
         """
-        bins = checks.whole(bins, "bins", 1, 100_000)
+        bins = units.whole(bins, "bins", 1, 100_000)
         z = self.filled().without_form(1).heights
         rows, columns = z.shape
         # periodic Hann windows have mean square 3/8 exactly
@@ -350,7 +350,7 @@ def _wavelengths(given, shortest, longest):
         low, high = given
     except (TypeError, ValueError):
         raise DemlawsError(f"wavelengths = {given!r:.60}: give the shortest and the longest in m") from None
-    low, high = float(checks.real(low, "wavelengths", "m")), float(checks.real(high, "wavelengths", "m"))
+    low, high = float(units.real(low, "wavelengths", "m")), float(units.real(high, "wavelengths", "m"))
     if not 0.0 <= low < high:
         raise DemlawsError(f"wavelengths from {low:g} to {high:g} m: give the shortest and the longest, from 0 on")
     return low, high
@@ -510,12 +510,12 @@ def _read_text(path):
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
     for name, written, held in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
-        if written in esri and checks.real(esri[written], f"{path}: {written}") != held:
+        if written in esri and units.real(esri[written], f"{path}: {written}") != held:
             raise DemlawsError(
                 f"{path}: its header says {esri[written]} {name}, but there are {held}, one row a line: is it cut short?"
             )
     if "nodata_value" in esri:
-        heights[heights == float(checks.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
+        heights[heights == float(units.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
     if "cellsize" in esri:
         header["pixel"] = _pixel_pair(esri["cellsize"])
     elif "dx" in esri and "dy" in esri:
@@ -623,10 +623,10 @@ def self_affine(shape, pixel, hurst, roughness, seed, *, shortest=0.0, longest=m
     sides = shape if np.ndim(shape) else (shape, shape)
     if len(sides) != 2:
         raise DemlawsError(f"shape = {shape!r:.60}: give a number of pixels, or rows and columns")
-    rows, columns = (checks.whole(n, "shape", 4, 16384) for n in sides)
-    hurst = checks.number(hurst, "hurst", "", 0.0, 1.0)
-    roughness, anisotropy = checks.number(roughness, "roughness", "m"), checks.number(anisotropy, "anisotropy")
-    shortest = checks.number(shortest, "shortest", "m", allow_low=True)
+    rows, columns = (units.whole(n, "shape", 4, 16384) for n in sides)
+    hurst = units.number(hurst, "hurst", "", 0.0, 1.0)
+    roughness, anisotropy = units.number(roughness, "roughness", "m"), units.number(anisotropy, "anisotropy")
+    shortest = units.number(shortest, "shortest", "m", allow_low=True)
     longest = math.inf if isinstance(longest, float) and longest == math.inf else length(longest, "longest")
     pixel = length(pixel, "pixel")
     try:

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws import table_file
-from demlaws.units import SMALL_OVERLAP, check_overlaps, number
 from demlaws.contact import Contact
 from demlaws.core.curve import BulkYield
 from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes
@@ -44,6 +43,7 @@ from demlaws.laws.definition import Definition
 from demlaws.laws.registry import find, is_own, mark, registry
 from demlaws.soundness import refuse_unless_collapses
 from demlaws.table_file import UNLOADING, Rows
+from demlaws.units import SMALL_OVERLAP, check_overlaps, number
 
 
 class Source(NamedTuple):

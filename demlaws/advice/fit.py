@@ -16,7 +16,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.units import LARGEST_OVERLAP, number, unmasked
 from demlaws.contact import Contact
 from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
 from demlaws.core.params import loading_part
@@ -26,6 +25,7 @@ from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
+from demlaws.units import LARGEST_OVERLAP, number, unmasked
 
 ZERO = "zero"
 COMPLIANCE = "compliance"

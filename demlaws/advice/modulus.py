@@ -23,13 +23,13 @@ import numpy as np
 
 from demlaws.advice.scene import PROCESSES, Scene, stable_step, way_back
 from demlaws.advice.soften import Softening, soften
-from demlaws.units import number
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.materials import DENSITY
+from demlaws.units import number
 
 STIFFNESS = ("low", "loading", "unloading")
 MEASURED: dict[str, dict[str, tuple]] = {

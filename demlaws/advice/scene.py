@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.advice.fit import Fit
-from demlaws.units import number, real
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, NotPassive
@@ -20,6 +19,7 @@ from demlaws.make import law as bind_law
 from demlaws.make import rule_and_curve
 from demlaws.materials import DENSITY
 from demlaws.measure.errors import QUANTITIES, Sample
+from demlaws.units import number, real
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
 PROCESSES = ("oedometer", "shear", "pour")

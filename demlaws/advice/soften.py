@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
@@ -22,6 +21,7 @@ from demlaws.laws.registry import find, registry
 from demlaws.make import joined
 from demlaws.make import law as bind_law
 from demlaws.table import Table
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
 
 EXPONENTS = {
     Material: {"young": -1.0, "poisson": 0.0, "hardness": PRESSURE, "density": 0.0},

@@ -32,10 +32,10 @@ def whole(low=1, high=10_000_000):
     """A whole number from `low` to `high`; 1e5 is one, too."""
 
     def convert(text):
-        from demlaws import checks
+        from demlaws import units
 
         try:
-            return checks.whole(checks.quantity(text, "this"), "this", low, high)
+            return units.whole(units.quantity(text, "this"), "this", low, high)
         except DemlawsError as error:
             raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
 

@@ -131,12 +131,12 @@ def _scenes(arguments):
 
     from tqdm import tqdm
 
-    from demlaws import checks, granite, plots
+    from demlaws import granite, plots, units
     from demlaws.measure import candidates, packings, trade
     from demlaws.plots import choose as plots_choose
 
     setup = packings.QUICK if arguments.quick else packings.Setup()
-    setup = replace(setup, stress=checks.number(arguments.stress, "stress", "Pa", 1e4, 1e8, allow_low=True))
+    setup = replace(setup, stress=units.number(arguments.stress, "stress", "Pa", 1e4, 1e8, allow_low=True))
     found = {}
     for engine in trade.installed(arguments.scene):
         with tqdm(total=len(candidates.ways(engine)), desc=engine, leave=False, disable=None) as bar:

@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
-from demlaws.units import number
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
@@ -20,6 +19,7 @@ from demlaws.laws.registry import find
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
+from demlaws.units import number
 
 
 class Models(NamedTuple):

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.curve import Grid
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
@@ -22,6 +21,7 @@ from demlaws.laws.definition import Definition, Limit, Option, bulk_yield, plast
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
+from demlaws.units import number
 
 _BITS = 6  # cells an octave
 _SAMPLES = 12  # cuts of the map an octave

@@ -5,11 +5,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.laws.definition import HARDNESS, ROUGHNESS, Definition, Limit, Option, plastic_asperities
+from demlaws.units import number
 
 _JOINT = 0.47
 CONTINUOUS = 1.5975731915314553

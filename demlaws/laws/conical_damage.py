@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
@@ -19,6 +18,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import LENGTH, PRESSURE, Definition, Limit, Option, Parameter, elastic_bulk, power_of
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE_YIELD_PRESSURE
+from demlaws.units import number
 
 
 class ConicalDamageShape(NamedTuple):

@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.contact import Contact
 from demlaws.core.unloading import RULES, Rule
 from demlaws.criterion import lowest_transition_load
 from demlaws.errors import DemlawsError
+from demlaws.units import number
 
 
 class Limit(NamedTuple):

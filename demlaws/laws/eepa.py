@@ -5,7 +5,6 @@ With n = 1 the model is Walton & Braun's of constant k2.
 
 from typing import NamedTuple
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind, energy, parts, virgin
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
@@ -14,6 +13,7 @@ from demlaws.core.unloading import Rule, own_rule
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended, from_hertz
+from demlaws.units import number
 
 
 class EepaShape(NamedTuple):

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.curve import Grid, TableShape, invert_curve, read_curve, scale_table
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
@@ -19,6 +18,7 @@ from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
 from demlaws.laws.hertz import HertzShape
+from demlaws.units import number
 
 SEATING_LOAD = 0.02
 """Default seating load [N]: the resolution of the load cell of the granite tests."""

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
@@ -13,6 +12,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Option, Parameter, slope_softens
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
+from demlaws.units import number
 
 _RATIO = 4.0 / 3.0  # δ*/δ_H(P*): a cone's overlap over Hertz's at the load where they have one stiffness
 

@@ -2,10 +2,10 @@
 
 import math
 
-from demlaws.units import number
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter, always
 from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
+from demlaws.units import number
 
 _MODEL = "greenwood-tripp"
 MU = 4.0

@@ -13,7 +13,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
@@ -22,6 +21,7 @@ from demlaws.laws.definition import Definition, no_limits
 from demlaws.laws.etsion import ETSION, NOT_THORNTON
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION, advise_smooth
+from demlaws.units import number
 
 _LOG2_E = 1.4426950408889634
 _YIELD = 1.9  # ω/ω_c from which the contact radius is no longer Hertz's

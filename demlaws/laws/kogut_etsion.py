@@ -17,7 +17,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
@@ -25,6 +24,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import PRESSURE, Definition, Limit, Option, Parameter
 from demlaws.laws.etsion import ETSION, NOT_THORNTON
 from demlaws.laws.extended import PI, extended, from_hertz
+from demlaws.units import number
 
 _FACTOR1, _POWER1, _FACTOR2, _POWER2 = 1.03, 1.425, 1.40, 1.263
 _AREA, _AREA_POWER = 0.94, 1.146

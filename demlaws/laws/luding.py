@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
@@ -16,6 +15,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import LENGTH, STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
+from demlaws.units import number
 
 
 class LudingShape(NamedTuple):

@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
@@ -14,6 +13,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, STIFFNESS, Definition, Option, Parameter
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
+from demlaws.units import number
 
 
 class RoughPlasticShape(NamedTuple):

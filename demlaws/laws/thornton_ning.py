@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
@@ -15,6 +14,7 @@ from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
 from demlaws.materials import GRANITE_YIELD_PRESSURE
+from demlaws.units import number
 
 
 class ThorntonNingShape(NamedTuple):

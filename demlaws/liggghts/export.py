@@ -13,7 +13,6 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
-from demlaws.units import number
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -22,6 +21,7 @@ from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
+from demlaws.units import number
 
 
 @dataclass(frozen=True)

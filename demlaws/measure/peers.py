@@ -7,7 +7,6 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.advice.fit import fit
-from demlaws.units import number
 from demlaws.driver import force_controlled
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test, options_for
@@ -19,6 +18,7 @@ from demlaws.materials import DENSITY, GRANITE
 from demlaws.measure.candidates import CDM, RICHEST, SURFACE, Way
 from demlaws.measure.costs import plugin_costs, under_yade, yade_costs
 from demlaws.measure.errors import FRACTIONS, Loaded, Sample, error_of
+from demlaws.units import number
 
 GRANITE_CONTACT = find_test("SS(18-18)").contact
 CDM_STRENGTHS = (0.3, 0.5, 1.0, 2.0, 4.0)  # sigmaMax over the yield pressure

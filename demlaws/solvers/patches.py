@@ -21,9 +21,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.units import number
 from demlaws.core.fastmath import kernel, loop
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.units import number
 
 ELASTIC, ELASTIC_PLASTIC, PLASTIC = 0, 1, 2
 STATES = ("elastic", "elastic-plastic", "plastic")

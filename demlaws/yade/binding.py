@@ -9,8 +9,8 @@ import numpy as np
 import yade
 import yade.utils
 
-from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.yade import kernel, native
 from demlaws.yade.contacts import Totals, is_ours, real_contacts, rows_of, state_of
 from demlaws.yade.pairs import FLATS, NOT_SERVED, Pairs

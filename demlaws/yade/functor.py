@@ -8,10 +8,10 @@ from numbers import Real
 
 import yade
 
-from demlaws.units import CREATES_ENERGY
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.names import HERTZ
+from demlaws.units import CREATES_ENERGY
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span

@@ -14,7 +14,6 @@ from llvmlite import ir
 from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
 from demlaws.core.fastmath import INLINED, callback, cbrt, from_bits, kernel, loop
 from demlaws.core.hertz import hertz_coefficient
@@ -22,6 +21,7 @@ from demlaws.core.params import clamped_roughness
 from demlaws.core.shear import CHOICES, shear_stiffness
 from demlaws.core.unloading import without_own
 from demlaws.laws.hertz import HertzParams, HertzShape
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
 
 # Words of the context.
 GO = 0  # the native function that applies the forces

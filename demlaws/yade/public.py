@@ -8,9 +8,9 @@ InteractionLoop are hidden from him, as the guard of the native way is (see `sce
 import numpy as np
 import yade
 
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, too_large_overlap
 from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, too_large_overlap
 from demlaws.yade import kernel
 from demlaws.yade.contacts import is_ours, rows_of, write_history
 from demlaws.yade.pairs import NOT_SERVED

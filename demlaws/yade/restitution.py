@@ -12,8 +12,8 @@ import yade
 from scipy.optimize import brentq
 from yade import utils
 
-from demlaws.units import SMALL_OVERLAP
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.units import SMALL_OVERLAP
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import O, set_engines
 

@@ -9,11 +9,11 @@ import pytest
 from inputs_for_lammps import MINDLIN, continued, modulus, save, simulate, two_spheres
 
 import demlaws as dl
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, large_overlap
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import SOURCES
 from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import command, read_log
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, large_overlap
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
