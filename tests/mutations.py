@@ -363,7 +363,8 @@ MUTATIONS = (
         "rule hertz keeps its state after separation",
         "*.py",
         "1.5 * root if overlap <= 0.0: "
-        "force, stiffness, maximum, plastic = <<0.0, 0.0, 0.0, 0.0 -> 0.0, 0.0, maximum, plastic>> return force, stiffness, (maximum, plastic) @kernel def _hertz_energy",
+        "force, stiffness, maximum, plastic = <<0.0, 0.0, 0.0, 0.0 -> 0.0, 0.0, maximum, plastic>> "
+        "return force, stiffness, (maximum, plastic) @kernel def _hertz_energy",
         tests=UNLOADING,
     ),
     _m(
