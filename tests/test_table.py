@@ -480,20 +480,6 @@ def test_collapses_is_what_the_file_says(said, tmp_path):
     assert "lack 'collapses'" in refuse(tmp_path / "b.tbl", sealed(without))[1]
 
 
-def marked(lines):
-    """A file of these lines with check marks that fit: what a program that writes tables wrongly would write."""
-    data = lines[0] + b"\n"
-    for line in lines[1:]:
-        data += line
-        data += b" %08x\n" % zlib.crc32(data)
-    return data
-
-
-def bodies():
-    first, *rest = small_file().splitlines()
-    return [first, *(line.rpartition(b" ")[0] for line in rest)]
-
-
 def test_missing_file_and_folder(tmp_path):
     with pytest.raises(dl.DemlawsError, match=r"cannot read table .*No such file"):
         dl.Table.load(tmp_path / "none.tbl")
