@@ -73,7 +73,7 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
     import numba
 
     from demlaws.core.dispatch import scale
-    from demlaws.yade import kernel
+    from demlaws.yade import memory
 
     radius = [4e-3, 5e-3] if form == "family" else 4e-3
     contact = dl.Contact(radius, 32e9, 2.4e-6, 2.22, 6.3e9)
@@ -82,11 +82,11 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
         law = law.tabulate(1e-3, 100.0)
     for radius in (4e-3, 4.7e-3):
         p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
-        fields = kernel.fields_of(numba.typeof(p), numba.typeof(law.shape))
-        values = kernel.pack(law.shape, [])
+        fields = memory.fields_of(numba.typeof(p), numba.typeof(law.shape))
+        values = memory.pack(law.shape, [])
         for field, kind, place in fields:
             if place is not None:
-                words = kernel.pack(getattr(p, field), [])
+                words = memory.pack(getattr(p, field), [])
                 assert words == values[place // 8 : place // 8 + len(words)], f"{field}: {kind}"
 
 
@@ -263,7 +263,7 @@ def test_bodies_come_and_go(omega):
     import yade
     from yade.utils import sphere
 
-    from demlaws.yade import kernel
+    from demlaws.yade import memory
 
     law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
     attachment = law.binding.attachment
