@@ -110,10 +110,10 @@ def set_visible(engines):
     for label, functor in old.items():
         if label not in laws or laws[label].binding is not functor.binding:
             functor.binding.leave()
+    if laws and token_here() is None:
+        O.tags[TOKEN] = uuid.uuid4().hex
     for functor in laws.values():
         if functor.binding.scene != token_here():
-            if token_here() is None:
-                O.tags[TOKEN] = uuid.uuid4().hex
             functor.binding.enter(token_here())
         functor.binding.watched_by(functor.binding.runner)
         _warn(functor.binding.bound_steppers(engines))
@@ -283,7 +283,7 @@ class as_saved:
                 self.kept.append((dispatcher, list(dispatcher.functors)))
         self.runners = [(engine, engine.nDone) for engine in get_engines() if _runs(engine, GUARD_COMMAND)]
         for dispatcher, listed in self.kept:
-            dispatcher.functors = [_placeholder(f.label) if is_ours(f) else f for f in listed]
+            dispatcher.functors = [_placeholder(label=f.label) if is_ours(f) else f for f in listed]
         for runner, _ in self.runners:
             runner.nDone = 0
 
