@@ -8,7 +8,8 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
-from numba.np.arrayobj import populate_array
+
+from demlaws.core.numba_compat import populate_array
 
 WORD, DOUBLE, BYTE = ir.IntType(64), ir.DoubleType(), ir.IntType(8)
 
