@@ -48,19 +48,18 @@ def test_every_law_has_one_file():
 
 
 def test_laws_are_meant_by_name_in_one_file():
-    """Outside laws/ a law's name is one of laws/names.py; the same words stand for sources, solvers' models and titles, too."""
+    """Outside laws/ a law's name is one of laws/names.py; the same words stand for solvers' models, too."""
     written = {value for name, value in vars(names).items() if name.isupper()}
     assert written <= set(demlaws.laws())
     shared = {*RULES, "hertz", "eepa"}  # rules, and what engines call their own models
-    others = {"solvers/axisymmetric.py": "models", "validation/published.py": "sources", "validation/row.py": "sources"}
-    titles = {("cli/trade.py", "rms"), ("measure/peers.py", "rms")}
+    others = {"solvers/axisymmetric.py": "models"}
     found = set()
     for path in PACKAGE.rglob("*.py"):
         where = path.relative_to(PACKAGE).as_posix()
         if not where.startswith("laws/") and where not in others:
             constants = [node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)]
             found |= {(where, one) for one in constants if isinstance(one, str) and one in written - shared}
-    assert found <= titles, "say it with demlaws.laws.names"
+    assert not found, "say it with demlaws.laws.names"
 
 
 def test_only_the_shell_knows_plots_and_engines():
@@ -68,7 +67,7 @@ def test_only_the_shell_knows_plots_and_engines():
     heavy = {"scipy", "matplotlib", "tqdm", "pandas", "yade", "liggghts", "SurfaceTopography", "mpmath", "pytest"}
     for path in PACKAGE.rglob("*.py"):
         where = path.relative_to(PACKAGE).as_posix()
-        if where.startswith(("plots/", "yade/", "liggghts/", "measure/", "validation/in_")):
+        if where.startswith(("plots/", "yade/", "liggghts/")):
             continue
         at_import = {module.partition(".")[0] for module, top in imports_anywhere(path) if top}
         assert not at_import & heavy, f"{where} imports {at_import & heavy} when it is imported"
@@ -98,10 +97,10 @@ FLOORS = (
     "joining driver",
     "table",
     "make",
-    "granite yade liggghts lammps",
+    "checks granite yade liggghts lammps",
     "claims measure advice",
     "plots",
-    "cli validation",
+    "cli",
     "__init__ __main__",
 )
 """The house from the ground up: a room uses its own floor and those below."""
@@ -112,13 +111,9 @@ UPWARD = {
     ("liggghts/export.py", "__init__"): "the version",
     ("lammps/build.py", "__init__"): "the version",
     ("lammps/export.py", "__init__"): "the version",
-    ("validation/report.py", "__init__"): "the version",
     ("cli/__init__.py", "__init__"): "the version",
     ("yade/run.py", "__init__"): "the folder that YADE is to find",
     ("yade/check.py", "__init__"): "run by YADE as a user's script is",
-    ("measure/yade_cost.py", "__init__"): "run by YADE as a user's script is",
-    ("measure/yade_oedometer.py", "__init__"): "run by YADE as a user's script is",
-    ("validation/in_yade.py", "__init__"): "run by YADE as a user's script is",
 }
 
 
@@ -144,15 +139,10 @@ def test_arrows_go_one_way():
     assert upward == set(UPWARD)
 
 
-def test_advice_and_measure_do_not_go_round():
-    """Both stand on one floor: what measures uses the fits; what chooses uses what was measured."""
-    used = {file: set() for file in ("advice/fit.py", "advice/soften.py")}
-    for file, modules in used.items():
-        modules |= {module for module, _ in imports_anywhere(PACKAGE / file)}
-    assert not any(module.startswith("demlaws.measure") for modules in used.values() for module in modules)
-    for path in (PACKAGE / "measure").glob("*.py"):
-        advice = {module for module, _ in imports_anywhere(path) if module.startswith("demlaws.advice")}
-        assert advice <= {"demlaws.advice.fit", "demlaws.advice.soften"}, path.name
+def test_the_package_imports_no_study():
+    """Studies are not in the wheel; what the package needs of them is kept in advice/kept.json."""
+    for path in PACKAGE.rglob("*.py"):
+        assert not [module for module, _ in imports_anywhere(path) if module.partition(".")[0] == "studies"], path.name
 
 
 def test_no_engine_knows_another():
@@ -174,7 +164,7 @@ def missing(path):
     """Names that a file takes from modules of the package, by import or by a dot, and that are not there."""
     tree, modules = ast.parse(path.read_text()), {}
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("demlaws"):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(OURS):
             home = None if node.module.startswith(UNDER_YADE) else importlib.import_module(node.module)
             for alias in node.names if home else ():
                 one = f"{node.module}.{alias.name}"
@@ -183,7 +173,7 @@ def missing(path):
                 elif inspect.ismodule(value := getattr(home, alias.name)):
                     modules[alias.asname or alias.name] = value
         elif isinstance(node, ast.Import):
-            ours = [alias for alias in node.names if alias.name.startswith("demlaws") and not alias.name.startswith(UNDER_YADE)]
+            ours = [alias for alias in node.names if alias.name.startswith(OURS) and not alias.name.startswith(UNDER_YADE)]
             modules |= {alias.asname: module_of(alias.name) for alias in ours if alias.asname}
     bound = {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
     bound |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
@@ -194,7 +184,12 @@ def missing(path):
                 yield f"{module.__name__}.{node.attr}"
 
 
-UNDER_YADE = ("demlaws.yade", "demlaws.measure.yade_", "demlaws.validation.in_yade")
+OURS = ("demlaws", "studies")
+UNDER_YADE = (
+    "demlaws.yade",
+    *(f"studies.{study}.yade_" for study in ("costs", "extremes", "trade", "softening")),
+    "studies.validation.in_yade",
+)
 """What imports YADE when it is imported."""
 
 
@@ -202,6 +197,7 @@ def test_what_runs_seldom_uses_what_is_there():
     """Benchmarks, scripts, imports inside functions: a name that moved is missed here, not when it is wanted."""
     places = (
         "demlaws",
+        "studies",
         "yade_scripts",
         "liggghts_inputs",
         "lammps_inputs",

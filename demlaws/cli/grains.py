@@ -2,7 +2,6 @@
 
 from demlaws.cli import option
 from demlaws.cli.arguments import density, law_name, length, plain, pressure, whole
-from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import USUAL
 
@@ -33,7 +32,6 @@ def grain_arguments(export):
     ):
         shown = "" if default == [None] else f" (default {default[0]:g})"
         export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one a type{shown}")
-    export.add_argument("--roughness", action=Refused, remedy="give --sq, the rms roughness of each grain's own surface")
     export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)g)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 

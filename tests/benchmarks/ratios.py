@@ -122,9 +122,9 @@ def start(contacts, rounds):
 def surfaces(contacts, rounds):
     from scipy import ndimage
 
-    from demlaws.regime import published_contact
     from demlaws.solvers.patches import RoughContact
     from demlaws.surface import self_affine
+    from studies.jamari.published import published_contact
 
     found = {}
     for size in (1024, 2048):
@@ -141,30 +141,8 @@ def surfaces(contacts, rounds):
     return found
 
 
-def choose(contacts, rounds):
-    from demlaws.granite import GRANITE
-    from demlaws.measure.timing import nanoseconds
-
-    found = {}
-    for name, given in {
-        "force, monotonic": {},
-        "stiffness, cyclic": {"cyclic": True, "quantity": "stiffness"},
-        "stiffness, tight": {"tolerance": 1e-6, "quantity": "stiffness"},
-    }.items():
-        choices = dl.choose(dl.Scene((5e-3, 2e-2), GRANITE, dl.Surface(1.7e-6, 2.22), force=(1.0, 100.0), **given))
-        met = {c.plan: c for c in choices if c.meets}
-        taken = {plan: [] for plan in met}
-        for _ in range(max(4, rounds)):
-            again, _ = nanoseconds({plan: c.batch() for plan, c in met.items()}, rounds=5)
-            for plan, ns in again.items():
-                taken[plan].append(ns / met[plan].step_factor)
-        least = min(taken.values(), key=min)
-        found[f"first choice / cheapest, {name}"] = ratio_of(taken[choices.best.plan], least, 1.10)
-    return found
-
-
 def _engine(engine, quick_rounds):
-    from demlaws.measure import trade
+    from studies.trade import trade
 
     runs = [trade.engine_trade(engine, quick=True) for _ in range(quick_rounds)]
     found = {}
@@ -182,7 +160,7 @@ def liggghts(contacts, rounds):
     return _engine("liggghts", 2)
 
 
-PARTS = {function.__name__: function for function in (kernels, start, surfaces, choose, yade, liggghts)}
+PARTS = {function.__name__: function for function in (kernels, start, surfaces, yade, liggghts)}
 
 
 # --- what is kept
