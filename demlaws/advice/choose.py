@@ -5,7 +5,6 @@ candidate's error over the scene's contacts and loads, and ranks those within th
 Errors are those against the reference; how well that describes the grains is `demlaws fit`'s question.
 """
 
-import importlib
 import inspect
 import math
 import os
@@ -102,8 +101,10 @@ class Choice:
     def export(self, folder: str | os.PathLike) -> Path:
         """Write a case for LIGGGHTS, or LAMMPS where that is the scene's engine: this law for every kind and size of grain of
         the scene, with all the tables it needs."""
-        engine = "lammps" if self.scene.engine == "lammps" else "liggghts"
-        export = importlib.import_module(f"demlaws.{engine}.export").export
+        from demlaws.lammps.export import export as to_lammps
+        from demlaws.liggghts.export import export as to_liggghts
+
+        engine, export = ("lammps", to_lammps) if self.scene.engine == "lammps" else ("liggghts", to_liggghts)
         own = self.evaluation != "table"  # a law that the engine has itself
         options = {"stock": find(self.name).native[engine]} if own else {"rtol": self.plan.rtol}
         return export(

@@ -6,7 +6,7 @@ from numba.extending import overload
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, virgin
-from demlaws.core.fastmath import loop
+from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import Given, rule_of
 
 

@@ -21,8 +21,8 @@ COMMANDS = {
     "choose": ("choose", "the cheapest law that a scene allows"),
     "soften": ("soften", "softer grains that stay on their branch, for longer steps"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
-    "liggghts": ("liggghts", "the laws inside LIGGGHTS: build, check, export, run"),
-    "lammps": ("lammps", "the laws inside LAMMPS: build, check, export, run"),
+    "liggghts": ("engine", "the laws inside LIGGGHTS: build, check, export, run"),
+    "lammps": ("engine", "the laws inside LAMMPS: build, check, export, run"),
 }
 """Command → the file of this folder that brings it, and its line of `demlaws --help`, which loads none of them."""
 

@@ -15,7 +15,7 @@ from demlaws.checks.paths import finite_loop, path_loop
 from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
-from demlaws.core.fastmath import loop
+from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact, impact_loop, timestep
