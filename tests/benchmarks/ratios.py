@@ -1,4 +1,4 @@
-"""What `make bench` watches over: ratios of interleaved timings, compared with those that were kept.
+"""Ratios of interleaved timings, compared with the stored ones: `make bench`.
 
     python tests/benchmarks/ratios.py [--only kernels start ...] [--keep] [--contacts 4e6] [--rounds 9]
 
@@ -10,7 +10,6 @@ above its goal as a miss. Nothing here fails: the suite has no timing in it.
 kernels   `law.evaluate` over a copy kernel on the same arrays (bench_batch.py): virgin contacts, and a random mixture
 start     `import demlaws` over `import numba`; `demlaws --help` over an argparse program's help; user and system time
 surfaces  a load step of a measured map over scipy.ndimage.label of the same map
-choose    cost of the law that `choose` ranks first over the cheapest that meets the tolerance, timed again
 yade, liggghts   a step with our laws over the engine's own Hertz, per contact
 """
 
