@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import Scene, samples, stable_step, way_back
+from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
@@ -254,7 +254,7 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
-    back = way_back(scene, definition.name, options)
+    back = unloading_rule(scene, definition.name, options)
     if isinstance(back, Law):
         return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=back)
     return Plan(definition.name, tuple(options.items()), definition.rule(back).name, "closed form")

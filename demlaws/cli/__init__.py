@@ -20,6 +20,7 @@ COMMANDS = {
     "fit": ("fit", "fit laws to measured points and rank them"),
     "choose": ("choose", "the cheapest law that a scene allows"),
     "soften": ("soften", "softer grains that stay on their branch, for longer steps"),
+    "timestep": ("timestep", "the largest stable step of a snapshot's contacts"),
     "stability": ("stability", "measure every law at the extremes"),
     "trade": ("trade", "measure cost against error of every law and evaluation"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),

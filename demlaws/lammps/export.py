@@ -11,7 +11,6 @@ from typing import NamedTuple
 import numpy as np
 
 import demlaws
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
@@ -19,6 +18,7 @@ from demlaws.laws.registry import find
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
+from demlaws.timestep import timestep
 from demlaws.units import number
 
 
@@ -174,8 +174,9 @@ def export(
         said = models(folder, law, grains, unloading, options, rtol, restitution, friction)
     contacts = [g.contact(g) for g in grains]
     bound = [make_law(law, c, unloading=rebound(unloading, c), **options) for c in contacts]
-    # a grain has several contacts in one direction: a tenth of the single-contact limit
-    step = 0.1 * min(timestep(one, 0.5 * g.mass, load) for one, g in zip(bound, grains, strict=True))
+    # grains have several contacts, and fall on each other: a tenth of the step for two grains without friction
+    steps = [timestep(one, g.mass, load, other_mass=g.mass, shear_ratio=0.0) for one, g in zip(bound, grains, strict=True)]
+    step = 0.1 * min(steps)
     types, radii, centres, (side, height) = loose(grains, count)
     densities = [DENSITY if g.material.density is None else g.material.density for g in grains]
     margin = 0.1 * max(radii)

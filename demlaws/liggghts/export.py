@@ -14,13 +14,13 @@ import numpy as np
 
 import demlaws
 from demlaws.contact import Contact, Material, Surface
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
+from demlaws.timestep import timestep
 from demlaws.units import number
 
 
@@ -267,8 +267,9 @@ _GRAVITY = 9.81  # [m/s²]
 def _render(case, model):
     """in.case."""
     grains, n, types = case.grains, len(case.grains), case.wall_type
-    # a grain has several contacts in one direction: a tenth of the single-contact limit
-    step = 0.1 * min(timestep(case.bound(g.contact(g)), 0.5 * g.mass, case.load) for g in grains)
+    # grains have several contacts, and fall on each other: a tenth of the step for two grains without friction
+    steps = [timestep(case.bound(g.contact(g)), g.mass, case.load, other_mass=g.mass, shear_ratio=0.0) for g in grains]
+    step = 0.1 * min(steps)
     step = float(f"{step:.1e}")
     largest = max(g.radius for g in grains)
     volume = case.count / n * sum(4.0 / 3.0 * math.pi * g.radius**3 for g in grains)

@@ -16,7 +16,6 @@ import numpy as np
 
 from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS
 from demlaws.liggghts.export import Grain
@@ -25,6 +24,7 @@ from demlaws.materials import DENSITY
 from demlaws.measure import packings
 from demlaws.measure.candidates import GRANITE, RADII, SURFACE
 from demlaws.measure.packings import SHAKEN, slope
+from demlaws.timestep import timestep
 
 KEPT = Path(__file__).with_name("softening.jsonl")
 """The rows of the study that this version of demlaws is advised by."""
@@ -98,7 +98,8 @@ class Run(NamedTuple):
         grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
         mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
         hertz = bind_law(HERTZ, grain.contact(grain))
-        return timestep(hertz, grain.mass, 10.0 * mean) / math.sqrt(3.0) * Softening(self.factor).step
+        single = timestep(hertz, grain.mass, 10.0 * mean, other_mass=math.inf, shear_ratio=0.0)
+        return single / math.sqrt(3.0) * Softening(self.factor).step
 
     @property
     def depth(self) -> float:

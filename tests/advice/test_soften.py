@@ -11,7 +11,7 @@ from examples import CONTACTS, GRANITE, make, overlaps, pairs, quiet, shared, te
 import demlaws as dl
 from demlaws.advice.soften import EXPONENTS, Softening
 from demlaws.core.unloading import GIVEN
-from demlaws.driver import timestep
+from demlaws.timestep import timestep
 from demlaws.laws.definition import Option
 from demlaws.laws.registry import find, registry
 from demlaws.liggghts.export import Case, Grain
