@@ -129,7 +129,7 @@ def timestep(
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s in a packing")
-    7.55e-06 s in a packing
+    7.54e-06 s in a packing
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0, other_mass=0.01, shear_ratio=0.0):.3g} s for two of them")
     3.08e-05 s for two of them
     """

@@ -87,7 +87,9 @@ def test_time_step_where_the_tangent_falls():
         assert dl.timestep(law, 0.01, float(law.force(end)), **SINGLE) == pytest.approx(expected, rel=1e-8)
     curved = example("conical-damage", GRANITE, "table")  # back along such a curve: 1.22 of the stable step with 0.8 of 2/ω
     force = float(curved.force(share))
-    assert dl.timestep(curved, 0.01, force, **SINGLE) == pytest.approx(1.12 * math.sqrt(0.01 / stiffest(curved, force)), rel=1e-12)
+    assert dl.timestep(curved, 0.01, force, **SINGLE) == pytest.approx(
+        1.12 * math.sqrt(0.01 / stiffest(curved, force)), rel=1e-12
+    )
     lossy = example("conical-damage", GRANITE, "thornton")  # nothing grows: below
     force = float(lossy.force(share))
     assert dl.timestep(lossy, 0.01, force, **SINGLE) == pytest.approx(1.6 * math.sqrt(0.01 / stiffest(lossy, force)), rel=1e-12)
