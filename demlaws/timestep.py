@@ -32,7 +32,7 @@ from demlaws.units import number
 
 STEP_SAFETY = 0.8
 """Safety factor on the limit: at √3/2 of it (three steps per period) velocity Verlet is in resonance with any curved force law,
-Hertz's included, and oscillations of finite size grow (measured by `demlaws stability`)."""
+Hertz's included, and oscillations of finite size grow (measured by `python -m studies.extremes`)."""
 SOFTENING_SAFETY = 0.56
 """The same for a curve without loss whose tangent falls at some overlap (`conical-damage`, with "elastic" unloading or as the
 unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get rarer
