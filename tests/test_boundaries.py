@@ -224,7 +224,7 @@ FLOORS = (
     "solvers",
     "laws",
     "law regime table_file defined",
-    "joining driver",
+    "joining driver timestep",
     "table",
     "make",
     "engines grains",
