@@ -259,7 +259,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
 
 STEP_SAFETY = 0.8
 """Part of 2/ω that is promised: at √3/2 of it (three steps a period) velocity Verlet is in resonance with any curved
-force law, Hertz's too, and oscillations of finite size grow (measured by `demlaws stability`)."""
+force law, Hertz's too, and oscillations of finite size grow (measured by `python -m studies.extremes`)."""
 SOFTENING_SAFETY = 0.56
 """The same of a curve without loss whose tangent jumps down at some overlap (`conical-damage`, with "elastic" unloading or as
 the unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get

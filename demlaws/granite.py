@@ -4,8 +4,6 @@ No measured point of these tests is public; a user's can be laid over them (`rea
 held against the runs in `claims`.
 """
 
-import csv
-import io
 import math
 import re
 import warnings
@@ -16,7 +14,7 @@ import numpy as np
 from demlaws import driver
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
-from demlaws.files import write_atomically
+from demlaws.files import save_csv
 from demlaws.law import Path
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
@@ -322,15 +320,6 @@ def effective_radius(alpha):
 
 
 # --- files
-
-
-def save_csv(path, titles, rows):
-    """Write a CSV file."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(titles)
-    writer.writerows([[f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows])
-    return write_atomically(path, text.getvalue())
 
 
 def save_path(path, curve: Path):

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from demlaws import claims, granite
-from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED, granite_claims, jamari_claims
+from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED, granite_claims
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.points import Points
+from studies.jamari.claims import jamari_claims
 
 
 @pytest.fixture(autouse=True)

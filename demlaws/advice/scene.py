@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.advice.errors import QUANTITIES, Sample
 from demlaws.advice.fit import Fit
 from demlaws.contact import Contact, Material, Surface
 from demlaws.driver import timestep
@@ -18,7 +19,6 @@ from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
 from demlaws.make import rule_and_curve
 from demlaws.materials import DENSITY
-from demlaws.measure.errors import QUANTITIES, Sample
 from demlaws.units import number, real
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
@@ -294,7 +294,7 @@ def _entry(kind, entry, where):
 
 def _fit_measured(scene, measured, path):
     from demlaws.advice.fit import fit
-    from demlaws.granite import read_points
+    from demlaws.points import read_points
 
     unknown = set(measured if isinstance(measured, dict) else ["measured"]) - {"points", "radius", "laws", "free", "unloading"}
     if unknown or "points" not in measured or "radius" not in measured:

@@ -9,6 +9,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import figures, law_name
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.files import save_csv
 from demlaws.laws.names import HERTZ, POHRT_POPOV
 
 
@@ -274,11 +275,11 @@ def write_csv(out, tests, runs, notes, found):
                     "stiffness at maximum (N/m)",
                     "plastic overlap (m)",
                 ]
-                files.append(granite.save_csv(out / f"{test.key}-{result.law.name}-cycles.csv", titles, rows))
+                files.append(save_csv(out / f"{test.key}-{result.law.name}-cycles.csv", titles, rows))
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
-    files.append(granite.save_csv(out / "summary.csv", titles, summary))
+    files.append(save_csv(out / "summary.csv", titles, summary))
     if found:
-        files.append(granite.save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], [list(c) for c in found]))
+        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], [list(c) for c in found]))
     return files
 
 

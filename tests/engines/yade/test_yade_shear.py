@@ -107,9 +107,9 @@ def test_no_choice_returns_more_than_mindlin(omega, name, rule, way):
 @pytest.mark.slow
 def test_small_strain_shear_modulus_of_an_array(omega):
     """C44 of FCC and its exponent of pressure against the lattice sum."""
-    from demlaws.validation import in_yade
-    from demlaws.validation.engines import shear_modulus
-    from demlaws.validation.jobs import shear_jobs
+    from studies.validation import in_yade
+    from studies.validation.engines import shear_modulus
+    from studies.validation.jobs import shear_jobs
 
     exponents = {}
     jobs = shear_jobs(peaks=(2e-5, 4e-5, 8e-5), steps=60)
