@@ -388,19 +388,10 @@ def _suspicions(best, one, contact, displacement):
     if best.law.definition.solved or not float(np.sum(left[1:] * left[:-1])) > 1.7 / math.sqrt(left.size) * spread > 0.0:
         return
     varied = [name for name in best.coordinates if name != ZERO]
+    given = f"speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa"
     hints = {
-        "modulus": (
-            1e-9,
-            "GPa",
-            f"speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa: with",
-            "fit the modulus, too",
-        ),
-        COMPLIANCE: (
-            1e6,
-            "µm/N",
-            "an apparatus makes that gives way: with",
-            "measure the compliance and give it, or fit it, too",
-        ),
+        "modulus": (1e-9, "GPa", given, "fit the modulus, too"),
+        COMPLIANCE: (1e6, "µm/N", "an apparatus makes that gives way", "measure the compliance and give it, or fit it, too"),
     }
     for name, (unit, symbol, meaning, remedy) in hints.items():
         if name in varied:
@@ -409,11 +400,11 @@ def _suspicions(best, one, contact, displacement):
             other = one(best.name, best.unloading, [*varied, name])
         except DemlawsError:
             continue
-        value, _, low, high, _ = other.parameters[name]
+        value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
         if value > 0.0 and other.aicc < best.aicc - _DECISIVE:
             yield (
-                f"the misfit has a pattern that {meaning} {value * unit:.4g} {symbol} [{low * unit:.4g}, {high * unit:.4g}] it falls "
-                f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm; {remedy}"
+                f"the misfit has a pattern that {meaning}: with {value:.4g} {symbol} [{low:.4g}, {high:.4g}] it falls from "
+                f"{best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm; {remedy}"
             )
 
 
