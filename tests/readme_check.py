@@ -28,7 +28,7 @@ NUMBER = re.compile(r"(?<![\w.])(?:[-−](?=\d))?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)
 
 @functools.cache
 def _granite():
-    from demlaws import claims
+    from demlaws.granite import claims
 
     return claims.granite_claims()
 
@@ -109,7 +109,7 @@ class Check(NamedTuple):
 
 
 def _verdicts():
-    from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+    from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
 
     return {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED, "all": ""}
 

@@ -18,7 +18,7 @@ import numpy as np
 
 from demlaws.advice.errors import error_of
 from demlaws.advice.kept import kept
-from demlaws.advice.scene import Scene, samples, stable_step, way_back
+from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
@@ -241,7 +241,7 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
-    back = way_back(scene, definition.name, options)
+    back = unloading_rule(scene, definition.name, options)
     if isinstance(back, Law):
         return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=back)
     return Plan(definition.name, tuple(options.items()), definition.rule(back).name, "closed form")

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.advice.kept import kept
-from demlaws.advice.scene import PROCESSES, Scene, stable_step, way_back
+from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -289,7 +289,7 @@ def _finished(advice, law, options):
             warnings.simplefilter("ignore", ValidityWarning)
             return bind_law(law, contact, rebound(back, contact), **options)
 
-    back = way_back(scene, law, options)  # of many a law unloading is stiffer than loading
+    back = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
     stable = stable_step(scene, bind) * Softening(advice.factor).step * math.sqrt(density)
     softer = soften(scene, advice.factor)
     if density != 1.0:

@@ -18,11 +18,12 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
-from demlaws.driver import elastic_contact, timestep
+from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
+from demlaws.timestep import timestep
 from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, TABLE, Case, impact, safe_steps
 
 POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
@@ -374,7 +375,8 @@ def packing(case, name, count=1000, speed=100.0, share=30.0, seed=7):
         warnings.simplefilter("ignore", ValidityWarning)
         bearable = math.sqrt(2.0 * float(closed.energy(depth * effective)) / mass[-1])
         speed = min(speed, 0.6 * bearable)  # two such spheres meet
-        dt = timestep(closed, float(mass[-1]), float(closed.force(depth * effective))) / share
+        force = float(closed.force(depth * effective))
+        dt = timestep(closed, float(mass[-1]), force, other_mass=math.inf, shear_ratio=0.0) / share
     speeds = speed * np.sqrt(mass[-1] / mass)
     table = case.bind(contact, 0.9)
     return Packing(case, closed, table, radius, mass, position, speeds, side, modulus, sigma / math.sqrt(2.0), dt)

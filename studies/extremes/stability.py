@@ -18,11 +18,12 @@ from demlaws.core.dispatch import gather, scatter
 from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part, one_of
 from demlaws.core.unloading import GIVEN
-from demlaws.driver import elastic_contact, impact_loop, timestep
+from demlaws.driver import elastic_contact, impact_loop
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.granite import find_test
 from demlaws.laws.registry import registry
 from demlaws.make import example
+from demlaws.timestep import timestep
 
 EPS = float(np.finfo(float).eps)
 DIMENSIONS = (2.0, 2.22, 3.0)
@@ -365,7 +366,7 @@ def step_ratios(law, mass=_MASS):
     for share in (1e-4, 1e-2):
         largest = float(law.force(share * law.contact.radius))
         if largest > 0.0:
-            promised = timestep(law, mass, largest)
+            promised = timestep(law, mass, largest, other_mass=math.inf, shear_ratio=0.0)
             ratios.append(promised / min(_stable_step(law, mass, largest, load, promised) for load in (0.999, 0.9, 0.5, 0.1)))
     return ratios
 

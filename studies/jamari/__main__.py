@@ -7,8 +7,8 @@ from pathlib import Path
 from demlaws import plots, surface
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.arguments import figures, output
-from demlaws.cli.granite import draw_figures, print_claims
 from demlaws.errors import ValidityWarning
+from demlaws.granite.command import draw_figures, print_claims
 from demlaws.solvers.contact import MEMORIES
 from studies.jamari import figures as pictures
 from studies.jamari.claims import jamari_claims

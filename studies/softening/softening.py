@@ -16,12 +16,12 @@ import numpy as np
 
 from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
+from demlaws.timestep import timestep
 from studies.trade import packings
 from studies.trade.candidates import GRANITE, RADII, SURFACE
 from studies.trade.packings import SHAKEN, slope
@@ -98,7 +98,8 @@ class Run(NamedTuple):
         grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
         mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
         hertz = bind_law(HERTZ, grain.contact(grain))
-        return timestep(hertz, grain.mass, 10.0 * mean) / math.sqrt(3.0) * Softening(self.factor).step
+        single = timestep(hertz, grain.mass, 10.0 * mean, other_mass=math.inf, shear_ratio=0.0)
+        return single / math.sqrt(3.0) * Softening(self.factor).step
 
     @property
     def depth(self) -> float:

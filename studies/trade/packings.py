@@ -16,12 +16,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ
 from demlaws.make import law as bind_law
+from demlaws.timestep import timestep
 from studies.trade.candidates import CDM, GRANITE, RADII, SURFACE, Way, ways
 
 SHAKEN = 1e-9
@@ -83,7 +83,7 @@ class Setup:
         """Stable step [s] of every way: a grain of the smaller size between stiff contacts."""
         grain = Grain(min(RADII), GRANITE, SURFACE)
         law = bind_law(HERTZ, grain.contact(grain))
-        return 0.5 * timestep(law, grain.mass, self.largest_force) / math.sqrt(3.0)
+        return 0.5 * timestep(law, grain.mass, self.largest_force, other_mass=math.inf, shear_ratio=0.0) / math.sqrt(3.0)
 
 
 QUICK = Setup(count=150, across=5, settle=0.008, speed=0.02, hold=0.002)

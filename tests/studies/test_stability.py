@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.driver import SOFTENING_SAFETY, STEP_SAFETY, stiffest
 from demlaws.law import Law
 from demlaws.laws.registry import registry
 from demlaws.make import example
+from demlaws.timestep import SOFTENING_SAFETY, STEP_SAFETY, stiffest
 from studies.extremes.stability import (
     GRANITE,
     Case,
@@ -73,6 +73,9 @@ def test_time_step_is_safe_and_not_timid():
         assert max(ratios) <= 1.001
 
 
+SINGLE = {"other_mass": math.inf, "shear_ratio": 0.0}  # one body on a fixed contact
+
+
 def test_time_step_where_the_tangent_falls():
     """Without loss an oscillation across a kink at which K drops resonates: 1.32 of the stable step with 0.8 of 2/ω."""
     law = example("conical-damage", GRANITE, "elastic")
@@ -81,13 +84,15 @@ def test_time_step_where_the_tangent_falls():
     for end, part in ((0.9 * kink, STEP_SAFETY), (share, SOFTENING_SAFETY)):
         largest = stiffest_one if end > kink else law.stiffness(end)
         expected = part * 2.0 * math.sqrt(0.01 / largest)
-        assert dl.timestep(law, 0.01, float(law.force(end))) == pytest.approx(expected, rel=1e-8)
+        assert dl.timestep(law, 0.01, float(law.force(end)), **SINGLE) == pytest.approx(expected, rel=1e-8)
     curved = example("conical-damage", GRANITE, "table")  # back along such a curve: 1.22 of the stable step with 0.8 of 2/ω
     force = float(curved.force(share))
-    assert dl.timestep(curved, 0.01, force) == pytest.approx(1.12 * math.sqrt(0.01 / stiffest(curved, force)), rel=1e-12)
+    assert dl.timestep(curved, 0.01, force, **SINGLE) == pytest.approx(
+        1.12 * math.sqrt(0.01 / stiffest(curved, force)), rel=1e-12
+    )
     lossy = example("conical-damage", GRANITE, "thornton")  # nothing grows: below
     force = float(lossy.force(share))
-    assert dl.timestep(lossy, 0.01, force) == pytest.approx(1.6 * math.sqrt(0.01 / stiffest(lossy, force)), rel=1e-12)
+    assert dl.timestep(lossy, 0.01, force, **SINGLE) == pytest.approx(1.6 * math.sqrt(0.01 / stiffest(lossy, force)), rel=1e-12)
 
 
 OWN = [name for name, definition in registry().items() if definition.default_unloading != "elastic"]
@@ -108,7 +113,7 @@ def test_what_a_soft_loading_lets_a_contact_depart_is_no_growth():
     hard = example("conical-damage", dl.Contact(1.0, 1e13, 1e-4, 3.0, 1e12), "thornton")
     for share in (1e-4, 1e-2):
         largest = float(hard.force(share))
-        state, step = hard.new_state(1), dl.timestep(hard, 1.2e-2, largest)
+        state, step = hard.new_state(1), dl.timestep(hard, 1.2e-2, largest, **SINGLE)
         hard.follow(np.array([share]), state)
         overlap = float(hard.unloading_overlap(0.999 * largest, state))
         kick = 3e-2 * (0.999 * largest / hard.params.hertz_coefficient) ** (2 / 3)
