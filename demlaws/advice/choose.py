@@ -22,7 +22,7 @@ from demlaws.advice.scene import Scene, samples, stable_step, way_back
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
-from demlaws.law import Law
+from demlaws.law import Law, Table
 from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
@@ -30,7 +30,6 @@ from demlaws.make import rebound
 from demlaws.materials import DENSITY
 from demlaws.measure.errors import error_of
 from demlaws.measure.timing import Batch, nanoseconds
-from demlaws.table import Table, tabulate
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _CURVE_RTOL = 1e-6
@@ -64,7 +63,7 @@ class Plan(NamedTuple):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
             law = bind_law(self.name, contact, rebound(self.way_back, contact), **dict(self.options))
-            return tabulate(law, self.rtol, max_force) if self.evaluation == "table" else law
+            return law.tabulate(self.rtol, max_force) if self.evaluation == "table" else law
 
 
 @dataclass(frozen=True)
@@ -581,7 +580,7 @@ def _costs_of_kind(judge, ways, material, surface):
         if curve is not None:  # engines' scripts read it from a file
             path = Path(scratch) / "curve.tbl"
             curve = rebound(curve, pair)
-            (curve if isinstance(curve, Table) else tabulate(curve, _CURVE_RTOL, 4.0 * judge.max_force)).save(path)
+            (curve if isinstance(curve, Table) else curve.tabulate(_CURVE_RTOL, 4.0 * judge.max_force)).save(path)
             ways = [way._replace(unloading=str(path)) if way.unloading == GIVEN else way for way in ways]
         given["overlap"] = float(judge.reference.bind(pair).overlap(math.sqrt(low * high)))
         if scene.engine == "yade":
