@@ -450,6 +450,7 @@ public:
 
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
+  const Curve &loading_curve() const { return loading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
   inline double recover(double s) const {
     const double above = s - unloading_.seat();

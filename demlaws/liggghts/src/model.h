@@ -5,6 +5,7 @@
 
 #include "contact_models.h"
 #include "normal_model_demlaws.h"
+#include "tangential_model_demlaws.h"
 
 namespace demlaws {
 using namespace LAMMPS_NS;

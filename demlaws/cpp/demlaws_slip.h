@@ -1,0 +1,191 @@
+// demlaws_slip.h: partial slip of a contact, a row of springs sorted by normal stiffness. C++11, with demlaws_table.h.
+//
+// A contact is a row of springs, one for each stiffness that it had while it grew: the method of dimensionality
+// reduction of Popov and Hess. Twin of slip_loop in demlaws/core/slip.py, which explains it. The springs share the
+// stiffness equally; when the contact has become twice as stiff as the row, springs are joined in pairs.
+//
+// Licence: GPL-2.0-or-later, as the package demlaws.
+#ifndef DEMLAWS_SLIP_H
+#define DEMLAWS_SLIP_H
+#include "demlaws_table.h"
+
+namespace demlaws {
+
+// The integral of overlap over stiffness along a curve: G(k) = u k - f where the curve has the stiffness k (the Legendre
+// transform of the force), without units. G' = u, so that cubics between the nodes have exact slopes.
+class SpringCurve {
+public:
+  explicit SpringCurve(const Curve &curve) {
+    const double lowest = curve.last() * std::ldexp(1., -40);
+    double force;
+    const double least = stiffness(curve, lowest, force), most = stiffness(curve, curve.last(), force);
+    first_ = number(least) + 1;
+    for (int64_t n = first_; node(n) < most; n++) {
+      double low = lowest, high = curve.last();
+      for (int i = 0; i < 200 && high - low > 1e-15 * high; i++) {
+        const double middle = 0.5 * (low + high);
+        if (stiffness(curve, middle, force) < node(n)) low = middle;
+        else high = middle;
+      }
+      stiffness(curve, high, force);
+      const Node found = {node(n), high * node(n) - force, high};
+      nodes_.push_back(found);
+    }
+    stiffness(curve, curve.last(), force);
+    const Node end = {most, curve.last() * most - force, curve.last()};
+    nodes_.push_back(end);
+  }
+  double integral(double k) const {
+    if (k <= nodes_[0].k) { // a power law
+      const double exponent = nodes_[0].integral > 0. ? nodes_[0].overlap * nodes_[0].k / nodes_[0].integral : 1.;
+      return nodes_[0].integral * pow(k / nodes_[0].k, exponent);
+    }
+    const size_t n = (size_t)(number(k) - first_);
+    if (n + 1 >= nodes_.size()) return nodes_.back().integral + nodes_.back().overlap * (k - nodes_.back().k);
+    const Node &a = nodes_[n], &b = nodes_[n + 1];
+    const double width = b.k - a.k, t = (k - a.k) / width, rise = b.integral - a.integral;
+    const double c2 = 3. * rise - width * (2. * a.overlap + b.overlap), c3 = width * (a.overlap + b.overlap) - 2. * rise;
+    return a.integral + t * (width * a.overlap + t * (c2 + t * c3));
+  }
+
+private:
+  struct Node {
+    double k, integral, overlap;
+  };
+  static const int BITS = 4; // nodes for each doubling of the stiffness: 2^BITS
+  int64_t first_;
+  std::vector<Node> nodes_;
+
+  static double stiffness(const Curve &curve, double u, double &force) {
+    double s, slope;
+    curve.evaluate(u, s, slope);
+    force = (4. / 3.) * s * sqrt(s);
+    return 2. * sqrt(s) * slope;
+  }
+  static int64_t number(double k) {
+    int64_t b;
+    memcpy(&b, &k, 8);
+    return b >> (52 - BITS);
+  }
+  static double node(int64_t number) {
+    const int64_t b = number << (52 - BITS);
+    double k;
+    memcpy(&k, &b, 8);
+    return k;
+  }
+};
+
+// Whether contacts with this rule have springs: those that unload along a curve which does not depend on the history.
+inline bool has_springs(Unloading rule) { return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN; }
+
+// Compression of the springs of one contact, from the curve along which it would unload now.
+class Compression {
+public:
+  // curve: that of the pair's table, loading (ELASTIC) or unloading (GIVEN); not read for Hertz's curve.
+  Compression(const Pair &pair, const SpringCurve *curve, double radius, double overlap, const double *state)
+      : curve_(pair.rule == ELASTIC || pair.rule == GIVEN ? curve : NULL),
+        recoverable_(pair.rule == ELASTIC ? overlap : overlap - state[1]) {
+    const double length = pair.length_of(radius);
+    if (curve_) {
+      stiffness_ = pair.modulus * sqrt(radius * length);
+      scale_ = stiffness_ * length;
+    } else {
+      const double root = 2. * pair.modulus * sqrt(pair.rule == THORNTON ? radius * state[2] : radius);
+      stiffness_ = 1.;
+      scale_ = 1. / (3. * root * root); // K = root sqrt(z)
+    }
+  }
+  // Mean of the springs from one stiffness [N/m] to another.
+  double mean(double low, double high) const {
+    return recoverable_ - (integral(high) - integral(low)) / (high - low);
+  }
+
+private:
+  const SpringCurve *curve_;
+  double recoverable_, stiffness_, scale_;
+  double integral(double k) const {
+    if (!curve_) return scale_ * k * k * k;
+    return k > 0. ? scale_ * curve_->integral(k / stiffness_) : 0.;
+  }
+};
+
+// What a contact keeps: its stiffness, the share of each spring, and their stretches. All zeros: no shear force.
+template <int N> struct SpringRow {
+  double stiffness, share, stretch[N][3];
+
+  // Part of spring k that a contact of this stiffness has.
+  double part(int k, double of) const { return std::min(std::max(of / share - k, 0.), 1.); }
+  double energy(double ratio) const {
+    double sum = 0.;
+    for (int k = 0; k < N && k * share < stiffness; k++)
+      for (int d = 0; d < 3; d++) sum += part(k, stiffness) * stretch[k][d] * stretch[k][d];
+    return 0.5 * ratio * share * sum;
+  }
+};
+
+// One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N], unit normal and
+// tangential displacement, all of now. `force` is the shear force against the displacement. Returns the energy that
+// friction and the opening parts of the contact took.
+template <int N>
+inline double slip_step(double stiffness, double ratio, double limit, const Compression &compression,
+                        const double *normal, const double *displacement, SpringRow<N> &row, double *force) {
+  const double before = row.energy(ratio);
+  double work = 0., carried = 0., mean[N];
+  for (int d = 0; d < 3; d++) {
+    double sum = 0.;
+    for (int k = 0; k < N && k * row.share < row.stiffness; k++) sum += row.part(k, row.stiffness) * row.stretch[k][d];
+    work += 0.5 * ratio * row.share * sum * displacement[d];
+    force[d] = 0.;
+  }
+  if (!(row.share > 0.)) row.share = stiffness / N;
+  while (stiffness > N * row.share) {
+    for (int k = 0; k < N; k++)
+      for (int d = 0; d < 3; d++)
+        row.stretch[k][d] = k < N / 2 ? 0.5 * (row.part(2 * k, row.stiffness) * row.stretch[2 * k][d] +
+                                               row.part(2 * k + 1, row.stiffness) * row.stretch[2 * k + 1][d])
+                                      : 0.;
+    row.share *= 2.;
+    // the pair of the last spring may not have been whole
+    const int last = (int)(row.stiffness / row.share);
+    if (last < N && row.part(last, row.stiffness) > 0.)
+      for (int d = 0; d < 3; d++) row.stretch[last][d] /= row.part(last, row.stiffness);
+  }
+  int count = 0;
+  for (; count < N && count * row.share < stiffness; count++) {
+    const double low = count * row.share, high = std::min(low + row.share, stiffness);
+    mean[count] = std::max(compression.mean(low, high), 0.);
+    carried += (high - low) * mean[count];
+  }
+  const double scale = carried > 0. ? limit / (carried * ratio) : 0.;
+  for (int k = 0; k < count; k++) {
+    const double part = row.part(k, stiffness), was = row.part(k, row.stiffness), kept = part > was ? was / part : 1.;
+    const double most = scale * mean[k];
+    double along = 0., square = 0., *const u = row.stretch[k];
+    for (int d = 0; d < 3; d++) {
+      u[d] *= kept;
+      square += u[d] * u[d];
+    }
+    const double shrunk = square > most * most ? most / sqrt(square) : 1.;
+    square = 0.;
+    for (int d = 0; d < 3; d++) {
+      u[d] = shrunk * u[d] + displacement[d];
+      along += u[d] * normal[d];
+    }
+    for (int d = 0; d < 3; d++) {
+      u[d] -= along * normal[d];
+      square += u[d] * u[d];
+    }
+    const double slid = square > most * most ? most / sqrt(square) : 1.;
+    for (int d = 0; d < 3; d++) {
+      u[d] *= slid;
+      force[d] += ratio * row.share * part * u[d];
+    }
+  }
+  for (int k = count; k < N; k++) row.stretch[k][0] = row.stretch[k][1] = row.stretch[k][2] = 0.;
+  row.stiffness = stiffness;
+  for (int d = 0; d < 3; d++) work += 0.5 * force[d] * displacement[d];
+  return work - (row.energy(ratio) - before);
+}
+
+} // namespace demlaws
+#endif
