@@ -7,6 +7,7 @@
 # make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
+# make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
 # make lint      format and lint of Python and C++, types of the public names
 
@@ -20,7 +21,7 @@ export PYTHONDONTWRITEBYTECODE :=
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation docs docs-measure dist lint plugins engines clean
+.PHONY: granite test test-all bench stability trade validation docs docs-measure dist readme-check mutations lint plugins engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -80,6 +81,10 @@ dist: $(VENV)/.test
 
 readme-check: $(VENV)/.test
 	$(BIN)/python tests/readme_check.py
+
+# ONLY='hertz rms' for the mutations whose names contain one of these words
+mutations: $(VENV)/.test
+	$(BIN)/python tests/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word))
 
 stability: engines $(VENV)/.plots
 	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png

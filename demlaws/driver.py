@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
-from demlaws.core.fastmath import loop
 from demlaws.core.loops import energy_loop
+from demlaws.core.numba_compat import loop
 from demlaws.core.params import first_loading, loading_part
 from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.errors import DemlawsError

@@ -123,7 +123,7 @@ def _functions(shape, tag, size):
 def _object(name, signature, function):
     """The object file (bytes) of one function under a C name, for any processor of this kind."""
     compiled = numba.cfunc(signature, error_model="numpy", fastmath={"contract"}, nogil=True)(function)
-    module = llvm.parse_assembly(compiled._library.get_llvm_str())
+    module = llvm.parse_assembly(compiled.inspect_llvm())
     module.get_function(compiled.native_name).name = name
     target = llvm.Target.from_triple(module.triple or llvm.get_process_triple())
     machine = target.create_target_machine(opt=3, reloc="pic", codemodel="small")

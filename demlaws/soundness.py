@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
-from demlaws.core.fastmath import loop
 from demlaws.core.loops import follow_loop
+from demlaws.core.numba_compat import loop
 from demlaws.core.params import bind_params, first_loading, one_of
 from demlaws.errors import DemlawsError
 

@@ -642,7 +642,7 @@ class Table(Law):
             "source": self.definition.source,
             "unloading": self.unloading if rule.number is not None else table_file.OWN,
             "options": json.dumps(self.options, default=lambda value: value.record()),
-            "contact": json.dumps(_first(self.contact).as_dict()),
+            **table_file.describe_contact(self.contact),
             "collapses": "yes" if self.collapses else "no",
             "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
             "length": repr(float(np.ravel(self.length)[0])),
@@ -670,7 +670,7 @@ class Table(Law):
                 "description": _about(curve.definition),
                 "source": curve.definition.source,
                 "options": json.dumps(curve.options, default=lambda value: value.record()),
-                "contact": json.dumps(_first(curve.made_for).as_dict()),
+                **table_file.describe_contact(curve.made_for),
                 **table_file.describe_rows(curve.rows, (curve.force_error, curve.stiffness_error)),
             }
             if isinstance(curve, Table) and curve.knots is not None:
@@ -801,10 +801,3 @@ def _not_here(contact, **options):
 
 def _no_limits(contact, **options):
     return []
-
-
-def _first(contact):
-    """The contact that a file names: of an array of contacts, which one curve serves, the first."""
-    if contact.size is None:
-        return contact
-    return contact.with_values(**{n: float(np.ravel(getattr(contact, n))[0]) for n in ("radius", "modulus", "roughness")})

@@ -19,7 +19,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.registry import registry
 
 FORMAT = "# demlaws-table"
-VERSIONS = (1, 2)
+VERSIONS = (1, 2, 3)
 TITLES = "overlap force stiffness"
 UNLOADING_TITLES = "unloading overlap force stiffness"
 OWN = "own"
@@ -122,8 +122,8 @@ def _object(text):
     raise ValueError("this is not a JSON object")
 
 
-def _contact(text):
-    """The contact that a table was made for."""
+def _contact_of_json(text):
+    """The contact that a table of versions 1 and 2 was made for."""
     fields = _object(text)
     for name, value in fields.items():
         optional = name in ("fractal_dimension", "hardness")
@@ -139,24 +139,30 @@ def _contact(text):
 
 
 class Key(NamedTuple):
-    """A key that readers need: what its text means, and the first version of the format that has it."""
+    """A key that readers need: what its text means, and the versions of the format that have it."""
 
     name: str
     read: Callable
     version: int = 1
+    last_version: int = VERSIONS[-1]
 
 
-_CURVE = (
+CURVE = (
     Key("law", _name),
     Key("options", _object),
-    Key("contact", _contact),
+    Key("contact", _contact_of_json, 1, 2),
+    Key("effective_radius", _positive, 3),
+    Key("effective_modulus", _positive, 3),
+    Key("roughness", _not_negative, 3),
     Key("bits", _whole(1, MOST_BITS)),
     Key("rows", _whole(2, MOST_ROWS)),
     Key("force_error", _not_negative),
     Key("stiffness_error", _not_negative),
     Key(BELOW, _one_of("power", "straight"), 2),
 )
-_SHARED = (
+_OF_CONTACT = {"effective_radius": "radius", "effective_modulus": "modulus", "roughness": "roughness"}
+_PERHAPS_OF_CONTACT = (Key("fractal_dimension", _positive), Key("hardness", _positive))
+SHARED = (
     Key("unloading", _rule),
     Key("collapses", _one_of("yes", "no")),
     Key("length", _positive),
@@ -170,11 +176,6 @@ _YIELD = (
     Key("yield_area", _positive),
     Key("yield_area_slope", _positive),
 )
-NEEDED = [key.name for key in (*_CURVE, *_SHARED)]
-WITH_YIELD = [key.name for key in _YIELD]
-WITH_UNLOADING = [UNLOADING + key.name for key in _CURVE]
-NOT_READ = ["description", "source", "scales", "kinks", "range_overlap", "range_force", "demlaws"]
-"""Keys for people and other programs; the unloading curve has the first two and its kinks and ranges, too."""
 
 
 class Rows(NamedTuple):
@@ -257,7 +258,8 @@ def parse(data, name):
     if not ended:
         refuse(len(lines) + whole, "the file ends without its 'end:' line: it was cut short")
 
-    keys = [key for key in (*_CURVE, *_SHARED) if key.version <= version]
+    of_curve = [key for key in CURVE if key.version <= version <= key.last_version]
+    keys = [*of_curve, *SHARED]
     if any(key.name in header for key in _YIELD):
         keys += _YIELD
     rule = rules().get(header.get("unloading"))
@@ -266,7 +268,11 @@ def parse(data, name):
     if header.get("unloading") == OWN:
         keys += [Key(name, read) for name, read in zip(OF_OWN_RULE, (_name, _mark), strict=True)]
     if header.get("unloading") == GIVEN:
-        keys += [key._replace(name=UNLOADING + key.name) for key in _CURVE if key.version <= version]
+        keys += [key._replace(name=UNLOADING + key.name) for key in of_curve]
+    if version > 2:
+        prefixes = ("", UNLOADING) if header.get("unloading") == GIVEN else ("",)
+        optional = [key._replace(name=prefix + key.name) for prefix in prefixes for key in _PERHAPS_OF_CONTACT]
+        keys += [key for key in optional if key.name in header]
     values = {}
     for key in keys:
         if key.name not in header:
@@ -281,6 +287,13 @@ def parse(data, name):
         expected = (0.75 * values["yield_force"]) ** (2.0 / 3.0)
         if not abs(values["yield_area"] - expected) <= 1e-9 * expected:
             refuse(places["yield_area"], f"yield_area: with this yield_force it is {expected!r}")
+    for prefix in (("", UNLOADING) if values["unloading"] == GIVEN else ("",)) if version > 2 else ():
+        fields = {field: values[prefix + key] for key, field in _OF_CONTACT.items()}
+        fields |= {key.name: values.get(prefix + key.name) for key in _PERHAPS_OF_CONTACT}
+        try:
+            values[prefix + "contact"] = Contact(**fields)
+        except DemlawsError as error:
+            refuse(places[prefix + "roughness"], str(error))
     if (UNLOADING in rows) != (values["unloading"] == GIVEN):
         what = "has no rows of its own" if UNLOADING in rows else f"needs rows below {UNLOADING_TITLES!r}"
         refuse(places["unloading"], f"unloading {values['unloading']!r} {what}")
@@ -306,7 +319,7 @@ def parse(data, name):
 
 
 def _version(line, refuse):
-    known = f"this version of demlaws reads {' and '.join(map(str, VERSIONS))}"
+    known = f"this version of demlaws reads {', '.join(map(str, VERSIONS))}"
     words = line.rpartition(" ")
     if words[0] != FORMAT or not re.fullmatch("[1-9][0-9]{0,8}", words[2]):
         refuse(1, f"not a demlaws table (the first line must be '{FORMAT} {VERSIONS[0]}' or '... {VERSIONS[-1]}')")
@@ -357,20 +370,18 @@ def _off_grid(u, bits_per_octave):
 # --- writing
 
 
-def version_of(*curves):
-    """Lowest version of the format that says what these `Rows` are: version 1 knows two kinks, and guesses what is straight."""
-
-    def plain(rows):
-        p = exponent(rows.nodes)
-        return rows.nodes.kinks.size <= 2 and abs(p - _STRAIGHT_BELOW) > 1e-6 and rows.straight == (p < _STRAIGHT_BELOW)
-
-    return 1 if all(map(plain, curves)) else 2
+def describe_contact(contact):
+    """Header lines of the contact that a curve was made for: of an array of contacts, which one curve serves, the first."""
+    values = {key: getattr(contact, field) for key, field in _OF_CONTACT.items()}
+    values |= {key.name: getattr(contact, key.name) for key in _PERHAPS_OF_CONTACT}
+    return {key: repr(float(np.ravel(value)[0])) for key, value in values.items() if value is not None}
 
 
 def describe_rows(rows, certificate):
-    """What the header says of the rows of a curve."""
+    """Header lines of the rows of a curve."""
     u, force, _ = rows.nodes
     return {
+        BELOW: "straight" if rows.straight else "power",
         "bits": str(rows.bits),
         "kinks": " ".join(repr(float(k)) for k in rows.nodes.kinks),
         "range_overlap": f"{float(u[0])!r} {float(u[-1])!r}",
@@ -384,15 +395,11 @@ def describe_rows(rows, certificate):
 def compose(header, loading, unloading=None):
     """(bytes of the file, fingerprint) of these keys and `Rows`."""
     curves = [loading] if unloading is None else [loading, unloading]
-    version = version_of(*curves)
-    if version > 1:
-        for prefix, rows in zip(("", UNLOADING), curves, strict=False):
-            header = {**header, prefix + BELOW: "straight" if rows.straight else "power"}
     lines = [*(f"{key}: {value}".rstrip() for key, value in header.items()), TITLES, *_text_rows(loading.nodes)]
     if unloading is not None:
         lines += [UNLOADING_TITLES, *_text_rows(unloading.nodes)]
     lines.append(f"end: {sum(rows.nodes.u.size for rows in curves)} rows")
-    parts = [f"{FORMAT} {version}\n".encode()]
+    parts = [f"{FORMAT} {VERSIONS[-1]}\n".encode()]
     check = fingerprint = zlib.crc32(parts[0])
     for line in lines:
         body = line.encode()

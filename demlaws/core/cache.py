@@ -15,10 +15,6 @@ from pathlib import Path
 import numba
 import numpy as np
 from numba import types
-from numba.core import config, serialize
-from numba.core.compiler import CompileResult
-
-from demlaws.core import notice
 
 
 def _digest(*contents):
@@ -39,7 +35,7 @@ _UNUSED = 86400.0  # [s] after which another version's folder is taken for aband
 def _cache_folder():
     """Where machine code is kept, one folder a version of the core: below NUMBA_CACHE_DIR, else beside this file, else in
     the user's own cache. None where none of them may be written."""
-    places = (config.CACHE_DIR,) if config.CACHE_DIR else (Path(__file__).parent / "__pycache__", *_of_user())
+    places = (numba.config.CACHE_DIR,) if numba.config.CACHE_DIR else (Path(__file__).parent / "__pycache__", *_of_user())
     for place in places:
         folder = Path(place, f"loops-{_TAG}-{sys.implementation.cache_tag}")
         try:
@@ -164,77 +160,49 @@ def _file_digest(file):
 _source = functools.cache(_file_digest)  # of the file of a loop: a process runs one version of it
 
 
-def _classes(kinds):
-    """The NamedTuples in a (nested) tuple of numba types."""
+def classes(kinds):
+    """The NamedTuples in (nested) tuples of numba types, also where a type itself is the argument."""
     for kind in kinds:
+        kind = getattr(kind, "instance_type", kind)
         if isinstance(kind, types.BaseNamedTuple):
             yield kind.instance_class
         if isinstance(kind, types.BaseTuple):
-            yield from _classes(kind)
+            yield from classes(kind)
 
 
-class Cache:
-    """Machine code on disk, in place of numba's own cache: one file for each function and types of its arguments.
+def place(function, key, arguments, constants):
+    """The file for the machine code of a function for arguments of these types; None if the code cannot be known again.
 
-    The file's name is a digest of all that the code depends on: version of numba, content of core and laws (in the folder's
-    name), content of the loop's file, of any law from elsewhere and of what that uses, types, processor. A file is written
-    under another name and then renamed, and never changed: any number of processes may compile the same loop at once. numba's
-    cache keeps an index and numbered files, which two processes that add to it can mix up, and knows nothing of what a loop
-    inlines.
+    There is one file for each function and types of its arguments. Its name is a digest of all that the code depends on:
+    version of numba, content of core and laws (in the folder's name), content of the function's file, of any law from
+    elsewhere and of what that uses, types, processor. numba's own cache knows nothing of what a loop inlines.
     """
-
-    cache_path = str(FOLDER)
-
-    def __init__(self, function, constants=None):
-        self.function, self.constants = function, constants or {}
-
-    def _place(self, signature, codegen):
-        """The file and the key that it must hold; the file is None if the code cannot be known again."""
-        code = self.function.__code__
-        closure = [cell.cell_contents for cell in self.function.__closure__ or ()]
-        arguments = getattr(signature, "args", signature)  # of a callback it is a Signature
-        classes = [*_classes(arguments), *_classes(self.constants.values())]
-        names = [(cls.__module__, cls.__qualname__, cls.__name__) for cls in classes]
-        for cls in classes:
-            if cls not in _SOURCES:  # part of a law's params, bound to nothing itself
-                follow(cls)
-        sources = sorted({_source(code.co_filename)}.union(*(_SOURCES[cls] for cls in classes)), key=str)
-        key = (codegen.magic_tuple(), signature)
-        try:
-            digest = _digest(key, names, sources, code.co_code, serialize.dumps(closure), self.constants)
-        except (pickle.PicklingError, TypeError):
-            return None, key
-        name = f"{Path(code.co_filename).stem}.{self.function.__qualname__.replace('<', '').replace('>', '')}"
-        return None if None in sources else FOLDER / f"{name}-{digest[:32]}.nbc", key
-
-    def load_overload(self, signature, context):
-        """The compiled loop for these types from disk, or None: numba then compiles it."""
-        context.refresh()
-        path, key = self._place(signature, context.codegen())
-        try:
-            stored, payload = pickle.loads(path.read_bytes())
-            if stored == key:
-                return CompileResult._rebuild(context, *payload)
-        except Exception:  # absent, or spoilt in any of the ways in which a file can be
-            pass
-        notice.begin()
+    code = function.__code__
+    found = [*classes(arguments), *classes(constants.values())]
+    names = [(cls.__module__, cls.__qualname__, cls.__name__) for cls in found]
+    for cls in found:
+        if cls not in _SOURCES:  # part of a law's params, bound to nothing itself
+            follow(cls)
+    sources = sorted({_source(code.co_filename)}.union(*(_SOURCES[cls] for cls in found)), key=str)
+    closure = _meaning([cell.cell_contents for cell in function.__closure__ or ()], set())
+    if None in (closure, *sources):
         return None
+    name = f"{Path(code.co_filename).stem}.{function.__qualname__.replace('<', '').replace('>', '')}"
+    return FOLDER / f"{name}-{_digest(key, names, sources, code.co_code, closure, constants)[:32]}.nbc"
 
-    def save_overload(self, signature, result):
-        """Write a compiled loop to disk, whole or not at all; a folder that cannot be written is no error."""
-        notice.end()
-        path, key = self._place(signature, result.codegen)
-        if path is None or result.library.has_dynamic_globals:
-            return
-        data = serialize.dumps((key, result._reduce()))
-        temporary = path.with_name(f".{path.stem[-32:]}.{os.getpid()}.{threading.get_ident()}")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            temporary.write_bytes(data)
-            temporary.replace(path)
-        except OSError:  # a full disk, say: the code works from memory
-            with contextlib.suppress(OSError):
-                temporary.unlink()
 
-    def flush(self):
-        """Nothing to write: each file is complete."""
+def read(path):
+    """What `write` wrote, unpickled. Raises whatever an absent or corrupt file leads to."""
+    return pickle.loads(path.read_bytes())
+
+
+def write(path, data):
+    """Write a file whole or not at all: under another name and then renamed, so that any number of processes may write it."""
+    temporary = path.with_name(f".{path.stem[-32:]}.{os.getpid()}.{threading.get_ident()}")
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        temporary.write_bytes(data)
+        temporary.replace(path)
+    except OSError:  # a full disk, say: the code works from memory
+        with contextlib.suppress(OSError):
+            temporary.unlink()

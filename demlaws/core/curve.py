@@ -13,8 +13,9 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.dispatch import bind, energy, virgin
-from demlaws.core.fastmath import INLINED, bits, from_bits, kernel, loop, row_of_four, sqrt
+from demlaws.core.fastmath import bits, from_bits, row_of_four, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.numba_compat import INLINED, kernel, loop
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 

@@ -11,11 +11,10 @@ import itertools
 from numba import types
 from numba.extending import overload
 
+from demlaws.core import generate
 from demlaws.core.cache import follow, is_ours
-from demlaws.core.fastmath import INLINED, read_only
-
-_INLINED = {**INLINED, "error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
-
+from demlaws.core.fastmath import read_only
+from demlaws.core.numba_compat import INLINED_KERNEL
 
 _GENERIC = set()  # names of the functions that kernels may be bound to
 _KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name of a generic function: kernel}
@@ -53,7 +52,8 @@ def kernels_of(cls):
     return frozenset(_KERNELS.get(cls, ()))
 
 
-def _kernel_of(argument, name):
+def kernel_of(argument, name):
+    """The kernel that answers for a generic function where an argument has this numba type, or None."""
     cls = getattr(argument, "instance_class", None)
     return _KERNELS.get(cls, {}).get(name)
 
@@ -63,9 +63,9 @@ def scale(shape, radius, modulus, roughness):
     """Params of one contact: the law's `shape`, with R [m], E* [Pa] and σ [m] of the contact."""
 
 
-@overload(scale, jit_options=_INLINED)
+@overload(scale, jit_options=INLINED_KERNEL)
 def _scale(shape, radius, modulus, roughness):
-    kernel = _kernel_of(shape, "scale")
+    kernel = kernel_of(shape, "scale")
     return lambda shape, radius, modulus, roughness: kernel(shape, radius, modulus, roughness)
 
 
@@ -78,9 +78,9 @@ def virgin(p, overlap):
     """
 
 
-@overload(virgin, jit_options=_INLINED)
+@overload(virgin, jit_options=INLINED_KERNEL)
 def _virgin(p, overlap):
-    kernel = _kernel_of(p, "virgin")
+    kernel = kernel_of(p, "virgin")
     return lambda p, overlap: kernel(p, overlap)
 
 
@@ -89,9 +89,9 @@ def inverse(p, force):
     """Overlap [m] at which first loading carries `force` > 0 [N]."""
 
 
-@overload(inverse, jit_options=_INLINED)
+@overload(inverse, jit_options=INLINED_KERNEL)
 def _inverse(p, force):
-    kernel = _kernel_of(p, "inverse")
+    kernel = kernel_of(p, "inverse")
     return lambda p, force: kernel(p, force)
 
 
@@ -101,9 +101,9 @@ def recover(p, force, equivalent):
     method with `virgin` makes it exact. A law that binds nothing has its `inverse` called."""
 
 
-@overload(recover, jit_options=_INLINED)
+@overload(recover, jit_options=INLINED_KERNEL)
 def _recover(p, force, equivalent):
-    kernel = _kernel_of(p, "recover")
+    kernel = kernel_of(p, "recover")
     if kernel is None:
         return lambda p, force, equivalent: inverse(p, force)
     return lambda p, force, equivalent: kernel(p, force, equivalent)
@@ -115,9 +115,9 @@ def parts(p):
     to that of the other at equal force. A law without such a curve goes back along its own."""
 
 
-@overload(parts, jit_options=_INLINED)
+@overload(parts, jit_options=INLINED_KERNEL)
 def _parts(p):
-    kernel = _kernel_of(p, "parts")
+    kernel = kernel_of(p, "parts")
     return (lambda p: (p, p, 1.0)) if kernel is None else (lambda p: kernel(p))
 
 
@@ -126,9 +126,9 @@ def energy(p, overlap):
     """Work [J] of first loading from 0 to overlap > 0 [m]."""
 
 
-@overload(energy, jit_options=_INLINED)
+@overload(energy, jit_options=INLINED_KERNEL)
 def _energy(p, overlap):
-    kernel = _kernel_of(p, "energy")
+    kernel = kernel_of(p, "energy")
     return lambda p, overlap: kernel(p, overlap)
 
 
@@ -137,9 +137,9 @@ def step(rule, p, overlap, state):
     """Force, tangent stiffness and new state of a contact at `overlap` [m]; pure: `state` is a tuple of floats."""
 
 
-@overload(step, jit_options=_INLINED)
+@overload(step, jit_options=INLINED_KERNEL)
 def _step(rule, p, overlap, state):
-    kernel = _kernel_of(rule, "step")
+    kernel = kernel_of(rule, "step")
     return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
 
 
@@ -148,9 +148,9 @@ def stored_and_dissipated(rule, p, overlap, state):
     """Energy [J] that a contact at `overlap` [m] can still return, and what it has dissipated since it was made."""
 
 
-@overload(stored_and_dissipated, jit_options=_INLINED)
+@overload(stored_and_dissipated, jit_options=INLINED_KERNEL)
 def _stored_and_dissipated(rule, p, overlap, state):
-    kernel = _kernel_of(rule, "stored_and_dissipated")
+    kernel = kernel_of(rule, "stored_and_dissipated")
     return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
 
 
@@ -159,9 +159,9 @@ def unloaded(rule, p, force, state):
     """Overlap [m] at which the contact, below its maximum overlap, carries `force` ≥ 0 [N]."""
 
 
-@overload(unloaded, jit_options=_INLINED)
+@overload(unloaded, jit_options=INLINED_KERNEL)
 def _unloaded(rule, p, force, state):
-    kernel = _kernel_of(rule, "unloaded")
+    kernel = kernel_of(rule, "unloaded")
     return lambda rule, p, force, state: kernel(rule, p, force, state)
 
 
@@ -170,9 +170,9 @@ def contact_area(rule, p, overlap, area):
     """a²/R [m] on first loading, from which a rule has the radius that it unloads with; one that binds none takes `area`."""
 
 
-@overload(contact_area, jit_options=_INLINED)
+@overload(contact_area, jit_options=INLINED_KERNEL)
 def _contact_area(rule, p, overlap, area):
-    kernel = _kernel_of(rule, "contact_area")
+    kernel = kernel_of(rule, "contact_area")
     if kernel is None:
         return lambda rule, p, overlap, area: area
     return lambda rule, p, overlap, area: kernel(rule, p, overlap, area)
@@ -197,7 +197,7 @@ class _Source:
 
     def fix(self, kind, expression):
         """The same tuple with `read_only` pointers in place of 2-D arrays; parts that bind a `fix_tables` have it called."""
-        if isinstance(kind, types.BaseNamedTuple) and _kernel_of(kind, "fix_tables") is not None:
+        if isinstance(kind, types.BaseNamedTuple) and kernel_of(kind, "fix_tables") is not None:
             return f"fix_tables({expression})"
         return self.fix_parts(kind, expression)
 
@@ -218,24 +218,21 @@ class _Source:
             return [line for part in parts for line in part]
         return [f"{target}[i] = {value}"] if isinstance(kind, types.Array) and kind.ndim == 1 else []
 
-    def function(self, text):
-        exec(text, self.names)
-        return self.names["function"]
-
 
 @generic
 def fix_tables(params):
     """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
 
 
-@overload(fix_tables, jit_options=_INLINED)
+@overload(fix_tables, jit_options=INLINED_KERNEL)
 def _fix_tables(params):
-    kernel = _kernel_of(params, "fix_tables")
+    kernel = kernel_of(params, "fix_tables")
     if kernel is not None:
         return lambda params: kernel(params)
     source = _Source()
     source.names |= {"read_only": read_only, "fix_tables": fix_tables}
-    return source.function(f"def function(params):\n    return {source.fix_parts(params, 'params')}\n")
+    text = source.fix_parts(params, "params")
+    return generate.function("params", [f"return {text}"], source.names)
 
 
 def fix_to_recover(params):
@@ -243,9 +240,9 @@ def fix_to_recover(params):
     them."""
 
 
-@overload(fix_to_recover, jit_options=_INLINED)
+@overload(fix_to_recover, jit_options=INLINED_KERNEL)
 def _fix_to_recover(params):
-    if _kernel_of(params, "recover") is None:
+    if kernel_of(params, "recover") is None:
         return lambda params: params
     return lambda params: fix_tables(params)
 
@@ -254,18 +251,17 @@ def gather(arrays, i):
     """Contact i of a (nested, named) tuple whose 1-D arrays hold one entry a contact."""
 
 
-@overload(gather, jit_options=_INLINED)
+@overload(gather, jit_options=INLINED_KERNEL)
 def _gather(arrays, i):
     source = _Source()
-    return source.function(f"def function(arrays, i):\n    return {source.read(arrays, 'arrays')}\n")
+    text = source.read(arrays, "arrays")
+    return generate.function("arrays, i", [f"return {text}"], source.names)
 
 
 def scatter(arrays, i, values):
     """Store contact i: the reverse of `gather`."""
 
 
-@overload(scatter, jit_options=_INLINED)
+@overload(scatter, jit_options=INLINED_KERNEL)
 def _scatter(arrays, i, values):
-    source = _Source()
-    lines = "".join(f"    {line}\n" for line in source.write(arrays, "arrays", "values"))
-    return source.function(f"def function(arrays, i, values):\n{lines}    return\n")
+    return generate.function("arrays, i, values", [*_Source().write(arrays, "arrays", "values"), "return"], {})

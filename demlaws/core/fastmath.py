@@ -5,79 +5,11 @@ per element. The functions here cost about as much as a square root in a vectori
 bit tricks; errors quoted are measured by tests/core/test_fastmath.py in units of ε = 2.2e-16.
 """
 
-from types import FunctionType
-from typing import Any
-
-import numba
 from llvmlite import ir
 from numba import types
-from numba.core.ccallback import CFunc
-from numba.core.registry import CPUDispatcher
 from numba.extending import intrinsic
 
-from demlaws.core import cache
-from demlaws.errors import DemlawsError
-
-if numba.config.DISABLE_JIT:
-    raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")
-
-INLINED: dict[str, Any] = {"forceinline": True, "no_cfunc_wrapper": True}
-"""Options of what is compiled into its caller and called by nothing else."""
-_OPTIONS = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
-
-
-class Kernel(CPUDispatcher):
-    """A kernel without the wrappers that Python and C would call it through: compiled code needs none, and making them took a
-    quarter of the time that compiling a loop takes. Called from Python, it is compiled once more with them."""
-
-    def add_overload(self, result):
-        """Keep what was compiled, but not among what Python may call: there is no such code."""
-        self.overloads[tuple(result.signature.args)] = result
-
-    def _compile_for_args(self, *arguments, **named):
-        return self._whole()
-
-    def get_compile_result(self, signature):
-        """The compiled code of a kernel that is passed on as a value."""
-        return self._whole().get_compile_result(signature)
-
-    def _whole(self):
-        if "whole" not in self.__dict__:
-            self.whole = numba.njit(forceinline=True, **_OPTIONS)(self.py_func)
-        return self.whole
-
-
-def kernel(function):
-    """Compile a scalar function that is always inlined into the loop that calls it, so that the loop vectorises.
-
-    ``contract`` (fused multiply-add) is the only relaxation: full fastmath would delete checks for NaN.
-    """
-    compiled = numba.njit(no_cpython_wrapper=True, **INLINED, **_OPTIONS)(function)
-    compiled.__class__ = Kernel
-    return compiled
-
-
-def loop(function):
-    """Compile a loop over arrays and keep its machine code on disk, so that editing or upgrading a law never runs yesterday's
-    code. Where no folder takes it, it is compiled anew in every process."""
-    dispatcher = numba.njit(no_cfunc_wrapper=True, **_OPTIONS)(function)
-    if cache.FOLDER:
-        dispatcher._cache = cache.Cache(function)
-    return dispatcher
-
-
-def callback(signature, function, constants):
-    """Compile a function that C++ code can call, and keep it on disk as `loop` does. `.address` is where it stands.
-
-    constants: name → numba type or value that the function uses as a global; what they are is part of the file's name.
-    """
-    bound = FunctionType(function.__code__, {**function.__globals__, **constants}, function.__name__)
-    bound.__qualname__ = function.__qualname__
-    compiled = CFunc(bound, (signature.args, signature.return_type), {}, dict(_OPTIONS))
-    if cache.FOLDER:
-        compiled._cache = cache.Cache(bound, constants)
-    compiled.compile()
-    return compiled
+from demlaws.core.numba_compat import kernel
 
 
 @intrinsic
@@ -149,36 +81,6 @@ def row_of_four(typing_context, rows, number):
         return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(data, [p])) for p in places])
 
     return types.UniTuple(types.float64, 4)(rows, number), generate
-
-
-@intrinsic
-def interleave(typing_context, count):
-    """Ask LLVM to work on `count` (a literal) vectors at a time in the loop that follows this call.
-
-    A law is one long chain of dependent operations; left alone LLVM interleaves two vectors, too few to keep the
-    processor busy. The hint goes where LLVM looks for it, on the loop's backward jump, which numba writes later.
-    """
-    if not isinstance(count, types.IntegerLiteral):
-        return None
-    number = count.literal_value
-
-    def generate(context, builder, signature, arguments):
-        module, plain = builder.module, builder.branch
-
-        def branch(target):
-            jump = plain(target)
-            if target.is_terminated:  # the jump goes back: `target` is the head of a loop
-                key = ir.MetaDataString(module, "llvm.loop.interleave.count")
-                hint = module.add_metadata([key, ir.Constant(ir.IntType(32), number)])
-                mark = module.add_metadata([key, hint])
-                mark.operands = (mark, hint)  # LLVM wants a loop's metadata to name itself first
-                jump.set_metadata("llvm.loop", mark)
-            return jump
-
-        builder.branch = branch
-        return context.get_dummy_value()
-
-    return types.void(count), generate
 
 
 _SQRT_HALF_BITS = 0x3FE6A09E667F3BCD

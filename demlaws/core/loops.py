@@ -6,7 +6,7 @@ import numpy as np
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
-from demlaws.core.fastmath import interleave, loop
+from demlaws.core.numba_compat import interleave, loop
 
 
 @loop

@@ -3,8 +3,8 @@
 import numpy as np
 from numba.extending import register_jitable
 
-from demlaws.core.fastmath import INLINED
 from demlaws.core.loops import evaluate_loop, scale_loop, scale_one
+from demlaws.core.numba_compat import INLINED
 from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError
 

@@ -8,8 +8,9 @@ from typing import NamedTuple
 
 from numba.extending import overload
 
-from demlaws.core.dispatch import _INLINED, _kernel_of, bind, gather, generic, inverse, parts, scatter, step, virgin
-from demlaws.core.fastmath import cbrt, kernel, loop, sqrt
+from demlaws.core.dispatch import bind, gather, generic, inverse, kernel_of, parts, scatter, step, virgin
+from demlaws.core.fastmath import cbrt, sqrt
+from demlaws.core.numba_compat import INLINED_KERNEL, kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
 
@@ -55,9 +56,9 @@ def unloading_stiffness(rule, p, overlap, force, stiffness, state):
     """
 
 
-@overload(unloading_stiffness, jit_options=_INLINED)
+@overload(unloading_stiffness, jit_options=INLINED_KERNEL)
 def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
-    bound = _kernel_of(rule, "unloading_stiffness")
+    bound = kernel_of(rule, "unloading_stiffness")
     if bound is not None:
         return lambda rule, p, overlap, force, stiffness, state: bound(rule, p, overlap, force, stiffness, state)
     below = 1.0 - 2.0**-36
@@ -69,9 +70,9 @@ def loading_stiffness(rule, p, overlap, force, stiffness, state):
     """Tangent [N/m] of first loading at a force; the arguments are those of `unloading_stiffness`."""
 
 
-@overload(loading_stiffness, jit_options=_INLINED)
+@overload(loading_stiffness, jit_options=INLINED_KERNEL)
 def _loading_stiffness(rule, p, overlap, force, stiffness, state):
-    bound = _kernel_of(rule, "loading_stiffness")
+    bound = kernel_of(rule, "loading_stiffness")
     if bound is not None:
         return lambda rule, p, overlap, force, stiffness, state: bound(rule, p, overlap, force, stiffness, state)
     return lambda rule, p, overlap, force, stiffness, state: at_force(p, force)
@@ -88,9 +89,9 @@ def shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
     """The normal stiffness [N/m] that K_t goes by; not negative."""
 
 
-@overload(shear_stiffness, jit_options=_INLINED)
+@overload(shear_stiffness, jit_options=INLINED_KERNEL)
 def _shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
-    bound = _kernel_of(choice, "shear_stiffness")
+    bound = kernel_of(choice, "shear_stiffness")
     return lambda choice, rule, p, overlap, force, stiffness, state: max(
         bound(choice, rule, p, overlap, force, stiffness, state), 0.0
     )

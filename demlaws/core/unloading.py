@@ -15,7 +15,8 @@ from typing import NamedTuple
 from numba.extending import overload
 
 from demlaws.core.dispatch import bind, contact_area, energy, fix_tables, fix_to_recover, inverse, parts, recover, scale, virgin
-from demlaws.core.fastmath import INLINED, cbrt, kernel, sqrt
+from demlaws.core.fastmath import cbrt, sqrt
+from demlaws.core.numba_compat import INLINED, kernel
 
 
 class Elastic(NamedTuple):

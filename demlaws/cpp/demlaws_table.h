@@ -261,100 +261,6 @@ private:
   }
 };
 
-// The text of JSON, as far as headers have it: says whether it is one object, and keeps the numbers of its first level.
-class Json {
-public:
-  explicit Json(const std::string &text) : text_(text), at_(0) {
-    blank();
-    object_ = peek() == '{' && value(0) && (blank(), at_ == text_.size());
-  }
-  bool is_object() const { return object_; }
-  // Keys of the first level: their values' text.
-  const std::map<std::string, std::string> &fields() const { return fields_; }
-
-private:
-  const std::string &text_;
-  size_t at_;
-  bool object_;
-  std::map<std::string, std::string> fields_;
-
-  char peek() const { return at_ < text_.size() ? text_[at_] : '\0'; }
-  void blank() {
-    while (peek() == ' ' || peek() == '\t' || peek() == '\r') at_++;
-  }
-  bool take(char c) {
-    if (peek() != c) return false;
-    at_++;
-    return true;
-  }
-  bool word(const char *w) {
-    const size_t size = strlen(w);
-    if (text_.compare(at_, size, w) != 0) return false;
-    at_ += size;
-    return true;
-  }
-  bool digits() {
-    const size_t begin = at_;
-    while (peek() >= '0' && peek() <= '9') at_++;
-    return at_ > begin;
-  }
-  bool number() {
-    take('-');
-    if (!take('0') && !digits()) return false;
-    if (take('.') && !digits()) return false;
-    if (!take('e') && !take('E')) return true;
-    if (!take('+')) take('-');
-    return digits();
-  }
-  bool string() {
-    if (!take('"')) return false;
-    while (at_ < text_.size()) {
-      const unsigned char c = (unsigned char)text_[at_++];
-      if (c == '"') return true;
-      if (c < 0x20) return false;
-      if (c != '\\') continue;
-      const char escaped = peek();
-      at_++;
-      if (escaped == 'u') {
-        for (int i = 0; i < 4; i++)
-          if (!strchr("0123456789abcdefABCDEF", peek()) || !peek()) return false;
-          else at_++;
-      } else if (!escaped || !strchr("\"\\/bfnrt", escaped)) return false;
-    }
-    return false;
-  }
-  bool value(int depth) {
-    if (depth > 64) return false;
-    const char c = peek();
-    if (c == '"') return string();
-    if (c == 't') return word("true");
-    if (c == 'f') return word("false");
-    if (c == 'n') return word("null");
-    if (c != '{' && c != '[') return number();
-    if (depth == 64) return false;
-    const char end = c == '{' ? '}' : ']';
-    at_++;
-    blank();
-    if (take(end)) return true;
-    do {
-      blank();
-      const size_t name = at_;
-      if (c == '{') {
-        if (!string()) return false;
-        blank();
-        if (!take(':')) return false;
-        blank();
-      }
-      const size_t begin = at_;
-      if (!value(depth + 1)) return false;
-      if (depth == 0)
-        fields_[text_.substr(name + 1, text_.find('"', name + 1) - name - 1)] = text_.substr(begin, at_ - begin);
-      blank();
-    } while (take(','));
-    return take(end);
-  }
-};
-
 // A finite number in decimal digits, whatever the locale's decimal point: [+-] digits [. [digits]] [e|E [+-] digits].
 inline bool plain_number(const std::string &text, double &x) {
   size_t i = 0;
@@ -419,8 +325,11 @@ public:
   }
   // A number of the contact (SI) that the table was made for: "radius", "modulus", "roughness", ...
   double of_contact(const std::string &name, double otherwise) const {
-    const std::map<std::string, double>::const_iterator it = contact_.find(name);
-    return it == contact_.end() ? otherwise : it->second;
+    if (version_ > 2) return number(name == "roughness" ? name : "effective_" + name, otherwise);
+    const std::string contact = text("contact"), key = "\"" + name + "\": "; // versions 1 and 2: one line of JSON
+    const size_t at = contact.find(key), end = contact.find_first_of(",}", at);
+    double x;
+    return at != std::string::npos && plain_number(contact.substr(at + key.size(), end - at - key.size()), x) ? x : otherwise;
   }
   // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
   bool collapses() const { return text("collapses") == "yes"; }
@@ -489,7 +398,6 @@ private:
   uint32_t fingerprint_;
   std::map<std::string, std::string> header_;
   std::map<std::string, int> lines_; // where a key stands
-  std::map<std::string, double> contact_;
   Unloading unloads_;
   const OwnRule *own_;
   double numbers_[3]; // numbers of a single law's rule
@@ -505,14 +413,13 @@ private:
     for (size_t i = 0; i < what.size(); i++) out << ((unsigned char)what[i] < 0x20 ? '?' : what[i]); // one line
     throw std::runtime_error(out.str());
   }
-  enum Kind { NAME, OBJECT, CONTACT, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO, MARK };
+  enum Kind { NAME, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO, MARK };
   struct Key {
     const char *name;
     Kind kind;
     int version; // of the format: the first that has this key
   };
   void check(const std::string &name, Kind kind, int titles);
-  void check_contact(const std::string &name, int line);
   static bool is_mark(const std::string &text) { // 8 hexadecimal digits, a blank, a whole number
     const size_t digits = text.find_first_not_of("0123456789abcdef");
     return digits == 8 && text[8] == ' ' && text.size() > 9 && text.size() <= 18 && text[9] != '0' &&
@@ -577,44 +484,18 @@ inline int Table::whole(const std::string &name, int low, int high) const {
   return (int)number;
 }
 
-inline void Table::check_contact(const std::string &name, int line) {
-  const std::string value = text(name);
-  const Json json(value);
-  if (!json.is_object()) fail(line, name + ": this is not a JSON object");
-  const bool own = name == "contact";
-  std::map<std::string, double> numbers;
-  for (std::map<std::string, std::string>::const_iterator it = json.fields().begin(); it != json.fields().end(); ++it) {
-    const std::string &key = it->first;
-    const bool needed = key == "radius" || key == "modulus", optional = key == "fractal_dimension" || key == "hardness";
-    if (!needed && !optional && key != "roughness") fail(line, name + ": '" + key + "' is no quantity of a contact");
-    if (optional && it->second == "null") continue;
-    double x;
-    const bool good = plain_number(it->second, x) && (key == "roughness"           ? x >= 0.
-                                                      : key == "fractal_dimension" ? x >= 2. && x <= 3.
-                                                                                   : x > 0.);
-    if (!good) fail(line, name + ": " + key + " = " + it->second + " will not do");
-    numbers[key] = x;
-  }
-  if (!numbers.count("radius") || !numbers.count("modulus")) fail(line, name + ": radius and modulus are needed");
-  if (numbers.count("roughness") && numbers["roughness"] > numbers["radius"])
-    fail(line, name + ": the roughness exceeds the radius");
-  if (own) contact_ = numbers;
-}
-
 inline void Table::check(const std::string &name, Kind kind, int titles) {
   if (!has(name)) fail(titles, "the lines above lack '" + name + "'");
   const int line = lines_[name];
   const std::string value = text(name);
   if (kind == BITS) whole(name, 1, Curve::MOST_BITS);
   else if (kind == ROWS) whole(name, 2, 2000000);
-  else if (kind == CONTACT) check_contact(name, line);
   else if (kind == POSITIVE || kind == NOT_NEGATIVE) {
     double x;
     if (!plain_number(value, x) || !(x > 0. || (kind == NOT_NEGATIVE && x >= 0.)))
       fail(line, name + ": '" + value + "' is not a " + (kind == POSITIVE ? "positive number" : "number from 0"));
   } else {
     const bool good = kind == NAME     ? !value.empty()
-                      : kind == OBJECT ? Json(value).is_object()
                       : kind == BELOW  ? value == "power" || value == "straight"
                       : kind == RULE   ? unloading_from_name(value, unloads_)
                       : kind == MARK   ? is_mark(value)
@@ -627,7 +508,6 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   path_ = path;
   header_.clear();
   lines_.clear();
-  contact_.clear();
   std::string data; // a line may end in CR LF: the CR is no part of the text
   data.reserve(bytes.size());
   for (size_t i = 0; i < bytes.size(); i++)
@@ -637,11 +517,11 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   const bool digits =
       !version.empty() && version.size() <= 9 && version.find_first_not_of("0123456789") == std::string::npos;
   if (first.compare(0, magic.size(), magic) != 0 || !digits || version[0] == '0')
-    fail(1, "not a table of demlaws: the first line must be '# demlaws-table 1' or '# demlaws-table 2'");
-  if (version != "1" && version != "2")
+    fail(1, "not a table of demlaws: the first line must be '# demlaws-table 1', 2 or 3");
+  if (version != "1" && version != "2" && version != "3")
     fail(1, "a table of format " + version +
-                ", this reader knows 1 and 2: take a newer demlaws, or write the table again");
-  version_ = version == "1" ? 1 : 2;
+                ", this reader knows 1 to 3: take a newer demlaws, or write the table again");
+  version_ = version[0] - '0';
   const std::string head = first + "\n";
   uint32_t crc = crc32(0, head.data(), head.size());
   int line = 1, titles = 0, ended = 0, first_line[2] = {0, 0};
@@ -703,8 +583,9 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   if (!ended) fail(line + (data[data.size() - 1] == '\n'), "the file stops before its 'end:' line");
 
   static const Key of_curve[] = {{"law", NAME, 1},
-                                 {"options", OBJECT, 1},
-                                 {"contact", CONTACT, 1},
+                                 {"effective_radius", POSITIVE, 3},
+                                 {"effective_modulus", POSITIVE, 3},
+                                 {"roughness", NOT_NEGATIVE, 3},
                                  {"bits", BITS, 1},
                                  {"rows", ROWS, 1},
                                  {"force_error", NOT_NEGATIVE, 1},
@@ -737,6 +618,11 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
     if (of_curve[i].version <= version_) check(std::string("unloading_") + of_curve[i].name, of_curve[i].kind, lacking);
   if ((number("length_over_roughness", 0.) > 0.) == (number("length_over_radius", 0.) > 0.))
     fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
+  for (int i = 0; version_ > 2 && i < 1 + (unloads_ == GIVEN); i++) {
+    const std::string prefix = i ? "unloading_" : "";
+    if (number(prefix + "roughness", 0.) > number(prefix + "effective_radius", 0.))
+      fail(lines_[prefix + "roughness"], prefix + "roughness: it exceeds the effective radius");
+  }
   yield_s_ = HUGE_VAL;
   yield_area_slope_ = 0.;
   if (yields) {

@@ -15,7 +15,7 @@ from numba.extending import overload
 from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import energy, gather, parts, scatter, virgin
-from demlaws.core.fastmath import loop
+from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part, one_of
 from demlaws.core.unloading import GIVEN, Given, rule_of
 from demlaws.driver import elastic_contact, impact_loop, timestep

@@ -52,7 +52,7 @@ def nanoseconds(batches, rounds=7):
 
 @functools.cache
 def _copy_kernel():
-    from demlaws.core.fastmath import loop
+    from demlaws.core.numba_compat import loop
 
     @loop
     def copy(source, first, second):

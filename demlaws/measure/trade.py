@@ -14,7 +14,7 @@ import numpy as np
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
-from demlaws.core.fastmath import loop
+from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning

@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.fastmath import kernel, loop
+from demlaws.core.numba_compat import kernel, loop
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import number
 

@@ -15,8 +15,9 @@ from numba import literal_unroll, types
 from numba.extending import intrinsic, overload
 
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
-from demlaws.core.fastmath import INLINED, callback, cbrt, from_bits, kernel, loop
+from demlaws.core.fastmath import cbrt, from_bits
 from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.numba_compat import INLINED, callback, kernel, loop
 from demlaws.core.params import clamped_roughness
 from demlaws.core.shear import CHOICES, shear_stiffness
 from demlaws.core.unloading import without_own

@@ -7,8 +7,8 @@ import pytest
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import bind, gather, scatter
-from demlaws.core.fastmath import kernel, loop
 from demlaws.core.loops import energy_loop, inverse_loop
+from demlaws.core.numba_compat import kernel, loop
 
 
 class SpringOfTheseTests(NamedTuple):

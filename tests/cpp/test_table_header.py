@@ -139,7 +139,7 @@ def test_refused_files_name_the_line(example, tmp_path):
     refused("".join(lines[: first_row + 5] + lines[first_row + 6 :]), f"line {first_row + 6}:", "checksum")
     refused("".join(lines) + "more 00000000\n", f"line {len(lines) + 1}:", "follows")
     refused("not a table\n", "line 1:", "# demlaws-table 1")
-    refused("# demlaws-table 3\n" + "".join(lines[1:]), "line 1:", "format 3", "knows 1 and 2")
+    refused("# demlaws-table 4\n" + "".join(lines[1:]), "line 1:", "format 4")
     refused("", "line 1:")
     result = example(tmp_path / "none.tbl", GRANITE, [1e-6])
     assert result.returncode == 1 and "none.tbl" in result.stderr and "No such file" in result.stderr

@@ -1,0 +1,216 @@
+"""Everything that numba does not promise, in one module, and the way without it.
+
+With the releases of numba up to `TESTED`, kernels are compiled without wrappers, are always inlined, and their machine code is
+kept in files of our own (see `cache`). With a later release, or with DEMLAWS_PLAIN_NUMBA=1 in the environment, the same
+functions are compiled by documented options only and kept by numba's own cache: slower to start and to run, with the same
+results. DEMLAWS_PLAIN_NUMBA=0 tries the first way with a later release, too.
+"""
+
+import functools
+import os
+import re
+from types import FunctionType
+from typing import Any
+
+import numba
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic, overload
+
+from demlaws.core import cache, notice
+from demlaws.errors import DemlawsError
+
+if numba.config.DISABLE_JIT:
+    raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")
+
+TESTED = (0, 68)
+"""The last release of numba (major, minor) whose internals these tests have run with."""
+
+
+def _is_plain():
+    forced = os.environ.get("DEMLAWS_PLAIN_NUMBA", "")
+    release = tuple(int(n) for n in re.findall(r"\d+", numba.__version__)[:2])
+    return forced != "0" if forced else release > TESTED
+
+
+PLAIN = _is_plain()
+"""Whether numba is used without its internals."""
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "fastmath": {"contract"}, "nogil": True}
+INLINED: dict[str, Any] = {"nogil": True} if PLAIN else {"forceinline": True, "no_cfunc_wrapper": True}
+"""Options of what is compiled into its caller and called by nothing else."""
+INLINED_KERNEL: dict[str, Any] = {**INLINED, **_OPTIONS}
+"""The same for arithmetic. Of fastmath only ``contract`` (fused multiply-add): all of it would delete checks for NaN."""
+
+
+def kernel(function):
+    """Compile a scalar function that is inlined into the loop that calls it, so that the loop vectorises."""
+    return _plain_kernel(function) if PLAIN else _kernel(function)
+
+
+def loop(function):
+    """Compile a loop over arrays and keep its machine code on disk; editing or upgrading a law never runs outdated code.
+
+    Where no folder can be written, the loop is compiled in every process.
+    """
+    return _plain_loop(function) if PLAIN else _loop(function)
+
+
+def callback(signature, function, constants):
+    """Compile a function that C++ code can call, at `.address`, and keep it on disk as `loop` does.
+
+    constants: name → numba type or value that the function uses as a global; their values are part of the file's name.
+    """
+    bound = FunctionType(function.__code__, {**function.__globals__, **constants}, function.__name__)
+    bound.__qualname__ = function.__qualname__
+    return numba.cfunc(signature, **_OPTIONS)(bound) if PLAIN else _callback(signature, bound, constants)
+
+
+# --- documented options only
+
+
+def _plain_kernel(function):
+    return numba.njit(**_OPTIONS)(function)
+
+
+def _plain_loop(function):
+    """A function that calls one of two dispatchers. numba's cache does not notice that a law has changed; the name of its
+    folder stands for our own laws, while loops over the types of others are compiled in every process."""
+    fresh = kept = numba.njit(**_OPTIONS)(function)
+    if cache.FOLDER:
+        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache.FOLDER)
+        try:
+            kept = numba.njit(cache=True, **_OPTIONS)(function)
+        except RuntimeError:  # a function without a file
+            kept = fresh
+        finally:
+            numba.config.CACHE_DIR = before
+
+    @functools.wraps(function)
+    def call(*arguments):
+        ours = all(cache.is_ours(cls.__module__) for cls in cache.classes(map(numba.typeof, arguments)))
+        return (kept if ours else fresh)(*arguments)
+
+    call.py_func = function
+    overload(call, jit_options=_OPTIONS, strict=False)(lambda *arguments: function)
+    return call
+
+
+# --- numba's internals
+
+if not PLAIN:
+    from numba.core import serialize
+    from numba.core.ccallback import CFunc
+    from numba.core.compiler import CompileResult
+    from numba.core.registry import CPUDispatcher
+
+    class Kernel(CPUDispatcher):
+        """A kernel without the wrappers through which Python and C would call it: compiled code needs none, and they took a
+        quarter of the time that compiling a loop takes. Called from Python, it is compiled once more with them."""
+
+        def add_overload(self, result):
+            """Keep the compiled code, but not among the functions that Python may call: there is no such code."""
+            self.overloads[tuple(result.signature.args)] = result
+
+        def _compile_for_args(self, *arguments, **named):
+            return self._whole()
+
+        def get_compile_result(self, signature):
+            """The compiled code of a kernel that is passed on as a value."""
+            return self._whole().get_compile_result(signature)
+
+        def _whole(self):
+            if "whole" not in self.__dict__:
+                self.whole = numba.njit(forceinline=True, **_OPTIONS)(self.py_func)
+            return self.whole
+
+
+class CodeFiles:
+    """What numba calls a cache: loads and saves the machine code of one function, in the files that `cache.place` names."""
+
+    cache_path = str(cache.FOLDER)
+
+    def __init__(self, function, constants=None):
+        self.function, self.constants = function, constants or {}
+
+    def _place(self, signature, codegen):
+        key = (codegen.magic_tuple(), signature)
+        arguments = getattr(signature, "args", signature)  # of a callback it is a Signature
+        return cache.place(self.function, key, arguments, self.constants), key
+
+    def load_overload(self, signature, context):
+        """The machine code for these types from disk, or None: numba then compiles it."""
+        try:
+            context.refresh()
+            path, key = self._place(signature, context.codegen())
+            stored, payload = cache.read(path)
+            if stored == key:
+                return CompileResult._rebuild(context, *payload)
+        except Exception:  # the file is absent, or corrupt in any of many ways
+            pass
+        notice.begin()
+        return None
+
+    def save_overload(self, signature, result):
+        """Write machine code to disk. What cannot be written is compiled in every process."""
+        notice.end()
+        try:
+            path, key = self._place(signature, result.codegen)
+            if path is not None and not result.library.has_dynamic_globals:
+                cache.write(path, serialize.dumps((key, result._reduce())))
+        except Exception:
+            return
+
+    def flush(self):
+        """Nothing to write: each file is complete."""
+
+
+def _kernel(function):
+    compiled = numba.njit(no_cpython_wrapper=True, **INLINED_KERNEL)(function)
+    compiled.__class__ = Kernel
+    return compiled
+
+
+def _loop(function):
+    dispatcher = numba.njit(no_cfunc_wrapper=True, **_OPTIONS)(function)
+    if cache.FOLDER:
+        dispatcher._cache = CodeFiles(function)
+    return dispatcher
+
+
+def _callback(signature, function, constants):
+    compiled = CFunc(function, (signature.args, signature.return_type), {}, dict(_OPTIONS))
+    if cache.FOLDER:
+        compiled._cache = CodeFiles(function, constants)
+    compiled.compile()
+    return compiled
+
+
+@intrinsic
+def interleave(typing_context, count):
+    """Ask LLVM to work on `count` (a literal) vectors at a time in the loop that follows this call.
+
+    A law is one long chain of dependent operations; left alone LLVM interleaves two vectors, too few to keep the
+    processor busy. The hint goes where LLVM looks for it, on the loop's backward jump, which numba writes later.
+    """
+    if not isinstance(count, types.IntegerLiteral):
+        return None
+    number = count.literal_value
+
+    def generate(context, builder, signature, arguments):
+        module, plain = builder.module, builder.branch
+
+        def branch(target):
+            jump = plain(target)
+            if target.is_terminated:  # the jump goes back: `target` is the head of a loop
+                key = ir.MetaDataString(module, "llvm.loop.interleave.count")
+                hint = module.add_metadata([key, ir.Constant(ir.IntType(32), number)])
+                mark = module.add_metadata([key, hint])
+                mark.operands = (mark, hint)  # LLVM wants a loop's metadata to name itself first
+                jump.set_metadata("llvm.loop", mark)
+            return jump
+
+        if not PLAIN:
+            builder.branch = branch
+        return context.get_dummy_value()
+
+    return types.void(count), generate
