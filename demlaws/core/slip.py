@@ -21,7 +21,8 @@ the forces before and after it times the displacement, no step dissipates less t
 import numpy as np
 
 from demlaws.core.dispatch import gather, scatter, step, unloaded
-from demlaws.core.fastmath import kernel, loop, sqrt
+from demlaws.core.fastmath import sqrt
+from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.shear import shear_stiffness, unloading_stiffness
 
 SAMPLES = 512

@@ -109,83 +109,94 @@ private:
   }
 };
 
-// What a contact keeps: its stiffness, the share of each spring, and their stretches. All zeros: no shear force.
-template <int N> struct SpringRow {
-  double stiffness, share, stretch[N][3];
+// What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no shear
+// force. The numbers are the caller's; MOST springs at most.
+class SpringRow {
+public:
+  static const int MOST = 32;
+  static int size(int springs) { return 2 + 3 * springs; }
+  SpringRow(double *numbers, int springs)
+      : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}
 
-  // Part of spring k that a contact of this stiffness has.
-  double part(int k, double of) const { return std::min(std::max(of / share - k, 0.), 1.); }
   double energy(double ratio) const {
     double sum = 0.;
-    for (int k = 0; k < N && k * share < stiffness; k++)
-      for (int d = 0; d < 3; d++) sum += part(k, stiffness) * stretch[k][d] * stretch[k][d];
-    return 0.5 * ratio * share * sum;
+    for (int k = 0; k < touching(); k++) sum += part(k) * dot(stretch_ + 3 * k, stretch_ + 3 * k);
+    return 0.5 * ratio * share_ * sum;
+  }
+
+  // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N], unit normal and
+  // tangential displacement, all of now. `force` is the shear force against the displacement. Returns the energy that
+  // friction and the opening parts of the contact took.
+  double step(double stiffness, double ratio, double limit, const Compression &compression, const double *normal,
+              const double *displacement, double *force) {
+    const double before = energy(ratio);
+    force_of(ratio, force);
+    double work = 0.5 * dot(force, displacement);
+    grow(stiffness);
+    const double held = stiffness_;
+    stiffness_ = stiffness;
+    double carried = 0., mean[MOST];
+    const int count = touching();
+    for (int k = 0; k < count; k++) {
+      const double low = k * share_, high = std::min(low + share_, stiffness);
+      mean[k] = std::max(compression.mean(low, high), 0.);
+      carried += (high - low) * mean[k];
+    }
+    const double scale = carried > 0. ? limit / (carried * ratio) : 0.;
+    for (int k = 0; k < count; k++) {
+      double *const u = stretch_ + 3 * k;
+      const double was = std::min(std::max(held / share_ - k, 0.), 1.);
+      if (part(k) > was) multiply(u, was / part(k));
+      shorten(u, scale * mean[k]);
+      for (int d = 0; d < 3; d++) u[d] += displacement[d];
+      const double along = dot(u, normal);
+      for (int d = 0; d < 3; d++) u[d] -= along * normal[d]; // the tangent plane has turned
+      shorten(u, scale * mean[k]);
+    }
+    std::fill(stretch_ + 3 * count, stretch_ + 3 * springs_, 0.);
+    force_of(ratio, force);
+    work += 0.5 * dot(force, displacement);
+    return work - (energy(ratio) - before);
+  }
+
+private:
+  double &stiffness_, &share_, *const stretch_;
+  const int springs_;
+
+  // Part of spring k that the contact has.
+  double part(int k) const { return std::min(std::max(stiffness_ / share_ - k, 0.), 1.); }
+  int touching() const {
+    int k = 0;
+    while (k < springs_ && k * share_ < stiffness_) k++;
+    return k;
+  }
+  void force_of(double ratio, double *force) const {
+    force[0] = force[1] = force[2] = 0.;
+    for (int k = 0; k < touching(); k++)
+      for (int d = 0; d < 3; d++) force[d] += ratio * share_ * part(k) * stretch_[3 * k + d];
+  }
+  // Joins springs in pairs, with the mean of their stretches, until the row is as stiff as the contact.
+  void grow(double stiffness) {
+    if (!(share_ > 0.)) share_ = stiffness / springs_;
+    while (stiffness > springs_ * share_) {
+      for (int k = 0; k < springs_; k++) {
+        const double first = 2 * k < springs_ ? part(2 * k) : 0., second = 2 * k < springs_ ? part(2 * k + 1) : 0.;
+        for (int d = 0; d < 3; d++)
+          stretch_[3 * k + d] =
+              first > 0. ? (first * stretch_[6 * k + d] + second * stretch_[6 * k + 3 + d]) / (first + second) : 0.;
+      }
+      share_ *= 2.;
+    }
+  }
+  static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  static void multiply(double *u, double factor) {
+    for (int d = 0; d < 3; d++) u[d] *= factor;
+  }
+  static void shorten(double *u, double most) {
+    const double square = dot(u, u);
+    if (square > most * most) multiply(u, most / sqrt(square));
   }
 };
-
-// One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N], unit normal and
-// tangential displacement, all of now. `force` is the shear force against the displacement. Returns the energy that
-// friction and the opening parts of the contact took.
-template <int N>
-inline double slip_step(double stiffness, double ratio, double limit, const Compression &compression,
-                        const double *normal, const double *displacement, SpringRow<N> &row, double *force) {
-  const double before = row.energy(ratio);
-  double work = 0., carried = 0., mean[N];
-  for (int d = 0; d < 3; d++) {
-    double sum = 0.;
-    for (int k = 0; k < N && k * row.share < row.stiffness; k++) sum += row.part(k, row.stiffness) * row.stretch[k][d];
-    work += 0.5 * ratio * row.share * sum * displacement[d];
-    force[d] = 0.;
-  }
-  if (!(row.share > 0.)) row.share = stiffness / N;
-  while (stiffness > N * row.share) {
-    for (int k = 0; k < N; k++)
-      for (int d = 0; d < 3; d++)
-        row.stretch[k][d] = k < N / 2 ? 0.5 * (row.part(2 * k, row.stiffness) * row.stretch[2 * k][d] +
-                                               row.part(2 * k + 1, row.stiffness) * row.stretch[2 * k + 1][d])
-                                      : 0.;
-    row.share *= 2.;
-    // the pair of the last spring may not have been whole
-    const int last = (int)(row.stiffness / row.share);
-    if (last < N && row.part(last, row.stiffness) > 0.)
-      for (int d = 0; d < 3; d++) row.stretch[last][d] /= row.part(last, row.stiffness);
-  }
-  int count = 0;
-  for (; count < N && count * row.share < stiffness; count++) {
-    const double low = count * row.share, high = std::min(low + row.share, stiffness);
-    mean[count] = std::max(compression.mean(low, high), 0.);
-    carried += (high - low) * mean[count];
-  }
-  const double scale = carried > 0. ? limit / (carried * ratio) : 0.;
-  for (int k = 0; k < count; k++) {
-    const double part = row.part(k, stiffness), was = row.part(k, row.stiffness), kept = part > was ? was / part : 1.;
-    const double most = scale * mean[k];
-    double along = 0., square = 0., *const u = row.stretch[k];
-    for (int d = 0; d < 3; d++) {
-      u[d] *= kept;
-      square += u[d] * u[d];
-    }
-    const double shrunk = square > most * most ? most / sqrt(square) : 1.;
-    square = 0.;
-    for (int d = 0; d < 3; d++) {
-      u[d] = shrunk * u[d] + displacement[d];
-      along += u[d] * normal[d];
-    }
-    for (int d = 0; d < 3; d++) {
-      u[d] -= along * normal[d];
-      square += u[d] * u[d];
-    }
-    const double slid = square > most * most ? most / sqrt(square) : 1.;
-    for (int d = 0; d < 3; d++) {
-      u[d] *= slid;
-      force[d] += ratio * row.share * part * u[d];
-    }
-  }
-  for (int k = count; k < N; k++) row.stretch[k][0] = row.stretch[k][1] = row.stretch[k][2] = 0.;
-  row.stiffness = stiffness;
-  for (int d = 0; d < 3; d++) work += 0.5 * force[d] * displacement[d];
-  return work - (row.energy(ratio) - before);
-}
 
 } // namespace demlaws
 #endif
