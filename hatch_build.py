@@ -17,20 +17,21 @@ class PluginOfLammps(BuildHookInterface):
         if self.target_name != "wheel" or version == "editable" or not sys.platform.startswith("linux"):
             return
         sys.path.insert(0, self.root)
-        from demlaws.lammps.build import NAME, compile_command, compiler, sources_digest
+        from demlaws.engines import compiler
+        from demlaws.lammps.build import PLUGIN
 
         if not compiler():
             self.app.display_warning("demlaws: no C++ compiler, so the wheel is without the plugin for LAMMPS")
             return
         self.folder = tempfile.TemporaryDirectory()
-        library, made_of = Path(self.folder.name) / NAME, Path(self.folder.name) / "sources"
-        subprocess.run(compile_command(library, compiler(), portable=True), check=True)
+        library, digest = Path(self.folder.name) / PLUGIN.file, Path(self.folder.name) / "sources"
+        subprocess.run([*PLUGIN.compile_command(portable=True), "-o", str(library)], check=True)
         os.chmod(library, 0o755)
-        made_of.write_text(sources_digest() + "\n")
+        digest.write_text(PLUGIN.source_digest() + "\n")
         build_data["pure_python"] = False
         build_data["tag"] = "py3-none-" + sysconfig.get_platform().replace("-", "_").replace(".", "_")
         build_data["force_include"].update(
-            {str(library): f"demlaws/lammps/lib/{NAME}", str(made_of): "demlaws/lammps/lib/sources"}
+            {str(library): f"demlaws/lammps/lib/{PLUGIN.file}", str(digest): "demlaws/lammps/lib/sources"}
         )
 
     def finalize(self, version, build_data, artifact_path):

@@ -562,7 +562,7 @@ def _engine_costs(judge, plans, notes):
 
 def _costs_of_kind(judge, ways, material, surface):
     """`StepCost` of each way in the scene's engine, in a packing of the largest grains of one kind."""
-    from demlaws.liggghts.export import Grain
+    from demlaws.grains import Grain
     from demlaws.measure.costs import plugin_costs, yade_costs
 
     scene, radius = judge.scene, judge.scene.radii[1]

@@ -188,7 +188,7 @@ class Scene:
 
     def grains(self) -> list:
         """A LIGGGHTS `Grain` for each kind and size: `classes`, or the smallest and the largest."""
-        from demlaws.liggghts.export import Grain
+        from demlaws.grains import Grain
 
         sizes = self.classes or tuple(dict.fromkeys(self.radii))
         return [Grain(r, m, s) for m, s in zip(self.materials, self.surfaces, strict=True) for r in sizes]

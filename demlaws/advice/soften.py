@@ -82,7 +82,7 @@ class Softening:
     def of(self, thing: Any) -> Any:
         """See `soften`."""
         from demlaws.advice.scene import Scene
-        from demlaws.liggghts.export import Case, Grain
+        from demlaws.grains import Case, Grain
 
         kind = next((k for k in EXPONENTS if isinstance(thing, k)), None)
         if kind is not None:

@@ -23,8 +23,8 @@ COMMANDS = {
     "stability": ("stability", "measure every law at the extremes"),
     "trade": ("trade", "measure cost against error of every law and evaluation"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
-    "liggghts": ("liggghts", "the laws inside LIGGGHTS: build, check, export, run"),
-    "lammps": ("lammps", "the laws inside LAMMPS: build, check, export, run"),
+    "liggghts": ("engine", "the laws inside LIGGGHTS: build, check, export, run"),
+    "lammps": ("engine", "the laws inside LAMMPS: build, check, export, run"),
 }
 """Command → the file of this folder that brings it, and its line of `demlaws --help`, which loads none of them."""
 

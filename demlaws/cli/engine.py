@@ -1,30 +1,46 @@
-"""What `demlaws liggghts` and `demlaws lammps` share: build | check | export | run."""
+"""`demlaws liggghts` and `demlaws lammps`: build | check | export | run."""
 
 import argparse
 import importlib
 
-from demlaws.cli import example
-from demlaws.cli.grains import grain_arguments, grains_of
+from demlaws.cli import example, option
+from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
+from demlaws.errors import DemlawsError
+from demlaws.laws.names import USUAL
 
 EXPORT_EXAMPLE = """\
   demlaws {name} export case --law pohrt-popov --radius 0.004 0.005 --sq 1.7e-6 --fractal-dimension 2.22
   cd case && ./run.sh 2"""
+WITHOUT_COMPILER = """
+without a compiler:
+  demlaws liggghts export case --stock hertz --load 10 --radius 0.004 --sq 1.7e-6 --fractal-dimension 2.22"""
 RUN_EXAMPLE = """\
   demlaws {name} run in.case -np 2 -var steps 5000
-  demlaws {name} run in.case -echo screen -var radii 0.004 0.005 0.006    (what it does not know goes to {engine})"""
+  demlaws {name} run in.case -echo screen -var radii 0.004 0.005 0.006    (unknown options go to {engine})"""
+PROPERTIES = (
+    ("sq", length, [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
+    ("fractal-dimension", plain, [None], "fractal dimension of the surface, 2 to 3"),
+    ("young", pressure, [60.6e9], "Young's modulus [Pa]"),
+    ("poisson", plain, [0.25], "Poisson's ratio"),
+    ("hardness", pressure, [None], "indentation hardness [Pa]"),
+    ("density", density, [2650.0], "density [kg/m³]"),
+)
+"""Options of `export` with one value, or one per grain type: name, kind, default, help."""
 
 
-def register_engine(subparsers, name, engine, *, builds, forces, more="", words=lambda arguments: {}):
-    """Add the sub-command of an engine with its own sub-commands; returns the parser of `export`.
+def register(subparsers):
+    """Add both commands and their own sub-commands."""
+    stock = _register(subparsers, "liggghts", "LIGGGHTS", WITHOUT_COMPILER)
+    stock.add_argument("--stock", choices=("hertz", "edinburgh"), help="fit this stock model instead; needs no compiler")
+    _register(subparsers, "lammps", "LAMMPS")
 
-    builds, forces: what its build is said to do; more: further examples of export; words: further arguments of its export.
-    """
+
+def _register(subparsers, name, engine, more=""):
     parser = subparsers.add_parser(name, **example(f"  demlaws {name} check"))
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART")
 
-    def part(name_of_part):
-        module = importlib.import_module(f"demlaws.{name}.{name_of_part}")
-        return getattr(module, name_of_part)
+    def part(part_name):
+        return getattr(importlib.import_module(f"demlaws.{name}.{part_name}"), part_name)
 
     def build(arguments):
         print(part("build")(portable=arguments.portable, force=arguments.force))
@@ -33,15 +49,16 @@ def register_engine(subparsers, name, engine, *, builds, forces, more="", words=
         part("check")()
 
     def export(arguments):
-        grains, unloading, options = grains_of(arguments)
-        given = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count, **words(arguments)}
-        path = part("export")(arguments.folder, arguments.law, grains, unloading, options, **given)
-        if given.get("stock"):
+        grains, unloading, options = _grains_of(arguments)
+        values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
+        stock = getattr(arguments, "stock", None)
+        path = part("export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
+        if stock:
             print((path.parent / "fit.txt").read_text(), end="")
         print(f"wrote {path}; start {path.parent / 'run.sh'}")
 
     def run(arguments):
-        # options may stand behind the input, too; what is none of ours is the engine's
+        # options may stand behind the input, too; unknown ones are the engine's
         ours = argparse.ArgumentParser(prog=f"demlaws {name} run", add_help=False, allow_abbrev=False)
         _run_options(ours, default=argparse.SUPPRESS)
         arguments, rest = ours.parse_known_args(arguments.rest, arguments)
@@ -54,28 +71,74 @@ def register_engine(subparsers, name, engine, *, builds, forces, more="", words=
             arguments=rest[1:] if rest[:1] == ["--"] else rest,
         )
 
-    one = parts.add_parser("build", help=builds, **example(f"  demlaws {name} build"))
-    one.add_argument("--portable", action="store_true", help="no -march=native: for a cluster of unlike nodes")
-    one.add_argument("--force", action="store_true", help=forces)
-    one.set_defaults(func=build)
+    builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
+    builds.add_argument("--portable", action="store_true", help="no -march=native: for a cluster of unlike nodes")
+    builds.add_argument("--force", action="store_true", help="compile even if the plugin is there")
+    builds.set_defaults(func=build)
 
-    one = parts.add_parser("check", help="prove the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
-    one.set_defaults(func=check)
+    checks = parts.add_parser("check", help="prove the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
+    checks.set_defaults(func=check)
 
     text = example(EXPORT_EXAMPLE.format(name=name) + more)
-    writes = parts.add_parser("export", help="write a ready case: tables, input, runscript", **text)
-    grain_arguments(writes)
-    writes.set_defaults(func=export)
+    exports = parts.add_parser("export", help="write a ready case: tables, input, runscript", **text)
+    _grain_arguments(exports)
+    exports.set_defaults(func=export)
 
-    one = parts.add_parser("run", help="run an input with the plugin", **example(RUN_EXAMPLE.format(name=name, engine=engine)))
-    _run_options(one)
-    one.add_argument("input", help=f"input script; {engine} runs in its folder")
-    one.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=f"the options above, and any of {engine}'s own")
-    one.set_defaults(func=run)
-    return writes
+    text = example(RUN_EXAMPLE.format(name=name, engine=engine))
+    runs = parts.add_parser("run", help="run an input with the plugin", **text)
+    _run_options(runs)
+    runs.add_argument("input", help=f"input script; {engine} runs in its folder")
+    runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=f"the options above, and any of {engine}'s own")
+    runs.set_defaults(func=run)
+    return exports
 
 
 def _run_options(parser, **default):
     parser.add_argument("-np", type=int, **default or {"default": 1}, help="number of MPI ranks (default 1)")
     parser.add_argument("--portable", action="store_true", **default, help="the plugin that `build --portable` makes")
     parser.add_argument("--stock", action="store_true", **default, help="without the plugin")
+
+
+def _grain_arguments(export):
+    export.add_argument("folder", help="folder to write")
+    export.add_argument("--law", type=law_name, default=USUAL, help="name of the law (default %(default)s)")
+    export.add_argument(
+        "--unloading",
+        help="elastic, hertz, thornton, a rule of the law's own, or a table file whose curve all contacts unload along "
+        "(default: the law's own, else hertz)",
+    )
+    export.add_argument("--unloading-law", help="name of a law whose curve each contact unloads along, in place of --unloading")
+    options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}
+    export.add_argument("--unloading-option", **options, help="an option of that law")
+    export.add_argument("--option", **options, help="an option of the law")
+    export.add_argument(
+        "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one per particle type"
+    )
+    for name, kind, default, text in PROPERTIES:
+        shown = "" if default == [None] else f" (default {default[0]:g})"
+        export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{shown}")
+    export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
+    export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)s)")
+    export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
+
+
+def _grains_of(arguments):
+    """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
+    from demlaws.contact import Material, Surface
+    from demlaws.grains import Grain
+    from demlaws.make import law
+
+    count, columns = len(arguments.radius), []
+    for name, *_ in PROPERTIES:
+        values = getattr(arguments, name.replace("-", "_"))
+        if len(values) not in (1, count):
+            raise DemlawsError(f"--{name} has {len(values)} values for {count} radii: give one, or one per radius")
+        columns.append(values if len(values) == count else values * count)
+    grains = [
+        Grain(radius, Material(young, poisson, hardness, density), Surface(sq, dimension, hardness))
+        for radius, sq, dimension, young, poisson, hardness, density in zip(arguments.radius, *columns, strict=True)
+    ]
+    unloading = arguments.unloading
+    if arguments.unloading_law is not None:
+        unloading = law(arguments.unloading_law, grains[0].contact(grains[0]), **dict(arguments.unloading_option))
+    return grains, unloading, dict(arguments.option)

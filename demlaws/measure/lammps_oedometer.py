@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.grains import Case
 from demlaws.lammps.export import Models, models, wall_lines
 from demlaws.lammps.run import HEAD, run
 from demlaws.measure.liggghts_oedometer import DRAG, EVERY, _data, grains
@@ -72,9 +73,9 @@ def model_lines(folder, given, way):
     if way["model"] == "hertz":
         words = f"hertz/material {given['young']:.12g} 0.0 {given['poisson']:g} tangential mindlin NULL 0.0"
         pairs = [f"pair_coeff * * {words} {friction:g} damping viscoelastic"]
-        return Models(pairs, [f"{words} 0.0 damping viscoelastic"] * len(two), True)
-    options = dict(way["options"])
-    return models(folder, way["law"], two, way["unloading"], options, way["rtol"], 1.0, friction, 0.0, 0.0)
+        return Models(pairs, [f"{words} 0.0 damping viscoelastic"] * len(two))
+    case = Case(way["law"], tuple(two), way["unloading"], dict(way["options"]), way["rtol"], restitution=1.0, friction=friction)
+    return models(case, folder, wall_friction=0.0, tangential_damping=0.0)
 
 
 def oedometer(folder, given, way, ranks=1):

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.engines import SHARED, compiler
 from demlaws.errors import DemlawsError
-from demlaws.liggghts.build import FLAGS, SHARED, _compiler
+from demlaws.liggghts.build import PLUGIN
 from demlaws.liggghts.run import HEAD, run, timings
 from demlaws.measure.liggghts_oedometer import MATERIAL, _data, model_lines, pairwise
 
@@ -41,7 +42,12 @@ def header_cost(table, contact, largest, folder):
     """ns a contact of the law's step in the C++ header alone, at overlaps up to `largest` [m]."""
     program = Path(folder) / "cost"
     if not program.is_file():
-        command = [_compiler(), *[f for f in FLAGS if f not in ("-fPIC", "-shared")], "-march=native", f"-I{SHARED}"]
+        command = [
+            compiler() or "g++",
+            *[f for f in PLUGIN.flags if f not in ("-fPIC", "-shared")],
+            "-march=native",
+            f"-I{SHARED}",
+        ]
         done = subprocess.run([*command, str(SHARED / "cost.cpp"), "-o", str(program), "-ldl"], capture_output=True, text=True)
         if done.returncode:
             raise DemlawsError(f"cost.cpp did not compile: {done.stderr.strip()[:300]}")

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.grains import Case, Grain
 from demlaws.liggghts.build import library_path
-from demlaws.liggghts.export import Case, Grain, stock_fit, write_tables
+from demlaws.liggghts.export import stock_fit, table_words
 from demlaws.liggghts.run import HEAD, run
 
 DRAG = 3e3  # of the smaller grain's speed [1/s]: the same for every law; damping in contacts differs, and edinburgh bears none
@@ -165,7 +166,7 @@ def model_lines(folder, given, way):
 
         return "edinburgh/stiffness", "", edinburgh(richest, contacts, given["mean_force"])
     case = Case(way["law"], tuple(two), way["unloading"], dict(way["options"]), way["rtol"])
-    words, _ = write_tables(case, folder)
+    words, _ = table_words(case, folder)
     return "demlaws/table", words, ""
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from demlaws.advice.soften import Softening
 from demlaws.contact import Material, Surface
-from demlaws.liggghts.export import Grain
+from demlaws.grains import Grain
 from demlaws.materials import GRANITE
 from demlaws.measure.liggghts_oedometer import CASE, DRAG, EDGE, carry_out, contact_forces, flat, prepare
 

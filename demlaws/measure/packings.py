@@ -19,8 +19,8 @@ import numpy as np
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
+from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ
-from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
 from demlaws.measure.candidates import CDM, GRANITE, RADII, SURFACE, Way, ways
 

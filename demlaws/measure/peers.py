@@ -9,10 +9,11 @@ import numpy as np
 from demlaws.advice.fit import fit
 from demlaws.driver import force_controlled
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.grains import Grain
 from demlaws.granite import find_test, options_for
 from demlaws.laws.names import CONICAL_DAMAGE, EEPA, HERTZ, LUDING, THORNTON_NING, WALTON_BRAUN
 from demlaws.laws.registry import find
-from demlaws.liggghts.export import Grain, stock_fit
+from demlaws.liggghts.export import stock_fit
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY, GRANITE
 from demlaws.measure.candidates import CDM, RICHEST, SURFACE, Way

@@ -18,8 +18,8 @@ from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
 from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS
-from demlaws.liggghts.export import Grain
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 from demlaws.measure import packings

@@ -18,9 +18,9 @@ from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.grains import Grain
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
-from demlaws.liggghts.export import Grain
 from demlaws.make import example
 from demlaws.make import law as bind_law
 from demlaws.measure import candidates, peers

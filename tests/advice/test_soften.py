@@ -12,9 +12,9 @@ import demlaws as dl
 from demlaws.advice.soften import EXPONENTS, Softening
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import timestep
+from demlaws.grains import Case, Grain
 from demlaws.laws.definition import Option
 from demlaws.laws.registry import find, registry
-from demlaws.liggghts.export import Case, Grain
 
 SOFTENED = [name for name, definition in registry().items() if not definition.rigid]
 EXACT = 8.0

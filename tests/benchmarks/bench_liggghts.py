@@ -24,8 +24,8 @@ from pathlib import Path
 import numpy as np
 
 import demlaws as dl
+from demlaws.engines import cache_folder
 from demlaws.liggghts import build, run
-from demlaws.liggghts.build import cache_folder
 from demlaws.liggghts.export import stock_fit, stock_properties
 from demlaws.liggghts.run import timings
 

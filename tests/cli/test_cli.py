@@ -114,7 +114,6 @@ def test_granite(tmp_path, capsys):
         (["table", "--law", "hertz", *CONTACT, "--unloading-roughness", "1e-6", "--out", "t"], "give --unloading-sigma"),
         (["regime", "--roughness", "1e-6"], "give --sigma"),
         (["surface", "synthetic", "--roughness", "1um", "--out", "t"], "give --sq"),
-        (["liggghts", "export", "t", "--radius", "1e-3", "--roughness", "1e-6"], "give --sq"),
         (["curve", "--law", "hertz", *CONTACT, "--sigma", "1", "--forces", "1"], "exceeds the effective radius"),
         (["curve", "--law", "hertz", *CONTACT, "--forces", "-1"], "no tension"),
         (["curve", "--law", "bahrami", *CONTACT, "--forces", "1"], "hardness"),

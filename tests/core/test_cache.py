@@ -11,7 +11,7 @@ from processes import PACKAGE, counted, finish, python, start
 
 import demlaws as dl
 from demlaws.core import cache
-from demlaws.processes import cache_folder
+from demlaws.engines import cache_folder
 
 RUN_EVERYTHING = counted("""
     import itertools, warnings

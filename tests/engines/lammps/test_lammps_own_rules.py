@@ -30,10 +30,10 @@ def test_a_rule_of_ones_own(tmp_path, ranks):
         table = law.tabulate(1e-6).follow(log["overlap"])
     assert (tmp_path / "law.tbl.so").is_file()
     assert log["overlap"].max() > 1e-5
-    assert np.abs(log["pull"] - path.force).max() <= 2e-6 * path.force.max()
-    np.testing.assert_allclose(log["pull"], table.force, rtol=1e-12, atol=1e-11 * table.force.max())
-    assert np.abs(log["energy[1]"] - table.stored).max() <= 1e-6 * table.work.max()
-    assert np.abs(log["energy[2]"] - table.dissipated).max() <= 1e-6 * table.work.max()
+    assert np.abs(log["force"] - path.force).max() <= 2e-6 * path.force.max()
+    np.testing.assert_allclose(log["force"], table.force, rtol=1e-12, atol=1e-11 * table.force.max())
+    assert np.abs(log["stored"] - table.stored).max() <= 1e-6 * table.work.max()
+    assert np.abs(log["lost"] - table.dissipated).max() <= 1e-6 * table.work.max()
 
 
 @pytest.mark.parametrize("ranks", shared([1, 2], (1).__eq__))

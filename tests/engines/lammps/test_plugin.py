@@ -33,9 +33,9 @@ TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
 def same(log, path, limit):
     """Force, stored energy, dissipation, and what `compute pair/local` or the wall shows, against the law's path."""
     assert path.overlap.max() > 1e-5
-    assert np.abs(log["pull"] - path.force).max() <= limit * path.force.max()
-    assert np.abs(log["energy[1]"] - path.stored).max() <= limit * path.work.max()
-    assert np.abs(log["energy[2]"] - path.dissipated).max() <= limit * path.work.max()
+    assert np.abs(log["force"] - path.force).max() <= limit * path.force.max()
+    assert np.abs(log["stored"] - path.stored).max() <= limit * path.work.max()
+    assert np.abs(log["lost"] - path.dissipated).max() <= limit * path.work.max()
 
 
 @pytest.mark.parametrize(

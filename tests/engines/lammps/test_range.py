@@ -10,7 +10,7 @@ from inputs_for_lammps import MINDLIN, continued, modulus, save, simulate, two_s
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
-from demlaws.lammps.build import SOURCES
+from demlaws.lammps.build import PLUGIN
 from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import command, read_log
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, large_overlap
@@ -42,7 +42,7 @@ def press(words, moves=PRESS, **options):
 
 
 def test_the_limits_are_those_of_python():
-    text = (SOURCES / "range.h").read_text()
+    text = (PLUGIN.sources / "range.h").read_text()
     assert f"SMALL_OVERLAP = {SMALL_OVERLAP:g}, LARGEST_OVERLAP = {LARGEST_OVERLAP:.1f}" in text
 
 

@@ -5,7 +5,6 @@ import os
 import re
 import stat
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +12,6 @@ import pytest
 
 import demlaws as dl
 import demlaws.liggghts as lg
-from demlaws import cli
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.check import TWO_PARTICLES, packages, versions
 from demlaws.liggghts.run import command, executable
@@ -35,17 +33,6 @@ HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ
 # --- build
 
 
-@pytest.mark.slow
-def test_build_is_cached(tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    monkeypatch.setattr(build_module, "FLAGS", [flag.replace("-O3", "-O0") for flag in build_module.FLAGS])  # not to wait long
-    library = lg.build()
-    assert library.parent == tmp_path and dl.__version__ in library.name
-    assert [p.name for p in tmp_path.iterdir()] == [library.name]  # no temporary file stays
-    changed = library.stat().st_mtime_ns
-    assert lg.build() == library and library.stat().st_mtime_ns == changed
-
-
 def test_only_our_own_symbols_stay_hidden():
     """A preloaded object that exported LIGGGHTS's templates would replace those of the binary."""
     symbols = subprocess.run(["nm", "-D", "--defined-only", str(lg.build())], capture_output=True, text=True, check=True)
@@ -63,10 +50,10 @@ LDD_SID = """\
 
 def test_mpi_is_what_libliggghts_loads(monkeypatch):
     """Debian sid's Open MPI 6 keeps ompi_mpi_double in libopen_mpi, which only libmpi asks for."""
-    monkeypatch.setattr(build_module, "_output", lambda command: LDD_SID)
+    monkeypatch.setattr(build_module, "output_of", lambda command: LDD_SID)
     names = [Path(path).name for path in build_module.mpi_libraries("/usr/lib/libliggghts.so")]
     assert names == ["libmpi.so.40", "libvtkParallelMPI-9.6.so.1", "libopen_mpi.so.40"]
-    monkeypatch.setattr(build_module, "_output", lambda command: "libc.so.6 => /lib/libc.so.6")
+    monkeypatch.setattr(build_module, "output_of", lambda command: "libc.so.6 => /lib/libc.so.6")
     with pytest.raises(DemlawsError, match="no MPI"):
         build_module.mpi_libraries("/usr/lib/libliggghts.so")
 
@@ -79,7 +66,7 @@ def test_library_and_headers_are_those_of_the_binary(tmp_path, monkeypatch):
     monkeypatch.delenv("DEMLAWS_LIGGGHTS_INCLUDE", raising=False)
     monkeypatch.delenv("CXX", raising=False)
     answers = {"ldd": f"\tlibliggghts.so => {own} (0x00007f7b)\n", "g++": f"{system}\n"}
-    monkeypatch.setattr(build_module, "_output", lambda command: answers[command[0]])
+    monkeypatch.setattr(build_module, "output_of", lambda command: answers[command[0]])
     assert build_module.linked_library() == str(own)
     with pytest.raises(DemlawsError, match=f"not in {tmp_path}/include: .*DEMLAWS_LIGGGHTS_INCLUDE"):
         build_module.headers()
@@ -112,123 +99,17 @@ def test_plugin_loads_the_mpi_of_liggghts_and_no_other():
     assert loaded(lg.build()) == loaded(run_module.executable()) != set()
 
 
-def test_cache_key_follows_sources_version_and_flags(tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
-    before = build_module.library_path()
-    assert build_module.library_path() == before
-    assert build_module.library_path(portable=True) != before
-    monkeypatch.setattr(dl, "__version__", "9.9")
-    assert build_module.library_path() != before
-    monkeypatch.undo()
-    sources = tmp_path / "src"
-    subprocess.run(["cp", "-r", str(build_module.SOURCES), str(sources)], check=True)
-    monkeypatch.setattr(build_module, "SOURCES", sources)
-    one = build_module.library_path().name
-    with open(sources / "demlaws_table.h", "a") as file:
-        file.write("// changed\n")
-    assert build_module.library_path().name != one
-
-
-def test_a_failed_build_says_why_and_leaves_nothing(tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
-    sources = tmp_path / "src"
-    subprocess.run(["cp", "-r", str(build_module.SOURCES), str(sources)], check=True)
-    (sources / "normal_model_demlaws.h").write_text("#error broken on purpose\n")
-    monkeypatch.setattr(build_module, "SOURCES", sources)
-    with pytest.raises(DemlawsError, match="broken on purpose"):
-        lg.build()
-    assert list((tmp_path / "cache").iterdir()) == []
-
-
 def test_our_sources_compile_without_a_warning(tmp_path):
     """-Wall -Wextra as errors; LIGGGHTS's own headers are system headers. Stock code inlined into ours is not ours."""
-    command, _ = build_module.compile_command(portable=True)
     strict = ["-Wall", "-Wextra", "-Werror", "-Wno-maybe-uninitialized", "-fsyntax-only"]
-    command = [word for word in command if word not in ("-w", "-shared", "-O3")] + strict
+    command = [
+        word for word in build_module.PLUGIN.compile_command(portable=True) if word not in ("-w", "-shared", "-O3")
+    ] + strict
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:2000]
 
 
-def test_a_plugin_made_elsewhere_serves_without_a_compiler(tmp_path, monkeypatch):
-    """A compute node: the cache is shared, compiler and headers are not there; LIGGGHTS, sources and processor are the same."""
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    made = tmp_path / build_module.library_path().name
-    made.write_bytes(b"made on the login node")
-    for variable, value in (("CXX", "no-such-compiler"), ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere")):
-        with monkeypatch.context() as there:
-            there.setenv(variable, value)
-            assert lg.build() == made
-            with pytest.raises(DemlawsError, match="--portable"):
-                lg.build(portable=True)  # none was made
-            there.setattr(build_module, "_processor", lambda: "flags : another")
-            with pytest.raises(DemlawsError, match=r"no-such-compiler|DEMLAWS_LIGGGHTS_INCLUDE"):
-                lg.build()
-            there.undo()
-
-
-def test_a_relative_cache_is_made_absolute(tmp_path, monkeypatch):
-    """LIGGGHTS runs in the input's folder, where a relative LD_PRELOAD would find nothing."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("DEMLAWS_CACHE", "cache")
-    library = build_module.library_path()
-    assert library.is_absolute() and library.parent == tmp_path / "cache"
-    monkeypatch.delenv("DEMLAWS_CACHE")
-    monkeypatch.setenv("XDG_CACHE_HOME", "other")
-    assert build_module.library_path().parent == tmp_path / "other" / "demlaws"
-
-
-def test_a_relative_binary_is_found_from_the_inputs_folder(tmp_path, monkeypatch):
-    (tmp_path / "engine").symlink_to(executable())
-    (tmp_path / "case").mkdir()
-    (tmp_path / "case" / "in.case").write_text("print here\n")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("DEMLAWS_LIGGGHTS", "./engine")
-    assert lg.run("case/in.case", plugin=False) == {}
-
-
-@pytest.mark.parametrize(
-    "variable, value, words",
-    [
-        ("CXX", "no-such-compiler", "apt install"),
-        ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere", "DEMLAWS_LIGGGHTS_INCLUDE"),
-        ("DEMLAWS_CACHE", "/proc/nowhere", "DEMLAWS_CACHE"),
-        ("DEMLAWS_CACHE", "/tmp/with a space", "LD_PRELOAD splits"),
-    ],
-)
-def test_what_is_missing_is_named(tmp_path, monkeypatch, variable, value, words):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    monkeypatch.setenv(variable, value)
-    with pytest.raises(DemlawsError, match=words):
-        lg.build()
-
-
-def test_import_needs_no_liggghts(tmp_path):
-    """Without any program in reach the package imports, and says what is missing when asked to run."""
-    code = "import demlaws.liggghts as lg\ntry:\n lg.run('in.case')\nexcept ValueError as e: print(e)"
-    environment = {**os.environ, "PYTHONPATH": HOME, "PATH": str(tmp_path)}
-    environment.pop("DEMLAWS_LIGGGHTS", None)
-    (tmp_path / "in.case").write_text("")
-    out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
-    assert "apt install" in out.stdout, out.stderr
-
-
 # --- run
-
-
-def test_run_sets_what_root_needs(monkeypatch):
-    line, environment = command("in.case", 2, {"a": 1})
-    assert line[:3] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={lg.build()}" in line
-    assert ("--allow-run-as-root" in line) == (os.geteuid() == 0)
-    assert "LD_PRELOAD" not in environment or "demlaws" not in environment["LD_PRELOAD"]
-    monkeypatch.setattr(os, "geteuid", lambda: 1000)
-    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
-    assert "--oversubscribe" in command("in.case", 4)[0]
-    line, _ = command("in.case", 2)
-    assert "--allow-run-as-root" not in line and "--oversubscribe" not in line
-    line, environment = command("in.case", 1)
-    assert "mpirun" not in line and str(lg.build()) in environment["LD_PRELOAD"]
-    _, environment = command("in.case", 1, plugin=False)
-    assert "demlaws" not in environment.get("LD_PRELOAD", "")
 
 
 @pytest.mark.slow
@@ -237,87 +118,7 @@ def test_run_takes_the_portable_plugin():
     assert str(lg.build(portable=True)) in environment["LD_PRELOAD"] and lg.build(portable=True) != lg.build()
 
 
-def test_run_refuses_nonsense(tmp_path):
-    with pytest.raises(DemlawsError, match="does not exist"):
-        lg.run(tmp_path / "in.none")
-    (tmp_path / "in.case").write_text("print 'ERROR is a word'\nnonsense\n")
-    with pytest.raises(DemlawsError, match="Unknown command"):
-        lg.run(tmp_path / "in.case")
-    with pytest.raises(DemlawsError, match="ranks = 0"):
-        lg.run(tmp_path / "in.case", 0)
-
-
-def test_log_without_thermo_output(tmp_path):
-    (tmp_path / "log").write_text("LIGGGHTS\n")
-    with pytest.raises(DemlawsError, match="no thermo output"):
-        lg.read_log(tmp_path / "log")
-
-
-def test_stock_binary_without_plugin_does_not_know_the_model(tmp_path):
-    (tmp_path / "in.case").write_text(TWO_PARTICLES)
-    with pytest.raises(DemlawsError, match="ERROR"):
-        lg.run(tmp_path / "in.case", variables={"young": 1e9, "radius": 0.0087, "table": "x"}, plugin=False)
-
-
-GOOD = """\
-atom_style granular
-atom_modify map array sort 0 0
-boundary f f f
-newton off
-communicate single vel yes
-region box block 0 1 0 1 0 1 units box
-create_box 1 box
-create_atoms 1 single 0.5 0.5 0.5 units box
-set atom 1 diameter 0.1 density 2500
-fix m all nve/sphere
-compute 1 all ke
-compute x all reduce sum x
-{thermo}
-thermo 5
-"""
-RUNS = "run 10\nrun 10\n"
-
-
-@pytest.mark.parametrize(
-    "text, columns, steps",
-    [
-        (GOOD.format(thermo="thermo_style custom step atoms c_1 c_x") + RUNS, ["Step", "Atoms", "1", "x"], 5),
-        (GOOD.format(thermo="thermo_style custom atoms c_1") + RUNS, ["Atoms", "1"], None),
-        (GOOD.format(thermo="thermo_style multi") + RUNS, ["Step", "CPU", "Atoms"], 5),
-        (GOOD.format(thermo="log other.log\nthermo_style custom step c_1") + RUNS, ["Step", "1"], 5),
-        (GOOD.format(thermo="log none\nthermo_style custom step c_1") + RUNS, ["Step", "1"], 5),
-        (GOOD.format(thermo=""), [], 0),
-        ("print 'ERROR is a word'\n", [], 0),
-    ],
-)
-def test_a_good_run_is_good_whatever_it_prints(tmp_path, capsys, text, columns, steps):
-    (tmp_path / "in.case").write_text(text)
-    found = lg.run(tmp_path / "in.case", plugin=False)
-    assert list(found)[: len(columns)] == columns
-    if steps:
-        assert found["Step"].tolist() == [0, 5, 10, 15, 20] and np.all(found.get("x", 0.5) == 0.5)
-    assert cli.main(["liggghts", "run", str(tmp_path / "in.case"), "--stock"]) == 0
-
-
-def test_arguments_that_are_none_of_ours_go_to_liggghts(tmp_path, capfd):
-    (tmp_path / "in.case").write_text('print "have ${a} ${b}"\nvariable b index 7\nnext b\nprint "then ${b}"\n')
-    words = ["-var", "a", "3", "-var", "b", "4", "5", "-log", "named.log", "-echo", "screen"]
-    for arguments in ([*words, "--stock"], ["--stock", *words], ["--stock", "--", *words]):
-        (tmp_path / "named.log").unlink(missing_ok=True)
-        assert cli.main(["liggghts", "run", str(tmp_path / "in.case"), *arguments]) == 0
-        out = capfd.readouterr().out
-        assert "have 3 4" in out and "then 5" in out and 'print "then ${b}"' in out
-        assert (tmp_path / "named.log").is_file()
-    assert lg.run(tmp_path / "in.case", plugin=False, variables={"a": 1, "b": [2, 3]}, arguments=["-echo", "none"]) == {}
-
-
 # --- check
-
-
-def test_check_proves_the_plugin(capsys):
-    lg.check()
-    out = capsys.readouterr().out
-    assert "3.8.0" in out and out.count("self-test") == 4 and "all good" in out
 
 
 def test_packages_of_unlike_versions_are_refused(tmp_path, monkeypatch):
@@ -367,35 +168,6 @@ def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
 # --- export
 
 
-@pytest.mark.parametrize(
-    "law, options, grains, tables",
-    [
-        ("pohrt-popov", {}, [dl.Surface(1.7e-6, 2.22)] * 2, 1),
-        ("pohrt-popov", {}, [dl.Surface(1.7e-6, 2.22), dl.Surface(3e-6, 2.22)], 1),
-        ("pohrt-popov", {}, [dl.Surface(1.7e-6, 2.22), dl.Surface(3e-6, 2.3)], 5),
-        ("rough-plastic", {"yield_pressure": 1.66e9}, [dl.Surface(1.7e-6, 2.22)] * 2, 5),
-    ],
-)
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_exported_case_runs(tmp_path, law, options, grains, tables, ranks):
-    """In a folder with a space in its name; run.sh as a user starts it, with the command `demlaws` on the path."""
-    grains = [lg.Grain(radius, GRANITE, surface) for radius, surface in zip((0.004, 0.005), grains, strict=True)]
-    folder = tmp_path / "my case"
-    path = lg.export(folder, law, grains, options=options, count=60)
-    assert path == folder / "in.case"
-    assert len(list(folder.glob("*.tbl"))) == tables
-    path.write_text(re.sub(r"steps index \d+", "steps index 5000", path.read_text()))
-    bin_folder = tmp_path / "bin"
-    bin_folder.mkdir()
-    (bin_folder / "demlaws").write_text(f'#!/bin/sh\nexec "{sys.executable}" -m demlaws.cli "$@"\n')
-    (bin_folder / "demlaws").chmod(0o755)
-    environment = {**os.environ, "PYTHONPATH": HOME, "PATH": f"{bin_folder}:{os.environ['PATH']}"}
-    result = subprocess.run([str(folder / "run.sh"), str(ranks)], env=environment, capture_output=True, text=True)
-    assert result.returncode == 0, result.stdout[-2000:] + result.stderr
-    assert lg.read_log(folder / "log.liggghts")["Step"][-1] == 5001
-    assert list((folder / "post").glob("grains.*"))
-
-
 @pytest.mark.parametrize("stock", [None, "hertz"])
 def test_the_case_runs_in_the_liggghts_that_is_named(tmp_path, stock):
     path = lg.export(tmp_path, grains=[lg.Grain(0.004, GRANITE, ROUGH)], count=10, rtol=1e-3, stock=stock)
@@ -421,12 +193,6 @@ def test_walls_are_of_the_first_grains_stuff(tmp_path):
     assert lg.run(path, variables={"steps": 20})["Atoms"][-1] == 10
 
 
-def test_a_smooth_grain_beside_a_rough_one_is_refused_before_the_run(tmp_path):
-    grains = [lg.Grain(0.004, GRANITE, ROUGH), lg.Grain(0.005, GRANITE, dl.Surface(0.0, 2.22))]
-    with pytest.raises(DemlawsError, match="a smooth grain beside a rough one"):
-        lg.export(tmp_path, grains=grains)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("stock", [None, "hertz"])
 def test_the_exported_case_settles(tmp_path, stock):
@@ -442,11 +208,6 @@ def test_the_exported_case_settles(tmp_path, stock):
     rows = np.loadtxt(last, skiprows=9)
     assert np.abs(rows[:, 4] - rows[:, 5]).min() < 1e-6  # some on the floor, to micrometres
     assert np.linalg.norm(rows[:, 6:9], axis=1).max() < 0.01
-
-
-def test_export_refuses_nothing_to_export(tmp_path):
-    with pytest.raises(DemlawsError, match="grains is empty"):
-        lg.export(tmp_path, grains=[])
 
 
 @pytest.mark.parametrize("stock", ["hertz", "edinburgh"])
@@ -488,24 +249,3 @@ def test_stock_fit_refuses_nonsense(granite_pair):
         lg.stock_fit(law, 10.0, "hooke")
     with pytest.raises(DemlawsError, match="load"):
         lg.stock_fit(law, -1.0)
-
-
-# --- command line
-
-
-def test_command_line(tmp_path, capsys):
-    case = str(tmp_path / "case")
-    surface = ["--sq", "1.7e-6", "--fractal-dimension", "2.22"]
-    assert cli.main(["liggghts", "build"]) == 0
-    assert capsys.readouterr().out.strip() == str(lg.build())
-    assert cli.main(["liggghts", "export", case, "--radius", "0.004", "0.005", "--count", "50", *surface]) == 0
-    assert cli.main(["liggghts", "run", case + "/in.case", "-np", "2", "-var", "steps", "100"]) == 0
-    assert "Loop time" in capsys.readouterr().out
-    stock = ["liggghts", "export", case + "2", "--stock", "hertz", "--load", "5", "--radius", "0.004", *surface]
-    assert cli.main(stock) == 0
-    assert "fit of stock hertz at 5 N" in capsys.readouterr().out
-    assert cli.main(["liggghts", "run", case + "2/in.case", "--stock", "-var", "steps", "100"]) == 0
-    assert cli.main(["liggghts", "run", str(tmp_path / "none")]) == 2
-    assert "does not exist" in capsys.readouterr().err
-    assert cli.main(["liggghts", "export", case, "--radius", "0.004", "0.005", "0.006", "--sq", "1e-6", "2e-6"]) == 2
-    assert "--sq has 2 values for 3 radii" in capsys.readouterr().err

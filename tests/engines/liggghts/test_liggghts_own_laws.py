@@ -13,7 +13,7 @@ from processes import parted
 
 import demlaws as dl
 from demlaws.liggghts import run
-from demlaws.liggghts.check import TWO_PARTICLES, two_particles
+from demlaws.liggghts.check import TWO_PARTICLES, follow
 from demlaws.liggghts.run import command, executable
 
 GRAN = "pair_style gran model demlaws/table tangential history "
@@ -27,9 +27,9 @@ def test_a_law_of_ones_own_within_its_certificate(tmp_path, registered_here):
     (tmp_path / "my_law.py").write_text(text)
     dl.load_laws(tmp_path / "my_law.py")
     law = dl.law("power", CONTACT, "hertz")
-    overlap, force, expected = two_particles(law)
-    assert overlap.max() > 1e-5
-    assert np.abs(force - expected).max() <= 1e-5 * expected.max()
+    log, path = follow(law)
+    assert path.overlap.max() > 1e-5
+    assert np.abs(log["force"] - path.force).max() <= 1e-5 * path.force.max()
 
 
 @pytest.mark.slow
@@ -38,8 +38,8 @@ def test_a_table_of_a_function_within_its_certificate():
         return 3e9 * overlap**1.7
 
     table = dl.Table.from_function(force, CONTACT, unloading=lambda overlap: 9e9 * overlap**1.65)
-    overlap, found, expected = two_particles(table)
-    # `two_particles` tabulates what it is given, a table too, to 1e-5
+    log, path = follow(table)  # which tabulates a table, too, to 1e-5
+    overlap, found, expected = log["overlap"], log["force"], path.force
     assert np.abs(found - expected).max() <= 1e-5 * expected.max()
     first = slice(0, int(np.argmax(overlap > 1e-6)) + 5)
     touching = overlap[first] > 0

