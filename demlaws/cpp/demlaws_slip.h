@@ -110,10 +110,10 @@ private:
 };
 
 // What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no shear
-// force. The numbers are the caller's; MOST springs at most.
+// force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for 99 values per contact.
 class SpringRow {
 public:
-  static const int MOST = 32;
+  static const int MOST = 30;
   static int size(int springs) { return 2 + 3 * springs; }
   SpringRow(double *numbers, int springs)
       : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}

@@ -35,7 +35,7 @@ public:
     if (wall_ && !line.given.count("springs")) springs_ = instance_->pair.springs;
     if (!wall_) instance_->pair.springs = springs_;
     if (springs_ != 2 * (int)(0.5 * springs_) || springs_ < 2. || springs_ > demlaws::SpringRow::MOST)
-      error->all(FLERR, "tangential model demlaws: 'springs' must be an even number from 2 to 32");
+      error->all(FLERR, "tangential model demlaws: 'springs' must be an even number from 2 to 30");
     const int scalars = slips_ ? 2 : 1, vectors = slips_ ? (int)springs_ : 1;
     for (int i = 0; i < scalars + 3 * vectors; i++) {
       std::ostringstream name;
