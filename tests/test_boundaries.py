@@ -224,7 +224,7 @@ FLOORS = (
     "solvers",
     "laws",
     "law regime table_file defined",
-    "joining driver timestep",
+    "joining driver shear timestep",
     "table",
     "make",
     "engines grains",
