@@ -220,7 +220,7 @@ FLOORS = (
     "errors lazy",
     "core files units",
     "contact criterion points rule_object soundness",
-    "given materials matching surface",
+    "given materials surface",
     "solvers",
     "laws",
     "law regime table_file defined",
