@@ -1,4 +1,4 @@
-"""Materials, surfaces, contacts: what follows from what is measured, and what is refused."""
+"""Materials, surfaces and contacts: derived quantities and input checks."""
 
 import math
 
@@ -41,7 +41,7 @@ def test_flat_and_array_of_radii():
 
 
 @given(st.floats(1e-6, 10), st.floats(1e-6, 10), st.floats(0, 1e-7), st.floats(0, 1e-7))
-def test_between_does_not_care_for_the_order(radius1, radius2, roughness1, roughness2):
+def test_between_is_symmetric(radius1, radius2, roughness1, roughness2):
     other = dl.Material(young=200e9, poisson=0.3, hardness=2e9)
     a = dl.Contact.between(GRANITE, other, radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
     b = dl.Contact.between(other, GRANITE, radius1=radius2, radius2=radius1, roughness1=roughness2, roughness2=roughness1)
@@ -59,42 +59,44 @@ def test_surface_combined():
 
 
 @pytest.mark.parametrize(
-    ("make", "text"),
+    ("make", "field"),
     [
-        (lambda: dl.Material(young=-1e9, poisson=0.2), r"young = -1e\+09 Pa: Young's modulus must be positive"),
-        (lambda: dl.Material(young="hard", poisson=0.2), "young must be a number in Pa"),
-        (lambda: dl.Material(young=1e9, poisson=0.6), r"poisson = 0.6.*at most 0.5"),
-        (lambda: dl.Material(young=1e9, poisson=0.2, hardness=0), r"hardness = 0 Pa.*kgf"),
-        (lambda: dl.Surface(roughness=-1e-6), "roughness = -1e-06 m"),
-        (lambda: dl.Surface(1e-6, fractal_dimension=1.9), r"fractal_dimension = 1.9: .*\[2, 3\]"),
-        (lambda: dl.Contact(radius=0, modulus=1e9), "radius = 0 m"),
-        (lambda: dl.Contact(radius=math.inf, modulus=1e9), "radius = inf m.*two flats"),
-        (lambda: dl.Contact(radius=math.nan, modulus=1e9), "radius = nan m"),
-        (lambda: dl.Contact(radius=1e-3, modulus=-5.0), "modulus = -5 Pa"),
-        (lambda: dl.Contact(radius=1e-3, modulus=1e9, roughness=2e-3), "roughness = 0.002 m exceeds.*units"),
-        (lambda: dl.Contact(radius=[1e-3, -1e-3], modulus=1e9), r"radius = -0.001 m \(entry 1\)"),
-        (lambda: dl.Contact(radius=[1e-3, 1e-3], modulus=[1e9] * 3), "arrays of one length"),
-        (lambda: dl.Contact(radius=[[1e-3]], modulus=1e9), "1-D array"),
-        (lambda: dl.Contact(radius=1e-3, modulus=1e9, hardness=[1e9, 2e9]), "hardness must be one number"),
-        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=math.inf), "two flats"),
-        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=-1e-3), "radius1 = -0.001 m"),
-        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=1e-3, roughness2=-1e-6), "roughness2 = -1e-06 m"),
+        (lambda: dl.Material(young=-1e9, poisson=0.2), "young"),
+        (lambda: dl.Material(young="hard", poisson=0.2), "young"),
+        (lambda: dl.Material(young=1e9, poisson=0.6), "poisson"),
+        (lambda: dl.Material(young=1e9, poisson=0.2, hardness=0), "hardness"),
+        (lambda: dl.Surface(roughness=-1e-6), "roughness"),
+        (lambda: dl.Surface(1e-6, fractal_dimension=1.9), "fractal_dimension"),
+        (lambda: dl.Contact(radius=0, modulus=1e9), "radius"),
+        (lambda: dl.Contact(radius=math.inf, modulus=1e9), "radius"),
+        (lambda: dl.Contact(radius=math.nan, modulus=1e9), "radius"),
+        (lambda: dl.Contact(radius=1e-3, modulus=-5.0), "modulus"),
+        (lambda: dl.Contact(radius=1e-3, modulus=1e9, roughness=2e-3), "roughness"),
+        (lambda: dl.Contact(radius=[1e-3, -1e-3], modulus=1e9), "radius"),
+        (lambda: dl.Contact(radius=[1e-3, 1e-3], modulus=[1e9] * 3), "modulus"),
+        (lambda: dl.Contact(radius=[[1e-3]], modulus=1e9), "radius"),
+        (lambda: dl.Contact(radius=1e-3, modulus=1e9, hardness=[1e9, 2e9]), "hardness"),
+        # Vickers number and GPa in place of Pa
+        (lambda: dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=640.0), "hardness"),
+        (lambda: dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=6.266), "hardness"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=math.inf), "radius1"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=-1e-3), "radius1"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=1e-3, roughness2=-1e-6), "roughness2"),
     ],
 )
-def test_bad_input_names_value_unit_and_remedy(make, text):
-    with pytest.raises(dl.DemlawsError, match=text):
+def test_bad_input_is_refused_by_field(make, field):
+    with pytest.raises(dl.DemlawsError) as error:
         make()
+    assert field in str(error.value)
 
 
-@pytest.mark.parametrize("hardness", [640.0, 6.266])
-def test_hardness_in_other_units_is_told(hardness):
-    """Vickers numbers and GPa: the bulk yielded at once, and the criterion said so by a ratio of 1e5."""
-    with pytest.raises(dl.DemlawsError, match=r"of the effective modulus: check the units"):
-        dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=hardness)
+def test_an_error_names_field_value_unit_and_entry():
+    with pytest.raises(dl.DemlawsError) as error:
+        dl.Contact(radius=[1e-3, -1e-3], modulus=1e9)
+    assert str(error.value).startswith("radius = -0.001 m (entry 1)")
 
 
 def test_contacts_are_compared_entry_by_entry():
-    """Arrays of contacts ended in numpy's ValueError."""
     many = dl.Contact(radius=[1e-3, 2e-3], modulus=1e9)
     assert many == dl.Contact(radius=np.array([1e-3, 2e-3]), modulus=1e9) and many != many.with_values(radius=[1e-3, 3e-3])
     assert many != many.with_values(radius=1e-3) and many != 3

@@ -355,6 +355,7 @@ public:
 
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
+  const Curve &loading_curve() const { return loading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
   inline double recover(double s) const {
     const double above = s - unloading_.seat();
@@ -870,7 +871,7 @@ struct Pair {
     else if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for))
       what << ": for the effective modulus " << made_for << " Pa, not " << effective_modulus
            << " Pa; make a table of this pair";
-    else if (roughness > 0.) what << ": for its own roughness; give none with it";
+    else if (roughness > 0.) what << ": for its own roughness; give no roughness with it";
     else return pair;
     throw std::runtime_error(what.str());
   }
@@ -1038,12 +1039,13 @@ inline double eepa_energy(double overlap, double plastic) {
   return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
 }
 
-// The normal stiffness that the tangential stiffness K_t of an elastic contact is a multiple of (docs/shear.md).
-enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2 }; // the numbers stand in restart files
+// The normal stiffness that the tangential stiffness K_t of an elastic contact is a multiple of (docs/shear.md); SLIP:
+// that of ELASTIC, with partial slip (demlaws_slip.h).
+enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 }; // the numbers stand in restart files
 
 inline bool shear_from_name(const std::string &name, Shear &shear) {
-  shear = name == "loading" ? LOADING_SHEAR : ELASTIC_SHEAR;
-  return name == "elastic" || name == "loading";
+  shear = name == "loading" ? LOADING_SHEAR : name == "slip" ? SLIP_SHEAR : ELASTIC_SHEAR;
+  return shear != ELASTIC_SHEAR || name == "elastic";
 }
 
 // That stiffness [N/m], from the result of step_rule and the state that it left (or, with `update` false, found): the
@@ -1052,6 +1054,7 @@ template <Unloading RULE>
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
                               const double *state) {
   if (RULE == ELASTIC || !(now.force > 0.)) return now.stiffness;
+  if (shear == SLIP_SHEAR) shear = ELASTIC_SHEAR;
   if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
   const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
   if (shear == ELASTIC_SHEAR) {

@@ -1,4 +1,4 @@
-"""What `make bench` watches over: ratios of interleaved timings, compared with those that were kept.
+"""Ratios of interleaved timings, compared with the stored ones: `make bench`.
 
     python tests/benchmarks/ratios.py [--only kernels start ...] [--keep] [--contacts 4e6] [--rounds 9]
 
@@ -10,7 +10,6 @@ above its goal as a miss. Nothing here fails: the suite has no timing in it.
 kernels   `law.evaluate` over a copy kernel on the same arrays (bench_batch.py): virgin contacts, and a random mixture
 start     `import demlaws` over `import numba`; `demlaws --help` over an argparse program's help; user and system time
 surfaces  a load step of a measured map over scipy.ndimage.label of the same map
-choose    cost of the law that `choose` ranks first over the cheapest that meets the tolerance, timed again
 yade, liggghts   a step with our laws over the engine's own Hertz, per contact
 """
 
@@ -122,9 +121,9 @@ def start(contacts, rounds):
 def surfaces(contacts, rounds):
     from scipy import ndimage
 
-    from demlaws.regime import published_contact
-    from demlaws.solvers.patches import RoughContact
+    from demlaws.solvers.contact import RoughContact
     from demlaws.surface import self_affine
+    from studies.jamari.published import published_contact
 
     found = {}
     for size in (1024, 2048):
@@ -141,30 +140,8 @@ def surfaces(contacts, rounds):
     return found
 
 
-def choose(contacts, rounds):
-    from demlaws.granite import GRANITE
-    from demlaws.measure.timing import nanoseconds
-
-    found = {}
-    for name, given in {
-        "force, monotonic": {},
-        "stiffness, cyclic": {"cyclic": True, "quantity": "stiffness"},
-        "stiffness, tight": {"tolerance": 1e-6, "quantity": "stiffness"},
-    }.items():
-        choices = dl.choose(dl.Scene((5e-3, 2e-2), GRANITE, dl.Surface(1.7e-6, 2.22), force=(1.0, 100.0), **given))
-        met = {c.plan: c for c in choices if c.meets}
-        taken = {plan: [] for plan in met}
-        for _ in range(max(4, rounds)):
-            again, _ = nanoseconds({plan: c.batch() for plan, c in met.items()}, rounds=5)
-            for plan, ns in again.items():
-                taken[plan].append(ns / met[plan].step_factor)
-        least = min(taken.values(), key=min)
-        found[f"first choice / cheapest, {name}"] = ratio_of(taken[choices.best.plan], least, 1.10)
-    return found
-
-
 def _engine(engine, quick_rounds):
-    from demlaws.measure import trade
+    from studies.trade import trade
 
     runs = [trade.engine_trade(engine, quick=True) for _ in range(quick_rounds)]
     found = {}
@@ -182,7 +159,7 @@ def liggghts(contacts, rounds):
     return _engine("liggghts", 2)
 
 
-PARTS = {function.__name__: function for function in (kernels, start, surfaces, choose, yade, liggghts)}
+PARTS = {function.__name__: function for function in (kernels, start, surfaces, yade, liggghts)}
 
 
 # --- what is kept

@@ -13,8 +13,8 @@ from demlaws import cli
 from demlaws.cli import main, option
 from demlaws.core import notice
 from demlaws.errors import DemlawsError
+from demlaws.law import Table
 from demlaws.laws.registry import registry
-from demlaws.table import Table
 
 
 @pytest.fixture(autouse=True)
@@ -110,10 +110,6 @@ def test_granite(tmp_path, capsys):
         (["curve", "--law", "hertz", "--radius", "1e-3", "--modulus", "nan", "--forces", "1"], "modulus = nan Pa"),
         (["curve", "--law", "hertz", "--radius", "1e-3", "--forces", "1"], "--modulus missing"),
         (["curve", "--law", "pohrt-popov", *CONTACT[:-1], "3.5", "--forces", "1"], "fractal_dimension = 3.5"),
-        (["curve", "--law", "hertz", "--radius", "4e-3", "--roughness", "1e-6", "--forces", "1"], "give --sigma"),
-        (["table", "--law", "hertz", *CONTACT, "--unloading-roughness", "1e-6", "--out", "t"], "give --unloading-sigma"),
-        (["regime", "--roughness", "1e-6"], "give --sigma"),
-        (["surface", "synthetic", "--roughness", "1um", "--out", "t"], "give --sq"),
         (["curve", "--law", "hertz", *CONTACT, "--sigma", "1", "--forces", "1"], "exceeds the effective radius"),
         (["curve", "--law", "hertz", *CONTACT, "--forces", "-1"], "no tension"),
         (["curve", "--law", "bahrami", *CONTACT, "--forces", "1"], "hardness"),

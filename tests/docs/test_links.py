@@ -1,4 +1,4 @@
-"""Every relative link of every Markdown file of the repository leads to a file that is kept, and to a heading that it has."""
+"""Relative links of all Markdown files lead to files of the repository and to their headings; citations to the bibliography."""
 
 import re
 import subprocess
@@ -59,3 +59,9 @@ def test_a_broken_link_is_found():
         ("docs/none.md", "no such file is kept"),
         ("#nothing", "no such heading"),
     ]
+
+
+def test_citations():
+    cited = set(re.findall(r"@([a-z]\w+)", (PROJECT / "docs" / "paper.md").read_text().split("\n---\n", 1)[1]))
+    held = re.findall(r"^@\w+\{(\w+),", (PROJECT / "docs" / "paper.bib").read_text(), re.MULTILINE)
+    assert sorted(held) == sorted(cited)

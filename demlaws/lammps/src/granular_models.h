@@ -385,7 +385,7 @@ template <bool LATE> struct Granular {
           raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
         into[Table::EXTRAPOLATE] = value == "on";
       } else if (word == "shear") {
-        if (!demlaws::shear_from_name(value, shear))
+        if (!demlaws::shear_from_name(value, shear) || shear == demlaws::SLIP_SHEAR)
           raise(error, true, "demlaws/table: shear is elastic or loading, not " + value);
         into[Table::SHEAR] = shear;
       } else if (word != "roughness" && word != "against" && word != "radius_tolerance") break;

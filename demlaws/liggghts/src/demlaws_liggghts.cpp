@@ -19,9 +19,9 @@ template <class MODEL> Walls::IGranularWall *make_wall(LAMMPS *lmp, FixWallGran 
 
 // Any other combination of sub-models: LIGGGHTS itself would call it an unknown normal model.
 static void refuse(LAMMPS *lmp) {
-  lmp->error->all(FLERR,
-                  "model demlaws/table works with tangential off, no_history, history; rolling_friction off, cdt, "
-                  "epsd, epsd2; cohesion off; surface default: leave the other sub-model out");
+  lmp->error->all(
+      FLERR, "model demlaws/table works with tangential off, no_history, history, demlaws; rolling_friction off, cdt, "
+             "epsd, epsd2; cohesion off; surface default: leave the other sub-model out");
 }
 static PairStyles::IGranularPairStyle *refuse_pair_style(LAMMPS *lmp, PairGran *, const int64_t) {
   refuse(lmp);
@@ -45,14 +45,14 @@ struct Registration {
     add<TANGENTIAL, ROLLING_EPSD>();
     add<TANGENTIAL, ROLLING_EPSD2>();
   }
-  // LIGGGHTS's ids go up to 4 for tangential models, 8 for cohesion, 6 for rolling friction and 5 for surfaces.
+  // The stock ids go up to 4 for tangential models, 8 for cohesion, 6 for rolling friction and 5 for surfaces.
   static void add_refused() {
-    for (int tangential = 0; tangential <= 4; tangential++)
+    for (int tangential : {0, 1, 2, 3, 4, TANGENTIAL_DEMLAWS + 0})
       for (int cohesion = 0; cohesion <= 8; cohesion++)
         for (int rolling = 0; rolling <= 6; rolling++)
           for (int surface = 0; surface <= 5; surface++) {
-            const bool works = tangential <= TANGENTIAL_HISTORY && cohesion == COHESION_OFF && rolling <= ROLLING_EPSD2;
-            if (works && surface == SURFACE_DEFAULT) continue;
+            const bool shears = tangential <= TANGENTIAL_HISTORY || tangential == TANGENTIAL_DEMLAWS;
+            if (shears && cohesion == COHESION_OFF && rolling <= ROLLING_EPSD2 && surface == SURFACE_DEFAULT) continue;
             const int64_t hash = Utils::generate_gran_hashcode(DEMLAWS_TABLE, tangential, cohesion, rolling, surface);
             PairStyles::Factory::instance().addStyle("gran", hash, &refuse_pair_style);
             Walls::Factory::instance().addStyle("gran", hash, &refuse_wall);
@@ -61,10 +61,12 @@ struct Registration {
   Registration() {
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ); // or the reason of an MPI_Abort is lost where the output goes to a pipe
     ContactModels::Factory::instance().addNormalModel("demlaws/table", DEMLAWS_TABLE);
+    ContactModels::Factory::instance().addTangentialModel("demlaws", TANGENTIAL_DEMLAWS);
     add_refused();
     add_rolling<TANGENTIAL_OFF>();
     add_rolling<TANGENTIAL_NO_HISTORY>();
     add_rolling<TANGENTIAL_HISTORY>();
+    add_rolling<TANGENTIAL_DEMLAWS>();
   }
 };
 static Registration registration;

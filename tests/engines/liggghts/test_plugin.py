@@ -10,7 +10,7 @@ import pytest
 from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
-from demlaws import table_file
+from demlaws.curves import text as table_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
 from demlaws.liggghts.build import PLUGIN
@@ -140,10 +140,10 @@ def test_normal_stiffness_of_the_tangential_one(tmp_path, granite_pair, choice, 
 
 
 @pytest.mark.parametrize("word", ["secant", "tangent"])
-def test_shear_is_one_of_two(tmp_path, granite_pair, word):
+def test_shear_is_one_of_three(tmp_path, granite_pair, word):
     save(dl.law("hertz", granite_pair), tmp_path / "law.tbl")
     message = refused(tmp_path, two_spheres(GRAN + f"table law.tbl shear {word}", LOAD_UNLOAD))
-    assert f"'shear' must be elastic or loading, got '{word}'" in message
+    assert f"'shear' must be elastic, loading or slip, got '{word}'" in message
 
 
 @pytest.mark.parametrize("restitution", [0.2, 0.8])
@@ -363,7 +363,7 @@ def test_unsupported_models_are_refused(tmp_path, granite_pair, models):
     save(dl.law("hertz", granite_pair), tmp_path / "law.tbl")
     models = f"tangential history {models}" if models else "tangential tan_luding"
     text = two_spheres(f"pair_style gran model demlaws/table {models} table law.tbl", LOAD_UNLOAD)
-    assert "works with tangential off, no_history, history" in refused(tmp_path, text)
+    assert "works with tangential off, no_history, history, demlaws" in refused(tmp_path, text)
 
 
 def test_unknown_setting_is_named(tmp_path, granite_pair):

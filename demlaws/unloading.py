@@ -1,0 +1,108 @@
+"""How contacts unload: a rule, the curve that it follows, and the check that the pair of curves is passive."""
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.curve import TableParams
+from demlaws.core.loops import inverse_loop
+from demlaws.core.params import first_loading, loading_part, one_of
+from demlaws.core.unloading import RULES, JoinedParams, JoinedShape, Rule
+from demlaws.errors import DemlawsError, NotPassive
+
+
+class Unloading(NamedTuple):
+    """A rule with all that it reads beside the curve of first loading."""
+
+    rule: Rule
+    curve: Any = None  # of rule "table": the curve to follow
+    contact: Contact | None = None  # of that curve
+    beside: Any = None  # of a rule of the law's own where the curve is a table: the Shape that the rule reads
+
+
+ELASTIC = Unloading(RULES["elastic"])
+
+
+def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
+    """Shape of a curve of first loading together with what its unloading rule reads."""
+    if unloading.curve is not None:
+        return JoinedShape(shape, unloading.curve.quick_shape(), *_ratios(contact, unloading.contact))
+    return shape if unloading.beside is None else JoinedShape(shape, unloading.beside, 1.0, 1.0, 1.0)
+
+
+def _ratios(contact, other):
+    """R, E* and σ of the unloading curve's contact over those of the law's, each one number for all contacts."""
+    ratios = []
+    for name in ("radius", "modulus", "roughness"):
+        own, others = np.asarray(getattr(contact, name), float), np.asarray(getattr(other, name), float)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            try:
+                ratio = others / own
+            except ValueError:
+                raise DemlawsError(f"the law has {contact.size} contacts, its unloading curve {other.size}") from None
+        if np.all(own == others):  # smooth contacts, too
+            ratio = np.ones(1)
+        low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
+        if not (math.isfinite(high) and high - low <= 1e-9 * high):
+            raise DemlawsError(
+                f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: it must be the law's own "
+                "or in one ratio to it; make the curve for the same contact or array of contacts"
+            )
+        ratios.append(low if high > low else high)
+    return ratios
+
+
+def refuse_unless_passive(law: Any) -> None:
+    """Raise NotPassive unless at every load K(P) is at most that of the unloading curve; for Hertz-like rules, Hertz's."""
+    if law.unloads.rule.curve not in ("hertz", "given"):
+        return
+    excess, force = largest_stiffness_ratio(law)
+    curve = law.unloads.curve
+    # the stiffness of a table is as exact as its certificate states
+    uncertainty = 0.0 if curve is None else law.curve.stiffness_error + curve.stiffness_error
+    if excess > 1.0 + 1e-9 + uncertainty:
+        whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.definition.name!r})"
+        ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
+        other = law.definition.default_unloading
+        remedy = (
+            f"use unloading={other!r}" if other != law.unloading else "use unloading='elastic', or other options of the law"
+        )
+        raise NotPassive(
+            f"law {law.name!r} cannot take {law.unloading!r} unloading: at {force:.3g} N its stiffness is {ratio} times "
+            f"{whose}, so that unloading would return more work than loading took; {remedy}"
+        )
+
+
+def largest_stiffness_ratio(law: Any, points: int = 2000) -> tuple[float, float]:
+    """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs.
+
+    K_U is the stiffness of the given unloading curve, or else Hertz's.
+    """
+    contact, largest, where = law.contact, 0.0, 0.0
+    for index in contact.representatives():
+        p = one_of(law.params, index)
+        radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
+        overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
+        part = loading_part(p)
+        # where K may jump up, between two points; the law of a table was checked in closed form
+        steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)
+        overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
+        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+        first_loading(p, overlap, force, stiffness)
+        usable = np.isfinite(force) & (force > 0)
+        if isinstance(p, JoinedParams):
+            elastic, own, other = (np.empty(overlap.size) for _ in range(3))
+            inverse_loop(p.unloading, force, elastic)
+            first_loading(p.unloading, elastic, own, other)
+            usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
+            if not np.any(usable):
+                raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")
+        else:
+            other = 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
+        ratio = stiffness[usable] / other[usable]
+        k = int(np.argmax(ratio))
+        if ratio[k] > largest:
+            largest, where = float(ratio[k]), float(force[usable][k])
+    return largest, where

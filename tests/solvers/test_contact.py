@@ -1,0 +1,420 @@
+import math
+import tracemalloc
+import warnings
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import demlaws as dl
+from demlaws import regime
+from demlaws.solvers import ellipsoid
+from demlaws.solvers.contact import RoughContact
+from demlaws.solvers.summits import nine_point_summits, summits
+from demlaws.surface import HeightMap, self_affine
+from studies.jamari import published
+from studies.validation.maps import load_ratios
+
+# what c_h and c_A are taken to be is said where a contact is made; here it does not matter
+pytestmark = pytest.mark.filterwarnings("ignore:c_h = :demlaws.errors.ValidityWarning")
+
+ALUMINIUM = ellipsoid.plasticity(71.3e9, 0.24e9, 0.34)
+ELASTIC = ellipsoid.plasticity(50e9, math.inf, 0.3)
+
+ratios = st.floats(0.0, 4.0).map(lambda x: 10.0**x)
+
+
+# --- one ellipsoid
+
+
+def test_circular_contact_is_hertz():
+    radius, indentation = np.geomspace(1e-7, 1e-2, 30), np.geomspace(1e-10, 1e-8, 30)
+    found = ellipsoid.ellipsoids(ELASTIC, radius, radius, indentation)
+    np.testing.assert_allclose(found.force, 4 / 3 * 50e9 * np.sqrt(radius) * indentation**1.5, rtol=1e-14)
+    np.testing.assert_allclose(found.area, math.pi * radius * indentation, rtol=1e-14)
+
+
+@pytest.mark.parametrize("ratio", [1 + 1e-12, 1 + 1e-7, 1 + 1e-5, 1.001, 1.01, 1.3, 2.0, 7.0, 50.0, 1e3, 1e5, 1e8])
+def test_shape_factors_are_those_of_johnson(ratio):
+    """Against Johnson 1985, Eqs. 4.26-4.28, solved with 40 digits: k, semi-axes, approach."""
+    alpha, beta, gamma, k = ellipsoid.shape_factors(ratio)
+    with mpmath.workdps(40):
+        ratio = mpmath.mpf(ratio)
+
+        def misfit(log_k):  # Johnson's (b/a) is our k: R'/R'' = [(a/b)² E - K]/(K - E)
+            m = 1 - mpmath.exp(2 * log_k)
+            big_k, big_e = mpmath.ellipk(m), mpmath.ellipe(m)
+            return mpmath.log((big_e / (1 - m) - big_k) / (big_k - big_e)) - mpmath.log(ratio)
+
+        exact = mpmath.exp(mpmath.findroot(misfit, (math.log(k) * 0.99 - 1e-13, math.log(k) * 1.01 - 1e-12)))
+        m = 1 - exact**2
+        big_k, big_e = mpmath.ellipk(m), mpmath.ellipe(m)
+        # R_short = 1, R_long = ratio, E* = 1, P = 1; long semi-axis b, p0 = 3P/(2πab)
+        b = mpmath.cbrt(3 * big_e / (mpmath.pi * exact**2) / (1 + 1 / ratio))
+        a = exact * b
+        p0 = 3 / (2 * mpmath.pi * a * b)
+        approach = p0 * a * big_k  # δ = p0 b_Johnson K/E*, b_Johnson the short semi-axis
+        mean = ratio / (1 + ratio)
+        scale = mpmath.cbrt(3 * mean / 2)
+        assert float(abs(k / exact - 1)) < 1e-12
+        assert float(abs(alpha * scale / a - 1)) < 1e-12
+        assert float(abs(beta * scale / b - 1)) < 1e-12
+        assert float(abs(gamma * mpmath.cbrt(mpmath.mpf(9) / (32 * mean)) / approach - 1)) < 1e-12
+
+
+def test_the_factors_that_maps_read_from_a_table():
+    """Cubic interpolation in ln ratio against the exact integrals: 1e-10 at every ratio that a patch can have."""
+    ratio = np.concatenate([[1.0, 1 + 1e-9], np.exp(np.linspace(0, 26, 4001) ** 1.0)])
+    alpha, beta, gamma, _ = ellipsoid.shape_factors(np.minimum(ratio, 9e11))
+    quick = np.array([ellipsoid.quick_factors(r) for r in np.minimum(ratio, 9e11)])
+    np.testing.assert_allclose(quick[:, 0], alpha * beta, rtol=1e-10)
+    np.testing.assert_allclose(quick[:, 1], gamma, rtol=1e-10)
+
+
+@given(ratios, st.floats(1e-7, 1e-3), st.floats(0.0, 0.5))
+def test_joints_are_continuous_and_force_rises(ratio, radius, poisson):
+    material = ellipsoid.plasticity(71.3e9, 0.24e9, poisson)
+    one = ellipsoid.ellipsoids(material, radius, radius * ratio, 1e-9)
+    first, full = one.first_yield[0], one.full_plasticity[0]
+    assert full > first > 0
+    for joint in (first, full):
+        sides = ellipsoid.ellipsoids(material, radius, radius * ratio, joint * np.array([1 - 1e-9, 1 + 1e-9]))
+        assert sides.state[0] != sides.state[1]
+        assert sides.force[1] == pytest.approx(sides.force[0], rel=1e-7)
+        assert sides.area[1] == pytest.approx(sides.area[0], rel=1e-7)
+    path = ellipsoid.ellipsoids(material, radius, radius * ratio, np.geomspace(0.1 * first, 10 * full, 400))
+    assert np.all(np.diff(path.force) > 0) and np.all(np.diff(path.area) > 0) and np.all(np.diff(path.residual) >= 0)
+
+
+def test_yield_and_full_plasticity_of_a_sphere():
+    """First yield at p0 = K_ν H_m; ω2 = 80 ω1 with c_A = 160; fully plastic: mean pressure c_h H_m over the cut area."""
+    radius = 1e-4
+    one = ellipsoid.ellipsoids(ALUMINIUM, radius, radius, 1e-9)
+    at_yield = ellipsoid.ellipsoids(ALUMINIUM, radius, radius, one.first_yield)
+    pressure = 1.5 * at_yield.force[0] / at_yield.area[0]
+    assert pressure == pytest.approx(ellipsoid.yield_factor(0.34) * 0.24e9, rel=1e-12)
+    assert one.full_plasticity[0] / one.first_yield[0] == pytest.approx(80.0, rel=1e-12)
+    plastic = ellipsoid.ellipsoids(ALUMINIUM, radius, radius, 2 * one.full_plasticity)
+    assert plastic.area[0] == pytest.approx(2 * math.pi * radius * 2 * one.full_plasticity[0], rel=1e-12)
+    assert plastic.force[0] / plastic.area[0] == pytest.approx(0.71 * 0.24e9, rel=1e-12)
+
+
+def test_residual_indentation():
+    """ω_res/ω = 0.20, 0.42, 0.54, 0.63, 0.72 at ω/ω1 = 2, 5, 10, 20, 80, and Hertz at Pmax over the same area."""
+    radius = 1e-4
+    first = ellipsoid.ellipsoids(ALUMINIUM, radius, radius, 1e-9).first_yield[0]
+    times = np.array([1, 2, 5, 10, 20, 80])
+    found = ellipsoid.ellipsoids(ALUMINIUM, radius, radius, first * times)
+    np.testing.assert_allclose(found.residual / (first * times), [0, 0.20, 0.42, 0.54, 0.63, 0.72], atol=0.005)
+    a = np.sqrt(found.area / math.pi)
+    elastic = 3 * found.force / (4 * ALUMINIUM.modulus * a)
+    np.testing.assert_allclose(found.residual[1:], (first * times - elastic)[1:], rtol=1e-12)
+
+
+# --- patches
+
+
+def independent_volume(height, cut):
+    """Volume above the cut of the triangulated surface, in pixels: (1/6) Σ u₊³/Π(u_i - u_j) a triangle of area 1/2."""
+    u = np.asarray(height, np.longdouble) - np.longdouble(cut)
+    nw, n, w, c = u[:-1, :-1], u[:-1, 1:], u[1:, :-1], u[1:, 1:]
+    total = np.longdouble(0)
+    for corners in ((nw, n, c), (nw, w, c)):
+        for i in range(3):
+            a, b, d = corners[i], corners[(i + 1) % 3], corners[(i + 2) % 3]
+            total += (np.maximum(a, 0) ** 3 / ((a - b) * (a - d))).sum()
+    return float(total / 6)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.floats(-1.5, 2.5), st.booleans())
+def test_volume_and_area_are_conserved(seed, cut, flat):
+    rng = np.random.default_rng(seed)
+    z = rng.standard_normal((24, 31)) * 1e-6
+    pair = dl.Contact(radius=1e-3, modulus=50e9, hardness=1e9, roughness=1e-6)
+    contact = RoughContact(HeightMap(z, 1e-6), pair, flat=flat)
+    step = contact.at(contact.highest - cut * 1e-6) if contact.highest > cut * 1e-6 else contact.at(1e-7)
+    micro = step.micro
+    ellipses = math.pi / 4 * micro.length_long * micro.length_short
+    assert (0.5 * ellipses * micro.indentation).sum() == pytest.approx(
+        independent_volume(contact.gap, step.cut) * 1e-12, rel=1e-12
+    )
+    assert ellipses.sum() == pytest.approx(step.cut_area, rel=1e-12)
+
+
+def test_patches_are_those_of_scipy():
+    """Labels against scipy.ndimage.label with the neighbours that the triangulation has."""
+    from scipy import ndimage
+
+    neighbours = np.array([[1, 1, 0], [1, 1, 1], [0, 1, 1]])
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        z = rng.standard_normal((40, 33))
+        contact = RoughContact(HeightMap(z * 1e-6, 1e-6), dl.Contact(radius=1e3, modulus=1e9), flat=True)
+        cut = rng.uniform(-1, 2) * 1e-6
+        _, expected = ndimage.label(contact.gap > cut, neighbours)
+        assert contact._patches(cut, contact._whole()) == expected
+
+
+def test_a_paraboloid_gives_back_its_radii():
+    """A tilted elliptic cap: radii of curvature, orientation, Hertz load of the exact ellipsoid."""
+    size, pixel, rx, ry, angle, height = 401, 0.1e-6, 40e-6, 160e-6, 0.4, 1e-6
+    y, x = (np.indices((size, size)) - size // 2) * pixel
+    u, v = x * math.cos(angle) + y * math.sin(angle), -x * math.sin(angle) + y * math.cos(angle)
+    z = height - v**2 / (2 * rx) - u**2 / (2 * ry)
+    pair = dl.Contact(radius=1.0, modulus=50e9)
+    contact = RoughContact(HeightMap(z, pixel), pair, flat=True)
+    step = contact.at(0.8 * height)
+    assert len(step.micro) == 1
+    assert step.micro.angle[0] == pytest.approx(angle, abs=1e-4)
+    assert step.micro.length_long[0] == pytest.approx(2 * math.sqrt(2 * ry * 0.8 * height), rel=1e-3)
+    exact = ellipsoid.ellipsoids(ELASTIC, rx, ry, 0.8 * height)
+    assert step.load == pytest.approx(exact.force[0], rel=1e-3)
+    assert step.contact_area == pytest.approx(exact.area[0], rel=1e-3)
+
+
+def test_a_smooth_ball_is_hertz():
+    heights = HeightMap(np.zeros((301, 301)), 0.2e-6)
+    pair = dl.Contact(radius=1e-3, modulus=50e9)
+    step = RoughContact(heights, pair).load(0.05, 1e-9)
+    hertz = (9 * 0.05**2 / (16 * 1e-3 * 50e9**2)) ** (1 / 3)
+    assert step.overlap == pytest.approx(hertz, rel=2e-3)
+    assert step.contact_area == pytest.approx(math.pi * 1e-3 * hertz, rel=2e-3)
+
+
+def random_case(k, rng):
+    rows, columns = (int(n) for n in rng.integers(16, 72, 2))
+    pixel, roughness = rng.uniform(0.1, 2) * 1e-6, 10 ** rng.uniform(-8, -5.5)
+    if k % 4 == 3:
+        heights = HeightMap(rng.standard_normal((rows, columns)) * roughness, pixel)
+    else:
+        stretch = rng.uniform(0.2, 5) if k % 4 == 1 else 1.0
+        heights = self_affine(
+            (rows, columns), pixel, rng.uniform(0.05, 1), roughness, k, anisotropy=stretch, periodic=k % 4 == 2
+        )
+    pair = dl.Contact(
+        radius=10 ** rng.uniform(-4, -1.5), modulus=10 ** rng.uniform(9, 11.7), hardness=10 ** rng.uniform(8, 10.3)
+    )
+    contact = RoughContact(heights, pair, rng.uniform(0, 0.5), flat=bool(k % 2))
+    load = contact.at(10 ** rng.uniform(-4, 0.5) * heights.sq).load
+    return contact, load * rng.uniform(0.7, 1.4)
+
+
+@pytest.mark.parametrize("tolerance", [0.01, 1e-9])
+def test_load_is_met_on_a_thousand_random_maps(tolerance):
+    rng = np.random.default_rng(1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.ValidityWarning)
+        for k in range(1000):
+            contact, load = random_case(k, rng)
+            step = contact.load(load, tolerance)
+            assert abs(step.load - load) <= tolerance * load * (1 + 1e-6)
+            assert step.load == pytest.approx(step.micro.force.sum(), rel=1e-12)
+
+
+# --- unloading and cycles
+
+
+def test_one_sphere_after_unloading():
+    """The map left by one plastic asperity: peak lowered by the residual, the same load and area again, elastically."""
+    size, pixel, radius = 241, 0.25e-6, 100e-6
+    y, x = (np.indices((size, size)) - size // 2) * pixel
+    heights = HeightMap(1e-6 - (x**2 + y**2) / (2 * radius), pixel)
+    pair = dl.Contact(radius=1.0, modulus=ALUMINIUM.modulus, hardness=0.24e9)
+    contact = RoughContact(heights, pair, poisson=0.34, flat=True)
+    one = ellipsoid.ellipsoids(ALUMINIUM, radius, radius, 0.7e-6)
+    step = contact.at(0.7e-6)
+    assert STATE(step) == one.state[0] > 0
+    worn = contact.unload(step)
+    assert contact.highest - worn.highest == pytest.approx(one.residual[0], rel=2e-3)
+    again = worn.at(0.7e-6)
+    assert again.counts == (1, 0, 0)
+    assert again.load == pytest.approx(step.load, rel=1e-9)
+    assert again.contact_area == pytest.approx(step.contact_area, rel=1e-9)
+    # on the way there it is the Hertz contact of the blunter sphere R' = 4 E* a³/(3 Pmax)
+    blunt = 4 * ALUMINIUM.modulus * (one.area[0] / math.pi) ** 1.5 / (3 * one.force[0])
+    half = worn.at(0.7e-6 - 0.5 * (0.7e-6 - one.residual[0]))
+    hertz = 4 / 3 * ALUMINIUM.modulus * math.sqrt(blunt) * (0.5 * (0.7e-6 - one.residual[0])) ** 1.5
+    assert half.load == pytest.approx(hertz, rel=5e-3)
+    # a heavier load yields again
+    assert worn.at(0.8e-6).counts[0] == 0
+
+
+def STATE(step):
+    return int(step.micro.state[0])
+
+
+def test_elastic_asperities_leave_no_trace():
+    heights = self_affine(64, 1e-6, 0.8, 0.5e-6, 1)
+    contact = RoughContact(heights, dl.Contact(radius=5e-3, modulus=50e9), flat=True)
+    worn = contact.unload(contact.load(0.01))
+    np.testing.assert_array_equal(worn.heights.heights, heights.heights)
+
+
+def test_missing_pixels_do_not_touch():
+    heights = self_affine(64, 1e-6, 0.8, 0.5e-6, 1)
+    holes = heights.heights.copy()
+    holes[20:40, 20:40] = np.nan
+    pair = dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9)
+    step = RoughContact(heights.with_heights(holes), pair, flat=True).load(0.05)
+    x, y = step.micro.x / 1e-6, step.micro.y / 1e-6
+    assert not np.any((x > 19.5) & (x < 39.5) & (y > 19.5) & (y < 39.5))
+    worn = RoughContact(heights.with_heights(holes), pair, flat=True).unload(step)
+    np.testing.assert_array_equal(np.isnan(worn.heights.heights), np.isnan(holes))
+
+
+def test_bulk_yield_and_edge_are_warned_about():
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always")
+        published.published_contact("isotropic").load(1.45)
+    assert any("bulk yields" in str(w.message) for w in seen)
+    small = HeightMap(np.zeros((21, 21)), 1e-6)
+    with pytest.warns(dl.ValidityWarning, match="edge of the map"):
+        RoughContact(small, dl.Contact(radius=1e-2, modulus=1e9)).load(6e-5)
+
+
+def test_bad_input_is_named():
+    heights = self_affine(32, 1e-6, 0.8, 0.5e-6, 1)
+    pair = dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9)
+    with pytest.raises(dl.DemlawsError, match="load"):
+        RoughContact(heights, pair).load(-1)
+    with pytest.raises(dl.DemlawsError, match="tolerance"):
+        RoughContact(heights, pair).load(1.0, tolerance=2.0)
+    with pytest.raises(dl.DemlawsError, match="c_h"):
+        RoughContact(heights, pair, plastic_factor=0.1)
+    with pytest.raises(dl.DemlawsError, match="one contact"):
+        RoughContact(heights, pair.with_values(radius=np.array([1e-3, 2e-3])))
+    with pytest.raises(dl.DemlawsError, match="from 1"):
+        ellipsoid.shape_factors(0.5)
+
+
+def test_nine_point_summits():
+    z = np.zeros((7, 9))
+    z[2, 3], z[4, 6] = 1e-6, 2e-6
+    x, y, top, radius = nine_point_summits(HeightMap(z, 1e-6))
+    assert sorted(zip(x / 1e-6, y / 1e-6, top, strict=True)) == [(3, 2, 1e-6), (6, 4, 2e-6)]
+    assert sorted(radius) == pytest.approx([2 / (8e-6 / 1e-12), 2 / (4e-6 / 1e-12)])
+
+
+# --- cost
+
+
+def test_memory_is_below_twelve_maps():
+    heights = self_affine(512, 0.5e-6, 0.8, 1.3e-6, 1)
+    pair = published.published_tests()[-2].contact
+    warm = published.published_contact("isotropic")
+    warm.unload(warm.load(0.2))
+    tracemalloc.start()
+    try:
+        contact = RoughContact(heights, pair, 0.34, flat=True)
+        worn = contact.unload(contact.load(0.5))
+        worn.unload(worn.load(0.5))
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak / heights.heights.nbytes <= 12 - 1  # the input map itself is the twelfth
+
+
+# --- an elastic boundary-element solution
+
+
+def test_against_boundary_elements():
+    """Ratio of loads at equal separation, whatever it is: 1.00 on a smooth ball, 0.5 to 1.3 on rough maps."""
+    for case, ratio in load_ratios():
+        low, high = (0.99, 1.01) if case == "smooth ball" else (0.5, 1.35)
+        assert low < ratio < high, (case, ratio)
+
+
+# --- as a law
+
+
+def law_of(kind="isotropic", **options):
+    contact = published.published_contact(kind)
+    return contact, dl.law("asperity", contact.pair, surface=contact.heights, poisson=0.34, **options)
+
+
+def test_the_law_follows_the_model():
+    contact, law = law_of()
+    for load in (0.01, 0.05, 0.2, 0.8):
+        assert law.overlap(load) == pytest.approx(contact.load(load, 1e-6).overlap, rel=0.05)
+    assert law.limits()[0].maximum_force == pytest.approx(regime.transition_load(contact.pair), rel=1e-9)
+    with pytest.warns(dl.ValidityWarning, match="bulk yields"):
+        law.overlap(3.0)
+
+
+def test_the_law_is_passive_and_tabulates(tmp_path):
+    contact, _ = law_of()
+    law = dl.law("asperity", contact.pair, unloading="hertz", surface=contact.heights, poisson=0.34)
+    path = law.follow(np.concatenate([np.linspace(0, 2e-6, 50), np.linspace(2e-6, 0, 50)]))
+    assert path.plastic_overlap.max() > 1e-6 and path.dissipated[-1] > 0
+    table = law.tabulate(1e-5)
+    assert table.force_error <= 1e-5
+    overlaps = np.geomspace(1e-8, 5e-6, 100)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.ValidityWarning)
+        np.testing.assert_allclose(table.force(overlaps), law.force(overlaps), rtol=1e-5)
+        file = table.save(tmp_path / "asperity.dlt")
+        again = dl.Table.load(file)
+        np.testing.assert_array_equal(again.force(overlaps), table.force(overlaps))
+    assert "crc32" in file.read_text()
+
+
+def test_the_reloading_law_is_elastic_and_stiffer():
+    contact, loading = law_of()
+    reloading = law_of(curve="reloading", load=0.2)[1]
+    assert reloading.overlap(0.2) < 0.3 * loading.overlap(0.2)
+    worn = contact.unload(contact.load(0.2, 1e-6))
+    start = worn.origin - worn.highest
+    assert reloading.overlap(0.01) == pytest.approx(worn.load(0.01, 1e-6).overlap - start, rel=0.1)
+
+
+def test_the_law_names_bad_options():
+    contact, _ = law_of()
+    for options, words in (
+        ({}, "surface"),
+        ({"surface": contact.heights, "curve": "up"}, "loading"),
+        ({"surface": contact.heights, "curve": "reloading"}, "load"),
+        ({"surface": "nowhere.csv"}, "no such height map"),
+    ):
+        with pytest.raises(dl.DemlawsError, match=words):
+            dl.law("asperity", contact.pair, **options)
+    many = contact.pair.with_values(radius=np.linspace(1e-3, 2e-3, 100), modulus=np.linspace(1e10, 2e10, 100))
+    with pytest.raises(dl.DemlawsError, match="64 at most"):
+        dl.law("asperity", many, surface=contact.heights)
+
+
+@pytest.mark.slow
+def test_the_law_of_many_contacts():
+    """Radii that differ are blended between curves 5 % apart; contacts that differ otherwise have their own curves."""
+    contact, _ = law_of()
+    overlaps = np.array([2e-7, 5e-7, 1e-6, 2e-6])
+    several = contact.pair.with_values(radius=np.array([3e-3, 3.2e-3, 3.5e-3, 4e-3]))
+    blended = dl.law("asperity", several, surface=contact.heights, poisson=0.34).force(overlaps)
+    different = several.with_values(modulus=np.array([7e10, 7e10, 6e10, 7e10]))
+    exact = dl.law("asperity", different, surface=contact.heights, poisson=0.34).force(overlaps)
+    for i in range(4):
+        own = {n: float(np.broadcast_to(getattr(different, n), 4)[i]) for n in ("radius", "modulus", "roughness")}
+        one = dl.law("asperity", contact.pair.with_values(**own), surface=contact.heights, poisson=0.34)
+        assert exact[i] == pytest.approx(one.force(overlaps[i]), rel=1e-9)
+        own = {n: float(np.broadcast_to(getattr(several, n), 4)[i]) for n in ("radius", "modulus", "roughness")}
+        one = dl.law("asperity", contact.pair.with_values(**own), surface=contact.heights, poisson=0.34)
+        assert blended[i] == pytest.approx(one.force(overlaps[i]), rel=1e-9 if i in (0, 3) else 0.02)
+
+
+def test_nine_point_summits_of_known_bumps():
+    """Spherical bumps of one radius on a square grid: η, β and μ are those they were made with."""
+    pitch, radius, pixel, count = 20, 30e-6, 1e-6, 8
+    y, x = np.indices((count * pitch, count * pitch))
+    r2 = ((x % pitch - 10) ** 2 + (y % pitch - 10) ** 2) * pixel**2
+    heights = HeightMap(np.maximum(-r2 / (2.0 * radius), -1.2e-6), pixel)
+    found = summits(heights)
+    assert found.total == count**2
+    assert found.density == pytest.approx(1.0 / (pitch * pixel) ** 2, rel=0.03)  # less the rim, which has no neighbours
+    assert (found.radius, found.mean_radius) == pytest.approx((radius, radius), rel=1e-9)
+    assert found.roughness == heights.sq and found.spread == 0.0
+    expected = 8.0 / 3.0 * found.density * heights.sq * math.sqrt(2.0 * 5e-3 * radius)
+    assert found.mu(5e-3) == pytest.approx(expected, rel=1e-12)
+    with pytest.raises(dl.DemlawsError, match="no pixel that is higher"):
+        summits(HeightMap(np.zeros((8, 8)), pixel))
