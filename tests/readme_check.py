@@ -28,7 +28,7 @@ NUMBER = re.compile(r"(?<![\w.])(?:[-−](?=\d))?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)
 
 @functools.cache
 def _granite():
-    from demlaws import claims
+    from demlaws.granite import claims
 
     return claims.granite_claims()
 
@@ -81,7 +81,7 @@ def _regime(column):
 
 def _memory(memory):
     """Change of the map in cycle 2 [% of cycle 1's], isotropic surface."""
-    from demlaws.solvers.patches import repeat
+    from studies.jamari.cycles import repeat
     from studies.jamari.published import published_contact
 
     return 100.0 * repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())[1].relative_change
@@ -109,7 +109,7 @@ class Check(NamedTuple):
 
 
 def _verdicts():
-    from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+    from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
 
     return {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED, "all": ""}
 

@@ -3,7 +3,7 @@
 import math
 
 from demlaws import regime
-from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
+from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
 from studies.jamari.published import PRINTED_RATIOS, published_contact, published_ratios, swaps
 
 
@@ -50,7 +50,8 @@ def jamari_claims():
 
 
 def _repeated():
-    from demlaws.solvers.patches import MEMORIES, repeat
+    from demlaws.solvers.contact import MEMORIES
+    from studies.jamari.cycles import repeat
 
     change = {}
     for memory in MEMORIES:
