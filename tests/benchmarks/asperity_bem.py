@@ -4,7 +4,7 @@
     python tests/benchmarks/asperity_bem.py studies/validation/asperity_bem.csv
 
 Writes one row for each map and overlap: the boundary-element load and contact area, the model's, and the model's overlap at
-that load with its interaction estimate. Takes about five minutes on one core; tests read the stored file.
+that load. Takes about five minutes on one core; tests read the stored file.
 """
 
 import sys
@@ -20,7 +20,7 @@ from studies.validation.maps import model as contact_of
 def main(path):
     from SurfaceTopography import Topography
 
-    rows = ["case,overlap,bem_force,bem_area,model_force,model_area,patches,interaction"]
+    rows = ["case,overlap,bem_force,bem_area,model_force,model_area,patches"]
     for name, heights, radius in cases():
         flat = radius == np.inf
         model = contact_of(heights, radius)
@@ -41,8 +41,7 @@ def main(path):
             force, area = float(pressed.sum()), float((pressed > 0).sum()) * PIXEL**2
             step = model.at(overlap)
             rows.append(
-                f"{name},{overlap:.6e},{force:.6e},{area:.6e},{step.load:.6e},{step.contact_area:.6e},"
-                f"{len(step.micro)},{step.interaction:.6e}"
+                f"{name},{overlap:.6e},{force:.6e},{area:.6e},{step.load:.6e},{step.contact_area:.6e},{len(step.micro)}"
             )
             print(rows[-1], flush=True)
     write_atomically(path, "\n".join(rows) + "\n")
