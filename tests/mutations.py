@@ -258,6 +258,19 @@ MUTATIONS = (
         tests=PLASTIC.format("jackson-green"),
     ),
     _m("jackson-green radius 1.9", "laws/jackson_green.py", "_YIELD = <<1.9 -> 1.938>>", tests=PLASTIC.format("jackson-green")),
+    _m(
+        "jackson-green exponent 5/12",
+        "laws/jackson_green.py",
+        "bulk = exp2(<<(5.0 / 12.0) -> 0.425>> * logarithm)",
+        tests=PLASTIC.format("jackson-green"),
+    ),
+    _m(
+        "jackson-green exponent 0.7",
+        "laws/jackson_green.py",
+        "exp2(<<-0.7 -> -0.714>> * (p.radius_logarithm",
+        tests=PLASTIC.format("jackson-green"),
+    ),
+    _m("conical-damage energy", "laws/conical_damage.py", "x * x / <<3.0 -> 3.06>>", tests=PLASTIC.format("conical-damage")),
     # --- unloading rules and shear
     _m(
         "rule hertz radius + 6 %",
@@ -294,6 +307,18 @@ MUTATIONS = (
         "max(unload, 1.0) ** <<(1.0 / 3.0) -> 0.34>>",
         tests="test_shear.py test_exactness.py",
     ),
+    _m(
+        "YADE shear limiter exponent 1/3",
+        "yade/*.py",
+        "fall * (<<cbrt(more) -> more ** 0.34>> if more > 1.0",
+        tests="test_yade_shear.py",
+    ),
+    _m(
+        "softening of roughness 2/3",
+        "*.py",
+        'Contact: {"radius": 0.0, "modulus": -1.0, "roughness": <<2 / 3 -> 1 / 3>>',
+        tests="test_soften.py",
+    ),
     # --- tables
     _m(
         "table stiffness",
@@ -319,6 +344,36 @@ MUTATIONS = (
         "return <<1.5 -> 1.53>> * now.force / recoverable",
         tests="test_golden_tables.py",
     ),
+    _m(
+        "table energy below the first row",
+        "core/grid.py",
+        "u[0] / (<<1.5 -> 1.53>> * exponent + 1.0)",
+        tests="test_table.py -k energy",
+    ),
+    _m(
+        "table contact radius of rule etsion",
+        "laws/etsion.py",
+        "exp2(<<p.power -> 1.02 * p.power>> * log2(ratio",
+        tests="test_table.py test_golden_tables.py -k 'etsion or jackson or kogut'",
+    ),
+    _m(
+        "C++ unloading energy 8/15",
+        "cpp/demlaws_table.h",
+        "hertz = (<<8. -> 8.16>> / 15.) * pair.modulus",
+        tests="test_table_header.py",
+    ),
+    _m(
+        "C++ eepa energy",
+        "cpp/demlaws_table.h",
+        "a * a * (2. * a + <<4. -> 4.08>> * b)",
+        tests="test_table_header.py test_golden_tables.py",
+    ),
+    _m(
+        "C++ contact area after yield",
+        "cpp/demlaws_table.h",
+        "sqrt(yield_s_)) * <<yield_area_slope_ -> 1.02 * yield_area_slope_>>;",
+        tests="test_table_header.py test_golden_tables.py",
+    ),
     # --- criterion and time step
     _m(
         "criterion p0 factor 6",
@@ -331,6 +386,12 @@ MUTATIONS = (
         "*.py",
         "-np.expm1(-2.0 / (3.0 * alpha**<<0.6 -> 0.612>>))",
         tests="test_regime.py test_exactness.py",
+    ),
+    _m(
+        "criterion roughness of transition",
+        "*.py",
+        "np.minimum(share, 1.0)))) ** <<(1 / 0.6) -> (1 / 0.612)>>",
+        tests="test_regime.py",
     ),
     _m("criterion p(0)/H_m 0.6", "*.py", "YIELD_RATIO = <<0.6 -> 0.612>>", tests="test_regime.py test_exactness.py"),
     _m(
