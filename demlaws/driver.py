@@ -11,7 +11,7 @@ from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.loops import energy_loop
 from demlaws.core.numba_compat import loop
-from demlaws.core.params import first_loading, loading_part
+from demlaws.core.params import loading_part
 from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Path
@@ -255,66 +255,3 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     v2 = speed**2 - 2.0 / mass * work(peak * (1.0 - x**2))
     times = weights * x * peak / np.sqrt(np.maximum(v2, 1e-300))
     return peak, 2.0 * float(np.sum(times))
-
-
-STEP_SAFETY = 0.8
-"""Part of 2/ω that is promised: at √3/2 of it (three steps a period) velocity Verlet is in resonance with any curved
-force law, Hertz's too, and oscillations of finite size grow (measured by `demlaws stability`)."""
-SOFTENING_SAFETY = 0.56
-"""The same of a curve without loss whose tangent jumps down at some overlap (`conical-damage`, with "elastic" unloading or as
-the unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get
-rarer and slower as the step falls but do not end. Where unloading is stiffer than loading something is lost, and none was found
-(docs/plastic-laws.md)."""
-
-
-def timestep(law: Law, mass: float, max_force: float) -> float:
-    """Stable step [s] of velocity Verlet for a body of `mass` [kg] on this contact up to `max_force` [N].
-
-    1.6/ω with ω² = K/m and K the stiffest tangent of loading and of unloading: 0.8 of the linear limit 2/ω. Where the tangent
-    jumps down on the way to max_force and nothing is lost ("elastic" unloading, or the unloading curve that was given) 1.12/ω
-    (`SOFTENING_SAFETY`). A body with several contacts has a larger K: divide by the square root of the number of contacts that
-    act in one direction.
-
-    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
-    >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s")
-    4.36e-05 s
-    """
-    mass = number(mass, "mass", "kg")
-    largest = stiffest(law, max_force)
-    lossless = law.unloading_law if law.state_size else law
-    falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
-    safety = SOFTENING_SAFETY if falls else STEP_SAFETY
-    return safety * 2.0 * math.sqrt(mass / largest)
-
-
-def _beside_kinks(law, end):
-    """Overlaps [m] just below and just above the kinks of first loading up to `end`."""
-    kinks = np.array([kink for kink in law.kinks() if 0.0 < kink < end])
-    return kinks * (1.0 - 1e-9), kinks * (1.0 + 1e-9)
-
-
-def _jumps_down(law, end):
-    """Whether the tangent of first loading falls by more than a hundredth at some overlap up to `end` [m]."""
-    below, above = (_first_loading(law, overlaps)[1] for overlaps in _beside_kinks(law, end))
-    return bool(np.any(above < 0.99 * below))
-
-
-def _first_loading(law, overlap):
-    """Force [N] and stiffness [N/m] of first loading, without the advice that `law.force` gives."""
-    forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-    first_loading(law.params, overlap, forces, stiffness)
-    return forces, stiffness
-
-
-def stiffest(law: Law, max_force: float) -> float:
-    """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
-    force = number(max_force, "max_force", "N")
-    _checked(law)._single()
-    end = float(law.overlap(force))
-    overlap = np.concatenate([end * np.geomspace(1e-9, 1.0, 400), [end], *_beside_kinks(law, end)])
-    largest = float(_first_loading(law, overlap)[1].max())
-    if law.state_size:
-        state = law.new_state(1)
-        path = law.follow(end * np.append([1.0, 1.0 - 1e-12], np.linspace(1.0, 0.0, 400)[1:-1]), state)
-        largest = max(largest, float(path.stiffness.max()))
-    return largest

@@ -1,5 +1,7 @@
 """Files are written whole or not at all, and text is read in whatever encoding it came."""
 
+import csv
+import io
 import os
 import tempfile
 from pathlib import Path
@@ -61,6 +63,15 @@ def write_together(*files):
                 os.replace(_waiting(name, before), name)
         raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
     return path
+
+
+def save_csv(path, titles, rows):
+    """Write a CSV file; returns its path."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(titles)
+    writer.writerows([[f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows])
+    return write_atomically(path, text.getvalue())
 
 
 def _waiting(path, data):

@@ -10,13 +10,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 from demlaws.contact import Contact, Material, Surface
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.make import rebound, rule_and_curve, unloading_of_case
 from demlaws.materials import DENSITY
+from demlaws.timestep import timestep
 from demlaws.units import number, whole
 
 
@@ -117,8 +117,9 @@ class Case:
         return f"{self.count} grains settle in a box: law {self.law}, {unloads}"
 
     def time_step(self):
-        """Time step [s] for forces up to `load`: a tenth of the single-contact limit, for a grain has several contacts."""
-        step = min(timestep(self.bound(g.contact(g)), 0.5 * g.mass, self.load) for g in self.grains)
+        """Time step [s] for forces up to `load`: a tenth of that of two grains without friction, since grains collide."""
+        pairs = [(self.bound(g.contact(g)), g.mass) for g in self.grains]
+        step = min(timestep(law, mass, self.load, other_mass=mass, shear_ratio=0.0) for law, mass in pairs)
         return float(f"{0.1 * step:.1e}")
 
     def write_tables(self, folder, wall=None):

@@ -10,8 +10,8 @@ import numpy as np
 from demlaws.liggghts.check import TWO_PARTICLES
 from demlaws.liggghts.run import run
 from demlaws.materials import DENSITY
-from demlaws.measure.costs import under_yade
-from demlaws.measure.liggghts_oedometer import edinburgh_lines
+from studies.costs.costs import under_yade
+from studies.trade.liggghts_oedometer import edinburgh_lines
 
 POISSON = 0.25
 _SPEED = 0.2  # of the sphere in LIGGGHTS [m/s]
@@ -29,7 +29,7 @@ def in_yade(law, corners):
         "paths": [path.tolist()],
         "ways": [{"model": "cdm", "cdm": (law.options["strength"], law.options["angle"])}],
     }
-    return path, np.array(under_yade("yade_cost.py", given)[0][0])
+    return path, np.array(under_yade("costs/yade_cost.py", given)[0][0])
 
 
 def edinburgh_input(lines):

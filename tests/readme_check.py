@@ -28,16 +28,16 @@ NUMBER = re.compile(r"(?<![\w.])(?:[-−](?=\d))?\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)
 
 @functools.cache
 def _granite():
-    from demlaws import claims
+    from demlaws.granite import claims
 
     return claims.granite_claims()
 
 
 @functools.cache
 def _jamari():
-    from demlaws import claims
+    from studies.jamari.claims import jamari_claims
 
-    return list(claims.jamari_claims())
+    return list(jamari_claims())
 
 
 def _count(found, verdict):
@@ -74,15 +74,15 @@ def _plastic_slopes():
 
 
 def _regime(column):
-    from demlaws import regime
+    from studies.jamari.published import published_ratios
 
-    return tuple(getattr(row, column) for row in regime.published_ratios() if row.solved == row.solved)
+    return tuple(getattr(row, column) for row in published_ratios() if row.solved == row.solved)
 
 
 def _memory(memory):
     """Change of the map in cycle 2 [% of cycle 1's], isotropic surface."""
-    from demlaws.regime import published_contact
     from demlaws.solvers.patches import repeat
+    from studies.jamari.published import published_contact
 
     return 100.0 * repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())[1].relative_change
 
@@ -91,7 +91,7 @@ def _boundary_elements(column):
     """Least, median, largest of the asperity model over the boundary elements, rough maps."""
     import numpy as np
 
-    from demlaws.validation.maps import load_ratios, read_csv
+    from studies.validation.maps import load_ratios, read_csv
 
     if column == "area":
         rows = [row for row in read_csv("asperity_bem.csv") if row["case"] != "smooth ball" and float(row["bem_area"]) > 0]
@@ -109,7 +109,7 @@ class Check(NamedTuple):
 
 
 def _verdicts():
-    from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+    from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
 
     return {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED, "all": ""}
 
@@ -120,16 +120,16 @@ def checks():
         "granite.threshold": Check(_threshold, "demlaws granite --figures 5"),
         "granite.seating": Check(_seating, "demlaws curve --law yip-venart --option seating_load=0.002"),
         "granite.plastic-slopes": Check(_plastic_slopes, "demlaws granite --test RFC10"),
-        "regime.solved": Check(lambda: _regime("solved"), "demlaws regime"),
-        "regime.fitted": Check(lambda: _regime("fitted"), "demlaws regime"),
+        "regime.solved": Check(lambda: _regime("solved"), "python -m studies.jamari"),
+        "regime.fitted": Check(lambda: _regime("fitted"), "python -m studies.jamari"),
         "asperity.load": Check(lambda: _boundary_elements("load"), "make validation"),
         "asperity.area": Check(lambda: _boundary_elements("area"), "make validation"),
     }
     for name, verdict in _verdicts().items():
         found[f"claims.{name}"] = Check(functools.partial(_count, _granite, verdict), "demlaws granite")
-        found[f"jamari.{name}"] = Check(functools.partial(_count, _jamari, verdict), "demlaws regime --claims")
+        found[f"jamari.{name}"] = Check(functools.partial(_count, _jamari, verdict), "python -m studies.jamari --claims")
     for memory in ("pressure", "blunting", "none"):
-        found[f"memory.{memory}"] = Check(functools.partial(_memory, memory), "demlaws surface paper --figures 9")
+        found[f"memory.{memory}"] = Check(functools.partial(_memory, memory), "python -m studies.jamari --figures-2008 9")
     return found
 
 

@@ -145,11 +145,8 @@ CIRCLES_LEFT = (
     {"demlaws.laws.registry", "demlaws.laws.rough_plastic", "demlaws.laws.thornton_ning"},
 )
 STRINGS_LEFT = (
-    "advice/choose.py",
     "cli/engine.py",
     "law.py",
-    "measure/costs.py",
-    "measure/packings.py",
     "laws/registry.py",
 )
 
@@ -194,19 +191,18 @@ def test_every_law_has_one_file():
 
 
 def test_names_of_laws_are_written_in_one_file():
-    """Outside laws/ a law is named by a constant of laws/names.py. The same words also name sources, models and titles."""
+    """Outside laws/ a law is named by a constant of laws/names.py. The same words also name solvers' models."""
     written = {value for name, value in vars(names).items() if name.isupper()}
     assert written <= set(demlaws.laws())
     shared = {*RULES, "hertz", "eepa"}  # rules, and what engines call their own models
-    others = {"solvers/axisymmetric.py": "models", "validation/published.py": "sources", "validation/row.py": "sources"}
-    titles = {("cli/trade.py", "rms"), ("measure/peers.py", "rms")}
+    others = {"solvers/axisymmetric.py": "models"}
     found = set()
     for path in PACKAGE.rglob("*.py"):
         where = path.relative_to(PACKAGE).as_posix()
         if not where.startswith("laws/") and where not in others:
             constants = [node.value for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Constant)]
             found |= {(where, one) for one in constants if isinstance(one, str) and one in written - shared}
-    assert found <= titles, "take the constant of demlaws.laws.names"
+    assert not found, "take the constant of demlaws.laws.names"
 
 
 def test_only_the_shell_knows_plots_and_engines():
@@ -214,7 +210,7 @@ def test_only_the_shell_knows_plots_and_engines():
     heavy = {"scipy", "matplotlib", "tqdm", "pandas", "yade", "liggghts", "SurfaceTopography", "mpmath", "pytest"}
     for path in PACKAGE.rglob("*.py"):
         where = path.relative_to(PACKAGE).as_posix()
-        if where.startswith(("plots/", "yade/", "liggghts/", "measure/", "validation/in_")):
+        if where.startswith(("plots/", "yade/", "liggghts/")):
             continue
         at_import = {one.module.partition(".")[0] for one in imports(path) if one.on_load}
         assert not at_import & heavy, f"{where} imports {at_import & heavy} when it is imported"
@@ -228,30 +224,28 @@ FLOORS = (
     "solvers",
     "laws",
     "law regime table_file defined",
-    "joining driver",
+    "joining driver timestep",
     "table",
     "make",
     "engines grains",
-    "granite yade liggghts lammps",
-    "claims measure advice",
+    "checks yade liggghts lammps",
+    "measure advice",
     "plots",
-    "cli validation",
+    "granite",
+    "cli",
     "__init__ __main__",
 )
 """Layers of the package, the lowest first: a module imports from its own layer and those below."""
 UPWARD = {
+    ("measure/lawcheck.py", "granite"): "the contact of a granite test",
     ("criterion.py", "solvers"): "a curve of the criterion is Greenwood & Tripp's solution, solved when it is asked for",
     ("table.py", "__init__"): "the version",
     ("engines.py", "__init__"): "the version",
     ("liggghts/export.py", "__init__"): "the version",
     ("lammps/export.py", "__init__"): "the version",
-    ("validation/report.py", "__init__"): "the version",
     ("cli/__init__.py", "__init__"): "the version",
     ("yade/run.py", "__init__"): "the folder that YADE is to find",
     ("yade/check.py", "__init__"): "run by YADE as a user's script is",
-    ("measure/yade_cost.py", "__init__"): "run by YADE as a user's script is",
-    ("measure/yade_oedometer.py", "__init__"): "run by YADE as a user's script is",
-    ("validation/in_yade.py", "__init__"): "run by YADE as a user's script is",
 }
 
 
@@ -275,6 +269,12 @@ def test_imports_go_one_way():
         if unit != "__init__":
             upward |= {(where.as_posix(), other) for other in units_used(path) if layer[other] > layer[unit]}
     assert upward == set(UPWARD)
+
+
+def test_the_package_imports_no_study():
+    """Studies are not in the wheel; what the package needs of them is kept in advice/kept.json."""
+    for path in PACKAGE.rglob("*.py"):
+        assert not [one.module for one in imports(path) if one.module.partition(".")[0] == "studies"], path.name
 
 
 def test_no_engine_imports_another():
@@ -303,7 +303,7 @@ def missing(path):
     """Names that a file takes from modules of the package, by import or as an attribute, and that do not exist."""
     tree, modules = ast.parse(path.read_text()), {}
     for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("demlaws"):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.startswith(OURS):
             home = None if node.module.startswith(UNDER_YADE) else importlib.import_module(node.module)
             for alias in node.names if home else ():
                 one = f"{node.module}.{alias.name}"
@@ -312,7 +312,7 @@ def missing(path):
                 elif inspect.ismodule(value := getattr(home, alias.name)):
                     modules[alias.asname or alias.name] = value
         elif isinstance(node, ast.Import):
-            ours = [alias for alias in node.names if alias.name.startswith("demlaws") and not alias.name.startswith(UNDER_YADE)]
+            ours = [alias for alias in node.names if alias.name.startswith(OURS) and not alias.name.startswith(UNDER_YADE)]
             modules |= {alias.asname: module_of(alias.name) for alias in ours if alias.asname}
     bound = {node.arg for node in ast.walk(tree) if isinstance(node, ast.arg)}
     bound |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
@@ -323,7 +323,12 @@ def missing(path):
                 yield f"{module.__name__}.{node.attr}"
 
 
-UNDER_YADE = ("demlaws.yade", "demlaws.measure.yade_", "demlaws.validation.in_yade")
+OURS = ("demlaws", "studies")
+UNDER_YADE = (
+    "demlaws.yade",
+    *(f"studies.{study}.yade_" for study in ("costs", "extremes", "trade", "softening")),
+    "studies.validation.in_yade",
+)
 """Modules that import YADE when they are imported."""
 
 

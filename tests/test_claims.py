@@ -6,10 +6,12 @@ from collections import Counter
 import numpy as np
 import pytest
 
-from demlaws import claims, granite
-from demlaws.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED, granite_claims, jamari_claims
+from demlaws import granite
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.granite import claims
+from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED, granite_claims
 from demlaws.points import Points
+from studies.jamari.claims import jamari_claims
 
 
 @pytest.fixture(autouse=True)

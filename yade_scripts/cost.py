@@ -26,9 +26,9 @@ import demlaws as dl
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import find
 from demlaws.make import example
-from demlaws.measure.yade_cost import spheres, undisturbed
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from demlaws.yade.run import run
+from studies.costs.yade_cost import spheres, undisturbed
 
 O = yade.O  # noqa: E741
 YOUNG, POISSON, DENSITY = 60.6e9, 0.25, 2680.0

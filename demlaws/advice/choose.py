@@ -1,15 +1,13 @@
 """The cheapest law that a scene allows: what its loads never reach is left out, and each omission's error is stated.
 
 `choose` binds the richest law that a `Scene`'s quantities determine (the reference), strips it step by step, predicts each
-candidate's error over the scene's contacts and loads, measures what an evaluation costs on this machine, and ranks.
+candidate's error over the scene's contacts and loads, and ranks those within the tolerance by the kept cost of an evaluation.
 Errors are those against the reference; how well that describes the grains is `demlaws fit`'s question.
 """
 
-import importlib
 import inspect
 import math
 import os
-import tempfile
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -18,7 +16,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import Scene, samples, stable_step, way_back
+from demlaws.advice.errors import error_of
+from demlaws.advice.kept import kept
+from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
@@ -27,16 +27,19 @@ from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
-from demlaws.materials import DENSITY
-from demlaws.measure.errors import error_of
-from demlaws.measure.timing import Batch, nanoseconds
 from demlaws.table import Table, tabulate
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
-_CURVE_RTOL = 1e-6
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
 _ROUNDING = 1e-13
-_TIMED = 100_000
+
+
+def kept_cost(plan):
+    """ns per contact of a `Plan`, measured by `make trade`; a law that it did not measure costs as much as a table."""
+    cost = kept()["cost"]
+    tables = cost["table"]
+    table = tables.get(plan.unloading, max(tables.values()))
+    return table if plan.evaluation == "table" else cost["closed form"].get(plan.name, {}).get(plan.unloading, table)
 
 
 class Plan(NamedTuple):
@@ -45,7 +48,7 @@ class Plan(NamedTuple):
     name: str
     options: tuple  # (name, value) pairs
     unloading: str
-    evaluation: str  # "closed form", "table", "closed form, float32"
+    evaluation: str  # "closed form" or "table"
     rtol: float = 0.0
     curve: Law | None = None  # along which contacts unload by the rule "table"
 
@@ -53,11 +56,6 @@ class Plan(NamedTuple):
     def way_back(self):
         """What laws take as `unloading`."""
         return self.unloading if self.curve is None else self.curve
-
-    @property
-    def storage(self):
-        """Type of the numbers that a batch is kept in."""
-        return np.float32 if self.evaluation.endswith("float32") else np.float64
 
     def bind(self, contact, max_force=None):
         """The law on a contact, or an array of contacts."""
@@ -74,8 +72,7 @@ class Choice:
     plan: Plan
     error: float  # bound of the scene's quantity over its contacts and loads, against the reference
     mean_error: float  # over the load distribution
-    ns: float  # a contact and evaluation, measured alone
-    engine_ns: float | None  # a contact and whole step in the scene's engine, measured there; None: not measured
+    ns: float  # per contact and evaluation, kept from `make trade`; on another machine the ratios are similar
     step_factor: float  # stable time step over the reference's
     step: float  # stable time step of the scene [s]
     state_bytes: int  # a contact
@@ -91,12 +88,7 @@ class Choice:
     @property
     def cost(self) -> float:
         """ns a contact and reference time step: a law that allows longer steps is evaluated less often."""
-        return (self.ns if self.engine_ns is None else self.engine_ns) / self.step_factor
-
-    @property
-    def branch(self) -> str | None:
-        """The branch of the law that is computed, in brackets, if not all."""
-        return "".join(f" ({v})" for k, v in self.plan.options if k == "branch")
+        return self.ns / self.step_factor
 
     def tables(self) -> dict[tuple[int, int], Table]:
         """Pair of kinds of grain → `Table` of the largest grains (`export` writes those of all sizes)."""
@@ -109,8 +101,10 @@ class Choice:
     def export(self, folder: str | os.PathLike) -> Path:
         """Write a case for LIGGGHTS, or LAMMPS where that is the scene's engine: this law for every kind and size of grain of
         the scene, with all the tables it needs."""
-        engine = "lammps" if self.scene.engine == "lammps" else "liggghts"
-        export = importlib.import_module(f"demlaws.{engine}.export").export
+        from demlaws.lammps.export import export as to_lammps
+        from demlaws.liggghts.export import export as to_liggghts
+
+        engine, export = ("lammps", to_lammps) if self.scene.engine == "lammps" else ("liggghts", to_liggghts)
         own = self.evaluation != "table"  # a law that the engine has itself
         options = {"stock": find(self.name).native[engine]} if own else {"rtol": self.plan.rtol}
         return export(
@@ -141,10 +135,6 @@ class Choice:
     def max_force(self) -> float:
         """Largest force [N] of the scene, and half as much again: where a table ends."""
         return self.judge.max_force
-
-    def batch(self, seed: int = 1, kind: int = 0) -> Batch:
-        """Random contacts of one pair of kinds of grain (`Scene.kinds`) in the states that occur, to time."""
-        return self.judge.batch(self.plan, seed, kind)
 
     def describe(self) -> str:
         """One line: law, unloading, evaluation."""
@@ -181,8 +171,7 @@ class Choice:
             types = ", ".join(f"{n + 1}: radius {g.radius:g} m" for n, g in enumerate(grains))
             return f"choice.export(folder), or --out FOLDER, writes the case; types {types}; timestep {dt:.3g}"
         tail = f".tabulate(rtol={self.plan.rtol:g}, max_force={self.max_force:g})" if self.evaluation == "table" else ""
-        kept = "  # state = law.new_state(n, np.float32), overlaps float32" if self.evaluation.endswith("float32") else ""
-        return f'law = dl.law("{self.name}", contact{unloading}{options}){tail}{kept}'
+        return f'law = dl.law("{self.name}", contact{unloading}{options}){tail}'
 
 
 def table_name(path, scene, kinds):
@@ -194,14 +183,12 @@ def table_name(path, scene, kinds):
 class Choices(list):
     """Choices, those that meet the tolerance first, the cheapest of them first."""
 
-    def __init__(self, choices, scene, reference, ruled_out, notes, floor, measured_in):
+    def __init__(self, choices, scene, reference, ruled_out, notes):
         super().__init__(choices)
         self.scene = scene
         self.reference = reference  # Plan
         self.ruled_out = ruled_out  # text → reason
         self.notes = notes
-        self.floor = floor  # ns a contact of a copy kernel
-        self.measured_in = measured_in  # what `cost` is of
 
     @property
     def best(self) -> Choice:
@@ -254,7 +241,7 @@ def reference_plan(scene):
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
-    back = way_back(scene, definition.name, options)
+    back = unloading_rule(scene, definition.name, options)
     if isinstance(back, Law):
         return Plan(definition.name, tuple(options.items()), GIVEN, "closed form", curve=back)
     return Plan(definition.name, tuple(options.items()), definition.rule(back).name, "closed form")
@@ -276,7 +263,7 @@ def plans(scene, reference):
         candidates.append(before)
     for definition in _determined(scene.contacts(scene.effective_radii()[0])[0]):
         if definition.candidate:
-            candidates += [(definition, ()), *((definition, (("branch", branch),)) for branch in definition.branches)]
+            candidates.append((definition, ()))
     found = [reference]
     for definition, options in candidates:
         rules = definition.unloading if scene.unloads else definition.unloading[:1]
@@ -287,12 +274,9 @@ def plans(scene, reference):
 
 
 def _range_problem(law, smallest, largest, known):
-    """Why the scene leaves the law's range, or None. known: reasons that hold for the reference as well.
-
-    A branch that the law leaves out on purpose is no such reason: what that costs is computed.
-    """
+    """Why the scene leaves the law's range, or None. known: reasons that hold for the reference as well."""
     for limit in law.limits():
-        if limit.reason in known or limit.branch:
+        if limit.reason in known:
             continue
         if largest > limit.maximum_force:
             return f"loads reach {largest:.3g} N: above {limit.maximum_force:.3g} N {limit.reason}"
@@ -343,7 +327,7 @@ class _Judge:
         worst, mean = 0.0, 0.0
         exact = self.exact if against is None else self.laws(against)
         for sample, other, law in zip(self.samples, exact, self.laws(plan), strict=True):
-            error = error_of(law, other, sample, self.scene.quantity, self.scene.unloads, plan.storage)
+            error = error_of(law, other, sample, self.scene.quantity, self.scene.unloads)
             if not np.all(np.isfinite(error)):
                 return math.inf, math.inf
             worst, mean = max(worst, float(error.max())), max(mean, float(error @ sample.weight))
@@ -354,25 +338,6 @@ class _Judge:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
             return stable_step(self.scene, plan._replace(evaluation="closed form", rtol=0.0).bind)
-
-    def batch(self, plan, seed=1, kind=0):
-        """Random contacts of a pair of kinds of grain in the states that occur, for timing."""
-        random = np.random.default_rng(seed)
-        found = samples(self.scene, _TIMED, random)
-        sample = found[kind * (len(found) // len(self.scene.kinds()))]
-        contact = sample.contact
-        if np.ptp(contact.radius) == 0.0:
-            contact = contact.with_values(radius=float(contact.radius[0]))
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
-            law = plan.bind(contact, self._table_end(plan, contact))
-            top = np.asarray(law.overlap(sample.peak))
-            now = (
-                top * np.where(random.random(top.size) < 0.3, 1.0, random.uniform(0.3, 1.0, top.size))
-                if law.state_size
-                else top
-            )
-            return Batch.of(law, top, now, plan.storage)
 
 
 def _left_out(judge, plan):
@@ -400,17 +365,10 @@ def _left_out(judge, plan):
         stage("unloading history", unloading="elastic", curve=None)
         now = stages[-1][1]
     if (now.name, now.options) != (plan.name, plan.options):
-        branch = dict(plan.options).get("branch")
-        if find(plan.name).smooth:
-            what = "roughness"
-        elif branch and now.name == plan.name:
-            what = find(plan.name).branches[branch]
-        else:
-            what = f"{now.name} replaced by {plan.name}"
+        what = "roughness" if find(plan.name).smooth else f"{now.name} replaced by {plan.name}"
         stage(what, name=plan.name, options=plan.options, unloading=plan.unloading, curve=plan.curve)
     if plan.evaluation != "closed form":
-        what = f"{plan.evaluation} in place of the closed form" if plan.rtol else "double precision in memory"
-        stage(what, evaluation=plan.evaluation, rtol=plan.rtol)
+        stage("table in place of the closed form", evaluation=plan.evaluation, rtol=plan.rtol)
     result = []
     for what, after, before in stages:
         try:
@@ -457,10 +415,6 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
                 ruled_out[label] = problem
                 continue
             judged[plan] = judge.error(plan)
-            if scene.engine == "python":
-                small = plan._replace(evaluation="closed form, float32")
-                added, mean = judge.error(small, plan)  # rounding is random: its extremes show in few of the points
-                judged[small] = judged[plan][0] + 2.0 * added, judged[plan][1] + mean
         except DemlawsError as error:
             ruled_out[label] = str(error)
             continue
@@ -479,18 +433,6 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
             named.setdefault(why, []).append(label.split(",")[0])
         reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in named.items())
         raise DemlawsError(f"no law can serve this scene: {reasons}")
-    batches, pairs = {}, range(len(scene.kinds()))
-    for plan in list(judged):
-        try:
-            batches |= {(plan, pair): judge.batch(plan, kind=pair) for pair in pairs}
-        except DemlawsError as error:
-            ruled_out[_label(plan)] = str(error)
-            del judged[plan]
-    batches = {key: batch for key, batch in batches.items() if key[0] in judged}
-    every, floor = nanoseconds(batches, rounds=21)
-    # how often each pair of kinds meets is not known: all alike
-    cost = {plan: sum(every[plan, pair] for pair in pairs) / len(pairs) for plan in judged}
-    in_engine, measured_in = _engine_costs(judge, list(judged), notes)
     base = judge.step(reference)
     choices = []
     for plan, (error, mean) in judged.items():
@@ -501,111 +443,34 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
                 plan,
                 error,
                 mean,
-                cost[plan],
-                in_engine.get(plan),
+                kept_cost(plan),
                 step / base,
                 step,
-                len(law.state_names) * np.dtype(plan.storage).itemsize,
+                8 * len(law.state_names),
                 law.nodes.u.size if isinstance(law, Table) else 0,
                 (),
                 error <= scene.tolerance,
                 judge,
             )
         )
-    least = min((c.cost for c in choices if c.meets), default=0.0)
-    choices.sort(key=lambda c: (not c.meets, *_rank(c, least)))
+    choices.sort(key=lambda c: (not c.meets, c.cost if c.meets else c.error, c.error))
     choices = [replace(c, left_out=_left_out(judge, c.plan)) for c in choices]
-    return Choices(choices, scene, reference, ruled_out, notes, floor, measured_in)
-
-
-_EQUAL = 1.03
-"""Costs of steps in an engine that differ by less are measured as equal: then the law's own cost decides."""
-
-
-def _rank(choice, least):
-    if not choice.meets:
-        return (choice.error,)
-    if choice.engine_ns is None:
-        return (choice.cost,)
-    return int(math.log(choice.cost / least, _EQUAL)), choice.ns / choice.step_factor
-
-
-def _engine_costs(judge, plans, notes):
-    """Plan → ns a contact and step in the scene's engine, the mean over every kind of grain (nothing where it cannot be
-    measured), and what that is of."""
-    from demlaws.measure.candidates import NAMES, Way
-    from demlaws.measure.costs import available
-
-    scene, alone = judge.scene, "the law alone"
-    if scene.engine == "python":
-        return {}, alone
-    name = NAMES[scene.engine]
-    problem = available(scene.engine)
-    if problem is None:
-        ways = []
-        for plan in plans:
-            own = scene.engine != "yade" and plan.evaluation != "table"
-            law, model = ("", find(plan.name).native[scene.engine]) if own else (plan.name, "")
-            ways.append(Way(_label(plan), law, plan.unloading, plan.rtol, model, plan.options))
-        try:
-            steps = np.zeros(len(plans))
-            alike = dict.fromkeys(zip(scene.materials, scene.surfaces, strict=True))
-            for material, surface in alike:
-                costs = _costs_of_kind(judge, ways, material, surface)
-                steps += [cost.step / len(alike) for cost in costs]
-            return dict(zip(plans, map(float, steps), strict=True)), f"a step of {name}"
-        except DemlawsError as error:
-            problem = str(error)
-    notes.append(f"the cost in {name} could not be measured ({problem}): ranked by the cost of the law alone")
-    return {}, alone
-
-
-def _costs_of_kind(judge, ways, material, surface):
-    """`StepCost` of each way in the scene's engine, in a packing of the largest grains of one kind."""
-    from demlaws.grains import Grain
-    from demlaws.measure.costs import plugin_costs, yade_costs
-
-    scene, radius = judge.scene, judge.scene.radii[1]
-    pair = replace(scene, materials=material, surfaces=surface).contacts(0.5 * radius)[0]
-    low, high = (float(v) for v in scene.force_range(pair))
-    given = {
-        "young": material.young,
-        "poisson": material.poisson,
-        "density": DENSITY if material.density is None else material.density,
-        "surface": {**vars(surface), "hardness": pair.hardness},
-        "radius": radius,
-    }
-    with warnings.catch_warnings(), tempfile.TemporaryDirectory() as scratch:
-        warnings.simplefilter("ignore", ValidityWarning)
-        curve = judge.reference.curve
-        if curve is not None:  # engines' scripts read it from a file
-            path = Path(scratch) / "curve.tbl"
-            curve = rebound(curve, pair)
-            (curve if isinstance(curve, Table) else tabulate(curve, _CURVE_RTOL, 4.0 * judge.max_force)).save(path)
-            ways = [way._replace(unloading=str(path)) if way.unloading == GIVEN else way for way in ways]
-        given["overlap"] = float(judge.reference.bind(pair).overlap(math.sqrt(low * high)))
-        if scene.engine == "yade":
-            return yade_costs(ways, given, pair)
-        grains = [Grain(r, material, surface) for r in (radius, 1.01 * radius)]
-        return plugin_costs(scene.engine, ways, given | {"contact": pair, "grains": grains})
+    return Choices(choices, scene, reference, ruled_out, notes)
 
 
 def _label(plan):
-    options = ", ".join(f"{k}={v}" for k, v in plan.options if k == "branch")
-    return f"{plan.name}{f' ({options})' if options else ''}, {plan.unloading}, {plan.evaluation}"
+    return f"{plan.name}, {plan.unloading}, {plan.evaluation}"
 
 
 def _runs_in(plan, engine):
-    """LIGGGHTS and LAMMPS compute tables, and what they have a model of their own for; YADE any law, in double precision."""
-    if engine in ("liggghts", "lammps"):
-        return plan.evaluation == "table" or (engine in find(plan.name).native and plan.evaluation == "closed form")
-    return engine == "python" or not plan.evaluation.endswith("float32")
+    """LIGGGHTS and LAMMPS compute tables, and what they have a model of their own for; Python and YADE any law."""
+    return engine in ("python", "yade") or plan.evaluation == "table" or engine in find(plan.name).native
 
 
 def _table_for(judge, plan, closed_error):
     """The smallest table of a plan that still meets the tolerance (of one that does not: the one that adds a tenth)."""
     definition = find(plan.name)
-    if definition.closed_form_is_cheapest or dict(plan.options).get("branch") in definition.branches:
+    if definition.closed_form_is_cheapest:
         return None
     target = judge.scene.tolerance if closed_error < judge.scene.tolerance else 1.1 * closed_error
     for rtol in _TABLE_STEPS:

@@ -1,5 +1,4 @@
-"""How soft grains may be, how fast they may be loaded, in how long a step: from the errors that `demlaws trade --softening`
-measured.
+"""How soft grains may be, how fast they may be loaded, in how long a step: from the errors that `make trade` measured.
 
 Three causes, each with a measured curve [our derivation]: geometry, over x = overlap over diameter of the softened grains at
 the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross the sample while it is loaded; κ_K = K/(p d), K the
@@ -17,11 +16,12 @@ import functools
 import math
 import warnings
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.advice.scene import PROCESSES, Scene, stable_step, way_back
+from demlaws.advice.kept import kept
+from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -109,107 +109,29 @@ class Curve(NamedTuple):
         return float(self.error[0] * (place / self.place[0]) ** min(max(power, 0.5), 1.0))
 
 
-def error_curve(pairs: list) -> Curve:
-    """(knob, error) of kept runs as a curve that rises with the knob and lies above all of them."""
-    largest: dict = {}
-    for x, e in pairs:
-        if x > 0.0 and e > 0.0:
-            largest[x] = max(e, largest.get(x, 0.0))
-    if not largest:
-        raise DemlawsError("the study that is kept has no rows to predict from: demlaws trade --softening FILE makes them")
-    place, error = np.array(sorted(largest.items())).T
-    return Curve(place, np.maximum.accumulate(error))
-
-
 class Curves(NamedTuple):
     """What the study measured of a quantity in a process."""
 
     geometry: Curve  # over x
-    rate: Curve | None  # over y, in shear over I, at full modulus; None: the process has no rate
-    soft_rate: Curve | None  # the same of softer grains, against the same grains at `STEADY`
-    step: Curve | None  # over the part of the stable step, against half of it; None: no other was run
-    unbalanced: Curve | None  # unbalanced force over the mean force, over the same as `rate`
     chance: float  # scatter of one copy at full modulus
+    unbalanced: Curve  # unbalanced force over the mean force, over the same as `rate`
+    rate: Curve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
+    soft_rate: Curve | None = None  # the same of softer grains, against the same grains at `STEADY`
+    step: Curve | None = None  # over the part of the stable step, against half of it; None: no other was run
 
 
 @functools.cache
 def curves(process: str, quantity: str, unloads: bool) -> Curves:
-    """`Curves` of a quantity in a process, from the kept rows in YADE."""
-    from demlaws.measure import softening
-
-    names = [n for n in MEASURED[process][quantity] if unloads or n != "unloading"]
-    pressed = process == "oedometer"
-    rows = softening.load()
-
-    def change(point, other=None):
-        """Largest error of a point against another one (None: against the process as it is)."""
-        of = [n for n in names if n in point.errors]
-        if len(of) < len(names):  # so fast that a stress is passed between two looks: nothing is right
-            return 1.0
-        if other is None:
-            return max(abs(point.errors[n]) for n in of)
-        absolute = softening.ABSOLUTE
-        return max(
-            abs(point.errors[n] - other.errors[n])
-            if n in absolute
-            else abs((1.0 + point.errors[n]) / (1.0 + other.errors[n]) - 1.0)
-            for n in of
-        )
-
-    def place(run):
-        return _of_run(run).waves if pressed else run.inertial
-
-    points = {
-        (p.run.factor, p.run.inertial, p.run.part): p
-        for p in softening.points(rows)
-        if (p.run.engine, p.run.process) == ("yade", "cycles" if pressed else process)
-        and (p.run.law, p.run.unloading, p.run.density) == (*softening.STUDIED, 1.0)
-        and (p.run.scaled or p.run.factor == 1.0)
-    }
-    plain = points.get((1.0, STEADY, HALF))
-    if plain is None:
-        return Curves(error_curve([]), None, None, None, None, 0.0)
-    geometry, rate, soft, step, unbalanced = [], [], [], [], []
-    for (factor, inertial, part), p in points.items():
-        steady = points.get((factor, STEADY, HALF))
-        if part == HALF and inertial == STEADY and factor > 1.0:
-            geometry.append((_of_run(p.run).depth, change(p, plain)))
-        elif part == HALF and inertial > STEADY and steady is not None:
-            (rate if factor == 1.0 else soft).append((place(p.run), change(p, steady)))
-        elif part > HALF and (factor, inertial) == (1.0, STEADY):
-            step.append((part, change(p, plain)))
-        if part == HALF and p.unbalanced is not None:
-            unbalanced.append((place(p.run), p.unbalanced))
-    if pressed:
-        told = {*softening.scenes("yade", softening.OTHERS), *softening.scenes("yade", softening.FASTER)}
-        for p in softening.points(rows, others=True):  # those that are held back are no part of this
-            if p.run in told and p.run.scaled and p.run.part == HALF:
-                if p.run.factor > 1.0 and p.run.inertial == STEADY:
-                    geometry.append((_of_run(p.run).depth, change(p)))
-                elif p.run.factor == 1.0 and p.run.inertial > STEADY:
-                    rate.append((place(p.run), change(p)))
-    chance = max((plain.chance[n] for n in names if plain.chance.get(n) == plain.chance.get(n)), default=0.0)
-    moved = error_curve(unbalanced) if unbalanced else None
-    long, slow = error_curve(step) if step else None, process == "pour"
-    return Curves(
-        error_curve(geometry), None if slow else error_curve(rate), None if slow else error_curve(soft), long, moved, chance
-    )
+    """`Curves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
+    found = kept()["curves"][process]
+    own = found["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
+    points = {"unbalanced": found["unbalanced"], **own}
+    known = {name: Curve(*np.array(points[name])) for name in Curves._fields if name != "chance" and name in points}
+    return Curves(**known, chance=own["chance"])
 
 
-def _of_run(run: Any) -> Numbers:
-    from demlaws.measure.candidates import GRANITE
-
-    scene = Scene(
-        radii=run.size * 4e-3,
-        materials=GRANITE,
-        surfaces=run.surface,
-        pressure=(0.1 * run.stress, run.stress),
-        quantity="stiffness",
-    )
-    return _of_scene(scene, run.law, {}, run.factor, run.inertial)
-
-
-def _of_scene(scene, name, options, factor, inertial):
+def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: float) -> Numbers:
+    """`Numbers` of a scene's grains under its largest pressure."""
     if scene.pressure is None:
         raise DemlawsError("softening is advised for a packing under pressure: give the scene its pressure in Pa")
     radius = 0.25 * (scene.radii[0] + scene.radii[1])
@@ -330,7 +252,7 @@ def _predicted(scene, law, options, factor, inertial, part, here):
         step = _of_step(found.step, part)
         error = (1.0 + geometry) * (1.0 + waves) * (1.0 + step) - 1.0 + 2.0 * found.chance
         alone = (1.0 + error) * (1.0 + here.branch) - 1.0
-        unbalanced = math.nan if found.unbalanced is None or process == "pour" else found.unbalanced.at(place)
+        unbalanced = math.nan if process == "pour" else found.unbalanced.at(place)
         what = NAMES[MEASURED[process][scene.quantity][0]]
     rate, density = _rate(scene, inertial), 1.0
     if scene.rate is not None and rate > scene.rate and process != "pour":
@@ -367,7 +289,7 @@ def _finished(advice, law, options):
             warnings.simplefilter("ignore", ValidityWarning)
             return bind_law(law, contact, rebound(back, contact), **options)
 
-    back = way_back(scene, law, options)  # of many a law unloading is stiffer than loading
+    back = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
     stable = stable_step(scene, bind) * Softening(advice.factor).step * math.sqrt(density)
     softer = soften(scene, advice.factor)
     if density != 1.0:
@@ -393,7 +315,7 @@ def predict(
     _check(scene)
     factor, inertial = number(factor, "factor"), number(inertial, "inertial number", "", 0.0, 1.0)
     part, options = number(part, "part of the stable step", "", 0.0, 1.0), options or {}
-    here = _of_scene(scene, law, options, factor, inertial)
+    here = numbers_of(scene, law, options, factor, inertial)
     return _finished(_predicted(scene, law, options, factor, inertial, part, here), law, options)
 
 
@@ -414,7 +336,7 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
             continue
         if factor not in at:
             try:
-                at[factor] = _of_scene(scene, law, options, factor, 1.0)
+                at[factor] = numbers_of(scene, law, options, factor, 1.0)
             except DemlawsError:
                 if factor == 1.0:
                     raise

@@ -9,16 +9,16 @@ from pathlib import Path
 
 import numpy as np
 
+from demlaws.advice.errors import QUANTITIES, Sample
 from demlaws.advice.fit import Fit
 from demlaws.contact import Contact, Material, Surface
-from demlaws.driver import timestep
 from demlaws.errors import DemlawsError, NotPassive
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
 from demlaws.make import rule_and_curve
 from demlaws.materials import DENSITY
-from demlaws.measure.errors import QUANTITIES, Sample
+from demlaws.timestep import shear_ratio, timestep
 from demlaws.units import number, real
 
 ENGINES = ("python", "yade", "liggghts", "lammps")
@@ -294,7 +294,7 @@ def _entry(kind, entry, where):
 
 def _fit_measured(scene, measured, path):
     from demlaws.advice.fit import fit
-    from demlaws.granite import read_points
+    from demlaws.points import read_points
 
     unknown = set(measured if isinstance(measured, dict) else ["measured"]) - {"points", "radius", "laws", "free", "unloading"}
     if unknown or "points" not in measured or "radius" not in measured:
@@ -306,8 +306,8 @@ def _fit_measured(scene, measured, path):
     return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
 
 
-def way_back(scene, name, options):
-    """How the scene's contacts unload with law `name`: as the scene says, else by the richest rule that the law takes."""
+def unloading_rule(scene, name, options):
+    """Unloading rule of law `name` in this scene: the scene's own, else the most complete one that the law accepts."""
     if scene.unloading is not None:
         return scene.unloading
     rules, contact = find(name).unloading, scene.contacts(scene.effective_radii()[0])[0]
@@ -319,13 +319,20 @@ def way_back(scene, name, options):
 
 
 def stable_step(scene, bind):
-    """Stable step [s] of a scene with the law that `bind` makes of a contact: grains of both extreme sizes, of every pair of
-    kinds, half of their contacts on one side."""
+    """Safe step [s] of a scene with the law that `bind` makes of a contact.
+
+    The smallest `timestep` of a packing over contacts of the extreme sizes with each other and with walls, of every pair of
+    kinds, each with the mass of its smaller grain.
+    """
+    sizes = [*itertools.combinations_with_replacement(dict.fromkeys(scene.radii), 2)]
+    sizes += [(scene.radii[0], math.inf)] if scene.walls else []
+    ratios = [shear_ratio(scene.materials[i], scene.materials[j]) for i, j in scene.kinds()]
     steps = []
-    for contact in (c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)):
-        _, largest = scene.force_range(contact)
-        stable = timestep(bind(contact), float(scene.mass(contact.radius)), float(largest))
-        steps.append(stable / math.sqrt(max(scene.coordination / 2.0, 1.0)))
+    for small, large in sizes:
+        for contact, ratio in zip(scene.contacts(1.0 / (1.0 / small + 1.0 / large)), ratios, strict=True):
+            force, mass = float(scene.force_range(contact)[1]), float(scene.mass(0.5 * small))
+            step = timestep(bind(contact), mass, force, coordination=scene.coordination, shear_ratio=ratio)
+            steps.append(step)
     return min(steps)
 
 

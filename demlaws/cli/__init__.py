@@ -20,8 +20,7 @@ COMMANDS = {
     "fit": ("fit", "fit laws to measured points and rank them"),
     "choose": ("choose", "the cheapest law that a scene allows"),
     "soften": ("soften", "softer grains that stay on their branch, for longer steps"),
-    "stability": ("stability", "measure every law at the extremes"),
-    "trade": ("trade", "measure cost against error of every law and evaluation"),
+    "timestep": ("timestep", "the largest stable step of a snapshot's contacts"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
     "liggghts": ("engine", "the laws inside LIGGGHTS: build, check, export, run"),
     "lammps": ("engine", "the laws inside LAMMPS: build, check, export, run"),
@@ -140,14 +139,19 @@ def _show_warnings():
 
 def main(arguments=None):
     """Run the command; returns the exit status: 0, or 2 after an error, which is one line."""
+    arguments = sys.argv[1:] if arguments is None else arguments
+    commands = [word for word in arguments if word in COMMANDS][:1] or arguments[:1]
+    return execute(lambda: build_parser(commands), arguments)
+
+
+def execute(parser, arguments):
+    """Parse the arguments with what `parser()` returns, call its `func`; errors become one line and exit status 2."""
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ gets ? in its place
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        arguments = sys.argv[1:] if arguments is None else arguments
         try:
-            commands = [word for word in arguments if word in COMMANDS][:1] or arguments[:1]
-            parsed = build_parser(commands).parse_args(arguments)
+            parsed = parser().parse_args(arguments)
             with warnings.catch_warnings():
                 _show_warnings()
                 notice.say = _compiling

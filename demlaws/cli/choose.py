@@ -11,7 +11,7 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "choose",
-        description="Ranks laws, unloading rules and evaluations for a scene by measured cost among those that meet its "
+        description="Ranks laws, unloading rules and evaluations for a scene by kept cost among those that meet its "
         "tolerance; says what is left out and what that costs in error. For a packing under pressure it also says how soft its "
         "grains may be made and how fast they may be loaded.",
         **example(
@@ -38,10 +38,11 @@ def run(arguments):
     """Do what the command's arguments ask."""
     from tqdm import tqdm
 
-    from demlaws import granite, plots
+    from demlaws import plots
     from demlaws.advice.choose import choose, table_name
+    from demlaws.advice.errors import QUANTITIES
     from demlaws.advice.scene import TEMPLATE, Scene
-    from demlaws.measure.errors import QUANTITIES
+    from demlaws.files import save_csv
     from demlaws.plots import choose as plots_choose
 
     if arguments.template:
@@ -59,18 +60,14 @@ def run(arguments):
     print(f"loads {float(low):.3g} to {float(high):.3g} N on the largest contact, {'cyclic' if scene.unloads else 'monotonic'}")
     reference = choices.reference
     print(f"reference: {reference.name}, {reference.unloading} unloading\n")
-    engine = "" if choices.measured_in == "the law alone" else f"{'engine':>7} "
-    print(f"{'error':>9} {'mean':>9} {'ns':>6} {engine}{'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
+    print(f"{'error':>9} {'mean':>9} {'ns':>6} {'step':>6} {'state':>6} {'rows':>6}  law, unloading, evaluation")
     for choice in choices:
         if choice.meets or arguments.all:
             print(
-                f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} "
-                f"{f'{choice.engine_ns:7.1f} ' if engine else ''}{choice.step_factor:6.3f} "
+                f"{choice.error:9.2g} {choice.mean_error:9.2g} {choice.ns:6.2f} {choice.step_factor:6.3f} "
                 f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  MISSES'}"
             )
-    print(f"(ns: of the law alone; copying overlap to force and stiffness: {choices.floor:.2f})")
-    if engine:
-        print(f"(engine: ns a contact of {choices.measured_in}, all of it; ranked by this over the step)")
+    print("(ns: per contact, of the law alone, as kept from `make trade`; step: over the reference's; ranked by ns over step)")
     for what, why in choices.ruled_out.items():
         print(f"ruled out: {what}: {why}")
     for note in choices.notes:
@@ -82,7 +79,6 @@ def run(arguments):
                 c.error,
                 c.mean_error,
                 c.ns,
-                c.engine_ns,
                 c.step_factor,
                 c.step,
                 c.state_bytes,
@@ -96,14 +92,13 @@ def run(arguments):
             "error",
             "mean_error",
             "ns",
-            "engine_ns",
             "step_factor",
             "step_s",
             "state_bytes",
             "table_rows",
             "meets",
         )
-        print(granite.save_csv(arguments.csv, titles, rows))
+        print(save_csv(arguments.csv, titles, rows))
     if arguments.figure is not None:
         print(plots.save(plots_choose.choices_figure(choices), arguments.figure))
     best = choices.best

@@ -2,10 +2,7 @@
 
 from demlaws.cli import example, option
 from demlaws.cli.arguments import force, law_name, length, output, plain, pressure, whole
-from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
-
-SIGMA = "give --sigma, the combined σ = √(Sq1² + Sq2²) of the two surfaces"
 
 
 def add_law_arguments(parser, law_required=True):
@@ -25,7 +22,6 @@ def add_law_arguments(parser, law_required=True):
         "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
     )
     curve.add_argument("--unloading-sigma", dest="unloading_roughness", type=length, help="its σ in m (default: the contact's)")
-    curve.add_argument("--unloading-roughness", action=Refused, remedy="give --unloading-sigma, that curve's combined σ")
     curve.add_argument("--unloading-radius", type=length, help="its R in m (default: the contact's)")
     add_contact_arguments(parser)
 
@@ -43,7 +39,6 @@ def add_contact_arguments(parser):
     contact.add_argument(
         "--sigma", dest="roughness", type=length, help="combined rms roughness σ = √(Sq1² + Sq2²) in m (default 0)"
     )
-    contact.add_argument("--roughness", action=Refused, remedy=SIGMA)
     contact.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
     contact.add_argument("--hardness", type=pressure, help="hardness in Pa")
 

@@ -67,11 +67,13 @@ def run(arguments):
     """Do what the command's arguments ask."""
     from tqdm import tqdm
 
-    from demlaws import granite, plots
+    from demlaws import plots
     from demlaws.advice.fit import fit
+    from demlaws.files import save_csv
     from demlaws.plots import choose as plots_choose
+    from demlaws.points import read_points
 
-    points = granite.read_points(arguments.points)
+    points = read_points(arguments.points)
     ranking = fit(
         points,
         contact_from(arguments),
@@ -101,6 +103,6 @@ def run(arguments):
         ]
         titles = ("law", "unloading", "misfit_m", "aicc", "delta", "weight")
         titles += ("parameter", "value", "standard_error", "low", "high", "note")
-        print(f"{granite.save_csv(arguments.csv, titles, rows)}: {len(rows)} rows")
+        print(f"{save_csv(arguments.csv, titles, rows)}: {len(rows)} rows")
     if arguments.figure is not None:
         print(plots.save(plots_choose.fit_figure(ranking, points.source), arguments.figure))

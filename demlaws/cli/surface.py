@@ -2,12 +2,10 @@
 
 import dataclasses
 import math
-from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import figures, force, length, output, plain, whole
+from demlaws.cli.arguments import force, length, output, plain, whole
 from demlaws.cli.bodies import bodies, draw, pair_of
-from demlaws.cli.refused import Refused
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import ASPERITY
 
@@ -18,24 +16,19 @@ def register(subparsers):
         "surface",
         usage="demlaws surface FILE [options]\n"
         "       demlaws surface contact FILE [options]\n"
-        "       demlaws surface contact isotropic|anisotropic [options]\n"
         "       demlaws surface synthetic --out FILE [options]\n"
         "       demlaws surface summits FILE [--radius R] [options]\n"
-        "       demlaws surface change BEFORE AFTER [options]\n"
-        "       demlaws surface paper [--figures LIST] [--out FOLDER]",
+        "       demlaws surface change BEFORE AFTER [options]",
         description="FILE: .npy, .csv, .txt, .tsv or .asc, or what an instrument writes (through SurfaceTopography). The first "
-        "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `contact isotropic` and `contact "
-        "anisotropic` repeat the tests of Jamari & Schipper 2008; `summits` counts nine-point summits; `change` lays a map "
-        "over the one before it and shows what has changed; `synthetic` makes a self-affine map; `paper` draws the "
-        "figures of that paper.",
+        "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `summits` counts nine-point "
+        "summits; `change` lays a map over the one before it and shows what has changed; `synthetic` makes a self-affine map.",
         **example(
             "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
             "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
             "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png\n"
             "  demlaws surface summits map.asc --radius 5mm --crop 0.2mm\n"
-            "  demlaws surface change before.asc after.asc --figure change.png --out change.npy\n"
-            "  demlaws surface paper --figures 2,7-12 --out jamari-2008"
+            "  demlaws surface change before.asc after.asc --figure change.png --out change.npy"
         ),
     )
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
@@ -52,17 +45,11 @@ def register(subparsers):
     )
     surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the last cycle leaves it")
     surface.add_argument("--figure", type=output, help="picture to draw")
-    surface.add_argument(
-        "--figures",
-        type=figures(2, *range(7, 13)),
-        metavar="LIST",
-        help="of the paper of 2008: all (default), or numbers (7-9)",
-    )
     contact = surface.add_argument_group("contact")
     bodies(contact)
     contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
     contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
-    contact.add_argument("--load", type=force, help="load in N (default 0.2 for the published tests)")
+    contact.add_argument("--load", type=force, help="load in N")
     contact.add_argument("--cycles", type=whole(1, 100_000), default=1, help="number of load cycles (default 1)")
     contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
@@ -85,7 +72,6 @@ def register(subparsers):
     made.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
     made.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
     made.add_argument("--sq", dest="roughness", type=length, default=1e-6, help="rms roughness Sq of the map (default 1um)")
-    made.add_argument("--roughness", action=Refused, remedy="give --sq, the map's own Sq")
     made.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
     made.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
     made.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
@@ -98,16 +84,9 @@ def run_surface(arguments):
     first, *rest = arguments.words
     if first == "synthetic" and not rest:
         return _synthetic(arguments)
-    if first == "paper" and not rest:
-        from demlaws.cli.granite import draw_figures
-        from demlaws.plots import jamari
-
-        chosen = arguments.figures or list(jamari.FIGURES_2008)
-        draw_figures(jamari.FIGURES_2008, chosen, arguments.out or Path("jamari-2008"))
-        return 0
     if first == "contact":
         if len(rest) != 1:
-            raise DemlawsError("`demlaws surface contact` takes one height map (or isotropic, anisotropic)")
+            raise DemlawsError("`demlaws surface contact` takes one height map")
         return _contact(arguments, rest[0])
     if first == "summits" and len(rest) == 1:
         return _summits(arguments, rest[0])
@@ -251,67 +230,65 @@ def _synthetic(arguments):
 
 
 def _contact(arguments, name):
-    from demlaws import regime
-    from demlaws.solvers import patches as asperity
+    from demlaws.solvers.patches import RoughContact
 
-    published = name in ("isotropic", "anisotropic") and not Path(name).exists()
-    if published:
-        contact = regime.published_contact(name, memory=arguments.memory)
-        load, cycles = arguments.load or 0.2, max(arguments.cycles, 20)
-    else:
-        heights = _levelled(arguments, name)
-        if arguments.on is not None:
-            heights = heights.combined(_levelled(arguments, arguments.on))
-        pair = pair_of(arguments, heights.sq)
-        contact = asperity.RoughContact(
-            heights,
-            pair,
-            arguments.poisson,
-            arguments.plastic_factor,
-            arguments.plastic_ratio,
-            flat=arguments.flat,
-            memory=arguments.memory,
-        )
-        load, cycles = arguments.load, arguments.cycles
-    if load is None and arguments.table is None:
+    heights = _levelled(arguments, name)
+    if arguments.on is not None:
+        heights = heights.combined(_levelled(arguments, arguments.on))
+    contact = RoughContact(
+        heights,
+        pair_of(arguments, heights.sq),
+        arguments.poisson,
+        arguments.plastic_factor,
+        arguments.plastic_ratio,
+        flat=arguments.flat,
+        memory=arguments.memory,
+    )
+    if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
-    if load is not None:
-        if contact.pair.hardness is not None and not arguments.flat:
-            print(regime.assess(contact.pair, load))
-        tolerance = min(arguments.tolerance, 1.0)
-        history = asperity.repeat(contact, load, cycles, tolerance, keep=(1, 2, 3, 10, cycles))
-        others = {}
-        if cycles > 1 and contact.pair.hardness is not None:
-            few = min(cycles, 5)
-            for memory in asperity.MEMORIES:
-                if memory != contact.memory:
-                    other = dataclasses.replace(contact, memory=memory)
-                    others[memory] = asperity.repeat(other, load, few, tolerance, keep=())
-        for cycle in history:
-            if cycle.number in (1, 2, 3, 10, cycles):
-                print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
-        print(
-            f"run in after cycle {max(asperity.run_in_cycle(history), 1)} (ε_r = 0.01), on the assumption that a pixel "
-            f"remembers {asperity.REMEMBERED[contact.memory]} (--memory {contact.memory})"
-        )
-        for memory, few in others.items():
-            print(
-                f"  with --memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change"
-            )
+    if arguments.load is not None:
+        history = press(contact, arguments.load, arguments.cycles, min(arguments.tolerance, 1.0), arguments.figure, name)
         if arguments.csv is not None:
             _write_micro_contacts(arguments.csv, history[0].step.micro)
         _write(arguments.out, history[-1].contact.heights)
-        draw(
-            arguments.figure,
-            lambda plots: (
-                plots.repeated_figure(contact, history, name, others)
-                if cycles > 1
-                else plots.contact_figure(contact, history[0].step)
-            ),
-        )
     if arguments.table is not None:
-        _table(arguments, contact, load)
+        _table(arguments, contact, arguments.load)
     return 0
+
+
+def press(contact, load, cycles=1, tolerance=0.01, figure=None, name=""):
+    """Press a ball on a map `cycles` times, print what each does and draw it to `figure`; returns the cycles."""
+    from demlaws import regime
+    from demlaws.solvers import patches
+
+    if contact.pair.hardness is not None and not contact.flat:
+        print(regime.assess(contact.pair, load))
+    history = patches.repeat(contact, load, cycles, tolerance, keep=(1, 2, 3, 10, cycles))
+    others = {}
+    if cycles > 1 and contact.pair.hardness is not None:
+        few = min(cycles, 5)
+        for memory in patches.MEMORIES:
+            if memory != contact.memory:
+                other = dataclasses.replace(contact, memory=memory)
+                others[memory] = patches.repeat(other, load, few, tolerance, keep=())
+    for cycle in history:
+        if cycle.number in (1, 2, 3, 10, cycles):
+            print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
+    print(
+        f"run in after cycle {max(patches.run_in_cycle(history), 1)} (ε_r = 0.01), on the assumption that a pixel "
+        f"remembers {patches.REMEMBERED[contact.memory]} (--memory {contact.memory})"
+    )
+    for memory, few in others.items():
+        print(f"  with --memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change")
+    draw(
+        figure,
+        lambda plots: (
+            plots.repeated_figure(contact, history, name, others)
+            if cycles > 1
+            else plots.contact_figure(contact, history[0].step)
+        ),
+    )
+    return history
 
 
 def _table(arguments, contact, load):

@@ -16,6 +16,7 @@ import numba
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
+from numba.np.arrayobj import populate_array  # noqa: F401  used by yade/memory.py
 
 from demlaws.core import cache, notice
 from demlaws.errors import DemlawsError

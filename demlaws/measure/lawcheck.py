@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.checks.paths import finite_loop, path_loop
 from demlaws.contact import Contact
 from demlaws.core import loops
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -17,7 +18,6 @@ from demlaws.granite import TESTS
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import example
-from demlaws.measure.stability import finite_loop, path_loop
 from demlaws.soundness import fault_of_slope, refuse_unless_collapses
 
 EPS = float(np.finfo(float).eps)

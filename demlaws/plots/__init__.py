@@ -9,7 +9,6 @@ import numpy as np
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
 from demlaws.laws.definition import Definition
-from demlaws.laws.names import HERTZ, POHRT_POPOV
 from demlaws.laws.registry import registry
 
 
@@ -67,7 +66,8 @@ def save(fig, path):
     return write_atomically(path if path.suffix else path.with_suffix(".png"), buffer.getvalue())
 
 
-def _line(ax, x, y, name, **more):
+def draw_line(ax, x, y, name, **more):
+    """A law's curve in its colour and line style."""
     ax.plot(x, y, color=colour(name), linestyle=line(name), label=more.pop("label", name), **more)
 
 
@@ -134,188 +134,4 @@ def points_figure(table, measured):
     right.set(xscale="log", yscale="log", title=f"stiffness within {table.stiffness_error:.1e} of the curve's")
     left.set_title(f"{table.definition.description}: {knots.points} points")
     left.legend(fontsize=8)
-    return fig
-
-
-# --- the granite tests
-
-
-def granite_force(test, runs, points=None, ax=None):
-    """Force against displacement of one test, every law; displacement counted from 0.1 N as in the tables."""
-    if ax is None:
-        _, ax = figure(width=6.4, height=4.8)
-    for run in runs:
-        path = run.paths[0]
-        zero = float(
-            np.interp(0.1, path.force[: int(np.argmax(path.force)) + 1], path.overlap[: int(np.argmax(path.force)) + 1])
-        )
-        end = _first_peak(path.force) if test.cyclic else path.force.size
-        _line(ax, (path.overlap[:end] - zero) * 1e6, path.force[:end], run.law.name, lw=1.5)
-    if points is not None:
-        zero, placed_by = points.zero([run.law for run in runs])
-        label = f"measured: {points.source}" + (f" (placed by {placed_by.name})" if placed_by is not None else "")
-        ax.plot((points.displacement - zero) * 1e6, points.force, "k.", ms=3, label=label)
-    ax.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title=test.name, ylim=(0, None))
-    ax.set_xlim(left=-0.05 * ax.get_xlim()[1])
-    ax.legend(fontsize=8)
-    return ax.figure
-
-
-def _first_peak(force):
-    falls = np.flatnonzero(np.diff(force) < 0)
-    return int(falls[0]) + 1 if falls.size else force.size
-
-
-def _tangent(ax, points, name="measured", branch=None, **style):
-    """Stiffness of measured points: slopes over windows of force."""
-    load, stiffness = points.tangent(branch)
-    ax.plot(load, stiffness / 1e3, **{"marker": ".", "ls": "none", "color": "k", "ms": 4, **style}, label=name)
-
-
-def granite_stiffness(tests_and_runs, points=None):
-    """Stiffness against load on logarithmic axes, one panel a test; points: measured ones by test name."""
-    fig, axes = figure(columns=2, rows=2, width=5.0)
-    for ax, (test, runs) in zip(np.ravel(axes), tests_and_runs, strict=False):
-        load = np.geomspace(0.1, 100.0, 200)
-        for run in runs:
-            _line(ax, load, run.law.stiffness(run.law.overlap(load)) / 1e3, run.law.name, lw=1.3)
-        if points and test.name in points:
-            _tangent(ax, points[test.name], f"measured: {points[test.name].source}")
-            ax.legend(fontsize=7)
-        ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=test.name)
-    np.ravel(axes)[0].legend(fontsize=7)
-    return fig
-
-
-def granite_crossover(test, laws, threshold):
-    """Stiffness of Hertz and Pohrt-Popov, and where the lines cross."""
-    fig, ax = figure(width=6.0, height=4.4)
-    load = np.geomspace(1.0, 500.0, 300)
-    for bound in laws:
-        _line(ax, load, bound.stiffness(bound.overlap(load)) / 1e3, bound.name, lw=1.6)
-    ax.axvline(threshold, color="k", lw=0.8)
-    ax.annotate(
-        f"F = {threshold:.1f} N\n(the paper's text: 73 N)", (threshold, 2000), xytext=(5, 0), textcoords="offset points"
-    )
-    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=f"{test.name}: crossover")
-    ax.legend()
-    return fig
-
-
-def granite_roughness(tests, make, points=None):
-    """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz; points: by test name."""
-    fig, (left, right) = figure(columns=2)
-    load = np.geomspace(0.05, 100.0, 300)
-    for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
-        bound = make(POHRT_POPOV, test)
-        overlap = bound.overlap(load)
-        label = f"{test.name}, σ = {test.roughness * 1e6:.2f} µm"
-        left.plot((overlap - bound.overlap(0.1)) * 1e6, load, color=shade, label=label)
-        right.loglog(load, bound.stiffness(overlap) / 1e3, color=shade, label=label)
-        if points and test.name in points:
-            one = points[test.name]
-            left.plot((one.displacement - one.zero([bound])[0]) * 1e6, one.force, ".", color=shade, ms=3, label="measured")
-            _tangent(right, one, color=shade)
-    hertz = make(HERTZ, tests[1])
-    left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * 1e6, load, "k--", label=f"Hertz, {tests[1].name}")
-    right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")
-    left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")
-    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="tangent stiffness")
-    left.legend(fontsize=8)
-    return fig
-
-
-def granite_unloading(test, elastic, hertz, points=None):
-    """Unloading from the maximum along each law's own curve, as the paper compares them, and along the Hertz rule's."""
-    fig, ax = figure(width=6.4, height=4.8)
-    top = max(test.stages[0])
-    load = np.linspace(0.05, top, 300)
-    for bound in elastic:
-        _line(ax, (bound.overlap(load) - bound.overlap(top)) * 1e6, load, bound.name, label=f"{bound.name}, elastic", lw=1.3)
-    peak = int(np.argmax(hertz.force))
-    ax.plot(
-        (hertz.overlap[peak:] - hertz.overlap[peak]) * 1e6,
-        hertz.force[peak:],
-        color="k",
-        lw=3,
-        alpha=0.35,
-        label="Hertz unloading rule, any law",
-    )
-    if points is not None:
-        peak = int(np.argmax(points.force))
-        ax.plot(
-            (points.displacement[peak:] - points.displacement[peak]) * 1e6, points.force[peak:], "k.", ms=3, label="measured"
-        )
-    ax.set(xlabel="displacement from the maximum (µm)", ylabel="force (N)", title=f"{test.name}: unloading")
-    ax.legend(fontsize=8)
-    return fig
-
-
-def _step_colour(number, count):
-    """Colours of a sequence, as many as there are steps, from dark to light."""
-    from matplotlib import colormaps
-
-    return colormaps["viridis"](0.9 * number / max(count - 1, 1))
-
-
-def granite_cycles(run, stages, points=None):
-    """Cycles of a cone: force against displacement stage by stage, and stiffness of each loading branch; points: measured."""
-    fig, (left, right) = figure(columns=2, width=5.6, height=4.4)
-    for number, path in enumerate(run.paths):
-        label = f"stage {number + 1}" if len(run.paths) > 1 else run.law.name
-        # later stages are thinner: they lie over the earlier ones that they repeat
-        width = 1.0 + 0.5 * (len(run.paths) - 1 - number)
-        left.plot(path.overlap * 1e6, path.force, color=_step_colour(number, len(run.paths)), lw=width, label=label)
-    if points is not None:
-        start = points.displacement[0]
-        left.plot((points.displacement - start) * 1e6, points.force, "k.", ms=2, label=f"measured: {points.source}")
-    title = f"{run.test.name}: {run.law.name}, {run.law.unloading} unloading"
-    left.set(xlabel="overlap (µm)", ylabel="force (N)", title=title + (f"\n{run.beyond}" if run.beyond else ""))
-    left.title.set_fontsize(9 if run.beyond else 12)
-    path = run.paths[0] if len(run.paths) == 1 else run.paths[3]
-    rising = np.flatnonzero(np.r_[False, np.diff(path.force) > 0] & (path.force > 0.5))
-    branches = np.split(rising, np.flatnonzero(np.diff(rising) > 1) + 1)
-    for number, branch in enumerate(branches):
-        right.loglog(
-            path.force[branch],
-            path.stiffness[branch] / 1e3,
-            lw=1.2 + 0.5 * (len(branches) - 1 - number),
-            color=_step_colour(number, len(branches)),
-            label=f"to {path.force[branch].max():.0f} N",
-        )
-    load = np.geomspace(0.5, path.force.max(), 100)
-    hertz = (6.0 * load * run.test.radius * run.test.contact.modulus**2) ** (1 / 3)
-    right.loglog(load, hertz / 1e3, "k--", lw=1, label="Hertz")
-    if points is not None:
-        for number, branch in enumerate(measured := points.branches()):
-            top = points.force[branch[1]]
-            _tangent(right, points, f"measured, to {top:.0f} N", branch, color=_step_colour(number, len(measured)), marker="x")
-    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="loading stiffness, stage by stage")
-    left.legend(fontsize=8)
-    right.legend(fontsize=7)
-    return fig
-
-
-def granite_plastic(series, points=None):
-    """Cumulative plastic overlap against the largest load; points: measured ones by test name."""
-    fig, ax = figure(width=5.6, height=4.2)
-    for (name, stages), marker in zip(series, "os^", strict=False):
-        ax.plot([s.maximum_force for s in stages], [s.plastic_overlap * 1e6 for s in stages], marker + "-", label=name)
-        if points and name in points and (left := points[name].residuals()):
-            load, residual = np.array(left).T
-            ax.plot(load, residual * 1e6, "k" + marker, mfc="none", label=f"measured {name}: {points[name].source}")
-    ax.set(xlabel="maximum force (N)", ylabel="plastic overlap (µm)", title="cumulative plastic overlap")
-    ax.legend()
-    return fig
-
-
-def granite_radius(alpha, curves):
-    """a*/a_H against the roughness parameter."""
-    fig, ax = figure(width=6.0, height=4.4)
-    for (name, values), style in zip(curves.items(), ("-", "--", ":"), strict=True):
-        ax.semilogx(alpha, values, style, lw=1.6, label=name)
-    ax.axvspan(1.0, alpha.max(), color="k", alpha=0.05, lw=0)
-    ax.text(1.1, 0.04, "beyond the data of the fit", fontsize=8, transform=ax.get_xaxis_transform())
-    ax.set(xlabel="α = σR/a_H²", ylabel="a*/a_H", title="effective contact radius")
-    ax.legend()
     return fig

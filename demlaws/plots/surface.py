@@ -6,7 +6,6 @@ from demlaws import regime
 from demlaws.plots import figure
 from demlaws.surface import box_correction
 
-SEEN = {"asperities": ("o", "white"), "both": ("s", "#ffbf00"), "bulk": ("D", "black")}
 STATE_COLOURS = ("#4c78a8", "#f2a541", "#d62728")
 MICRO = 1e6
 
@@ -17,55 +16,24 @@ def plain(ax):
     return ax
 
 
-def regime_figure(contact=None, load=None, title=None):
-    """p(0)/H_m over load and roughness: of `contact`, or of the published tests with what was seen there."""
-    if contact is not None:
-        fig, ax = figure(width=6.4, height=4.6)
-        loads = np.geomspace(1e-3, 1e3, 181) * (load or regime.transition_load(contact.with_values(roughness=1e-6)))
-        roughness = np.geomspace(1e-8, 1e-4, 161)
-        if contact.roughness:
-            roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
-        _regime_bar(fig, _regime_axis(ax, contact, loads, roughness), ax)
-        if load is not None and contact.roughness:
-            ax.plot(load, contact.roughness * MICRO, "k*", ms=13)
-            ratio = regime.pressure_ratio(contact, load)
-            ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (load, contact.roughness * MICRO), va="center")
-        ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
-        return fig
-    fig, axes = figure(columns=3, width=4.6, height=4.4)
-    ratios = {row.test.label: row for row in regime.published_ratios()}
-    tests = [row.test for row in ratios.values()]
-    groups = (
-        ("aluminium, steel ball R = 5 mm (2006)", [t for t in tests if t.label.startswith("Al")]),
-        ("brass, steel ball R = 5 mm (2006)", [t for t in tests if t.label.startswith("Br")]),
-        ("aluminium, SiC ball R = 3.175 mm (2008)", [t for t in tests if t.label.startswith("2008")]),
-    )
-    image = None
-    for ax, (name, group) in zip(axes, groups, strict=True):
-        image = _regime_axis(ax, group[0].contact, np.geomspace(0.03, 100, 161), np.geomspace(2e-8, 2e-5, 161))
-        for n, test in enumerate(group):
-            marker, face = SEEN[test.seen]
-            x, y = test.load, test.contact.roughness * MICRO
-            ax.plot(x, y, marker, mfc=face, mec="black", ms=8, zorder=5)
-            side = {"Al_A": (8, 7), "Al_AB": (8, -12)}.get(test.label, (8, -3 + 10 * n if "2008" in test.label else -3))
-            solved, fitted = ratios[test.label].solved, ratios[test.label].fitted
-            ax.annotate(
-                f"{fitted:.3f}" if np.isnan(solved) else f"{solved:.3f} at μ = {test.mu:g}",
-                (x, y),
-                side,
-                textcoords="offset points",
-                fontsize=8,
-                bbox={"boxstyle": "round,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.7},
-            )
-        ax.set_title(name, fontsize=10)
-    _regime_bar(fig, image, axes)
-    for seen, (marker, face) in SEEN.items():
-        axes[0].plot([], [], marker, mfc=face, mec="black", ls="none", label=f"seen: {seen}")
-    axes[0].legend(loc="upper left", fontsize=8)
+def regime_figure(contact, load=None, title=None):
+    """p(0)/H_m of `contact` over load and roughness."""
+    fig, ax = figure(width=6.4, height=4.6)
+    loads = np.geomspace(1e-3, 1e3, 181) * (load or regime.transition_load(contact.with_values(roughness=1e-6)))
+    roughness = np.geomspace(1e-8, 1e-4, 161)
+    if contact.roughness:
+        roughness = contact.roughness * np.geomspace(1e-2, 1e2, 161)
+    regime_bar(fig, regime_axis(ax, contact, loads, roughness), ax)
+    if load is not None and contact.roughness:
+        ax.plot(load, contact.roughness * MICRO, "k*", ms=13)
+        ratio = regime.pressure_ratio(contact, load)
+        ax.annotate(f"  {ratio:.3g}: {regime.deforming_part(ratio)}", (load, contact.roughness * MICRO), va="center")
+    ax.set_title(title or f"R = {contact.radius * 1e3:.3g} mm, E* = {contact.modulus / 1e9:.3g} GPa")
     return fig
 
 
-def _regime_axis(ax, contact, loads, roughness):
+def regime_axis(ax, contact, loads, roughness):
+    """The map of p(0)/H_m on axes, with its contours; returns the image."""
     ratio = regime.pressure_map(contact, loads, roughness)
     plain(ax)
     image = ax.pcolormesh(
@@ -80,7 +48,7 @@ def _regime_axis(ax, contact, loads, roughness):
     return image
 
 
-def _regime_bar(fig, image, axes):
+def regime_bar(fig, image, axes):
     """Colours are log10 of p(0)/(0.6 H_m); the bar shows p(0)/H_m itself."""
     ratios = np.array([0.06, 0.1, 0.2, 0.4, 0.6, 1.0, 2.0, 4.0, 6.0])
     bar = fig.colorbar(
@@ -327,21 +295,4 @@ def law_figure(contact, laws):
     right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
     left.legend(fontsize=8)
     right.legend(fontsize=8)
-    return fig
-
-
-def boundary_element_figure(rows):
-    """The model's load and area over a boundary-element solution's at equal separation; rows: the stored file's."""
-    fig, (left, right) = figure(columns=2, width=5.2, height=4.0)
-    for name in dict.fromkeys(row["case"] for row in rows):
-        chosen = [row for row in rows if row["case"] == name]
-        overlap = np.array([float(r["overlap"]) for r in chosen])
-        load = np.array([float(r["model_force"]) / float(r["bem_force"]) for r in chosen])
-        area = np.array([float(r["model_area"]) / float(r["bem_area"]) for r in chosen])
-        left.semilogx(overlap * MICRO, load, "o-", ms=4, label=name.replace(";", ","))
-        right.semilogx(overlap * MICRO, area, "o-", ms=4)
-    for ax, what in ((left, "load"), (right, "contact area")):
-        ax.axhline(1.0, color="black", lw=0.8)
-        ax.set(xlabel="overlap (µm)", ylabel=f"{what}: asperity model / boundary elements")
-    left.legend(fontsize=8)
     return fig

@@ -1,4 +1,4 @@
-"""The contacts of the current scene as arrays, and what users are told of them."""
+"""The contacts of the current scene as arrays, and their energies."""
 
 import math
 from typing import NamedTuple
@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.yade import kernel
+from demlaws.yade import layout as at
 
 O = yade.O  # noqa: E741  YADE's name
 
 
 class ContactState(NamedTuple):
-    """Contacts of a scene: arrays with one entry a contact, SI units. State values that the rule lacks are NaN.
+    """Contacts of a scene: arrays with one entry per contact, SI units. A state that the unloading rule does not have is NaN.
 
     branch: 0 where a contact is at its largest overlap so far (first loading), 1 below it (unloading or reloading).
     """
@@ -33,11 +33,26 @@ class ContactState(NamedTuple):
     branch: np.ndarray
 
 
-class Totals(NamedTuple):
-    """Energy in the normal direction [J]: what the contacts can still return, what they have dissipated by plasticity."""
-
+class _Energies(NamedTuple):
     stored: float
     dissipated: float
+
+
+class Totals(_Energies):
+    """Energy in the normal direction [J]: `stored` in the contacts, and `dissipated` by plasticity since the law began.
+
+    unaccounted: number of contacts that ended without the law (erased with a body, by the script or by another engine). What
+    they had dissipated is not known and is missing in `dissipated`.
+    """
+
+    def __new__(cls, stored, dissipated, unaccounted=0):
+        totals = super().__new__(cls, stored, dissipated)
+        totals.unaccounted = unaccounted
+        return totals
+
+    def __repr__(self):
+        missing = f", without the dissipation of {self.unaccounted} erased contacts" if self.unaccounted else ""
+        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{missing})"
 
 
 def real_contacts():
@@ -51,8 +66,8 @@ def is_ours(contact):
 
 
 def rows_of(contacts):
-    """The contacts as an array of `kernel.CONTACT`."""
-    rows = np.empty(len(contacts), kernel.CONTACT)
+    """The contacts as an array of `layout.CONTACT`."""
+    rows = np.empty(len(contacts), at.CONTACT)
     for n, contact in enumerate(contacts):
         phys, overlap = contact.phys, contact.geom.penetrationDepth
         ratio, _, last = phys.prevU
@@ -63,7 +78,7 @@ def rows_of(contacts):
 
 
 def write_history(phys, row):
-    """Put the history in a `kernel.CONTACT` where `rows_of` reads it."""
+    """Put the history in a `layout.CONTACT` where `rows_of` reads it."""
     phys.momentBend = yade.Vector3(row["tag"], row["radius"], row["modulus"])
     phys.momentTwist = yade.Vector3(row["state0"], row["state1"], row["state2"])
 
@@ -83,6 +98,8 @@ def state_of(pairs, contacts):
         name: before[fields[name]] if name in fields else nothing
         for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")
     }
+    if not fields:
+        known["plastic_overlap"] = np.zeros(len(rows))
     overlap = before["overlap"].copy()
     touching = np.maximum(overlap, 0.0)
     return ContactState(

@@ -9,9 +9,8 @@ from numbers import Real
 import yade
 
 from demlaws.core.shear import DEFAULT
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError
 from demlaws.laws.names import HERTZ
-from demlaws.units import CREATES_ENERGY
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span
@@ -29,23 +28,26 @@ class TimeStepWarning(UserWarning):
 
 
 class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
-    """A demlaws law as a YADE Law2 functor: put it where Law2_ScGeom_MindlinPhys_Mindlin would go.
+    """A demlaws law as a YADE Law2 functor, in place of Law2_ScGeom_MindlinPhys_Mindlin.
 
-    law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, or the path of a saved table; unloading: "elastic",
-    "hertz", "thornton", or a `Law` or `Table` whose curve the contacts unload along (on their own surfaces); surfaces: one
-    `demlaws.Surface` for all materials, or label of a YADE material → Surface ("*": every other material); beside these, a
-    material whose label is not listed is smooth, and a pair of smooth surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2².
-    A label that no material bears, or a law other than Hertz without surfaces, is an error when the first such contact is
-    made; smooth=True says that it is meant. tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for equal materials.
-    shear: the stiffness K_t goes by: "elastic", with which the contact would unload now; "tangent", of the branch that it is
-    on; "loading", of first loading at the force carried now (docs/shear.md). flats: "plane" gives a sphere on a facet, wall or
-    box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it (wall, box) or two thirds (facet). bridge:
-    "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available). label: how saved files
-    know the law, one label a law in a scene; it cannot be changed. radii, moduli: smallest and largest effective radius [m] and
-    modulus [Pa] of the contacts, which laws with a solved curve (Yip–Venart, Greenwood–Tripp) must know; by default those of
-    the bodies that the scene holds now. Further arguments are the law's own
-    options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy, preventGranularRatcheting). E*, friction
-    and damping are the contact's, as YADE has them. A law acts in one scene at a time.
+    law: a law's name (`demlaws.laws()`), a `Law`, a `Table`, the path of a saved table, or a dict (label, label) → one of them.
+    unloading: a rule's name, or a `Law` or `Table` whose curve the contacts unload along.
+    surfaces: one `demlaws.Surface` for all materials, or a dict label of a YADE material → Surface ("*": every other material).
+        A material without a surface is smooth, and a pair of smooth surfaces is Hertz. Of two surfaces σ² = Sq1² + Sq2².
+    smooth: True allows materials without a surface; by default their first contact is an error if a given label has no
+        material, or if there are no surfaces and the law is not Hertz.
+    flats: "plane" gives a sphere on a facet, wall or box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it
+        (wall, box) or two thirds (facet).
+    shear: the normal stiffness used to compute K_t: "elastic", with which the contact would unload now, or "loading", of first
+        loading at the present force (docs/shear.md).
+    bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available).
+    tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for equal materials.
+    label: name of the law in saved files, unique in a scene and constant.
+    radii, moduli: smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve
+        (Yip–Venart, Greenwood–Tripp) need; default: those of the bodies in the scene.
+
+    Further arguments are the law's own options, or attributes of Law2_ScGeom_MindlinPhys_Mindlin (neverErase, calcEnergy,
+    preventGranularRatcheting). E*, friction and damping are the contact's, as in YADE. A law acts in one scene at a time.
     """
 
     def __init__(
@@ -76,30 +78,24 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         super().__init__(label=label, **attributes)
         spans = _spans(radii, moduli, flats)
         pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear)
-        if shear == "tangent" and pairs.state_names and any(shape is not None for shape in pairs.shapes):
-            warnings.warn(f"law {label!r}: {CREATES_ENERGY}", ValidityWarning, stacklevel=2)
         self.binding = Binding(label, pairs, tangential_ratio, bridge)
         self.binding.check_functor(self)
         _take_up(self, bridge, stacklevel=3)
 
     @classmethod
-    def _restored(cls, binding, attributes):
-        """The functor of a saved scene."""
+    def _from_text(cls, label, text):
+        """The functor described by `Binding.as_text`, in no scene."""
+        binding, attributes = Binding.from_text(label, text)
         functor = cls.__new__(cls)
-        yade.Law2_ScGeom_MindlinPhys_Mindlin.__init__(functor, label=binding.label, **attributes)
+        yade.Law2_ScGeom_MindlinPhys_Mindlin.__init__(functor, label=label, **attributes)
         functor.binding = binding
         if binding.attachment is not None:
             binding.attachment.patch(functor)
         return functor
 
-    @classmethod
-    def _from_text(cls, label, text, attributes):
-        """The functor that `__reduce__` described, in no scene."""
-        return cls._restored(Binding.from_text(label, text), attributes)
-
     def __reduce__(self):
         """Copies and pickles: YADE's own would make a functor without arguments, which is Hertz's law."""
-        return type(self)._from_text, (self.label, self.binding.as_text(), self.settings())
+        return type(self)._from_text, (self.label, self.binding.as_text(self.settings()))
 
     def __repr__(self):
         return f"<{type(self).__name__} {self.label!r}: {self.binding.describe()}>"
@@ -156,11 +152,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return self.binding.between_engines(lambda: write_contacts(path, self.binding.contacts()))
 
     def attributes(self):
-        """Attributes of the native functor that are saved with a scene: how it acts, and YADE's own sums of energy."""
+        """Attributes of the native functor that are saved with a scene: settings, and YADE's own sums of energy."""
         return {name: value for name, value in self.dict().items() if name != "label" and isinstance(value, bool | int | float)}
 
     def settings(self):
-        """Those attributes that say how the functor acts."""
+        """Attributes that change how the functor acts."""
         return {name: value for name, value in self.attributes().items() if isinstance(value, bool)}
 
 

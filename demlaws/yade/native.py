@@ -17,12 +17,14 @@ those that are meant to be native among them. It would survive `O.load` by itsel
 import ctypes
 import os
 import re
-from functools import cache
 
 import numpy as np
+import yade
+import yade.config
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import kernel
+from demlaws.yade import layout as at
 
 TESTED = ("2023.02a", "2025.2.0", "2026.1.0")
 """Versions on which the tests have run; the checks below decide for every other one."""
@@ -40,16 +42,12 @@ class BridgeUnavailable(DemlawsError):
     """An assumption of the native bridge does not hold here; nothing was patched."""
 
 
-@cache
-def _native_repr():
-    import yade
-
-    return yade.Serializable.__repr__
+_native_repr = yade.Serializable.__repr__
 
 
 def address(thing):
     """Address of the C++ object behind a YADE Python object: the wrapper shows it in its repr."""
-    text = _native_repr()(thing)
+    text = _native_repr(thing)
     match = re.search(r" instance at 0x([0-9a-fA-F]+)>", text)
     if match is None:
         raise BridgeUnavailable(f"no address in {text}")
@@ -170,9 +168,6 @@ class Layout:
     """Addresses and offsets in this process's YADE, found and verified once."""
 
     def __init__(self):
-        import yade
-        import yade.config
-
         self.version = yade.config.version
         if getattr(yade.config, "highPrecisionBits", 64) != 64:  # its suffix is whatever it was built with
             raise BridgeUnavailable(f"this YADE computes in {yade.config.highPrecisionName}; the bridge needs double")
@@ -184,35 +179,35 @@ class Layout:
         self.table_end = _mapped_until(self.table)
         self.body_by_id = self._symbol(self.core, BODY_BY_ID)
         self.offsets = {
-            kernel.OVERLAP: _find(yade.ScGeom, "penetrationDepth"),
-            kernel.RADIUS1: _find(yade.ScGeom, "refR1"),
-            kernel.RADIUS2: _find(yade.ScGeom, "refR2"),
-            kernel.KN: _find(yade.MindlinPhys, "kn"),
-            kernel.KNO: _find(yade.MindlinPhys, "kno"),
-            kernel.KSO: _find(yade.MindlinPhys, "kso"),
-            kernel.HISTORY: self._vector("momentBend"),
-            kernel.SPARE: self._vector("prevU"),
-            kernel.SHEAR_FORCE: self._vector("shearElastic"),
-            kernel.BODY1: self._body_number("id1"),
-            kernel.BODY2: self._body_number("id2"),
-            kernel.MATERIAL: _find_pointer(yade.Body, "material", yade.FrictMat),
-            kernel.LABEL: _find_string(yade.FrictMat, "label"),
-            kernel.SHAPE: _find_pointer(yade.Body, "shape", yade.Sphere),
+            at.OVERLAP: _find(yade.ScGeom, "penetrationDepth"),
+            at.RADIUS1: _find(yade.ScGeom, "refR1"),
+            at.RADIUS2: _find(yade.ScGeom, "refR2"),
+            at.KN: _find(yade.MindlinPhys, "kn"),
+            at.KNO: _find(yade.MindlinPhys, "kno"),
+            at.KSO: _find(yade.MindlinPhys, "kso"),
+            at.HISTORY: self._vector("momentBend"),
+            at.SPARE: self._vector("prevU"),
+            at.SHEAR_FORCE: self._vector("shearElastic"),
+            at.BODY1: self._body_number("id1"),
+            at.BODY2: self._body_number("id2"),
+            at.MATERIAL: _find_pointer(yade.Body, "material", yade.FrictMat),
+            at.LABEL: _find_string(yade.FrictMat, "label"),
+            at.SHAPE: _find_pointer(yade.Body, "shape", yade.Sphere),
         }
         self.number_done = _find(yade.PyRunner, "nDone", ctypes.c_int64, (1122334455667788, 2233445566778899, 3344556677889900))
-        if self._vector("momentTwist") != self.offsets[kernel.HISTORY] + 24:
+        if self._vector("momentTwist") != self.offsets[at.HISTORY] + 24:
             raise BridgeUnavailable("MindlinPhys.momentTwist does not follow momentBend")
-        for name, word in (("penetrationDepth", kernel.OVERLAP), ("refR1", kernel.RADIUS1), ("refR2", kernel.RADIUS2)):
+        for name, word in (("penetrationDepth", at.OVERLAP), ("refR1", at.RADIUS1), ("refR2", at.RADIUS2)):
             if _find(yade.ScGeom6D, name) != self.offsets[word]:
                 raise BridgeUnavailable(f"ScGeom6D.{name} is not where ScGeom has it")
         self.classes = {}
         for word, cls in (
-            (kernel.GEOMETRY, yade.ScGeom),
-            (kernel.GEOMETRY_6D, yade.ScGeom6D),
-            (kernel.PHYSICS, yade.MindlinPhys),
-            (kernel.FACET, yade.Facet),
-            (kernel.WALL, yade.Wall),
-            (kernel.BOX, yade.Box),
+            (at.GEOMETRY, yade.ScGeom),
+            (at.GEOMETRY_6D, yade.ScGeom6D),
+            (at.PHYSICS, yade.MindlinPhys),
+            (at.FACET, yade.Facet),
+            (at.WALL, yade.Wall),
+            (at.BOX, yade.Box),
         ):
             thing = cls()  # referenced while it is read
             first = ctypes.c_uint64.from_address(_window(thing)[0]).value
@@ -232,8 +227,6 @@ class Layout:
 
     @staticmethod
     def _vector(name):
-        import yade
-
         return _find(
             yade.MindlinPhys,
             name,
@@ -243,8 +236,6 @@ class Layout:
 
     @staticmethod
     def _body_number(name):
-        import yade
-
         return _find(yade.Interaction, name, ctypes.c_int32, (11223344, 55667788, 99001122))
 
     def find_slot(self, functor):
@@ -315,73 +306,63 @@ def acting(functor):
 
 
 class Attachment:
-    """A law made ready for functors: context, pair records and a patched table of virtual functions.
+    """A law made ready for functors: context, pair records and a patched table of virtual functions. ratio: K_t/K or None."""
 
-    ratio: K_t/K or None; flats: 1 where a sphere on a flat has its own radius as R.
-    """
-
-    def __init__(self, pairs, ratio, flats=1):
+    def __init__(self, pairs, ratio):
         self.layout = layout()
         _, index, thunk = self.layout.slot
-        self.pairs = pairs
-        self.context = np.zeros(kernel.CONTEXT_WORDS, np.int64)
+        self.context = at.Context()
+        words = self.context.words
         for word, value in {**self.layout.offsets, **self.layout.classes}.items():
-            self.context[word] = value
-        self.context[kernel.GO] = thunk
-        self.context[kernel.BODY_BY_ID] = self.layout.body_by_id
-        self.context[kernel.SURFACES] = len(pairs.labels)
-        self.context[kernel.LABEL_HASHES] = pairs.hashes.ctypes.data
-        self.context[kernel.PAIRS] = pairs.numbers.ctypes.data
-        self.context[kernel.RECORDS] = pairs.records.ctypes.data
-        self.context[kernel.RECORD_BYTES] = pairs.records.strides[0]
-        self.context[kernel.RATIO] = np.float64(ratio or 0.0).view(np.int64)
-        self.context[kernel.ROW_WORDS] = pairs.row_words
-        self.context[kernel.FLATS] = flats
-        self._runner = None
-        self._generation = int.from_bytes(os.urandom(3), "little")
+            words[word] = value
+        words[at.GO] = thunk
+        words[at.BODY_BY_ID] = self.layout.body_by_id
+        words[at.SURFACES] = len(pairs.labels)
+        words[at.LABEL_HASHES] = pairs.hashes.ctypes.data
+        words[at.PAIRS] = pairs.numbers.ctypes.data
+        words[at.RECORDS] = pairs.records.ctypes.data
+        words[at.RECORD_BYTES] = pairs.records.strides[0]
+        words[at.ROW_WORDS] = pairs.row_words
+        words[at.FLATS] = pairs.flats == "plane"
+        self.context.doubles[at.RATIO] = ratio or 0.0
+        self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
+        words[at.GENERATION] = int.from_bytes(os.urandom(3), "little")
         self.renew(1 << 14)
-        probe = self._native_table()
+        probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
+        point = self.native_table = ctypes.c_uint64.from_address(address(probe) + self.layout.find_slot(probe)[0]).value
         self.table = np.zeros(COPIED + 3, np.int64)
-        self.table[: COPIED + 2] = probe
+        self.table[: COPIED + 2] = read_memory(
+            point - 16, 8 * (COPIED + 2), ctypes.c_int64
+        )  # from two before its address point
         self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.shear, pairs.rule)
-        self.table[COPIED + 2] = self.context.ctypes.data
+        self.table[COPIED + 2] = self.context.address
         _forever.append(self)
         _attachments[self.table.ctypes.data + 16] = self
 
     def watched_by(self, runner):
-        """The guard's PyRunner, which native code can have run before the next step; None: nobody watches."""
-        self._runner = runner  # referenced: native code writes into it
-        self.context[kernel.ALARM] = 0 if runner is None else address(runner) + self.layout.number_done
+        """Set the guard's PyRunner, which native code can have run before the next step; None: no guard."""
+        if self._runner is not None:
+            self._runner.nDone = 0  # a guard that is still in a scene reports that its law has left
+        self._runner = runner
+        self.context.words[at.ALARM] = 0 if runner is None else address(runner) + self.layout.number_done
 
     def renew(self, capacity):
-        """A buffer for the rows of `capacity` contacts, in place of the old one, whose rows count no more."""
-        self._generation = (self._generation + 1) % 2**24
-        rows = np.zeros((min(capacity, 2**28) + kernel.AHEAD, int(self.context[kernel.ROW_WORDS])), np.int64)
+        """Allocate a buffer for the rows of `capacity` contacts; rows of the old one are no longer valid."""
+        words = self.context.words
+        rows = np.zeros((min(capacity, 2**28) + at.AHEAD, int(words[at.ROW_WORDS])), np.int64)
         _forever.append(rows)
-        self.context[kernel.ROWS] = rows.ctypes.data
-        self.context[kernel.CAPACITY] = len(rows) - kernel.AHEAD
-        self.context[kernel.ROWS_USED] = 0
-        self.context[kernel.GENERATION] = self._generation + 1
+        words[at.ROWS], words[at.CAPACITY] = rows.ctypes.data, len(rows) - at.AHEAD
+        self._empty()
+
+    def _empty(self):
+        words = self.context.words
+        words[at.ROWS_USED], words[at.GENERATION] = 0, words[at.GENERATION] % 2**24 + 1
 
     def make_room(self, contacts):
-        """Between steps: start a new buffer when contacts that came and went have used up most of this one."""
-        if self.context[kernel.ROWS_USED] > self.context[kernel.CAPACITY] // 2:
-            capacity = int(self.context[kernel.CAPACITY])
-            if 8 * contacts() > capacity:
-                self.renew(4 * capacity)
-            else:  # big enough: the same memory again, under a new generation
-                self._generation = (self._generation + 1) % 2**24
-                self.context[kernel.ROWS_USED] = 0
-                self.context[kernel.GENERATION] = self._generation + 1
-
-    def _native_table(self):
-        """The words of Mindlin's own table, from two before its address point."""
-        import yade
-
-        probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
-        offset, _, _ = self.layout.find_slot(probe)
-        point = self.native_table = ctypes.c_uint64.from_address(address(probe) + offset).value
-        return read_memory(point - 16, 8 * (COPIED + 2), ctypes.c_int64).copy()
+        """Between steps: empty the buffer of rows when more than half of it is used, or make a larger one."""
+        used, capacity = self.context.words[[at.ROWS_USED, at.CAPACITY]].tolist()
+        if used > capacity // 2:
+            self.renew(4 * capacity) if 8 * contacts() > capacity else self._empty()
 
     def patch(self, functor):
         """Make `functor` act by this law. It must be an untouched Mindlin functor, or one that acts by a law of ours."""
@@ -398,53 +379,3 @@ class Attachment:
         """Whether this law is what `functor` calls."""
         offset, _, _ = self.layout.slot
         return ctypes.c_uint64.from_address(_window(functor)[0] + offset).value == self.table.ctypes.data + 16
-
-    @property
-    def banked(self):
-        """Dissipation [J] of contacts that have ended."""
-        return float(self.context[kernel.BANKED : kernel.BANKED + 1].view(np.float64)[0])
-
-    @banked.setter
-    def banked(self, value):
-        self.context[kernel.BANKED : kernel.BANKED + 1].view(np.float64)[0] = value
-
-    def take_fault(self):
-        """The last fault that the native code noted, as (kind, body, body, overlap [m]), or None; it is cleared."""
-        if not self.context[kernel.FAULTS]:
-            return None
-        self.context[kernel.FAULTS] = 0
-        kind, first, second = (int(n) for n in self.context[kernel.FAULT_KIND : kernel.FAULT_OVERLAP])
-        overlap = float(self.context[kernel.FAULT_OVERLAP : kernel.FAULT_OVERLAP + 1].view(np.float64)[0])
-        return kind, first, second, overlap
-
-    def take_deep(self):
-        """Whether a contact has gone beyond SMALL_OVERLAP of its R since this was first asked in a scene: true once."""
-        if self.context[kernel.DEEP] != 1:
-            return False
-        self.context[kernel.DEEP] = 2
-        return True
-
-    def forget_deep(self):
-        """Clear the note that a contact went deep."""
-        self.context[kernel.DEEP] = 0
-
-    @property
-    def deep_radius(self):
-        """R [m] of the last contact that was beyond LARGEST_OVERLAP of it."""
-        return float(self.context[kernel.DEEP_RADIUS : kernel.DEEP_RADIUS + 1].view(np.float64)[0])
-
-    def take_unlisted(self):
-        """Bodies of a contact of materials without a surface that has not been judged yet, or None; it is cleared."""
-        if not self.context[kernel.UNLISTED_SEEN]:
-            return None
-        self.context[kernel.UNLISTED_SEEN] = 0
-        return tuple(int(n) for n in self.context[kernel.UNLISTED_BODY1 : kernel.UNLISTED_BODY2 + 1])
-
-    @property
-    def unlisted_served(self):
-        """Whether materials without a surface are known to be meant smooth."""
-        return bool(self.context[kernel.UNLISTED])
-
-    @unlisted_served.setter
-    def unlisted_served(self, value):
-        self.context[kernel.UNLISTED] = int(value)

@@ -1,17 +1,16 @@
-"""YADE's own entry points as they were before `patches` put anything of ours there: this module is imported before it."""
+"""YADE's engine list with guards: its own property `O.engines`, which `patches` replaces after this module is imported."""
 
 import yade
 
 O = yade.O  # noqa: E741  YADE's name
-engines = yade.wrapper.Omega.engines
-functors = yade.LawDispatcher.functors
+_engines = yade.wrapper.Omega.engines
 
 
 def get_engines():
-    """The engine list as YADE has it, with what is hidden from users."""
-    return list(engines.__get__(O))
+    """The engine list with guards."""
+    return list(_engines.__get__(O))
 
 
-def set_engines(wanted):
-    """Give YADE an engine list as it is."""
-    engines.__set__(O, wanted)
+def set_engines(engines):
+    """Set the engine list, which includes guards; YADE then updates its variables named by labels."""
+    _engines.__set__(O, engines)

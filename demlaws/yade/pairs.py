@@ -21,14 +21,15 @@ from demlaws.law import Law
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.registry import find, home_of, registry
 from demlaws.make import law, rebound, rule_and_curve
-from demlaws.surface import HeightMap
 from demlaws.table import Table
-from demlaws.yade import kernel
+from demlaws.yade import kernel, memory
+from demlaws.yade import layout as at
 
 _MAP = "height map"
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
+SHEAR = ("elastic", "loading")
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -76,8 +77,8 @@ def _surface(label, value):
 
 
 def _plain(value):
-    """An option of a law as JSON can hold it: a measured map as its heights."""
-    if not isinstance(value, HeightMap):
+    """An option of a law for JSON: a measured map as its heights."""
+    if not hasattr(value, "heights"):
         return value
     heights = base64.b64encode(zlib.compress(value.heights.astype("<f8").tobytes())).decode()
     return {_MAP: [heights, list(value.shape), value.pixel_x, value.pixel_y, value.form_order]}
@@ -86,6 +87,8 @@ def _plain(value):
 def _from_plain(value):
     if not isinstance(value, dict) or set(value) != {_MAP}:
         return value
+    from demlaws.surface import HeightMap
+
     heights, shape, *rest = value[_MAP]
     return HeightMap(np.frombuffer(zlib.decompress(base64.b64decode(heights)), "<f8").reshape(shape), *rest)
 
@@ -253,12 +256,14 @@ class Pairs:
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
     reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
     two labels, or None where nothing is known of the contacts. smooth: materials without a surface are meant smooth; flats:
-    "plane" or "yade", shear: "elastic", "tangent" or "loading" (see the functor).
+    "plane" or "yade", shear: "elastic" or "loading" (see the functor).
     """
 
     def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT):
-        if not isinstance(shear, str) or shear not in CHOICES:
-            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
+        if shear not in SHEAR:
+            raise DemlawsError(
+                f"shear must be {' or '.join(map(repr, SHEAR))}, got {shear!r}: the stiffness used to compute K_t"
+            )
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}
         if not isinstance(surfaces, dict | None):
@@ -301,7 +306,7 @@ class Pairs:
         combined = [self.everywhere or Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
-        self.hashes = np.array([0] + [kernel.label_hash(label) for label in self.surfaces], np.int64)
+        self.hashes = np.array([0] + [at.label_hash(label) for label in self.surfaces], np.int64)
 
     @staticmethod
     def _source(given, options):
@@ -335,12 +340,12 @@ class Pairs:
         radius, modulus = self.specimen(number)
         params = scale_one(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         self.params_kind = numba.typeof(params)
-        self.row_words = kernel.ROW_OWN // 8 + max(kernel.own_words(self.params_kind, self.kind), 1)
+        self.row_words = at.ROW_OWN // 8 + max(memory.own_words(self.params_kind, self.kind), 1)
         self._keep = []
         rows = []
         for shape, roughness, only_for in zip(self.shapes, self.roughnesses, self.only_for, strict=True):
-            words = [] if shape is None else kernel.pack(shape, self._keep)
-            rows.append([int(shape is None), *kernel.pack((roughness, *only_for), []), *words])
+            words = [] if shape is None else memory.pack(shape, self._keep)
+            rows.append([int(shape is None), *memory.pack((roughness, *only_for), []), *words])
         width = max(len(row) for row in rows)
         self.records = np.array([row + [0] * (width - len(row)) for row in rows], np.int64)
         return True
@@ -405,14 +410,14 @@ class Pairs:
     # --- what the law says of contacts outside YADE's objects
 
     def respond(self, contacts):
-        """What the law answers to an array of `kernel.CONTACT`, whose state is updated in place: an array of
-        `kernel.RESPONSE`, and the first contact whose force is not finite, or -1."""
-        out = np.zeros(len(contacts), kernel.RESPONSE)
+        """What the law answers to an array of `layout.CONTACT`, whose state is updated in place: an array of
+        `layout.RESPONSE`, and the first contact whose force is not finite, or -1."""
+        out = np.zeros(len(contacts), at.RESPONSE)
         return out, kernel.respond_loop(self.kind, self.shear, self.rule, *self._where(), contacts, out)
 
     def energies(self, contacts):
-        """Stored and dissipated energy of an array of `kernel.CONTACT`: an array of `kernel.ENERGY`."""
-        out = np.zeros(len(contacts), kernel.ENERGY)
+        """Stored and dissipated energy of an array of `layout.CONTACT`: an array of `layout.ENERGY`."""
+        out = np.zeros(len(contacts), at.ENERGY)
         kernel.energies_loop(self.kind, self.rule, *self._where(), contacts, out)
         return out
 
@@ -477,7 +482,7 @@ class Pairs:
 
         At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.
         """
-        rows = np.zeros(len(self.shapes), kernel.CONTACT)
+        rows = np.zeros(len(self.shapes), at.CONTACT)
         rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
         rows["radius"], rows["modulus"] = NOMINAL["radius"][0], NOMINAL["modulus"][0]
         forces = []
@@ -494,9 +499,8 @@ class Pairs:
         if content["default"]:
             given = Source.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
-        # scenes saved before these were asked for
-        flats, smooth, shear = content.get("flats", "yade"), content.get("smooth", True), content.get("shear", "tangent")
-        pairs = cls(given, content["surfaces"], content["unloading"], {}, spans, smooth=smooth, flats=flats, shear=shear)
+        options = {name: content[name] for name in ("smooth", "flats", "shear")}
+        pairs = cls(given, content["surfaces"], content["unloading"], {}, spans, **options)
         answers = content.get("answers")
         if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):
             raise DemlawsError(

@@ -14,6 +14,7 @@ from yade import utils
 
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import SMALL_OVERLAP
+from demlaws.yade import layout as at
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import O, set_engines
 
@@ -95,7 +96,7 @@ def _bounce(binding, bodies, speed, en):
     O.bodies.append([base, ball])
     ball.state.vel, ball.state.mass, ball.state.blockedDOFs = yade.Vector3(0, 0, -speed), mass, "xyXYZ"
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="impact")
-    binding.attachment.unlisted_served = True
+    binding.context.words[at.UNLISTED] = 1
     binding.attachment.patch(functor)
     physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if en is None or en == 1.0 else {"en": en, "es": en}))
     set_engines(
@@ -119,9 +120,9 @@ def _bounce(binding, bodies, speed, en):
         O.step()
         if ball.state.vel[2] > 0.0 and not O.interactions.countReal():
             break
-    if binding.attachment.take_fault() is not None or not math.isfinite(ball.state.vel[2]):
+    if binding.context.take_fault() is not None or not math.isfinite(ball.state.vel[2]):
         raise DemlawsError(f"the law does not serve an impact of these bodies at {speed:g} m/s (does a table end?)")
-    if binding.attachment.take_deep():
+    if binding.context.take_deep():
         warnings.warn(
             f"the impact at {speed:g} m/s goes deeper than {SMALL_OVERLAP:g} R, the range of contact laws",
             ValidityWarning,

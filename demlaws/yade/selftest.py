@@ -1,10 +1,10 @@
-"""Two spheres in a scene of their own, before a law is trusted: what YADE applied against what the law says."""
+"""Self-test of a law on two spheres in a scene of their own: the force that YADE applied against the force of the law."""
 
 import numpy as np
 import yade
 
 from demlaws.errors import DemlawsError
-from demlaws.yade import kernel
+from demlaws.yade import layout as at
 from demlaws.yade.omega import get_engines, set_engines
 
 POISSON = 0.2
@@ -82,7 +82,7 @@ def _compare(binding, omega):
     ]
     set_engines(engines)
     omega.dt = 1e-9
-    row = np.array([(0.0, 1.0, number + 1.0, effective_radius, modulus, 0.0, 0.0, 0.0)], kernel.CONTACT)
+    row = np.array([(0.0, 1.0, number + 1.0, effective_radius, modulus, 0.0, 0.0, 0.0)], at.CONTACT)
     wrong, largest, applied, steps = 0.0, 0.0, [], 0
     for overlap in _overlaps(_deepest(pairs, row, 4e-3 * effective_radius)):
         omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
@@ -102,7 +102,7 @@ def _compare(binding, omega):
                 raise SelfTestFailed(f"YADE has the tangent stiffness {contact.phys.kn:g} N/m, the law {tangent:g} N/m")
     if not largest > 0 or not wrong <= TOLERANCE * largest * 100:
         raise SelfTestFailed(f"YADE applied up to {max(applied):g} N, the law says {largest:g} N; they differ by {wrong:g} N")
-    if binding.attachment.take_fault() is not None:
+    if binding.context.take_fault() is not None:
         raise SelfTestFailed("the native code met contacts that it does not know")
-    binding.attachment.banked = 0.0
+    binding.account = 0.0, 0
     return steps, wrong / largest

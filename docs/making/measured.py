@@ -17,7 +17,8 @@ from pathlib import Path
 
 DOCS = Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
-DEMLAWS = [sys.executable, "-m", "demlaws"]
+STUDY = [sys.executable, "-m"]
+DEMLAWS = [*STUDY, "demlaws"]
 
 
 def processor():
@@ -66,17 +67,22 @@ PAGES = {
     "claims": ("What a paper says, and what runs give", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
     "report": (
         "Answers that others wrote",
-        [sys.executable, "-m", "demlaws.validation", "--out", "{out}"],
+        [*STUDY, "studies.validation", "--out", "{out}"],
         ["--quick", "--no-engines"],
         report,
     ),
     "stability": (
         "Every law at the extremes",
-        [*DEMLAWS, "stability", "--paths", "1e5"],
+        [*STUDY, "studies.extremes", "--paths", "1e5"],
         ["--paths", "2e4", "--cycles", "1e4"],
         as_printed,
     ),
-    "trade-now": ("Cost against error, this version", [*DEMLAWS, "trade"], ["--contacts", "2e4", "--rounds", "3"], as_printed),
+    "trade-now": (
+        "Cost against error, this version",
+        [*STUDY, "studies.trade"],
+        ["--contacts", "2e4", "--rounds", "3"],
+        as_printed,
+    ),
 }
 """Name of the page → title, command, what `--quick` adds to it, function that makes the text of its output."""
 

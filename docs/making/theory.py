@@ -229,7 +229,7 @@ def law_page(name, definition, folder, costs):
     text.append("## Error and cost\n")
     worst = rounding(definition, law)
     if worst is None:
-        text.append("The record names no closed form in extended precision; `demlaws trade` and `make stability` measure it.\n")
+        text.append("The record names no closed form in extended precision; `make trade` and `make stability` measure it.\n")
     else:
         text.append(
             f"Against the equation in extended precision, {number(LOADS[0])} to {number(LOADS[-1])} N, this contact, computed "
@@ -241,7 +241,7 @@ def law_page(name, definition, folder, costs):
         text.append(f"Time of a batch over a copy of the same arrays, kept by `make bench KEEP=1` on {date} ({machine}):\n")
         text.append(table(["unloading", "evaluation", "contact values", "× copy"], rows))
     else:
-        text.append("No cost of it is kept in tests/benchmarks/ratios.json; `demlaws trade --law " + name + "` measures it.\n")
+        text.append("No cost of it is kept in tests/benchmarks/ratios.json; `make trade` measures it.\n")
     return "\n".join(text)
 
 

@@ -3,8 +3,8 @@
 python run.py
 
 1,000 grains (150 with --quick) of 7 and 9 mm, at rest in a box, are pressed by a plate to 0.5 MPa and eased by a fifth:
-the scene of `demlaws trade --scene`, rough-plastic contacts with Thornton unloading. Runs from positions shaken by 1e-9 of
-the radius, three of them, say how much of the result is chance. An engine that is not installed is left out.
+the scene of `python -m studies.trade --scene`, rough-plastic contacts, Thornton unloading. Runs from positions shaken by
+1e-9 of the radius, three of them, say how much of the result is chance. An engine that is not installed is left out.
 """
 
 import json
@@ -17,8 +17,8 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent.parent))
 import common
 
-from demlaws.measure import lammps_oedometer, liggghts_oedometer, packings
-from demlaws.measure.candidates import RICHEST
+from studies.trade import lammps_oedometer, liggghts_oedometer, packings
+from studies.trade.candidates import RICHEST
 
 WAY = RICHEST._replace(rtol=1e-5)
 

@@ -8,9 +8,11 @@ import pytest
 
 import demlaws as dl
 from demlaws.advice import modulus
+from demlaws.advice.kept import kept
 from demlaws.advice.scene import Scene, stable_step
 from demlaws.materials import GRANITE
-from demlaws.measure import softening
+from studies.softening import softening
+from studies.softening.curves import error_curve, fitted
 
 
 def scene_of(run, **changes):
@@ -155,8 +157,13 @@ def test_what_is_not_known_is_said():
 
 
 def test_a_curve_between_before_and_beyond_its_points():
-    curve = modulus.error_curve([(1.0, 0.1), (4.0, 0.2), (2.0, 0.15), (8.0, 0.18)])
+    curve = modulus.Curve(*np.array(error_curve([(1.0, 0.1), (4.0, 0.2), (2.0, 0.15), (6.0, 0.18), (8.0, 0.18)])))
     assert curve.at(1.0) == pytest.approx(0.1) and curve.at(8.0) == pytest.approx(0.2)  # monotone
+    assert 6.0 not in curve.place  # a level part has two points
     assert curve.at(math.sqrt(2.0)) == pytest.approx(math.sqrt(0.1 * 0.15))
     assert 0.025 <= curve.at(0.25) < 0.1 and curve.at(9.0) == math.inf
     assert np.all(np.diff([curve.at(x) for x in np.geomspace(1e-3, 8.0, 50)]) >= 0.0)
+
+
+def test_the_kept_curves_are_those_of_the_kept_rows():
+    assert fitted(softening.load()) == kept()["curves"]

@@ -11,10 +11,10 @@ from examples import CONTACTS, GRANITE, make, overlaps, pairs, quiet, shared, te
 import demlaws as dl
 from demlaws.advice.soften import EXPONENTS, Softening
 from demlaws.core.unloading import GIVEN
-from demlaws.driver import timestep
 from demlaws.grains import Case, Grain
 from demlaws.laws.definition import Option
 from demlaws.laws.registry import find, registry
+from demlaws.timestep import timestep
 
 SOFTENED = [name for name, definition in registry().items() if not definition.rigid]
 EXACT = 8.0

@@ -1,7 +1,7 @@
 """The asperity model beside an elastic boundary-element solution of the same maps: loads over separations.
 
     pip install ContactMechanics SurfaceTopography
-    python tests/benchmarks/asperity_bem.py demlaws/validation/asperity_bem.csv
+    python tests/benchmarks/asperity_bem.py studies/validation/asperity_bem.csv
 
 Writes one row for each map and overlap: the boundary-element load and contact area, the model's, and the model's overlap at
 that load with its interaction estimate. Takes about five minutes on one core; tests read the stored file.
@@ -13,8 +13,8 @@ import numpy as np
 from ContactMechanics import make_system
 
 from demlaws.files import write_atomically
-from demlaws.validation.maps import MODULUS, PIXEL, PIXELS, cases
-from demlaws.validation.maps import model as contact_of
+from studies.validation.maps import MODULUS, PIXEL, PIXELS, cases
+from studies.validation.maps import model as contact_of
 
 
 def main(path):

@@ -121,9 +121,9 @@ def start(contacts, rounds):
 def surfaces(contacts, rounds):
     from scipy import ndimage
 
-    from demlaws.regime import published_contact
     from demlaws.solvers.patches import RoughContact
     from demlaws.surface import self_affine
+    from studies.jamari.published import published_contact
 
     found = {}
     for size in (1024, 2048):
@@ -141,7 +141,7 @@ def surfaces(contacts, rounds):
 
 
 def _engine(engine, quick_rounds):
-    from demlaws.measure import trade
+    from studies.trade import trade
 
     runs = [trade.engine_trade(engine, quick=True) for _ in range(quick_rounds)]
     found = {}

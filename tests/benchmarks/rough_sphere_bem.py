@@ -1,6 +1,6 @@
 """A rough elastic sphere as in the granite tests, by boundary elements: stiffness against load.
 
-    pip install ContactMechanics SurfaceTopography && python tests/benchmarks/rough_sphere_bem.py demlaws/validation/bem.csv
+    pip install ContactMechanics SurfaceTopography && python tests/benchmarks/rough_sphere_bem.py studies/validation/bem.csv
 
 Writes a row for each map and load: longest roughness wavelength, seed, force, tangent stiffness (by a second solution at an
 overlap 1 % larger). Some ten minutes on one core; `make validation` reads the stored file.

@@ -29,8 +29,6 @@ BASE = {
     "fit": ["points.csv", *CONTACT, "--law", "hertz"],
     "choose": ["scene.toml"],
     "soften": ["--factor", "10", "--law", "hertz", *CONTACT],
-    "stability": ["--law", "hertz", "--paths", "0"],
-    "trade": ["--law", "hertz", "--rounds", "1", "--contacts", "1000"],
     "yade": ["check"],
     "liggghts": ["check"],
 }
@@ -43,7 +41,7 @@ FILES += ["noise.npy", "noise.toml", "noise.tbl"]
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     here = tmp_path_factory.mktemp("junk")
-    for name in ("advice.choose", "advice.fit", "measure.trade", "measure.stability", "plots", "surface", "granite"):
+    for name in ("advice.choose", "advice.fit", "plots", "surface", "granite"):
         importlib.import_module(f"demlaws.{name}")  # once for all children
     for name in FILES:
         if name.startswith(("empty", "noise")):

@@ -48,7 +48,7 @@ def test_the_check_of_one_law(file):
     assert done.returncode == 0 and "power: all as it must be" in done.stdout, done.stderr
     done = demlaws("laws", "--check")
     assert done.returncode == 2
-    assert done.stderr == "demlaws: error: --check and --cost are of one law: demlaws laws NAME --check\n"
+    assert done.stderr == "demlaws: error: --check is of one law: demlaws laws NAME --check\n"
 
 
 @pytest.mark.parametrize(

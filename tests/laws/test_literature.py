@@ -11,7 +11,7 @@ from references import REFERENCES
 
 import demlaws as dl
 from demlaws.laws.registry import find
-from demlaws.validation.published import SPEEDS, restitution_of, yield_speed
+from studies.validation.published import SPEEDS, restitution_of, yield_speed
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

@@ -1,4 +1,4 @@
-"""Commands with a law from a file outside the package: `--laws FILE.py` of stability, trade and fit."""
+"""Commands and studies with a law from a file outside the package: `--laws FILE.py`."""
 
 import csv
 
@@ -7,6 +7,8 @@ import pytest
 from own_spring import SPRING, registered
 
 from demlaws.cli import main
+from studies.extremes.__main__ import main as extremes
+from studies.trade.__main__ import main as trade
 
 NEAR = """
     import demlaws as dl
@@ -35,7 +37,7 @@ def file(tmp_path):
 @pytest.mark.slow
 def test_stability_of_a_law_with_a_rule_of_its_own(tmp_path, capsys):
     with registered(tmp_path, SPRING) as path:
-        assert main(["stability", "--laws", str(path), "--law", "spring", "--paths", "4e3", "--cycles", "1e3"]) == 0
+        assert extremes(["--laws", str(path), "--law", "spring", "--paths", "4e3", "--cycles", "1e3"]) == 0
     lines = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("spring")]
     rules = ("elastic", "table", "slack")
     assert {(line[1], line[2]) for line in lines} == {(rule, form) for rule in rules for form in ("closed", "table")}
@@ -43,7 +45,7 @@ def test_stability_of_a_law_with_a_rule_of_its_own(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_trade(file, capsys):
-    assert main(["trade", "--laws", file, "--law", "near-hertz", "--contacts", "1000", "--rounds", "1"]) == 0
+    assert trade(["--laws", file, "--law", "near-hertz", "--contacts", "1000", "--rounds", "1"]) == 0
     said = capsys.readouterr().out
     assert "near-hertz" in said
 

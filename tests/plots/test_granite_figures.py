@@ -5,7 +5,7 @@ import pytest
 
 from demlaws import granite
 from demlaws.cli import main
-from demlaws.plots import granite as pictures
+from demlaws.granite import figures as pictures
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

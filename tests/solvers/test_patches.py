@@ -12,7 +12,8 @@ import demlaws as dl
 from demlaws import regime
 from demlaws.solvers import patches as asperity
 from demlaws.surface import HeightMap, self_affine
-from demlaws.validation.maps import load_ratios
+from studies.jamari import published
+from studies.validation.maps import load_ratios
 
 # what c_h and c_A are taken to be is said where a contact is made; here it does not matter
 pytestmark = pytest.mark.filterwarnings("ignore:c_h = :demlaws.errors.ValidityWarning")
@@ -247,7 +248,7 @@ def STATE(step):
 @pytest.mark.parametrize(("kind", "criterion"), [("isotropic", 0.16), ("anisotropic", 0.15)])
 def test_repeated_contact_of_the_paper(kind, criterion):
     """0.2 N on aluminium: asperities only; plastic change in the first cycle, practically none after."""
-    contact = regime.published_contact(kind)
+    contact = published.published_contact(kind)
     assert regime.pressure_ratio(contact.pair, 0.2) == pytest.approx(criterion, abs=0.005)
     history = asperity.repeat(contact, 0.2, cycles=20, keep=(1, 2, 3, 10, 20))
     assert history[0].step.counts[1] + history[0].step.counts[2] > 0
@@ -286,7 +287,7 @@ def test_missing_pixels_do_not_touch():
 def test_bulk_yield_and_edge_are_warned_about():
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always")
-        regime.published_contact("isotropic").load(1.45)
+        published.published_contact("isotropic").load(1.45)
     assert any("bulk yields" in str(w.message) for w in seen)
     small = HeightMap(np.zeros((21, 21)), 1e-6)
     with pytest.warns(dl.ValidityWarning, match="edge of the map"):
@@ -321,8 +322,8 @@ def test_nine_point_summits():
 
 def test_memory_is_below_twelve_maps():
     heights = self_affine(512, 0.5e-6, 0.8, 1.3e-6, 1)
-    pair = regime.published_tests()[-2].contact
-    warm = regime.published_contact("isotropic")
+    pair = published.published_tests()[-2].contact
+    warm = published.published_contact("isotropic")
     warm.unload(warm.load(0.2))
     tracemalloc.start()
     try:
@@ -349,7 +350,7 @@ def test_against_boundary_elements():
 
 
 def law_of(kind="isotropic", **options):
-    contact = regime.published_contact(kind)
+    contact = published.published_contact(kind)
     return contact, dl.law("asperity", contact.pair, surface=contact.heights, poisson=0.34, **options)
 
 

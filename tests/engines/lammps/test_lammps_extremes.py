@@ -1,9 +1,9 @@
-"""The extremes inside LAMMPS, in small (demlaws stability --lammps measures them in full)."""
+"""The extremes inside LAMMPS, in small (python -m studies.extremes --lammps measures them in full)."""
 
 import pytest
 
 from demlaws.lammps.run import command
-from demlaws.measure import extremes
+from studies.extremes import extremes
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -28,7 +28,7 @@ def test_extremes():
     ],
 )
 def test_numbers_that_are_none_stop(monkeypatch, touching, where, value, message):
-    from demlaws.measure.liggghts_extremes import stopped_by
+    from studies.extremes.liggghts_extremes import stopped_by
 
     monkeypatch.setenv("LD_LIBRARY_PATH", command("none", plugin=False)[1].get("LD_LIBRARY_PATH", ""))
     said = stopped_by(touching, where, value, "LAMMPS")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from demlaws.validation import engines
+from studies.validation import engines
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

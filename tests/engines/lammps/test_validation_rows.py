@@ -2,9 +2,9 @@
 
 import pytest
 
-from demlaws.validation import engines, in_lammps
-from demlaws.validation.jobs import array_jobs, impact_jobs, kept_jobs
-from demlaws.validation.published import IMPACTS, KEPT, kept_rows
+from studies.validation import engines, in_lammps
+from studies.validation.jobs import array_jobs, impact_jobs, kept_jobs
+from studies.validation.published import IMPACTS, KEPT, kept_rows
 
 
 @pytest.mark.slow

@@ -1,8 +1,8 @@
-"""The extremes inside LIGGGHTS, in small (demlaws stability --liggghts measures them in full)."""
+"""The extremes inside LIGGGHTS, in small (python -m studies.extremes --liggghts measures them in full)."""
 
 import pytest
 
-from demlaws.measure import extremes
+from studies.extremes import extremes
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -34,6 +34,6 @@ def test_extremes():
     ],
 )
 def test_numbers_that_are_none_stop(touching, where, value, message):
-    from demlaws.measure.liggghts_extremes import stopped_by
+    from studies.extremes.liggghts_extremes import stopped_by
 
     assert message in stopped_by(touching, where, value)

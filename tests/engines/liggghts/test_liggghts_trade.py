@@ -1,14 +1,14 @@
-"""The scene of `demlaws trade` in LIGGGHTS, what a law costs there, and stock edinburgh on one contact."""
+"""The scene of `python -m studies.trade` in LIGGGHTS, what a law costs there, and stock edinburgh on one contact."""
 
 import numpy as np
 import pytest
 from natives import edinburgh_input
 
 import demlaws as dl
-from demlaws.cli import main
 from demlaws.liggghts import run, stock_fit
-from demlaws.measure import candidates, packings, peers, trade
-from demlaws.measure.liggghts_oedometer import edinburgh_lines
+from studies.trade import candidates, packings, peers, trade
+from studies.trade.__main__ import main
+from studies.trade.liggghts_oedometer import edinburgh_lines
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -33,10 +33,7 @@ def test_scene():
 def test_command(tmp_path, capsys):
     files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
     assert (
-        main(
-            ["trade", "--scene", "liggghts", "--quick", "--stress", "500kPa", "--csv", str(files[0]), "--figure", str(files[1])]
-        )
-        == 0
+        main(["--scene", "liggghts", "--quick", "--stress", "500kPa", "--csv", str(files[0]), "--figure", str(files[1])]) == 0
     )
     said = capsys.readouterr().out
     for way in candidates.ways("liggghts"):

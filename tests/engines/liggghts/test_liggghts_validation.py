@@ -1,8 +1,8 @@
 """What the validation report asks of LIGGGHTS."""
 
-from demlaws.validation import engines
-from demlaws.validation.jobs import kept_jobs
-from demlaws.validation.published import KEPT, kept_rows
+from studies.validation import engines
+from studies.validation.jobs import kept_jobs
+from studies.validation.published import KEPT, kept_rows
 
 
 def test_the_places_that_lammps_keeps_are_met_in_liggghts():

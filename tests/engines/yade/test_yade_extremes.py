@@ -1,8 +1,8 @@
-"""The extremes inside YADE, in small (demlaws stability --yade measures them in full)."""
+"""The extremes inside YADE, in small (python -m studies.extremes --yade measures them in full)."""
 
 import pytest
 
-from demlaws.measure import extremes
+from studies.extremes import extremes
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -12,7 +12,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
     "law, unloading", [("pohrt-popov", "hertz"), ("rough-plastic", "thornton"), ("greenwood-tripp", "elastic")]
 )
 def test_extremes(omega, law, unloading):
-    from demlaws.measure.yade_extremes import Yade
+    from studies.extremes.yade_extremes import Yade
 
     (case,) = extremes.cases([law], [unloading])
     found = extremes.measure(Yade(), case, quick=True)
@@ -21,7 +21,7 @@ def test_extremes(omega, law, unloading):
 
 
 def test_numbers_that_are_none_stop_and_name_the_body(omega):
-    from demlaws.measure.yade_extremes import Yade
+    from studies.extremes.yade_extremes import Yade
 
     found = dict(Yade().stops())
     assert len(found) == 8 and extremes.stop_failures("YADE", found.items()) == []

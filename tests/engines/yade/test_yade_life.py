@@ -1,5 +1,6 @@
 """Saving, loading, switching, erasing, failing: what happens around the forces."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -145,20 +146,8 @@ def test_auto_falls_back_visibly(omega, monkeypatch):
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(law.contacts().force[0], rel=1e-13)
 
 
-def test_a_ratio_of_numpy_is_saved_as_a_number(omega):
-    class NumberOfNumpy(float):
-        def __repr__(self):
-            return f"np.float64({float(self)!r})"
-
-    from demlaws.yade.binding import Binding
-
-    law = functor(tangential_ratio=NumberOfNumpy(0.5))
-    assert Binding.from_text("again", law.binding.as_text()).ratio == 0.5
-
-
 def test_public_way_saved_and_loaded(omega, tmp_path):
-    law = functor(bridge="public", label="slow")
-    pair(law)
+    pair(functor(bridge="public", label="slow"))
     omega.run(300, True)
     omega.save(str(tmp_path / "x.yade"))
     omega.run(300, True)
@@ -246,9 +235,10 @@ def test_loading_without_this_package_stops(omega, tmp_path):
     omega.save(str(file))
     script = tmp_path / "script.py"
     script.write_text(f"import yade\nyade.O.load({str(file)!r})\nyade.O.run(5, True)\n")
-    done = subprocess.run([executable(), "-n", "-x", str(script)], capture_output=True, text=True, cwd=tmp_path, timeout=600)
-    assert done.returncode != 0
-    assert "No module named 'demlaws'" in done.stdout + done.stderr
+    bare = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    command = [executable(), "-n", "-x", str(script)]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=bare, timeout=600)
+    assert done.returncode != 0 and "No module named 'demlaws'" in done.stdout + done.stderr
 
 
 def test_changed_tag_stops(omega, tmp_path):
@@ -258,8 +248,9 @@ def test_changed_tag_stops(omega, tmp_path):
     file = tmp_path / "x.xml"
     omega.save(str(file))
     text = file.read_text()
-    assert text.count("native||") == 1
-    file.write_text(text.replace("native||0.0|{", "native||0.0|["))
+    changed = text.replace('{"way"', '["way"').replace("{&quot;way&quot;", "[&quot;way&quot;")
+    assert changed != text
+    file.write_text(changed)
     with pytest.raises(ValueError):
         omega.load(str(file))
 
@@ -329,31 +320,15 @@ def test_foreign_functor_in_a_contact_is_noticed(omega):
     """Past the engine list: contacts made by native Mindlin are found out at the second step."""
     import yade
 
+    from demlaws.yade import engines, scene
     from demlaws.yade import omega as native
-    from demlaws.yade import scene
 
     pair(yade.Law2_ScGeom_MindlinPhys_Mindlin())
     omega.run(100, True)
     law = functor(bridge="native")
-    listed = _engines_of(law)
-    native.set_engines(scene.completed(listed, {"demlaws": law}, []))
-    law.binding.watched_by(law.binding.runner)
-    with pytest.raises(RuntimeError, match="another functor holds it"):
+    native.set_engines(scene.completed(engines(law), {"demlaws": law}, []))
+    with pytest.raises(RuntimeError, match="was not computed by the law"):
         omega.run(5, True)
-
-
-def _engines_of(law):
-    from demlaws.yade import engines
-
-    return engines(law)
-
-
-def test_functor_list_is_refused(omega):
-    law = functor(bridge="native")
-    pair(functor("hertz", "elastic", bridge="native", label="first"))
-    loop = next(e for e in omega.engines if type(e).__name__ == "InteractionLoop")
-    with pytest.raises(dl.DemlawsError, match="InteractionLoop"):
-        loop.lawDispatcher.functors = [law]
 
 
 def test_the_guard_is_put_once(omega):

@@ -1,4 +1,4 @@
-"""The Conical Damage Model: YADE's own against law conical-damage with the same numbers, each as `demlaws trade` drives it."""
+"""The Conical Damage Model: YADE's own against law conical-damage with the same numbers, each driven as in studies/trade."""
 
 import natives
 import numpy as np

@@ -1,12 +1,11 @@
-"""The scene of `demlaws trade` in YADE, what a law costs there, and its Conical Damage Model on one contact."""
+"""The scene of `python -m studies.trade` in YADE, what a law costs there, and its Conical Damage Model on one contact."""
 
 import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.advice.scene import Scene
-from demlaws.measure import candidates, packings, peers, trade
-from demlaws.measure.costs import under_yade
+from studies.costs.costs import under_yade
+from studies.trade import candidates, packings, peers, trade
 
 HERTZ = candidates.Way("hertz", "hertz")
 NATIVE = candidates.Way("YADE's Hertz-Mindlin", model="hertz")
@@ -42,34 +41,15 @@ def test_the_conical_damage_model_is_hertz_until_it_yields():
     assert peers.cdm_error(hertz, peaks, 5e9)[0] < 1e-6
     overlaps, forces = peers.reference_paths(hertz, peaks)
     given = {"young": 60.6e9, "poisson": 0.25, "density": 2650.0, "radius": 8.7e-3, "paths": overlaps.tolist()}
-    weak = np.array(under_yade("yade_cost.py", {**given, "ways": [{"model": "cdm", "cdm": (0.5e9, 0.5)}]}))[0]
+    weak = np.array(under_yade("costs/yade_cost.py", {**given, "ways": [{"model": "cdm", "cdm": (0.5e9, 0.5)}]}))[0]
     assert weak[1, 0] < 0.5 * forces[1, 0]
     assert np.all(np.diff(weak[1]) <= 0.0)
 
 
 @pytest.mark.slow
-def test_choice_by_the_cost_of_a_step():
-    scene = Scene(
-        (5e-3, 2e-2),
-        candidates.GRANITE,
-        dl.Surface(1.7e-6, 2.22),
-        force=(1.0, 100.0),
-        cyclic=True,
-        tolerance=0.3,
-        engine="yade",
-    )
-    choices = dl.choose(scene, tables=False)
-    assert choices.measured_in == "a step of YADE"
-    assert all(c.engine_ns > 0.0 for c in choices)
-    met = [c for c in choices if c.meets]
-    assert choices.best.cost <= 1.10 * min(c.cost for c in met)
-    assert "Law2_ScGeom_MindlinPhys_Demlaws" in choices.best.script()
-
-
-@pytest.mark.slow
 def test_costs_and_peers_on_the_picture(tmp_path):
     from demlaws import plots
-    from demlaws.plots import choose as plots_choose
+    from studies.trade import figure as pictures
 
     cdm = candidates.Way("YADE's Conical Damage Model", model="cdm")
     found = trade.engine_trade("yade", quick=True, chosen=[candidates.RICHEST, HERTZ, NATIVE, cdm])
@@ -83,6 +63,6 @@ def test_costs_and_peers_on_the_picture(tmp_path):
     assert richest.front
     # what they are is for `make bench`: no time decides here
     assert all(e.cost.over_hertz > 0.0 and e.cost.step > 0.0 for e in found)
-    figure = plots.save(plots_choose.trade_figure([], 1.0, (), {"yade": found}), tmp_path / "yade.png")
+    figure = plots.save(pictures.trade_figure([], 1.0, (), {"yade": found}), tmp_path / "yade.png")
     assert figure.stat().st_size > 10_000
     assert "Law2" in trade.engine_table(found)

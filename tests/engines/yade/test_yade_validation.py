@@ -5,9 +5,9 @@ import math
 import pytest
 
 from demlaws.driver import impact
-from demlaws.validation import engines
-from demlaws.validation.jobs import contact_of, impact_jobs, kept_jobs
-from demlaws.validation.published import KEPT, bound, kept_rows, quiet
+from studies.validation import engines
+from studies.validation.jobs import contact_of, impact_jobs, kept_jobs
+from studies.validation.published import KEPT, bound, kept_rows, quiet
 
 
 @pytest.mark.slow

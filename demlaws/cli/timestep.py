@@ -1,0 +1,196 @@
+"""`demlaws timestep`: the largest stable step of the contacts of a snapshot."""
+
+import subprocess
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from demlaws.cli import example
+from demlaws.cli.arguments import density
+from demlaws.cli.curve import add_law_arguments, law_from
+from demlaws.errors import DemlawsError
+
+LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
+"""First column of a dump of contacts → columns (from 1) of id1 id2 fx fy fz: as the exported cases of LAMMPS and of LIGGGHTS
+write them (there: pair/gran/local pos id force_normal …)."""
+
+
+def register(subparsers):
+    """Add this file's commands to the command line."""
+    parser = subparsers.add_parser(
+        "timestep",
+        description="The largest stable time step of a snapshot, 2/ω_max with shear and rotation, with a rigorous bound, "
+        "Rayleigh's step and the recommended step. SNAPSHOT is a scene saved by YADE (O.save), or a dump of the grains of "
+        "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. Of a dump the last frame is used. Dumps hold "
+        "no stiffness: give the law and the contact without --radius. Contacts with walls are not in these dumps.",
+        **example(
+            "  demlaws timestep packing.yade.gz\n"
+            "  demlaws timestep post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
+            "      --young 60.6GPa --poisson 0.25 --sigma 2.4um --fractal-dimension 2.22"
+        ),
+    )
+    parser.add_argument("snapshot", type=Path, metavar="SNAPSHOT", help="saved YADE scene, or dump with id x y z radius")
+    parser.add_argument("contacts", type=Path, nargs="?", metavar="CONTACTS", help="local dump with ids and normal force")
+    parser.add_argument(
+        "--columns",
+        type=int,
+        nargs=5,
+        metavar="N",
+        help="columns of CONTACTS, from 1, of id1 id2 fx fy fz (default: as in exported cases, 7 8 10 11 12 for LIGGGHTS, "
+        "2 3 4 5 6 for LAMMPS)",
+    )
+    parser.add_argument("--density", type=density, default=2650.0, help="for grains without mass or density in the dump (2650)")
+    add_law_arguments(parser, law_required=False)
+    parser.set_defaults(func=run)
+
+
+def run(arguments):
+    """Do what the command's arguments ask."""
+    import numpy as np
+
+    from demlaws.timestep import STEP_SAFETY, from_contacts
+    from demlaws.yade.run import SCENES
+
+    for path in filter(None, (arguments.snapshot, arguments.contacts)):
+        if not path.is_file():
+            raise DemlawsError(f"there is no file {path}")
+    read = _from_yade if arguments.snapshot.name.endswith(SCENES) else _from_dumps
+    pairs, normals, springs, masses, rayleigh, dt = read(arguments)
+    if not len(pairs):
+        raise DemlawsError(f"{arguments.snapshot}: no contact in it carries a force")
+    limits = from_contacts(pairs, normals, *np.transpose(springs), masses)
+    free = np.isfinite(masses)
+    mean = np.sum(free[pairs]) / np.sum(free)
+    print(f"{len(pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
+    print(f"exact limit       {limits.exact:.4g} s  2/ω_max with shear and rotation, contacts as they are")
+    print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} of the exact limit")
+    if rayleigh is not None:
+        print(f"Rayleigh step     {rayleigh:.4g} s  {rayleigh / limits.exact:.2f} of the exact limit, for comparison")
+    print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} of the exact limit; less if loads still grow")
+    if dt is not None:
+        unstable = ": unstable" if dt > limits.exact else ""
+        print(f"the scene's step  {dt:.4g} s  {dt / limits.exact:.2f} of the exact limit{unstable}")
+
+
+def _from_yade(arguments):
+    """Arguments of `from_contacts`, Rayleigh's step and the scene's step [s]."""
+    import json
+    import tempfile
+
+    import numpy as np
+
+    from demlaws.yade.run import run as run_in_yade
+
+    script = Path(__file__).parent.parent / "yade" / "snapshot.py"
+    with tempfile.TemporaryDirectory() as scratch:
+        result = Path(scratch) / "contacts.json"
+        ended = run_in_yade(
+            script, [arguments.snapshot.absolute(), result], capture_output=True, text=True, stdin=subprocess.DEVNULL
+        )
+        if not result.is_file():
+            raise DemlawsError(f"YADE cannot load {arguments.snapshot}: {(ended.stdout + ended.stderr).strip()[-300:]}")
+        found = json.loads(result.read_text())
+    if "error" in found:
+        raise DemlawsError(f"{arguments.snapshot}: {found['error']}")
+    arrays = [np.array(found[name]) for name in ("pairs", "normals", "springs", "masses")]
+    return *arrays, found["rayleigh"], found["dt"]
+
+
+class _Frame(NamedTuple):
+    """Last frame of a dump."""
+
+    step: str
+    lengths: Any  # of the box where it is periodic, inf elsewhere [m]
+    columns: list
+    rows: Any
+
+    def get(self, name):
+        """A column, or None."""
+        return self.rows[:, self.columns.index(name)] if name in self.columns else None
+
+
+def _frame(path, what):
+    """The last frame of a dump of ATOMS or ENTRIES."""
+    import numpy as np
+
+    from demlaws.files import read_text
+
+    items = [item.splitlines() for item in read_text(path).split("ITEM: ")[1:]]
+    found = {lines[0].split()[0]: lines for lines in items if lines}
+    try:
+        step, head, box = found["TIMESTEP"][1].strip(), found[what][0].split()[1:], found["BOX"]
+        rows = np.array([line.split() for line in found[what][1:]], float).reshape(-1, len(head))
+        lengths = [float(b) - float(a) for a, b in (line.split() for line in box[1:4])]
+        count = int(found["NUMBER"][1])
+    except (KeyError, IndexError, ValueError) as error:
+        raise DemlawsError(f"{path}: no whole frame of {what} in an orthogonal box ({error}); is it a text dump?") from error
+    if len(rows) != count:
+        raise DemlawsError(f"{path}: its last frame has {len(rows)} rows of {count}: the run was stopped while it wrote")
+    periodic = [word == "pp" for word in box[0].split()[-3:]]
+    return _Frame(step, np.where(periodic, lengths, np.inf), head, rows)
+
+
+def _from_dumps(arguments):
+    """Arguments of `from_contacts`, Rayleigh's step [s] or None, and None: dumps do not hold the run's step."""
+    import numpy as np
+
+    from demlaws.timestep import rayleigh_step
+
+    if arguments.contacts is None or arguments.law is None:
+        raise DemlawsError(
+            "a dump of grains needs CONTACTS, the dump of their contacts, and --law with the contact's quantities"
+        )
+    atoms, entries = _frame(arguments.snapshot, "ATOMS"), _frame(arguments.contacts, "ENTRIES")
+    if atoms.step != entries.step:
+        raise DemlawsError(f"{arguments.snapshot} is of step {atoms.step}, {arguments.contacts} of step {entries.step}")
+    centres = [atoms.get(name) for name in ("id", "x", "y", "z")]
+    radius = (
+        atoms.get("radius")
+        if "radius" in atoms.columns
+        else atoms.get("diameter") / 2.0
+        if "diameter" in atoms.columns
+        else None
+    )
+    if radius is None or any(column is None for column in centres):
+        raise DemlawsError(f"{arguments.snapshot}: columns id, x, y, z and radius are needed, it has {' '.join(atoms.columns)}")
+    mass = atoms.get("mass")
+    if mass is None:
+        each = atoms.get("density")
+        mass = (arguments.density if each is None else each) * 4.0 / 3.0 * np.pi * radius**3
+    columns = arguments.columns or LAYOUTS["index" if entries.columns[0] == "index" else "c_"]
+    if not 1 <= min(columns) <= max(columns) <= len(entries.columns):
+        names = " ".join(entries.columns)
+        raise DemlawsError(f"{arguments.contacts} has the columns {names}: name those of id1 id2 fx fy fz with --columns")
+    values = entries.rows[:, np.array(columns) - 1]
+    number = {int(name): place for place, name in enumerate(centres[0])}
+    try:
+        pairs = np.array([[number[int(a)], number[int(b)]] for a, b in values[:, :2]]).reshape(-1, 2)
+    except KeyError as error:
+        raise DemlawsError(
+            f"{arguments.contacts}: a contact of grain {error}, which {arguments.snapshot} does not have"
+        ) from error
+    between = np.stack(centres[1:], axis=1)[pairs[:, 0]] - np.stack(centres[1:], axis=1)[pairs[:, 1]]
+    between -= np.where(np.isinf(atoms.lengths), 0.0, atoms.lengths) * np.round(between / atoms.lengths)
+    distance = np.linalg.norm(between, axis=1)
+    if np.any(np.abs(distance / radius[pairs].sum(axis=1) - 1.0) > 0.5):
+        raise DemlawsError(f"{arguments.contacts}: grains far apart are in contact; check --columns, or give both of one frame")
+    normals = between / distance[:, None]
+    force = np.abs(np.sum(normals * values[:, 2:], axis=1))
+    pairs, normals, force = (array[force > 0.0] for array in (pairs, normals, force))
+    ratio = 1.0 if arguments.poisson is None else 2.0 * (1.0 - arguments.poisson) / (2.0 - arguments.poisson)
+    rayleigh = None
+    if arguments.young is not None and arguments.poisson is not None:
+        each = mass / (4.0 / 3.0 * np.pi * radius**3)
+        rayleigh = min(rayleigh_step(r, d, arguments.young, arguments.poisson) for r, d in {*zip(radius, each, strict=True)})
+    stiffness = _stiffness(arguments, 1.0 / np.sum(1.0 / radius[pairs], axis=1), force) if len(pairs) else force
+    return pairs, normals, np.stack([stiffness, ratio * stiffness], axis=1), mass, rayleigh, None
+
+
+def _stiffness(arguments, radius, force):
+    """The larger of the tangents [N/m] of loading and of unloading of each contact."""
+    import numpy as np
+
+    arguments.radius = radius
+    law = law_from(arguments)
+    overlap, state = law.overlap(force), law.new_state(force.size) if law.state_size else None
+    loading = law.evaluate(overlap, state)[1].copy()
+    return np.maximum(loading, law.evaluate(overlap * (1.0 - 2.0**-36), state)[1])

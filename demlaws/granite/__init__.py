@@ -1,0 +1,337 @@
+"""The granite contact tests of Altuhafi, Baudet & Coop 2023, run with every law.
+
+No measured point of these tests is public; a user's can be laid over them (`read_points`). What the paper says in words is
+held against the runs in `claims`.
+"""
+
+import math
+import re
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws import driver
+from demlaws.contact import Contact
+from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
+from demlaws.files import save_csv
+from demlaws.law import Path
+from demlaws.laws.names import POHRT_POPOV
+from demlaws.laws.registry import registry
+from demlaws.make import law
+from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
+from demlaws.points import Points, read_points  # noqa: F401  what a test's points are read into stands beside the tests
+
+_MODULUS = 0.5 * GRANITE.plane_modulus
+SWITCH_FORCE = 10.0
+"""Load [N] at which the tests went over from displacement control to force control."""
+MICRO, MILLI = 1e-6, 1e-3
+
+# What the paper does not give, said wherever it is used.
+CONE_DIMENSION = 2.22
+
+
+class Test(NamedTuple):
+    """One contact test."""
+
+    name: str
+    radius: float  # effective R [m]
+    roughness: float  # combined σ [m]
+    fractal_dimension: float  # mean of the two surfaces (our choice)
+    yield_pressure: float  # p_y [Pa] of the rough-plastic law
+    stages: tuple  # each a list of forces [N] to turn at, begun on a virgin contact
+    assumed: str = ""
+    bodies: tuple = ()  # of each of the two stones as printed: radius [m] (inf: flat), Sq [m], Df
+
+    @property
+    def contact(self):
+        """The test's contact: R, E*, σ, Df and hardness of the granite."""
+        return Contact(self.radius, _MODULUS, self.roughness, self.fractal_dimension, GRANITE.hardness)
+
+    @property
+    def cyclic(self):
+        """Whether the test loads, unloads and loads again."""
+        return max(map(len, self.stages)) > 2
+
+    @property
+    def key(self):
+        """File name part."""
+        return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
+
+
+_CONES = f"fractal dimension {CONE_DIMENSION} is assumed (the paper gives none)"
+TESTS = (
+    Test(
+        "SS(18-18)",
+        4.35 * MILLI,
+        2.40 * MICRO,
+        2.22,
+        GRANITE_YIELD_PRESSURE,
+        ((100.0,),),
+        bodies=((8.76e-3, 1.56e-6, 2.21), (8.63e-3, 1.84e-6, 2.23)),
+    ),
+    Test(
+        "SS(12-18)",
+        3.58 * MILLI,
+        4.19 * MICRO,
+        2.29,
+        GRANITE_YIELD_PRESSURE,
+        ((100.0, 0.0),),
+        bodies=((6.05e-3, 2.83e-6, 2.33), (8.75e-3, 3.09e-6, 2.25)),
+    ),
+    Test(
+        "SF(12)",
+        6.05 * MILLI,
+        6.56 * MICRO,
+        2.275,
+        GRANITE_YIELD_PRESSURE,
+        ((100.0,),),
+        bodies=((6.05e-3, 3.61e-6, 2.23), (math.inf, 5.48e-6, 2.32)),
+    ),
+    Test(
+        "VS(18-18)",
+        4.04 * MILLI,
+        0.15 * MICRO,
+        2.075,
+        GRANITE_YIELD_PRESSURE,
+        ((100.0,),),
+        bodies=((8.27e-3, 0.10e-6, 2.06), (7.90e-3, 0.11e-6, 2.09)),
+    ),
+    Test(
+        "RS(18-18)",
+        4.19 * MILLI,
+        5.34 * MICRO,
+        2.20,
+        GRANITE_YIELD_PRESSURE,
+        ((100.0,),),
+        bodies=((8.2e-3, 3.30e-6, 2.17), (8.58e-3, 4.20e-6, 2.23)),
+    ),
+    Test(
+        "RFC10",
+        0.96 * MILLI,
+        5.04 * MICRO,
+        CONE_DIMENSION,
+        GRANITE_YIELD_PRESSURE,
+        ((20.0, 0.0, 40.0, 0.0, 80.0, 0.0, 150.0, 0.0, 300.0, 0.0, 450.0, 0.0),),
+        _CONES,
+    ),
+    Test(
+        "FC5",
+        0.33 * MILLI,
+        5.04 * MICRO,
+        CONE_DIMENSION,
+        2.35e9,
+        (
+            (20.0, 0.0),
+            (20.0, 0.0, 40.0, 0.0),
+            (20.0, 0.0, 40.0, 0.0, 80.0, 0.0),
+            (20.0, 0.0, 40.0, 0.0, 80.0, 0.0, 150.0, 0.0),
+            (225.0, 0.0, 300.0, 0.0),
+        ),
+        _CONES + "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
+    ),
+)
+ROUGH_SPHERES = ("SS(18-18)", "SS(12-18)", "SF(12)", "RS(18-18)")
+
+
+def find_test(name):
+    """A test by name, in any spelling of its letters and digits."""
+    key = re.sub(r"[^a-z0-9]", "", str(name).lower())
+    for test in TESTS:
+        if re.sub(r"[^a-z0-9]", "", test.name.lower()) == key:
+            return test
+    raise DemlawsError(f"unknown test {name!r}: the tests are {', '.join(t.name for t in TESTS)}")
+
+
+def options_for(name, test):
+    """Options with which a law is run on a test: those of its example, with the test's own quantities in place of them."""
+    definition = registry()[name]
+    example = {} if definition.needs_map else definition.example
+    return {option: getattr(test, option, value) for option, value in example.items()}
+
+
+def bind(name, test, unloading=None):
+    """A law on a test's contact; unloading: the law's own way if it has one, else Hertz's where it takes it, else elastic."""
+    options = options_for(name, test)
+    own = registry()[name].default_unloading
+    if unloading is None and own != "elastic":
+        unloading = own
+    if unloading is not None:
+        return law(name, test.contact, unloading, **options)
+    try:
+        return law(name, test.contact, "hertz", **options)
+    except DemlawsError:
+        return law(name, test.contact, "elastic", **options)
+
+
+def laws_for_tests():
+    """Names of the laws that the tests' published quantities suffice for (a height map is not published)."""
+    return [name for name, definition in registry().items() if definition.from_tests and not definition.needs_map]
+
+
+class Run(NamedTuple):
+    """One law through the stages of one test."""
+
+    test: Test
+    law: object
+    paths: tuple  # a Path a stage
+
+    @property
+    def beyond(self):
+        """Where the run leaves the overlaps for which contact laws hold (a tenth of R), in words; "" where it does not."""
+        path = max(self.paths, key=lambda path: path.overlap.max())
+        deepest = int(np.argmax(path.overlap))
+        share = float(path.overlap[deepest]) / self.test.radius
+        if share <= 0.1:
+            return ""
+        first = float(path.force[np.argmax(path.overlap > 0.1 * self.test.radius)])
+        where = f"{share:.3f} R at {path.force[deepest]:.0f} N"
+        return f"above {first:.0f} N the overlap passes 0.1 R, to which contact laws hold: {where}"
+
+    @property
+    def loading(self):
+        """Overlaps and forces of first loading in the first stage."""
+        path = self.paths[0]
+        end = int(np.argmax(path.force)) + 1
+        return path.overlap[:end], path.force[:end]
+
+
+def protocol(bound, turning_points, steps=400):
+    """The tests' protocol: displacement control to 10 N, then force control through the turning points."""
+    first = driver.displacement_controlled(bound, [float(bound.overlap(SWITCH_FORCE))], steps)
+    later = driver.force_controlled(bound, [SWITCH_FORCE, *turning_points], steps)
+    return bound.follow(np.concatenate([first.overlap, later.overlap[steps + 1 :]]))
+
+
+def run_test(name, test):
+    """Run law `name` through `test`; the warnings it gives there are returned with it, but for what `Run.beyond` says."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", ValidityWarning)
+        bound = bind(name, test)
+        paths = tuple(protocol(bound, stage) for stage in test.stages)
+    messages = [str(w.message) for w in caught if not isinstance(w.message, LargeOverlap)]
+    return Run(test, bound, paths), messages
+
+
+def displacement_gained(bound, low=0.1, high=100.0):
+    """Overlap gained [m] by first loading between two forces [N]."""
+    return float(bound.overlap(high) - bound.overlap(low))
+
+
+def stiffness_at(bound, force):
+    """Tangent stiffness [N/m] of first loading at `force` [N]."""
+    return float(bound.stiffness(bound.overlap(force)))
+
+
+def hertz_stiffness(test, force):
+    """K_H = (6 P R E*²)^(1/3) [N/m]."""
+    return (6.0 * force * test.radius * _MODULUS**2) ** (1 / 3)
+
+
+# --- tables
+
+
+class Row(NamedTuple):
+    """A law's line in a test's table: displacement gained [µm] and stiffness [N/mm]."""
+
+    law: str
+    displacement: float
+    stiffness: tuple
+    note: str
+
+
+def forces_of(test):
+    """Forces [N] between which displacement is gained, and those at which stiffness is listed."""
+    return (0.1, 20.0, (1.0, 7.0, 10.0, 20.0)) if test.cyclic else (0.1, 100.0, (1.0, 10.0, 50.0, 100.0))
+
+
+def table_of(test, runs, notes):
+    """One Row a law."""
+    low, high, loads = forces_of(test)
+    rows = []
+    for run in runs:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            gained = displacement_gained(run.law, low, high) / MICRO
+            stiffness = tuple(stiffness_at(run.law, load) / 1e3 for load in loads)
+        rows.append(Row(run.law.name, gained, stiffness, "; ".join(notes.get((test.name, run.law.name), []))))
+    return rows
+
+
+class StageRow(NamedTuple):
+    """One loading branch of a cyclic test."""
+
+    stage: int
+    maximum_force: float  # [N]
+    reload_stiffness: float  # [N/m] at half the earlier maximum, or nan on first loading
+    over_hertz: float  # that stiffness over Hertz's at the same load
+    final_stiffness: float  # [N/m] at the branch's maximum
+    plastic_overlap: float  # cumulative, after unloading [m]
+
+
+def stages_of(run):
+    """Loading branches of every stage of a cyclic run."""
+    rows = []
+    for number, path in enumerate(run.paths, start=1):
+        peaks = [i for i in range(1, path.force.size - 1) if path.force[i - 1] < path.force[i] > path.force[i + 1]]
+        largest, start = 0.0, 0
+        for peak in peaks:
+            reload, over = math.nan, math.nan
+            if largest > 0.0:
+                branch = slice(start, peak + 1)
+                at = start + int(np.argmin(np.abs(path.force[branch] - 0.5 * largest)))
+                reload = float(path.stiffness[at])
+                over = reload / hertz_stiffness(run.test, float(path.force[at]))
+            force = float(path.force[peak])
+            rows.append(StageRow(number, force, reload, over, float(path.stiffness[peak]), float(path.plastic_overlap[peak])))
+            largest = max(largest, force)
+            after = path.force[peak:]
+            start = peak + int(np.argmin(after[: _next_rise(after)]))
+    return rows
+
+
+def _next_rise(force):
+    rises = np.flatnonzero(np.diff(force) > 0)
+    return int(rises[0]) + 1 if rises.size else force.size
+
+
+# --- derived curves
+
+
+def threshold_force(test):
+    """F of Pohrt & Popov [N]."""
+    bound = bind(POHRT_POPOV, test, "elastic")
+    return float(bound.force(1.0 / bound.params.inverse_threshold))
+
+
+def effective_radius(alpha):
+    """a*/a_H against α: the RMS fit, and Greenwood & Tripp for μ = 4 and 17."""
+    from demlaws.solvers.axisymmetric import solve_greenwood_tripp
+
+    alpha = np.asarray(alpha, float)
+    force = 4.0 / 3.0 * alpha**-1.5
+    order = np.argsort(force)
+    curves = {"RMS fit": 2.4 - 2.8 / (alpha + 2.0)}
+    for mu in (4.0, 17.0):
+        values = np.empty(alpha.size)
+        values[order] = solve_greenwood_tripp(mu, force[order]).effective_radius
+        curves[f"Greenwood-Tripp μ = {mu:g}"] = values
+    return curves
+
+
+# --- files
+
+
+def save_path(path, curve: Path):
+    """A path as CSV: overlap, force, stiffness, plastic overlap, work, stored, dissipated."""
+    columns = (curve.overlap, curve.force, curve.stiffness, curve.plastic_overlap, curve.work, curve.stored, curve.dissipated)
+    titles = (
+        "overlap (m)",
+        "force (N)",
+        "stiffness (N/m)",
+        "plastic overlap (m)",
+        "work (J)",
+        "stored (J)",
+        "dissipated (J)",
+    )
+    return save_csv(path, titles, ([float(v) for v in row] for row in zip(*columns, strict=True)))

@@ -1,0 +1,263 @@
+"""Stable time steps.
+
+Velocity Verlet and leapfrog are stable for dt < 2/ω_max, the limit. ω_max is the largest angular frequency of the packing
+linearised about its present state: one normal spring K_n and two tangential springs K_t per contact, grains that move and
+rotate as uniform spheres (inertia 2/5 m R²).
+
+**One contact** has ω² = K_n (1/m1 + 1/m2) in normal motion and 7/2 K_t (1/m1 + 1/m2) in tangential motion with rotation, since
+1 + m R²/(2/5 m R²) = 7/2 [our derivation; the lever is R, in fact R less half the overlap: a higher ω, the safe side].
+
+**A packing**: let g be the direction of a spring in all degrees of freedom, each divided by the square root of its mass or
+inertia; g_i and g_j are its parts on the two grains, x_i and x_j those of a motion. For any q_i, q_j > 0
+
+    (g·x)² ≤ (1 + q_j/q_i) (g_i·x_i)² + (1 + q_i/q_j) (g_j·x_j)²,
+
+so that ω_max² is at most the largest eigenvalue of the 6 × 6 matrices Σ (1 + q_j/q_i) k g_i g_iᵀ of the grains, where the sum
+is over the springs of a grain. This bounds the largest eigenvalue of an assembly by those of its elements, as Irons & Treharne
+(1971) do for finite elements; an element here is a grain with its part of each contact. q_i is the largest eigenvalue of
+Σ k g_i g_iᵀ.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from demlaws.contact import Material
+from demlaws.core.params import first_loading
+from demlaws.errors import DemlawsError
+from demlaws.law import Law
+from demlaws.units import number
+
+STEP_SAFETY = 0.8
+"""Safety factor on the limit: at √3/2 of it (three steps per period) velocity Verlet is in resonance with any curved force law,
+Hertz's included, and oscillations of finite size grow (measured by `python -m studies.extremes`)."""
+SOFTENING_SAFETY = 0.56
+"""The same for a curve without loss whose tangent falls at some overlap (`conical-damage`, with "elastic" unloading or as the
+unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get rarer
+and slower as the step falls but do not end. Where unloading is stiffer than loading, energy is lost, and no window was found
+(docs/plastic-laws.md)."""
+COORDINATION = 6.0
+"""Mean number of contacts per grain where none is given."""
+
+
+def _mass(value, name):
+    return math.inf if value == math.inf else number(value, name, "kg")
+
+
+def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ratio: float = 1.0) -> float:
+    """Limit [s] of two bodies in one contact, exact; mass2 = inf: a fixed wall.
+
+    2/ω with ω² = K (1/m1 + 1/m2) max(1, 7/2 K_t/K). stiffness: K [N/m]; shear_ratio: K_t/K, 2(1-ν)/(2-ν) for smooth spheres of
+    one material, at most 1; 0 for grains without friction.
+
+    >>> round(pair_limit(1e6, 1e-3, 1e-3, shear_ratio=0.0) * 1e6, 3)  # µs, 2 √(m/(2 K))
+    44.721
+    """
+    mass1, mass2, stiffness, ratio = _mass(mass1, "mass1"), _mass(mass2, "mass2"), _stiffness(stiffness), _ratio(shear_ratio)
+    return 2.0 / math.sqrt(stiffness * (1.0 / mass1 + 1.0 / mass2) * max(1.0, 3.5 * ratio))
+
+
+def chain_limit(stiffness: float, mass: float, shear_ratio: float = 1.0) -> float:
+    """Limit [s] of a long straight chain of equal spheres, exact: ω² = K/m max(4, 10 K_t/K). Arguments: `pair_limit`."""
+    return 2.0 / math.sqrt(_stiffness(stiffness) / number(mass, "mass", "kg") * max(4.0, 10.0 * _ratio(shear_ratio)))
+
+
+def packing_limit(
+    stiffness: float,
+    mass: float,
+    coordination: float = COORDINATION,
+    shear_ratio: float = 1.0,
+    size_ratio: float = 1.0,
+) -> float:
+    """Estimate of the limit [s] of a packing: 0.5 to 1 times the exact limit in lattices and random packings (tests).
+
+    2/ω with ω² = 2/3 (Z + 4) ((1 + 1/s)/2)² max(1 + 2 K_t/K, 5 K_t/K) K/m. stiffness, mass: K [N/m] and the lighter grain's m
+    [kg] of the contact with the largest K/m; coordination: Z, the mean number of contacts per grain; shear_ratio: K_t/K;
+    size_ratio: s, the mean radius over the smallest one (1 is always safe; small grains have fewer contacts than others).
+
+    With Z in place of Z + 4 and s = 1 this is the bound of this module for a grain with contacts in all directions alike and
+    with equal neighbours; it is exact in simple and body-centred cubic lattices. The 4 is for the grain with the most contacts,
+    and the dependence on s is a fit to random packings.
+    """
+    stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
+    contacts = number(coordination, "coordination", "", 0.0, 100.0, allow_low=True) + 4.0
+    smaller = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
+    return 2.0 / math.sqrt(2.0 / 3.0 * contacts * smaller**2 * max(1.0 + 2.0 * ratio, 5.0 * ratio) * stiffness / mass)
+
+
+def shear_ratio(material1: Material, material2: Material) -> float:
+    """K_t/K of smooth elastic spheres (Mindlin 1949), 4 G*/E*: 2(1-ν)/(2-ν) for one material.
+
+    >>> round(shear_ratio(*2 * [Material(young=60e9, poisson=0.25)]), 6)
+    0.857143
+    """
+    both = material1, material2
+    shear = 1.0 / sum(2.0 * (2.0 - m.poisson) * (1.0 + m.poisson) / m.young for m in both)
+    return 4.0 * shear * sum(1.0 / m.plane_modulus for m in both)
+
+
+def rayleigh_step(radius: float, density: float, young: float, poisson: float) -> float:
+    """Rayleigh's step [s], π R √(ρ/G)/(0.1631 ν + 0.8766), the time a surface wave takes over the smallest grain.
+
+    For comparison only: it knows nothing of the law, the load or the number of contacts. Usual advice is 0.1 to 0.3 of it.
+    """
+    radius, density = number(radius, "radius", "m"), number(density, "density", "kg/m³")
+    young, poisson = number(young, "young", "Pa"), number(poisson, "poisson", "", -1.0, 0.5)
+    return math.pi * radius * math.sqrt(density * 2.0 * (1.0 + poisson) / young) / (0.1631 * poisson + 0.8766)
+
+
+def timestep(
+    law: Law,
+    mass: float,
+    max_force: float,
+    *,
+    other_mass: float | None = None,
+    coordination: float = COORDINATION,
+    shear_ratio: float = 1.0,
+    size_ratio: float = 1.0,
+) -> float:
+    """Safe step [s] for velocity Verlet with contacts of this law up to `max_force` [N]; mass [kg]: the lighter body's.
+
+    0.8 of the limit (`STEP_SAFETY`; where the tangent falls on the way to max_force and nothing is lost, 0.56,
+    `SOFTENING_SAFETY`), with the stiffest tangent of loading and of unloading. Without other_mass the limit is `packing_limit`,
+    because most grains have several contacts, and a step for one of them is unstable in a packing. With other_mass it is
+    `pair_limit`: two free bodies, or (inf) one body on a fixed wall, and nothing else. shear_ratio: K_t/K, 0 without friction;
+    coordination and size_ratio as in `packing_limit`. Give the law of the contact that has the largest stiffness over mass,
+    as a rule that of the smallest grain with a large one.
+
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s in a packing")
+    7.54e-06 s in a packing
+    >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0, other_mass=0.01, shear_ratio=0.0):.3g} s for two of them")
+    3.08e-05 s for two of them
+    """
+    mass = number(mass, "mass", "kg")
+    largest = stiffest(law, max_force)
+    lossless = law.unloading_law if law.state_size else law
+    falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
+    if other_mass is None:
+        limit = packing_limit(largest, mass, coordination, shear_ratio, size_ratio)
+    else:
+        limit = pair_limit(largest, mass, _mass(other_mass, "other_mass"), shear_ratio)
+    return (SOFTENING_SAFETY if falls else STEP_SAFETY) * limit
+
+
+def stiffest(law: Law, max_force: float) -> float:
+    """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
+    force = number(max_force, "max_force", "N")
+    if not isinstance(law, Law):
+        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
+    law._single()
+    end = float(law.overlap(force))
+    overlap = np.concatenate([end * np.geomspace(1e-9, 1.0, 400), [end], *_beside_kinks(law, end)])
+    largest = float(_tangent(law, overlap).max())
+    if law.state_size:
+        state = law.new_state(1)
+        path = law.follow(end * np.append([1.0, 1.0 - 1e-12], np.linspace(1.0, 0.0, 400)[1:-1]), state)
+        largest = max(largest, float(path.stiffness.max()))
+    return largest
+
+
+def _beside_kinks(law, end):
+    """Overlaps [m] just below and just above the kinks of first loading up to `end`."""
+    kinks = np.array([kink for kink in law.kinks() if 0.0 < kink < end])
+    return kinks * (1.0 - 1e-9), kinks * (1.0 + 1e-9)
+
+
+def _jumps_down(law, end):
+    """Whether the tangent of first loading falls by more than a hundredth at some overlap up to `end` [m]."""
+    below, above = (_tangent(law, overlaps) for overlaps in _beside_kinks(law, end))
+    return bool(np.any(above < 0.99 * below))
+
+
+def _tangent(law, overlap):
+    """Stiffness [N/m] of first loading, without the warnings of `law.stiffness`."""
+    forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+    first_loading(law.params, overlap, forces, stiffness)
+    return stiffness
+
+
+def _stiffness(value):
+    return number(value, "stiffness", "N/m")
+
+
+def _ratio(value):
+    return number(value, "shear_ratio", "", 0.0, 10.0, allow_low=True)
+
+
+class Limits(NamedTuple):
+    """Largest stable steps [s] of the contacts of a packing, see `from_contacts`."""
+
+    exact: float  # 2/ω_max
+    bound: float  # at most the exact one, without an eigenvalue of the whole packing
+
+
+def from_contacts(
+    pairs: ArrayLike, normals: ArrayLike, stiffness: ArrayLike, shear_stiffness: ArrayLike, masses: ArrayLike
+) -> Limits:
+    """Limits of spheres in contact, as they are now.
+
+    pairs: numbers (from 0) of the two bodies of each contact, shape (n, 2); normals: unit vectors along the lines of centres,
+    (n, 3), of either sign; stiffness, shear_stiffness: tangents K_n and K_t [N/m] of each contact, or one number for all;
+    masses: of each body [kg], inf for walls and fixed bodies. Radii are not needed: a sphere's lever and inertia grow alike.
+
+    >>> round(from_contacts([[0, 1]], [[1.0, 0.0, 0.0]], 1e6, 0.0, [1e-3, 1e-3]).exact * 1e6, 3)  # µs, 2 √(m/(2 K))
+    44.721
+    """
+    pairs, normals, masses = np.asarray(pairs), np.asarray(normals, float), np.asarray(masses, float)
+    if pairs.ndim != 2 or pairs.shape[1] != 2 or not len(pairs) or pairs.dtype.kind not in "iu" or masses.ndim != 1:
+        raise DemlawsError(
+            f"pairs must be whole numbers of shape (n, 2), n > 0, and masses 1-D, got {pairs.shape}, {masses.shape}"
+        )
+    if pairs.min() < 0 or pairs.max() >= len(masses) or np.any(pairs[:, 0] == pairs[:, 1]):
+        raise DemlawsError(f"pairs must name two different bodies from 0 to {len(masses) - 1}")
+    if normals.shape != (len(pairs), 3) or not np.allclose(np.sum(normals**2, axis=1), 1.0, atol=1e-3):
+        raise DemlawsError(f"normals must be {len(pairs)} unit vectors, got an array of shape {normals.shape}")
+    springs = [np.broadcast_to(np.asarray(k, float), len(pairs)) for k in (stiffness, shear_stiffness)]
+    if not all(np.all(np.isfinite(k) & (k >= 0.0)) for k in springs) or not springs[0].any():
+        raise DemlawsError("stiffnesses must be finite, not negative, and not all zero")
+    if not np.all(masses > 0.0) or np.all(np.isinf(masses[pairs])):
+        raise DemlawsError("masses must be positive, and some body must be free (mass below inf)")
+    rows = _springs(pairs, normals, *springs, 1.0 / np.sqrt(masses))
+    squares = _largest_eigenvalue(rows, pairs, len(masses)), _bound(rows, pairs, len(masses))
+    return Limits(*(2.0 / math.sqrt(square) for square in squares))
+
+
+def _springs(pairs, normals, stiffness, shear_stiffness, weight):
+    """√k g (see the module's docstring) of three springs per contact: (3, contacts, 2 bodies, 6 degrees of freedom)."""
+    across = np.cross(normals, np.eye(3)[np.argmin(np.abs(normals), axis=1)])
+    across /= np.linalg.norm(across, axis=1)[:, None]
+    rows = np.zeros((3, len(pairs), 2, 6))
+    for row, direction in zip(rows, (normals, across, np.cross(normals, across)), strict=True):
+        scale = np.sqrt(stiffness if direction is normals else shear_stiffness)
+        for side, sign in ((0, 1.0), (1, -1.0)):
+            here = (scale * weight[pairs[:, side]])[:, None]
+            row[:, side, :3] = sign * here * direction
+            row[:, side, 3:] = math.sqrt(2.5) * here * np.cross(normals, direction)  # R/√(2/5 m R²) = √(5/2)/√m
+    return rows
+
+
+def _largest_eigenvalue(rows, pairs, bodies):
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.linalg import eigsh
+
+    columns = np.broadcast_to(6 * pairs[:, :, None] + np.arange(6), rows.shape)
+    index = np.repeat(np.arange(3 * len(pairs)), 12)
+    matrix = csr_matrix((rows.ravel(), (index, columns.ravel())), shape=(3 * len(pairs), 6 * bodies))
+    start = np.random.default_rng(0).random(6 * bodies)  # a regular start may be orthogonal to a lattice's mode
+    # close eigenvalues converge slowly; the residual is below 1e-6 of the eigenvalue, and so is its error
+    return float(eigsh(matrix.T @ matrix, k=1, which="LA", v0=start, tol=1e-6, return_eigenvectors=False)[0])
+
+
+def _bound(rows, pairs, bodies):
+    """Upper bound of ω_max²: see the module's docstring."""
+    products = np.einsum("kcsa,kcsb->csab", rows, rows)
+    blocks, weighted = np.zeros((bodies, 6, 6)), np.zeros((bodies, 6, 6))
+    np.add.at(blocks, pairs, products)
+    q = np.linalg.eigvalsh(blocks)[:, -1]
+    q = np.maximum(q, 1e-12 * q.max())  # fixed bodies have none
+    factor = 1.0 + q[pairs[:, ::-1]] / q[pairs]
+    np.add.at(weighted, pairs, factor[:, :, None, None] * products)
+    return float(np.linalg.eigvalsh(weighted)[:, -1].max())

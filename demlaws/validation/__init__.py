@@ -1,4 +1,0 @@
-"""The answers that others wrote: closed forms, other codes and published numbers, held against our laws and the engines.
-
-`python -m demlaws.validation` (`make validation`) runs every row and writes one page; see `report`.
-"""

@@ -1,0 +1,1 @@
+"""What laws cost inside the engines."""

@@ -1,0 +1,1 @@
+"""Every law, rule and evaluation on extreme paths and contacts, in Python and inside the engines."""

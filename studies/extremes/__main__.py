@@ -1,0 +1,124 @@
+"""`python -m studies.extremes`: the extremes, measured."""
+
+import sys
+
+from tqdm import tqdm
+
+from demlaws import plots
+from demlaws.cli import Parser, example, execute
+from demlaws.cli.arguments import law_name, output, whole
+from demlaws.files import save_csv
+from demlaws.laws.registry import find
+from studies.costs.costs import available
+from studies.extremes import extremes, stability
+from studies.extremes import figure as pictures
+
+
+def parser():
+    """The command line."""
+    parser = Parser(
+        prog="python -m studies.extremes",
+        description="Per law, unloading rule and evaluation: values not finite, paths that return work, rounding errors, "
+        "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if something is not as it must be.",
+        **example(
+            "  python -m studies.extremes --law pohrt-popov --paths 1e6\n"
+            "  python -m studies.extremes --paths 1e7 --csv stability.csv\n"
+            "  python -m studies.extremes --law hertz --paths 0 --yade --liggghts --lammps"
+        ),
+    )
+    parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
+    parser.add_argument("--unloading", action="append", help="only this rule (may be repeated)")
+    parser.add_argument("--evaluation", action="append", choices=("closed form", "table"), help="only this evaluation")
+    parser.add_argument(
+        "--paths",
+        type=whole(0, 10**9),
+        default=100_000,
+        help="random load paths in all, shared by the cases; 0: engines only (default 1e5)",
+    )
+    parser.add_argument("--cycles", type=whole(100, 10**9), default=1_000_000, help="tiny cycles a case (default 1e6)")
+    parser.add_argument("--csv", type=output, help="file to write every figure to")
+    parser.add_argument(
+        "--figure", type=output, help="picture to draw: energy gain by steps per contact, rounding by decade, stable step"
+    )
+    parser.add_argument("--yade", action="store_true", help="also inside YADE: two spheres, and a thousand (some minutes)")
+    parser.add_argument("--liggghts", action="store_true", help="also inside LIGGGHTS")
+    parser.add_argument("--lammps", action="store_true", help="also inside LAMMPS")
+    parser.add_argument("--engines", action="store_true", help="also inside those of the two that are installed")
+    parser.add_argument("--quick", action="store_true", help="engines: fewer and shorter paths, 200 spheres")
+    parser.set_defaults(func=run)
+    return parser
+
+
+def run(arguments):
+    """Do what the command's arguments ask."""
+    laws = [find(n).name for n in arguments.law] if arguments.law else None
+    paths, cycles = arguments.paths, arguments.cycles
+    rows, problems = [], []
+    if paths:
+        rows = _laws(arguments, laws, paths, cycles)
+        problems += stability.failures(rows)
+    inside = _engines(arguments, laws, problems)
+    if arguments.csv is not None:
+        if rows:
+            print(save_csv(arguments.csv, stability.TITLES, map(stability.csv_row, rows)))
+        if inside:
+            path = arguments.csv.with_name(f"{arguments.csv.stem}_engines{arguments.csv.suffix}") if rows else arguments.csv
+            print(save_csv(path, extremes.TITLES, map(extremes.csv_row, inside)))
+    if arguments.figure is not None:
+        print(plots.save(pictures.stability_figure(rows, inside), arguments.figure))
+    for problem in problems:
+        print(f"FAILS: {problem}")
+    return 1 if problems else 0
+
+
+def _laws(arguments, laws, paths, cycles):
+    """Figures of the compiled laws, printed as they come."""
+    todo = stability.cases(laws, arguments.unloading, arguments.evaluation or ("closed form", "table"))
+    rows = []
+    with tqdm(todo, desc="stability", unit="case", leave=False, disable=None) as progress:
+        for case in progress:
+            progress.set_postfix_str(", ".join(case))
+            rows.append(stability.measure(case, max(1000, paths // len(todo)), cycles))
+            lines = stability.table(rows).split("\n")
+            progress.write("\n".join(lines if len(rows) == 1 else lines[-1:]))
+    print(
+        f"\n{sum(r.paths for r in rows)} paths; gain: largest energy gain of an impact, 1e-6 to 100 m/s, any phase of the step"
+    )
+    return rows
+
+
+def _engines(arguments, laws, problems):
+    """Figures from inside the engines that were asked for, printed as they come; what is wrong is added to `problems`."""
+    wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts, "LAMMPS": arguments.lammps}
+    rows = []
+    for engine in extremes.ENGINES:
+        if not wanted[engine]:
+            reason = available(engine.lower()) if arguments.engines else ""
+            if reason:
+                print(f"{engine}: not measured: {reason}")
+            if reason is not None:
+                continue
+        count = len(extremes.cases(laws, arguments.unloading))
+        own = []
+        with tqdm(total=count + 1, desc=engine, unit="case", leave=False, disable=None) as progress:
+            for found in extremes.run(engine, laws, arguments.unloading, arguments.quick):
+                progress.update()
+                if isinstance(found, list):
+                    progress.write(extremes.stops_table(engine, found))
+                    problems += extremes.stop_failures(engine, found)
+                    continue
+                own.append(found)
+                lines = extremes.table(own).split("\n")
+                progress.write("\n".join(lines if len(own) == 1 else lines[-1:]))
+        problems += extremes.failures(own)
+        rows += own
+    return rows
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status."""
+    return execute(parser, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,206 @@
+"""The extremes inside YADE: how `demlaws.extremes` drives it. `python -m studies.extremes --yade` runs this file under YADE."""
+
+import math
+
+import numpy as np
+import yade
+
+from demlaws.contact import Surface
+from demlaws.laws.names import HERTZ
+from demlaws.laws.registry import find
+from demlaws.materials import GRANITE
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
+from studies.extremes.extremes import POISSON, Balance
+
+O = yade.O  # noqa: E741  YADE's name
+
+
+class Yade:
+    """YADE, in this process."""
+
+    name = "YADE"
+    evaluation = "closed form"
+    bridge = "native"
+
+    def _scene(self, case, options, contact, roughness, moduli, effective_radii):
+        """An empty scene; returns its law functor and a function that gives the material of a modulus and roughness."""
+        O.reset()
+        labels = {float(s): f"surface{n}" for n, s in enumerate(np.unique(roughness))}
+        hardness = GRANITE.hardness if contact.hardness is None else contact.hardness
+        surfaces = {name: Surface(s, contact.fractal_dimension, hardness) for s, name in labels.items()}
+        if find(case.law).solved:  # the others serve whatever comes
+            radii, span = (tuple(float(f(x)) for f in (np.min, np.max)) for x in (effective_radii, moduli))
+            options = {**options, "radii": radii, "moduli": span}
+        law = Law2_ScGeom_MindlinPhys_Demlaws(case.law, case.unloading, surfaces, bridge=self.bridge, **options)
+        made = {}
+
+        def material(modulus, sigma):
+            key = float(modulus), float(sigma)
+            if key not in made:
+                young = 2.0 * key[0] * (1.0 - POISSON**2)
+                made[key] = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.0, density=1.0, label=labels[key[1]])
+                O.materials.append(made[key])
+            return made[key]
+
+        return law, material
+
+    @staticmethod
+    def _sphere(material, radius, place, mass=1.0, free=False):
+        body = yade.Body()
+        body.shape, body.material, body.bound = yade.Sphere(radius=float(radius)), material, yade.Aabb()
+        body.state.pos = body.state.refPos = yade.Vector3(*map(float, place))
+        body.state.mass = float(mass)
+        inertia = 0.4 * float(mass) * float(radius) ** 2
+        body.state.inertia = yade.Vector3(inertia, inertia, inertia)
+        body.state.blockedDOFs = "" if free else "xyzXYZ"
+        O.bodies.append(body)
+        return body
+
+    def _pairs(self, group, mass=None):
+        """A scene of pairs, the second sphere of each at x = 0, the first to its left; states of the second ones."""
+        radius = group.radius1 * group.radius2 / (group.radius1 + group.radius2)
+        law, material = self._scene(group.case, group.options, group.contact, group.roughness, group.modulus, radius)
+        states, height = [], 0.0
+        for n in range(group.size):
+            stuff = material(group.modulus[n], group.roughness[n])
+            large = max(group.radius1[n], group.radius2[n])
+            height += 1.2 * large
+            self._sphere(stuff, group.radius1[n], (-(group.radius1[n] + group.radius2[n]), height, 0.0))
+            mobile = None if mass is None else mass[n]
+            states.append(self._sphere(stuff, group.radius2[n], (0, height, 0), mobile or 1.0, mobile is not None).state)
+            height += 1.2 * large
+        self._engines(law, 0.0, 1)
+        return states
+
+    @staticmethod
+    def _engines(law, verlet, axis):
+        O.engines = [
+            yade.ForceResetter(),
+            yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=verlet, sortAxis=axis),
+            yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law]),
+            yade.NewtonIntegrator(damping=0),
+        ]
+
+    def two_spheres(self, group, wanted):
+        """Overlaps [m] as YADE's arithmetic has them and forces [N] on the second spheres, [steps, pairs]."""
+        states = self._pairs(group)
+        O.dt = 1e-12
+        vector, places = yade.Vector3, [state.pos for state in states]
+        numbers = [2 * n + 1 for n in range(group.size)]
+        left = -(group.radius1 + group.radius2)
+        force = np.empty_like(wanted)
+        for n, row in enumerate(wanted):
+            for state, place, x in zip(states, places, row.tolist(), strict=True):
+                state.pos = vector(-x, place[1], 0.0)
+            O.step()
+            force[n] = [O.forces.f(number)[0] for number in numbers]
+        distance = -wanted - left
+        return -left - np.sqrt(distance * distance), force
+
+    def impacts(self, group, mass, gap, speed, dt, steps):
+        """Velocities [m/s] along x of the second spheres after `steps`."""
+        states = self._pairs(group, mass)
+        for state, x, v in zip(states, gap, speed, strict=True):
+            state.pos = yade.Vector3(float(x), state.pos[1], 0.0)
+            state.vel = yade.Vector3(-float(v), 0.0, 0.0)
+        O.dt = dt
+        for _ in range(steps):
+            O.step()
+        return np.array([state.vel[0] for state in states])
+
+    def let_go(self, packing, stretches, steps, every):
+        """`Balance`s of a periodic packing; each stretch starts with velocities of its own."""
+        radius = packing.radius
+        few = np.array([radius[-1] / 2.0, radius[0] / 2.0])
+        law, material = self._scene(
+            packing.case, packing.options, packing.law.contact, [packing.roughness], packing.modulus, few
+        )
+        stuff = material(packing.modulus, packing.roughness)
+        O.periodic = True
+        O.cell.hSize = yade.Matrix3(packing.side, 0, 0, 0, packing.side, 0, 0, 0, packing.side)
+        states = [
+            self._sphere(stuff, r, x, m, True).state for r, x, m in zip(radius, packing.position, packing.mass, strict=True)
+        ]
+        self._engines(law, -0.5, 0)
+        O.dt = packing.dt
+        mass, found = packing.mass, []
+
+        def velocities():
+            return np.array([state.vel for state in states])
+
+        for stretch in stretches:
+            # leapfrog keeps velocities half a step behind positions: a shake sets those of the last half step
+            for state, v in zip(states, stretch.tolist(), strict=True):
+                state.vel = yade.Vector3(*v)
+            rows = []
+            for n in range(steps):
+                if n % every and n < steps - 1:
+                    O.step()
+                    continue
+                before = velocities()
+                O.step()
+                after = velocities()
+                now = 0.5 * (before + after)
+                total = law.totals()
+                rows.append(
+                    Balance(
+                        0.5 * float(np.sum(mass[:, None] * now**2)),
+                        total.stored,
+                        total.dissipated,
+                        np.sum(mass[:, None] * after, axis=0),
+                        O.interactions.countReal(),
+                    )
+                )
+            found.append(rows)
+        return found
+
+    def stops(self):
+        """What stops YADE when a number is no number: (what was done, message or None) of touching and lone spheres."""
+        found = []
+        for touching in (True, False):
+            for what, value in (("NaN", math.nan), ("infinite", math.inf)):
+                for where in ("position", "velocity"):
+                    found.append((f"{what} {where}, {'touching' if touching else 'alone'}", self._stop(touching, where, value)))
+        return found
+
+    def _stop(self, touching, where, value):
+        from studies.extremes.stability import GRANITE, Case
+
+        radius = 2.0 * GRANITE.radius
+        law, material = self._scene(
+            Case(HERTZ, "elastic", "closed form"), {}, GRANITE, [1e-6], GRANITE.modulus, np.array([GRANITE.radius])
+        )
+        stuff = material(GRANITE.modulus, 1e-6)
+        spacing = 1.9999 * radius if touching else 3.0 * radius
+        bodies = [self._sphere(stuff, radius, (n * spacing, 0, 0), 0.01, True) for n in range(4)]
+        self._engines(law, -0.1, 0)
+        O.dt = 1e-7
+        O.step()
+        O.step()
+        wrong = yade.Vector3(value, 0.0, 0.0)
+        if where == "position":
+            bodies[2].state.pos = wrong
+        else:
+            bodies[2].state.vel = wrong
+        try:
+            for _ in range(250):
+                O.step()
+        except RuntimeError as error:
+            return str(error).strip().split("\n")[-1].removeprefix("demlaws.errors.DemlawsError: ")
+        return None
+
+
+if __name__ == "__main__":
+    import json
+    import os
+    import sys
+
+    from studies.extremes.extremes import serve
+
+    status = 1
+    try:
+        serve(Yade(), json.loads(sys.argv[1]))
+        status = 0
+    finally:
+        sys.stdout.flush()
+        os._exit(status)  # YADE's own exit would lose the status

@@ -1,0 +1,97 @@
+"""`python -m studies.jamari`: the tests, claims and figures of Jamari & Schipper 2006 and 2008."""
+
+import sys
+import warnings
+from pathlib import Path
+
+from demlaws import plots
+from demlaws.cli import Parser, example, execute
+from demlaws.cli.arguments import figures, output
+from demlaws.cli.surface import press
+from demlaws.errors import ValidityWarning
+from demlaws.granite.command import draw_figures, print_claims
+from demlaws.solvers.patches import MEMORIES
+from studies.jamari import figures as pictures
+from studies.jamari.claims import jamari_claims
+from studies.jamari.published import published_contact, published_ratios, swaps
+
+
+def parser():
+    """The command line."""
+    parser = Parser(
+        prog="python -m studies.jamari",
+        description="The published tests with p(0)/H_m by the paper's own method and by its closed fit; the papers' claims; "
+        "their figures; the repeated contact of 2008 on a synthetic map.",
+        **example(
+            "  python -m studies.jamari --figure regime.png\n"
+            "  python -m studies.jamari --claims\n"
+            "  python -m studies.jamari --figures-2006 all --figures-2008 2,7-12 --out jamari\n"
+            "  python -m studies.jamari --repeat isotropic --figure repeated.png"
+        ),
+    )
+    parser.add_argument("--claims", action="store_true", help="what the papers of 2006 and 2008 say, and the verdicts")
+    parser.add_argument("--figures-2006", type=figures(*pictures.FIGURES_2006), metavar="LIST", help="1, 12 or all")
+    parser.add_argument("--figures-2008", type=figures(*pictures.FIGURES_2008), metavar="LIST", help="2,7-12 or all")
+    parser.add_argument("--out", type=Path, default=Path("jamari"), help="folder for these (default: jamari)")
+    parser.add_argument("--repeat", choices=("isotropic", "anisotropic"), help="press on this surface of 2008 20 times")
+    parser.add_argument("--memory", choices=MEMORIES, default="pressure", help="of a pixel, with --repeat")
+    parser.add_argument("--figure", type=output, help="picture to draw: of the tests, or of --repeat")
+    parser.set_defaults(func=run)
+    return parser
+
+
+def run(arguments):
+    """Print and draw what the arguments ask, by default the published tests."""
+    if arguments.claims:
+        with warnings.catch_warnings():  # α beyond the fit's range is in the table
+            warnings.simplefilter("ignore", ValidityWarning)
+            print_claims(list(jamari_claims()))
+    for year, chosen in ((2006, arguments.figures_2006), (2008, arguments.figures_2008)):
+        if chosen:
+            draw_figures(getattr(pictures, f"FIGURES_{year}"), chosen, arguments.out / str(year))
+    if arguments.repeat:
+        press(
+            published_contact(arguments.repeat, memory=arguments.memory),
+            0.2,
+            20,
+            figure=arguments.figure,
+            name=arguments.repeat,
+        )
+    elif not (arguments.claims or arguments.figures_2006 or arguments.figures_2008):
+        print_tests()
+        if arguments.figure is not None:
+            print(plots.save(pictures.regime_map(), arguments.figure))
+
+
+def print_tests():
+    """Print the published tests with α and p(0)/H_m, printed and computed."""
+    rows = published_ratios()
+    print(f"{'':18} {'':6} {'':7} {'α':>7} {'':>8} {'μ':>8} {'p(0)/H_m':>23}")
+    print(
+        f"{'test':18} {'P (N)':>6} {'σ (µm)':>7} {'comp.':>7} {'printed':>8} {'printed':>8} "
+        f"{'at μ':>7} {'Eq. 4':>7} {'printed':>8}  seen"
+    )
+
+    def cell(value, text):
+        return f"{'-':>{len(format(1.0, text))}}" if value != value else format(value, text)
+
+    for row in rows:
+        test = row.test
+        print(
+            f"{test.label:18} {test.load:6g} {test.contact.roughness * 1e6:7.2f} {row.alpha:7.2f} {cell(test.alpha, '8.2f')} "
+            f"{cell(test.mu, '8.0f')} {cell(row.solved, '7.3f')} {row.fitted:7.3f} {cell(test.ratio, '8.2f')}  {test.seen}"
+        )
+    print("\nat μ: Greenwood & Tripp's solution at the printed μ, the paper's own method; Eq. 4: its closed fit; both computed")
+    for column, name in (("solved", "by the solution"), ("fitted", "by Eq. 4")):
+        count = swaps(rows, column)
+        order = "the order is that of what was seen" if not count else f"{count} of the tests of 2006 stands out of order"
+        print(f"  {name}: {order}")
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status."""
+    return execute(parser, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,1 @@
+"""Softer grains, faster loading, longer steps: errors against time to solution."""

@@ -1,0 +1,716 @@
+"""What users trade: modulus, loading rate, time step. The same processes with softer grains, faster, and in longer steps.
+
+Granite spheres, rough, in YADE and LIGGGHTS: pressed in an oedometer, cycled there, poured, sheared to the peak. Each run is a
+`Run`; what it gave is one row of a file of JSON lines (`KEPT`), so that a study that was stopped goes on. `ERRORS` of a
+softened run are those against the same process at full modulus, its overlaps divided by s^(2/3); the scatter of the unscaled
+run over copies shaken by `packings.SHAKEN` of a radius says what is chance.
+"""
+
+import json
+import math
+import tempfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from demlaws.advice.soften import Softening
+from demlaws.contact import Surface
+from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.grains import Grain
+from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS
+from demlaws.make import law as bind_law
+from demlaws.materials import DENSITY
+from demlaws.timestep import timestep
+from studies.trade import packings
+from studies.trade.candidates import GRANITE, RADII, SURFACE
+from studies.trade.packings import SHAKEN, slope
+
+KEPT = Path(__file__).with_name("softening.jsonl")
+"""The rows of the study that this version of demlaws is advised by."""
+ENGINES = ("yade", "liggghts")
+STRESS = 3.75e5
+DEEP = 0.038  # [m] height of the packing of 150
+DIAMETER = 2.0 * float(np.mean(RADII))
+QUANTILES = tuple(range(5, 100, 5))
+RESTING = 2870  # steps at half the stable step to come to rest under gravity
+LEAST = 0.2  # of the stress, to which a cycle unloads
+
+STUDIED = (POHRT_POPOV, "hertz")
+"""Law and rule of the runs that others are held against."""
+
+
+TRADED = ("factor", "scaled", "inertial", "part", "law", "unloading", "density")
+"""Fields of a `Run` that a user trades; the others say what process it is, of what grains."""
+
+
+class Run(NamedTuple):
+    """One run of the study. Stress [Pa]; size: of the grains, over 3.5 and 4.5 mm; rough: Sq over 1.7 µm."""
+
+    engine: str
+    process: str  # "cycles" (an oedometer; cycles=1: loading and unloading), "pour", "shear"
+    factor: float = 1.0  # by which Young's modulus is divided
+    scaled: bool = True  # σ and pressures are scaled along
+    inertial: float = 3e-4  # I = rate × diameter × √(density/stress)
+    part: float = 0.5  # of the stable step
+    copy: int = 0
+    cycles: int = 1
+    law: str = STUDIED[0]
+    unloading: str = STUDIED[1]
+    stress: float = STRESS
+    size: float = 1.0
+    rough: float = 1.0
+    density: float = 1.0  # by which the grains' is multiplied, their weight kept: gravity is divided by it
+    scatter: float = (
+        0.0  # above 0: a lattice of spheres whose radii fall short of 4 mm by up to this [m], stretched as overlaps
+    )
+
+    @property
+    def short(self) -> float:
+        """By what the radii of a lattice fall short, at most [m]: a length as overlaps are."""
+        return self.scatter * Softening(self.factor).overlap
+
+    @property
+    def reference(self) -> "Run":
+        """The process as it is: full modulus, slow, half the stable step, the richest law of the study."""
+        plain = Run("", "")
+        return self._replace(**{n: getattr(plain, n) for n in TRADED})
+
+    @property
+    def group(self) -> tuple:
+        """Runs that differ in chance only."""
+        return tuple(self._replace(copy=0))
+
+    @property
+    def surface(self) -> Surface:
+        """Surface of the grains of this run."""
+        return Surface(self.rough * SURFACE.roughness, SURFACE.fractal_dimension, SURFACE.hardness)
+
+    def softened(self) -> tuple:
+        """(Young's modulus [Pa], surface of a grain, options of the law) of this run."""
+        softening = Softening(self.factor)
+        surface = softening.of(self.surface) if self.scaled else self.surface
+        return GRANITE.young / self.factor, surface, {}
+
+    @property
+    def stable(self) -> float:
+        """Stable step [s]: a smooth grain of the smaller size between stiff contacts, forces up to ten times the mean."""
+        grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
+        mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
+        hertz = bind_law(HERTZ, grain.contact(grain))
+        single = timestep(hertz, grain.mass, 10.0 * mean, other_mass=math.inf, shear_ratio=0.0)
+        return single / math.sqrt(3.0) * Softening(self.factor).step
+
+    @property
+    def depth(self) -> float:
+        """Overlap over diameter of the softened grains at the mean force, σ scaled along."""
+        grain, diameter = Grain(self.size * LATTICE, GRANITE, self.surface), 2.0 * self.size * LATTICE
+        law = bind_law(self.law, grain.contact(grain))
+        overlap = float(law.overlap(math.pi * diameter**2 * self.stress / (0.6 * 6)))
+        return overlap * Softening(self.factor).overlap / diameter
+
+    @property
+    def kappa(self) -> float:
+        """Stiffness number (E*/p)^(2/3) of the softened grains."""
+        return float((0.5 * GRANITE.plane_modulus / self.factor / self.stress) ** (2 / 3))
+
+    def given(self) -> dict:
+        """What an engine is told of this run."""
+        young, surface, options = self.softened()
+        slower = math.sqrt(self.density)  # all of a heavier grain's motion
+        stable, overlap = slower * self.stable, Softening(self.factor).overlap
+        dt, density = self.part * stable, self.density * (GRANITE.density or DENSITY)
+        rate = self.inertial / (self.size * DIAMETER * math.sqrt(density / self.stress))
+        speed = rate * DEEP * self.size
+        # some 150 looks at the plate while it goes down
+        sunk = 0.0047 * DEEP * self.size * (self.stress / STRESS) ** 0.45 * overlap
+        return {
+            **self._asdict(),
+            "model": "",
+            "young": young,
+            "surface": vars(surface),
+            "options": options,
+            "dt": dt,
+            "speed": speed,
+            "settle": RESTING * 0.5 * stable,
+            "hold": 0.25 * RESTING * 0.5 * stable,
+            "every": int(np.clip(round(sunk / (150 * speed * dt)), 1, 40)),
+            "least": LEAST * self.stress,
+            "shake": SHAKEN * self.size * min(RADII),
+            "time": 0.25 * math.sqrt(self.size) * slower,
+            "strain": 0.15,
+            "gain": 0.1 / slower,
+            "fastest": 0.05 / slower,
+            "gravity": 9.81 / self.density,
+            "density": density,
+        }
+
+
+# --- what is run
+
+
+def _copies(run, count):
+    return [run._replace(copy=n) for n in range(count)]
+
+
+def plan(engine: str, quick: bool = False) -> list[Run]:
+    """The runs of a study in one engine, those that say most first. quick: some minutes, factors of 1, 10 and 100 only."""
+    one, softer = Run(engine, "cycles", cycles=1 if quick else 25), (10.0, 100.0)
+
+    def softened(run):
+        return [run, *(run._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
+
+    runs = [r for run in softened(one) for r in _copies(run, 3)]
+    if quick:
+        return runs
+    if engine == "yade":
+        runs += similar() + scenes(engine, OTHERS) + scenes(engine, FASTER) + scenes(engine) + tried(engine)
+    once = one._replace(cycles=1)
+    for rate in (1e-3, 1e-2, 1e-4):
+        runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s, inertial=rate), 3)]
+    runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s), 3)]
+    pour = Run(engine, "pour", stress=2e3)
+    runs += [r for way in softened(pour) for r in _copies(way, 3)]
+    shear = Run(engine, "shear", stress=1e5, inertial=1e-3)
+    slower = shear._replace(inertial=3e-4)
+    ways = softened(shear) + [shear._replace(factor=s, inertial=rate) for rate in (1e-2, 3e-3) for s in (1.0, 10.0)]
+    ways += [shear._replace(part=0.9), *softened(slower), *(slower._replace(part=part) for part in (0.7, 0.9))]
+    runs += [r for way in ways for r in _copies(way, 3)]
+    if engine == "yade":
+        for rate in (5e-4, 2e-3, 3e-3):
+            runs += [r for s in (1.0, 10.0) for r in _copies(once._replace(factor=s, inertial=rate), 2)]
+        runs += [r for part in (0.5, 0.9) for r in _copies(pour._replace(part=part), 3)]
+        runs += _copies(once._replace(density=100.0), 3)
+    runs += [r for part in (0.1, 0.7, 0.9, 1.2) for r in _copies(once._replace(part=part), 3)]
+    for law, rule in ((HERTZ, "elastic"), (RMS, "hertz"), (POHRT_POPOV, "elastic")):
+        runs += _copies(one._replace(law=law, unloading=rule), 3)
+    third = [one._replace(factor=3.0, scaled=scaled) for scaled in (True, False)]
+    runs += [r for run in third for r in _copies(run, 3)]
+    slow = [once._replace(factor=s, inertial=1e-5) for s in (1.0, 10.0)]
+    thousand = [once._replace(factor=1000.0, scaled=scaled) for scaled in (True, False)]
+    return list(dict.fromkeys(runs + [r for run in (*slow, *thousand) for r in _copies(run, 2)]))
+
+
+OTHERS: tuple[dict[str, Any], ...] = (
+    {"stress": 1.0e5, "factor": 5.0},
+    {"stress": 1.0e5, "factor": 30.0},
+    {"stress": 1.0e6, "factor": 5.0},
+    {"size": 0.25, "factor": 20.0},
+    {"size": 3.0, "factor": 10.0},
+    {"size": 3.0, "factor": 10.0, "scaled": False},
+    {"rough": 0.2, "factor": 30.0},
+    {"rough": 0.2, "factor": 10.0, "scaled": False},
+    {"rough": 3.0, "factor": 10.0, "inertial": 1e-3},
+    {"stress": 2.0e5, "size": 0.5, "rough": 0.5, "factor": 50.0, "inertial": 1e-3},
+)
+"""Scenes of other radii, pressures and roughness, from which predictions are made, too."""
+FASTER: tuple[dict[str, Any], ...] = tuple(
+    {**grains, "inertial": rate}
+    for grains in ({"stress": 1.0e5}, {"stress": 1.0e6}, {"size": 0.25}, {"size": 3.0}, {"rough": 0.2}, {"rough": 3.0})
+    for rate in (1e-3, 3e-3)
+)
+"""The same at full modulus, loaded faster."""
+HELD_BACK: tuple[dict[str, Any], ...] = (
+    {"stress": 5.0e4, "factor": 10.0},
+    {"stress": 5.0e4, "factor": 10.0, "scaled": False},
+    {"stress": 7.0e5, "factor": 20.0},
+    {"size": 0.4, "factor": 5.0},
+    {"size": 2.0, "factor": 40.0},
+    {"rough": 0.4, "factor": 15.0},
+    {"rough": 0.4, "factor": 5.0, "scaled": False},
+    {"rough": 2.0, "factor": 25.0},
+    {"stress": 1.5e5, "size": 1.5, "factor": 8.0, "inertial": 1e-3},
+    {"stress": 5.0e5, "size": 0.7, "rough": 0.6, "factor": 60.0, "inertial": 5e-4},
+)
+"""Scenes from which no prediction is made: predictions are tested on them."""
+
+
+TRIED = tuple(
+    [(1.0, rate, 0.7) for rate in (2e-4, 3e-4, 4e-4, 5e-4, 7e-4, 1e-3, 1.4e-3, 2e-3)]
+    + [(1.0, rate, 0.5) for rate in (2e-4, 3e-4, 5e-4, 1e-3, 2e-3)]
+    + [(10.0, rate, 0.7) for rate in (3e-4, 7e-4, 1.4e-3)]
+)
+"""(factor, I, part of the stable step) with which each of the held-back scenes is run: the fastest of those that meet a
+tolerance is what advice is held against."""
+SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
+"""Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
+
+
+def tried(engine: str) -> list[Run]:
+    """The held-back scenes at full modulus and softer, slow and fast, in shorter and longer steps."""
+    return [run._replace(factor=s, inertial=rate, part=part) for run in held_back(engine) for s, rate, part in TRIED]
+
+
+def held_back(engine: str) -> list[Run]:
+    """Ten packings from which no prediction is made, as they are: those of `HELD_BACK`, each once, and two more."""
+    grains = [{k: v for k, v in scene.items() if k in ("stress", "size", "rough")} for scene in HELD_BACK]
+    grains += [{"stress": 2.5e5, "size": 1.2, "rough": 1.5}, {"stress": 6.0e5, "size": 2.5, "rough": 0.8}]
+    return list(dict.fromkeys(Run(engine, "cycles", **one) for one in grains))
+
+
+def similar() -> list[Run]:
+    """A lattice at full and at a tenth of the modulus, I √κ alike, with σ scaled and with σ left alone; the packing likewise,
+    whose gaps do not scale."""
+    runs = []
+    for stress in SLOWER:
+        one = Run("yade", "cycles", stress=stress)
+        softer = [one._replace(factor=10.0, scaled=scaled) for scaled in (True, False)]
+        like = [r._replace(scatter=SCATTER, inertial=float(f"{r.inertial * r.factor ** (1 / 3):.6g}")) for r in (one, *softer)]
+        runs += [r for run in like for r in _copies(run, 5)]
+        runs += [r for run in (one, *softer) for r in _copies(run, 3)]
+    return runs
+
+
+def scenes(engine: str, chosen: tuple = HELD_BACK) -> list[Run]:
+    """The runs of other scenes: each softened, and two copies of it at full modulus."""
+    runs = []
+    for scene in chosen:
+        run = Run(engine, "cycles", **scene)
+        runs += [*_copies(run.reference, 2), run]
+    return list(dict.fromkeys(runs))
+
+
+# --- running
+
+
+def load(path: Path = KEPT) -> dict[Run, dict]:
+    """Run → its row, of a file of JSON lines; a line cut off by an end that came too early is left out."""
+    rows: dict[Run, dict] = {}
+    if not path.exists():
+        return rows
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    for line in lines:
+        try:
+            row = json.loads(line)
+            rows[Run(**row["run"])] = row
+        except (ValueError, TypeError, KeyError):
+            continue
+    if len(lines) > 1 and not rows:  # one line may be the cut-off first
+        raise DemlawsError(f"{path} is no file of a study: none of its {len(lines)} lines is a row; name another, or a new one")
+    return rows
+
+
+def missing(runs: list[Run], rows: dict) -> list[Run]:
+    """Those of the runs that have no row yet."""
+    return [run for run in dict.fromkeys(runs) if run not in rows]
+
+
+def execute(runs: list[Run], path: Path, progress: Any = lambda run: None) -> None:
+    """Make the runs that `path` does not hold, and append each one's row as it ends."""
+    left = missing(runs, load(path))
+    if path.exists() and not path.read_bytes().endswith(b"\n"):  # an end that came too early: its line is made again
+        whole = path.read_bytes().rpartition(b"\n")
+        path.write_bytes(whole[0] + whole[1])
+
+    def keep(run, found):
+        row = {"run": run._asdict(), **summary(run, found)}
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with open(path, "a", encoding="utf-8") as file:
+            file.write(json.dumps(row) + "\n")
+        progress(run)
+
+    for engine in dict.fromkeys(run.engine for run in left):
+        own = [run for run in left if run.engine == engine]
+        if engine == "yade":
+            _in_yade(own, keep)
+        else:
+            from studies.softening import liggghts_softening
+
+            for run in own:
+                if run.density != 1.0:
+                    raise DemlawsError(f"{label(run)}: a density factor is run in YADE only")
+                with tempfile.TemporaryDirectory() as scratch:
+                    way = getattr(liggghts_softening, run.process)
+                    try:
+                        found = way(Path(scratch), _scene(run.size, run.short), run.given())
+                    except EngineStopped as error:
+                        found = {"failed": str(error)}
+                    keep(run, found)
+
+
+LATTICE = 4e-3
+"""Radius of the spheres of a lattice [m]."""
+SCATTER = 4e-6
+"""By what they fall short of it, at most [m]: as much as overlaps."""
+
+
+def lattice(short: float, across: int = 5, layers: int = 7) -> tuple:
+    """(radii, centres, width) [m] of 148 spheres in a face-centred cubic lattice between walls, floor and top that they touch
+    but for the random `short` [m] of their radii: gaps that are as large as overlaps, and scale with them."""
+    spacing = 2.0 * LATTICE
+    centres = []
+    for layer in range(layers):
+        odd = layer % 2
+        places = LATTICE * (1 + odd) + spacing * np.arange(across - odd)
+        height = LATTICE + layer * spacing / math.sqrt(2.0)
+        centres += [(x, y, height) for y in places for x in places]
+    radii = LATTICE - short * np.random.default_rng(packings.QUICK.seed).random(len(centres))
+    return radii, np.array(centres), across * spacing
+
+
+def _scene(size, short=0.0):
+    """The packing of 150, and the loose block that it fell from, in grains `size` times as large; or a lattice."""
+    setup = packings.QUICK
+    if short:
+        radii, centres, width = lattice(short)
+        return setup.given(size * radii, size * centres, size * width)
+    radii, centres = packings.packing(setup)
+    given = setup.given(size * radii, size * centres, size * setup.width)
+    return {**given, "loose": (size * setup.start()[0]).tolist()}
+
+
+def _in_yade(runs, keep):
+    from studies.costs.costs import under_yade
+
+    for kind in dict.fromkeys((run.size, run.short) for run in runs):
+        own = [run for run in runs if (run.size, run.short) == kind]
+
+        def ended(text, own=own):
+            message = json.loads(text)
+            keep(own[message["number"]], message["found"])
+
+        under_yade("softening/yade_softening.py", {**_scene(*kind), "runs": [run.given() for run in own]}, ended)
+
+
+# --- what a run gave
+
+
+def _rounded(value):
+    return [float(f"{v:.6g}") for v in value] if isinstance(value, list) else float(f"{value:.6g}")
+
+
+def summary(run: Run, found: dict) -> dict:
+    """The figures of a run, from what an engine wrote. Lengths and strains are those of the softened grains."""
+    if "failed" in found:
+        return {"failed": found["failed"].strip().splitlines()[-1]}  # of a traceback what it says in the end
+    held = found["held"]
+    forces = np.array(held["forces"])
+    if not forces.size or not np.all(np.isfinite(forces)):
+        return {"failed": "no grain touches another in the end"}
+    row = {
+        "steps": found["steps"],
+        "seconds": found["seconds"],
+        "coordination": held["coordination"],
+        "quantiles": [float(v) for v in np.percentile(forces / forces.mean(), QUANTILES)],
+        "mean_force": float(forces.mean()),
+    }
+    if "unbalanced" in found:
+        row["unbalanced"] = found["unbalanced"]
+    if run.process == "cycles":
+        row |= _of_cycles(run, found)
+    elif run.process == "pour":
+        row |= {"height": found["height"], "kinetic": held["kinetic"]}
+    else:
+        row |= _of_shear(found)
+    known = {name: value for name, value in row.items() if isinstance(value, list) or math.isfinite(value)}
+    return {name: value if name == "steps" else _rounded(value) for name, value in known.items()}
+
+
+def _crossing(rows, stress):
+    """Height of the plate [m] where the stress first reaches `stress`, between two rows."""
+    rows = np.asarray(rows)
+    above = int(np.argmax(rows[:, 1] >= stress))
+    if above == 0:
+        return float(rows[0, 0])
+    (h1, s1), (h2, s2) = rows[above - 1], rows[above]
+    return float(h1 + (h2 - h1) * (stress - s1) / (s2 - s1))
+
+
+def _work(rows):
+    """∫σ dh along a branch, per area [J/m²]; positive where the plate does work."""
+    rows = np.asarray(rows)
+    return float(-np.sum(0.5 * (rows[1:, 1] + rows[:-1, 1]) * np.diff(rows[:, 0])))
+
+
+def _of_cycles(run, found):
+    branches, thickness = found["branches"], found["held"]["plate"]
+    first, back = np.array(branches[0]), np.array(branches[1])
+    held = back[0, 1]
+
+    def tangent(rows, low, high):
+        try:
+            return slope(rows[:, 0], rows[:, 1], low, high, thickness)
+        except DemlawsError:  # so fast that the stress is passed within two looks
+            return math.nan
+
+    low = tangent(first, 0.1 * run.stress, 0.2 * run.stress)
+    loading = tangent(first, 0.5 * run.stress, 1.1 * run.stress)
+    peaks = [_crossing(up, 0.99 * run.stress) for up in branches[::2]]
+    row = {
+        "low": low,
+        "loading": loading,
+        "unloading": tangent(back, 0.7 * held, 1.01 * held),
+        "exponent": math.log(loading / low) / math.log(0.75 / 0.15) if low > 0.0 < loading else math.nan,
+        "thickness": thickness,
+        "put_in": _work(first),  # [J/m²], up to the stress
+        "given_back": -_work(back),
+    }
+    if run.cycles > 1:
+        row |= {"settlement": peaks[0] - peaks[-1], "second": peaks[0] - peaks[1]}
+    return row
+
+
+def _of_shear(found):
+    rows = np.array(found["rows"])
+    strain = 1.0 - rows[:, 5] / rows[0, 5]
+    ratio = rows[:, 2] / (0.5 * (rows[:, 0] + rows[:, 1]))
+    width = max(3, int(np.sum(strain < 0.01)))
+    smooth = np.convolve(ratio, np.ones(width) / width, "valid")
+    middle = np.convolve(strain, np.ones(width) / width, "valid")
+    peak = int(np.argmax(smooth))
+    volume = np.prod(rows[:, 3:6], axis=1)
+    return {
+        "peak": float(smooth[peak]),  # largest axial over lateral stress
+        "peak_strain": float(middle[peak]),
+        "dilation": float(volume[-1] / volume[0] - 1.0),
+        "first_coordination": found["before"]["coordination"],
+    }
+
+
+# --- errors
+
+FIRST = ("low", "loading", "unloading", "exponent", "coordination", "forces", "work")
+OF_PROCESS = {"cycles": (*FIRST, "settlement"), "pour": ("height", "coordination", "forces"), "shear": ("peak", "coordination")}
+"""Quantities that are compared. low, loading, unloading: tangent stiffness of the packing from a tenth to a fifth of the
+stress, from half to all of it, and after the turn, times s^(2/3); exponent: of stiffness against stress, between the first two
+(a difference); forces: largest difference of the quantiles of force over its mean; work: lost in the first cycle, and
+settlement: from the first peak to the last, both over s^(2/3)."""
+ABSOLUTE = ("exponent", "forces")  # compared by difference
+
+
+def values(run: Run, row: dict) -> dict:
+    """What a row says of the grains as they are: lengths, stiffness and work unstretched."""
+    if "failed" in row:
+        return {}
+    stretch, found = Softening(run.factor).overlap, dict(row)
+    for name, exponent in (
+        ("low", 1),
+        ("loading", 1),
+        ("unloading", 1),
+        ("settlement", -1),
+        ("put_in", -1),
+        ("given_back", -1),
+    ):
+        if name in found:
+            found[name] *= stretch**exponent
+    if "put_in" in found:
+        found["work"] = found["put_in"] - found["given_back"]
+    return found
+
+
+class Point(NamedTuple):
+    """Copies of one way of running a process, against the process as it is."""
+
+    run: Run  # copy 0
+    errors: dict  # quantity → relative error (of `ABSOLUTE`: difference) of the mean over copies
+    chance: dict  # quantity → standard deviation of one copy of the process as it is
+    steps: float  # of loading and unloading once, rest and hold left out, or of all the process
+    seconds: float  # those × what a step costs, measured over all rows of the engine
+    copies: int
+    front: bool = False
+    unbalanced: float | None = None  # largest force that does not balance over the mean force of a contact, while it moves
+
+
+def microseconds(rows: dict, engine: str) -> float:
+    """CPU time of a step [µs], the median over an engine's rows: one cost for all, since the machine is shared."""
+    found = [1e6 * v["seconds"] / v["steps"] for r, v in rows.items() if r.engine == engine and "steps" in v]
+    return float(np.median(found)) if found else math.nan
+
+
+def _first(run):
+    return run._replace(copy=0, cycles=1)
+
+
+def points(rows: dict, others: bool = False) -> list[Point]:
+    """A `Point` of every way that the rows hold, those of the process as it is among them; others: of the other scenes."""
+    groups: dict = {}
+    for run, row in rows.items():
+        if "failed" not in row:
+            groups.setdefault(_first(run), []).append((run, values(run, row)))
+    result = []
+    for first, found in groups.items():
+        plain = Run("", "")
+        other = any(getattr(first, n) != getattr(plain, n) for n in ("size", "rough", "scatter")) or (
+            first.process == "cycles" and first.stress != STRESS
+        )
+        reference = groups.get(_first(first.reference)) if first.process == "cycles" else _base_of(groups, first)
+        if other != others or not reference:
+            continue
+        errors, chance = _compare(first, found, reference)
+        steps = _steps(first)
+        one = found[0][0]._replace(copy=0)
+        cost = 1e-6 * microseconds(rows, first.engine) * steps
+        loose = [v["unbalanced"] for _, v in found if "unbalanced" in v]
+        unbalanced = float(np.mean(loose)) if loose else None
+        result.append(Point(one, errors, chance, steps, cost, len(found), unbalanced=unbalanced))
+    return _with_front(result)
+
+
+def _base_of(groups, run):
+    """Of a pour or a shear the copies at full modulus and the slowest rate that was run."""
+    alike = [r for r in groups if (r.process, r.engine, r.factor, r.part) == (run.process, run.engine, 1.0, 0.5)]
+    return groups[min(alike, key=lambda r: r.inertial)] if alike else None
+
+
+def _compare(run, found, reference):
+    errors, chance = {}, {}
+    for name in OF_PROCESS[run.process]:
+        if name == "forces":
+            mine, base = (np.array([v["quantiles"] for _, v in rows]) for rows in (found, reference))
+            errors[name] = float(np.max(np.abs(mine.mean(0) - base.mean(0))))
+            chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) if len(base) > 1 else math.nan
+            continue
+        longest = max((r.cycles for r, v in found if name in v), default=0)
+        of = [
+            [v[name] for r, v in rows if name in v and (name != "settlement" or r.cycles == longest)]
+            for rows in (found, reference)
+        ]
+        if not of[0] or not of[1]:
+            continue
+        base = float(np.mean(of[1]))
+        scale = 1.0 if name in ABSOLUTE else base
+        errors[name] = (float(np.mean(of[0])) - base) / scale
+        chance[name] = float(np.std(of[1], ddof=1)) / abs(scale) if len(of[1]) > 1 else math.nan
+    return errors, chance
+
+
+def _steps(run):
+    """Steps of the process: of an oedometer those in which the plate moves, once down to the stress and back."""
+    told = run.given()
+    if run.process == "pour":
+        return told["time"] / told["dt"]
+    if run.process == "shear":
+        return told["strain"] * DEEP / told["speed"] / told["dt"]
+    sunk = 0.0047 * DEEP * run.size * (run.stress / STRESS) ** 0.45 * Softening(run.factor).overlap
+    return 1.5 * sunk / told["speed"] / told["dt"]
+
+
+def _judged(point):
+    """Quantities by which a point is judged: the packing's stiffness; of a pour or of shear the first one."""
+    stiff = [n for n in ("low", "loading", "unloading") if n in point.errors]
+    return stiff or [n for n in OF_PROCESS[point.run.process][:1] if n in point.errors]
+
+
+def first_quantity(point: Point) -> str:
+    """The quantity whose error is the largest of those that a point is judged by."""
+    return max(_judged(point), key=lambda n: abs(point.errors[n]), default="")
+
+
+def worst(point: Point) -> float:
+    """Largest error of the packing's stiffness (of a pour: of its height, of shear: of the peak strength)."""
+    return max((abs(point.errors[n]) for n in _judged(point)), default=math.nan)
+
+
+def _with_front(found):
+    from studies.trade.trade import pareto
+
+    marked = list(found)
+    for key in {(p.run.engine, p.run.process) for p in found}:
+        own = [n for n, p in enumerate(found) if (p.run.engine, p.run.process) == key]
+        front = pareto([(found[n].seconds, worst(found[n])) for n in own])
+        for place, n in enumerate(own):
+            marked[n] = found[n]._replace(front=place in front)
+    return marked
+
+
+def label(run: Run) -> str:
+    """A way in words."""
+    law = "" if (run.law, run.unloading) == STUDIED else f"{run.law}, {run.unloading}; "
+    alone = "" if run.scaled or run.factor == 1.0 else ", σ alone"
+    part = "" if run.part == 0.5 else f", {run.part:g} of the stable step"
+    density = "" if run.density == 1.0 else f", density × {run.density:g}"
+    return f"{law}E/{run.factor:g}{alone}, I = {run.inertial:g}{part}{density}"
+
+
+def table(found: list[Point]) -> str:
+    """The points as text: errors in per cent (exponent and forces: as they are), chance in brackets."""
+    lines = []
+    for key in sorted({(p.run.engine, p.run.process) for p in found}):
+        own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.seconds)
+        names = [n for n in OF_PROCESS[key[1]] if any(n in p.errors for p in own)]
+        head = " ".join(f"{n:>12}" for n in names)
+        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8} {'s':>7}  {head}")
+        for p in own:
+            cells = []
+            for n in names:
+                if n not in p.errors:
+                    cells.append(f"{'-':>12}")
+                elif n in ABSOLUTE:
+                    cells.append(f"{p.errors[n]:+12.3f}")
+                else:
+                    cells.append(f"{100 * p.errors[n]:+11.1f}%")
+            mark = "  *" if p.front else ""
+            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f} {p.seconds:7.2f}  {' '.join(cells)}{mark}")
+        spread = [
+            next((p.chance[n] for p in own if p.chance.get(n) == p.chance.get(n) and n in p.chance), math.nan) for n in names
+        ]
+        cells = [f"{c:12.3f}" if n in ABSOLUTE else f"{100 * c:11.1f}%" for n, c in zip(names, spread, strict=True)]
+        lines.append(f"{'chance (one copy at full modulus)':69}{' '.join(cells)}\n")
+    return "\n".join(lines)
+
+
+class Similar(NamedTuple):
+    """Grains of a tenth of the modulus against those as they are, from starts that differ in chance only."""
+
+    run: Run  # softened, copy 0
+    deviation: dict  # quantity of `FIRST` → relative difference (exponent: difference) of the means over copies
+    chance: dict  # quantity → standard deviation of the difference of two copies, one of each
+
+    @property
+    def worst(self) -> float:
+        """The largest deviation over its chance."""
+        return max(abs(self.deviation[n]) / self.chance[n] for n in self.deviation)
+
+
+def similarity(rows: dict) -> list[Similar]:
+    """A `Similar` of every stress, start and way of `similar` that the rows hold; the quantiles of force are left out."""
+    groups: dict = {}
+    for run in similar():
+        if run in rows and "failed" not in rows[run]:
+            groups.setdefault(run._replace(copy=0), []).append(values(run, rows[run]))
+    found = []
+    for run, soft in groups.items():
+        hard = groups.get(run.reference)
+        if run.factor == 1.0 or not hard or min(len(soft), len(hard)) < 2:
+            continue
+        deviation, chance = {}, {}
+        for name in FIRST:
+            if name == "forces":
+                continue
+            mine, base = (np.array([v[name] for v in copies]) for copies in (soft, hard))
+            scale = 1.0 if name in ABSOLUTE else float(base.mean())
+            deviation[name] = (float(mine.mean()) - float(base.mean())) / scale
+            chance[name] = math.hypot(np.std(mine, ddof=1), np.std(base, ddof=1)) / abs(scale)
+        found.append(Similar(run, deviation, chance))
+    return found
+
+
+def similarity_table(found: list[Similar]) -> str:
+    """As text: deviation ± chance, in per cent (exponent: as it is)."""
+    names = [n for n in FIRST if n != "forces"]
+    lines = [f"E/10 against E, chance behind ±\n{'':44}{'overlap/d':>10}  {' '.join(f'{n:>15}' for n in names)}"]
+    for one in sorted(found, key=lambda s: (s.run.scatter == 0.0, not s.run.scaled, -s.run.stress)):
+        cells = []
+        for n in names:
+            d, c = one.deviation[n], one.chance[n]
+            cells.append(f"{f'{d:+.3f} ± {c:.3f}' if n in ABSOLUTE else f'{100 * d:+.1f} ± {100 * c:.1f} %':>15}")
+        start = "lattice, gaps scaled" if one.run.scatter else "packing, gaps as they are"
+        way = f"{start}, σ {'scaled' if one.run.scaled else 'alone'}, {one.run.stress / 1e3:g} kPa"
+        lines.append(f"{way:44}{one.run.depth:10.2g}  {' '.join(cells)}")
+    return "\n".join(lines)
+
+
+COMPARED = tuple(dict.fromkeys(name for names in OF_PROCESS.values() for name in names))
+TITLES = (
+    *Run._fields,
+    *("kappa", "steps", "seconds", "copies", "front"),
+    *(f"{name}_error" for name in COMPARED),
+    *(f"{name}_chance" for name in COMPARED),
+)
+
+
+def csv_row(point: Point) -> tuple:
+    """One line of the CSV file: the values that TITLES names."""
+    figures = (point.errors.get(n, math.nan) for n in COMPARED), (point.chance.get(n, math.nan) for n in COMPARED)
+    about = (point.run.kappa, point.steps, point.seconds, point.copies, point.front)
+    return (*point.run, *about, *figures[0], *figures[1])

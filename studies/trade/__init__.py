@@ -1,0 +1,1 @@
+"""Cost against error of laws and evaluations, alone, in an engine's step, and in a packing."""

@@ -1,0 +1,250 @@
+"""What a cheaper law costs a whole scene: the same oedometer test under each choice of law, inside an engine.
+
+Granite spheres of 7 and 9 mm lie in a box under gravity. Every choice of law starts from the same positions, which YADE's
+own Hertz has brought to rest (`packing`), comes to rest itself, is pressed by a plate to `Setup.stress`, held, and unloaded
+by a fifth. What differs in the end is the law: the height of the centre of gravity, the stiffness of the packing, the
+forces in it, and the time that the run took. Errors are those against the richest law, rough-plastic contacts with
+Thornton unloading; that law once more from positions shaken by 1e-9 of the radius says how much of them is chance.
+"""
+
+import importlib
+import math
+import tempfile
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.files import write_atomically
+from demlaws.grains import Grain
+from demlaws.laws.names import HERTZ
+from demlaws.make import law as bind_law
+from demlaws.timestep import timestep
+from studies.trade.candidates import CDM, GRANITE, RADII, SURFACE, Way, ways
+
+SHAKEN = 1e-9
+PERCENTILES = (10, 50, 90, 99)
+
+
+@dataclass(frozen=True)
+class Setup:
+    """The scene. SI units."""
+
+    count: int = 1000
+    across: int = 9  # widest grains side by side
+    stress: float = 5e5
+    friction: float = 0.5
+    speed: float = 0.01  # of the plate
+    settle: float = 0.02  # time to come to rest
+    hold: float = 0.004
+    seed: int = 2026
+
+    @property
+    def width(self):
+        """Width of the box [m]."""
+        return 2.02 * max(RADII) * self.across
+
+    @property
+    def largest_force(self):
+        """A force that few contacts pass: ten times the mean at the largest stress."""
+        mean = math.pi * (2 * np.mean(RADII)) ** 2 * self.stress / (0.6 * 6)
+        return 10.0 * float(mean)
+
+    def start(self):
+        """Centres and radii of a loose block of grains, before anything has moved."""
+        random = np.random.default_rng(self.seed)
+        radii = np.where(random.random(self.count) < 0.5, *RADII)
+        pitch = 2.0 * max(RADII)
+        number = np.arange(self.count)
+        centres = np.stack([number % self.across, number // self.across % self.across, number // self.across**2], 1) + 0.5
+        free = (pitch - 2.0 * radii)[:, None] + 0.02 * max(RADII)
+        step = np.array([self.width / self.across, self.width / self.across, pitch + 0.02 * max(RADII)])
+        return centres * step + 0.49 * free * random.uniform(-1.0, 1.0, centres.shape), radii
+
+    def given(self, radii, centres, width=None):
+        """What an engine's oedometer.py is told."""
+        return {
+            **asdict(self),
+            "width": width or self.width,
+            "dt": self.timestep(),
+            "young": GRANITE.young,
+            "poisson": GRANITE.poisson,
+            "density": GRANITE.density,
+            "surface": vars(SURFACE),
+            "cdm": CDM,
+            "mean_force": 0.1 * self.largest_force,
+            "radii": radii.tolist(),
+            "centres": centres.tolist(),
+        }
+
+    def timestep(self):
+        """Stable step [s] of every way: a grain of the smaller size between stiff contacts."""
+        grain = Grain(min(RADII), GRANITE, SURFACE)
+        law = bind_law(HERTZ, grain.contact(grain))
+        return 0.5 * timestep(law, grain.mass, self.largest_force, other_mass=math.inf, shear_ratio=0.0) / math.sqrt(3.0)
+
+
+QUICK = Setup(count=150, across=5, settle=0.008, speed=0.02, hold=0.002)
+
+
+def packing(setup):
+    """Radii and centres [m] of the packing that every way starts from: dense, at rest under gravity."""
+    path = Path(__file__).with_name(f"granite-{setup.count}.txt")
+    rows = np.loadtxt(path) * 1e-6
+    return rows[:, 0], rows[:, 1:]
+
+
+def prepare(setup):
+    """Make the packing of a setup anew, in YADE (about a minute), and write its file."""
+    from studies.costs.costs import under_yade
+
+    centres, radii = setup.start()
+    settled = under_yade("trade/yade_oedometer.py", {**setup.given(radii, centres), "ways": []})
+    rows = "".join(" ".join(f"{1e6 * v:.5f}" for v in (r, *c)) + "\n" for r, c in zip(radii, settled, strict=True))
+    head = "# radius, x, y, z [um] of granite spheres at rest under gravity; made by python -m studies.trade.packings\n"
+    return write_atomically(Path(__file__).with_name(f"granite-{setup.count}.txt"), head + rows)
+
+
+class Outcome(NamedTuple):
+    """What a scene became under one way."""
+
+    way: Way
+    height: float  # of the centre of gravity, at rest under gravity [m]
+    low: float  # tangent of stress against strain of the packing, from a tenth to a fifth of the full stress [Pa]
+    loading: float  # the same, from half to full stress [Pa]
+    unloading: float  # the same, while the stress falls by a fifth [Pa]
+    stress: float  # after the hold [Pa]
+    forces: np.ndarray  # normal forces between grains after the hold [N]
+    steps: int
+    seconds: float
+
+    @property
+    def shape(self):
+        """Forces over their mean, sorted."""
+        return np.sort(self.forces) / np.mean(self.forces)
+
+    @property
+    def percentiles(self):
+        """Percentiles of the distribution of forces."""
+        return np.percentile(self.shape, PERCENTILES)
+
+
+class Errors(NamedTuple):
+    """One outcome against another."""
+
+    height: float  # [m]
+    low: float  # relative
+    loading: float
+    unloading: float
+    distance: float  # Kolmogorov-Smirnov, of the forces over their mean
+
+
+def slope(height, stress, low, high, thickness):
+    """Tangent modulus [Pa]: least squares of stress against the plate's height where the stress is from low to high."""
+    height, stress = np.asarray(height), np.asarray(stress)
+    chosen = (stress >= low) & (stress <= high)
+    if np.count_nonzero(chosen) < 3:
+        raise DemlawsError(f"only {np.count_nonzero(chosen)} rows of the run have a stress from {low:g} to {high:g} Pa")
+    return float(-np.polyfit(height[chosen], stress[chosen], 1)[0] * thickness)
+
+
+def outcome(way, setup, raw):
+    """An `Outcome` from what an engine's run wrote (dict, see the engines' oedometer.py)."""
+    loading, unloading = np.array(raw["loading"]), np.array(raw["unloading"])
+    thickness = raw["plate"]
+    return Outcome(
+        way,
+        raw["height"],
+        slope(loading[:, 0], loading[:, 1], 0.1 * setup.stress, 0.2 * setup.stress, thickness),
+        slope(loading[:, 0], loading[:, 1], 0.5 * setup.stress, 1.1 * setup.stress, thickness),
+        slope(unloading[:, 0], unloading[:, 1], 0.8 * raw["stress"], raw["stress"], thickness),
+        raw["stress"],
+        np.array(raw["forces"]),
+        raw["steps"],
+        raw["seconds"],
+    )
+
+
+def errors(found, richest):
+    """`Errors` of an outcome against the richest law's."""
+    both = np.concatenate([found.shape, richest.shape])
+    shares = [np.searchsorted(o.shape, both, side="right") / o.forces.size for o in (found, richest)]
+    return Errors(
+        found.height - richest.height,
+        found.low / richest.low - 1.0,
+        found.loading / richest.loading - 1.0,
+        found.unloading / richest.unloading - 1.0,
+        float(np.max(np.abs(shares[0] - shares[1]))),
+    )
+
+
+def run(engine, setup=None, chosen=None, progress=lambda label: None):
+    """`Outcome` of every way of an engine (or of the chosen ones), the richest first. Raises where the engine is missing."""
+    from studies.costs.costs import available, describe, under_yade
+
+    missing = available(engine)
+    if missing:
+        raise DemlawsError(missing)
+    setup = setup or Setup()
+    chosen = list(chosen or ways(engine))
+    radii, centres = packing(setup)
+    shift = SHAKEN * np.random.default_rng(1).uniform(-1.0, 1.0, centres.shape) * min(RADII)
+    given = setup.given(radii, centres)
+    largest = Grain(max(RADII), GRANITE, SURFACE)
+    raw = []
+    with tempfile.TemporaryDirectory() as scratch:
+        if engine == "yade":
+            described = [describe(way, scratch, largest.contact(largest), n) for n, way in enumerate(chosen)]
+            raw = under_yade("trade/yade_oedometer.py", {**given, "shift": shift.tolist(), "ways": described}, progress)
+        else:
+            oedometer = importlib.import_module(f"studies.trade.{engine}_oedometer").oedometer
+            for number, way in enumerate(chosen):
+                progress(f"{number + 1} {way.label}")
+                places = (centres + shift if way.shaken else centres).tolist()
+                described = {**way._asdict(), "options": dict(way.options)}
+                raw.append(oedometer(Path(scratch) / str(number), {**given, "centres": places}, described))
+    return [outcome(way, setup, found) for way, found in zip(chosen, raw, strict=True)]
+
+
+def table(outcomes, setup):
+    """The outcomes as text, errors against the first."""
+    stress = [f"{x * setup.stress / 1e3:g}" for x in (0.15, 0.75, 0.9)]
+    lines = [
+        f"{'':34}{'height':>9}{'packing stiffness (MPa), error, at':^42}{'normal force over its mean':^32}{'':8}{'time':>8}",
+        f"{'':34}{'error':>9}{f'{stress[0]} kPa':>14}{f'{stress[1]} kPa':>14}{'unloading':>14}"
+        + "".join(f"{f'{p} %':>8}" for p in PERCENTILES)
+        + f"{'K-S':>8}{'s':>8}{'steps':>7}{'µs/step':>9}",
+    ]
+    for found in outcomes:
+        e = errors(found, outcomes[0])
+        cells = "".join(
+            f"{value / 1e6:7.1f}{100 * error:+6.1f}%"
+            for value, error in ((found.low, e.low), (found.loading, e.loading), (found.unloading, e.unloading))
+        )
+        lines.append(
+            f"{found.way.label:34}{1e6 * e.height:+6.2f} µm{cells}"
+            + "".join(f"{v:8.2f}" for v in found.percentiles)
+            + f"{e.distance:8.3f}{found.seconds:8.1f}{found.steps:7d}{1e6 * found.seconds / found.steps:9.0f}"
+        )
+    return "\n".join(lines)
+
+
+TITLES = (
+    *("engine", "way", "height_m", "stiffness_low_Pa", "stiffness_Pa", "stiffness_unloading_Pa", "stress_Pa", "contacts"),
+    *(f"force_{p}" for p in PERCENTILES),
+    *("steps", "seconds", "height_error_m", "low_error", "loading_error", "unloading_error", "distance"),
+)
+
+
+def csv_rows(engine, outcomes):
+    """Lines of the CSV file: the values that TITLES names."""
+    for o in outcomes:
+        values = (o.height, o.low, o.loading, o.unloading, o.stress, o.forces.size, *o.percentiles, o.steps, o.seconds)
+        yield (engine, o.way.label, *values, *errors(o, outcomes[0]))
+
+
+if __name__ == "__main__":
+    for made in (QUICK, Setup()):
+        print(prepare(made))

@@ -1,0 +1,203 @@
+"""How far the engines' own contact models are from a law, at the same overlaps."""
+
+import math
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.advice.errors import FRACTIONS, Loaded, Sample, error_of
+from demlaws.advice.fit import fit
+from demlaws.driver import force_controlled
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.grains import Grain
+from demlaws.granite import find_test, options_for
+from demlaws.laws.names import CONICAL_DAMAGE, EEPA, HERTZ, LUDING, THORNTON_NING, WALTON_BRAUN
+from demlaws.laws.registry import find
+from demlaws.liggghts.export import stock_fit
+from demlaws.make import law as bind_law
+from demlaws.materials import DENSITY, GRANITE
+from demlaws.units import number
+from studies.costs.costs import plugin_costs, under_yade, yade_costs
+from studies.trade.candidates import CDM, RICHEST, SURFACE, Way
+
+GRANITE_CONTACT = find_test("SS(18-18)").contact
+CDM_STRENGTHS = (0.3, 0.5, 1.0, 2.0, 4.0)  # sigmaMax over the yield pressure
+CDM_SLOPES = (1e-6, 0.25, 0.5, 1.0, 1.4)  # alpha
+
+
+def reference_paths(reference, peaks):
+    """Overlaps [m] and forces [N] of contacts of `reference` that are loaded to `peaks` [N] and unloaded, one row each."""
+    sample = Sample(reference.contact, peaks, np.full(peaks.size, 1.0 / peaks.size))
+    exact = Loaded(reference, sample)
+    state, _, _ = exact.state_at(exact.top)
+    overlaps, forces = [exact.top], [peaks]
+    for fraction in sorted(FRACTIONS, reverse=True):
+        overlaps.append(exact.unloaded(state, fraction * peaks))
+        forces.append(exact.again(overlaps[-1], state)[0])
+    return np.stack(overlaps, 1), np.stack(forces, 1)
+
+
+def _largest(found, forces):
+    """Largest and mean error of force over the row's first force."""
+    error = np.abs(found - forces) / forces[:, :1]
+    return float(error.max()), float(error.mean())
+
+
+def edinburgh_force(fit, overlaps):
+    """Force [N] of stock edinburgh/stiffness along rows of overlaps [m] that begin at the largest.
+
+    P = k1 δ^n, but no more than k2 (δ^n - δp^n) with δp^n = (1 - k1/k2) δmax^n, and no less than 0
+    (normal_model_edinburgh_stiffness.h of LIGGGHTS 3.8.0, without adhesion).
+    """
+    n, first = fit.parameters["overlapExponent"], fit.parameters["LoadingStiffness"]
+    ratio = fit.parameters["UnloadingStiffness"]
+    power = overlaps**n
+    kept = (1.0 - 1.0 / ratio) * power[:, :1]
+    return first * np.maximum(np.minimum(power, ratio * (power - kept)), 0.0)
+
+
+def edinburgh_error(reference, peaks):
+    """(largest and mean force error of the best fit of stock edinburgh over the peaks, its load [N])."""
+    overlaps, forces = reference_paths(reference, peaks)
+    tried = []
+    for load in np.geomspace(peaks.min(), peaks.max(), 25):
+        fit = stock_fit(reference, float(load), "edinburgh")
+        tried.append((*_largest(edinburgh_force(fit, overlaps), forces), float(load)))
+    return min(tried)
+
+
+def cdm_error(reference, peaks, yield_pressure, poisson=0.25):
+    """(largest, mean force error, (sigmaMax [Pa], alpha)) of the best Conical Damage Model, run in YADE on one contact."""
+    overlaps, forces = reference_paths(reference, peaks)
+    overlaps = np.maximum(overlaps, 0.0)
+    contact = reference.contact
+    options = [(s * yield_pressure, a) for s in CDM_STRENGTHS for a in CDM_SLOPES]
+    given = {
+        "young": 2.0 * contact.modulus * (1.0 - poisson**2),
+        "poisson": poisson,
+        "density": DENSITY,
+        "radius": 2.0 * contact.radius,
+        "paths": overlaps.tolist(),
+        "ways": [{"model": "cdm", "cdm": option} for option in options],
+    }
+    found = np.array(under_yade("costs/yade_cost.py", given))
+    return min((*_largest(one, forces), option) for one, option in zip(found, options, strict=True))
+
+
+def force_error(way, reference, peaks, yield_pressure):
+    """Largest force error of a `Way` against `reference` (one contact) over `peaks` [N], loading and unloading."""
+    if way.model == "cdm":
+        return cdm_error(reference, peaks[:: max(1, peaks.size // 16)], yield_pressure)[0]
+    if way.model == "edinburgh":
+        return edinburgh_error(reference, peaks)[0]
+    sample = Sample(reference.contact, peaks, np.full(peaks.size, 1.0 / peaks.size))
+    law = bind_law(HERTZ, reference.contact) if way.model == "hertz" else way.bind(reference.contact)
+    worst = float(error_of(law, reference, sample, "force", True).max())
+    return worst if math.isfinite(worst) else math.nan
+
+
+# --- what a step costs with one law, with another, with a model of the engine's own
+
+
+OWN_MODELS = {"yade": ("hertz", "cdm"), "liggghts": ("hertz", "edinburgh"), "lammps": ("hertz",)}
+"""Models of the engines' own that `law_costs` knows, named NAME@own."""
+
+
+def way_of(text, engine):
+    """`Way` of "LAW", "LAW:RULE" (default: the law's own rule), or "MODEL@own" of the engine's own."""
+    if text.endswith("@own"):
+        model = text.removesuffix("@own")
+        if model not in OWN_MODELS[engine]:
+            known = ", ".join(f"{name}@own" for name in OWN_MODELS[engine])
+            raise DemlawsError(f"{text!r}: {engine} has {known}")
+        return Way(text, model=model)
+    name, _, rule = text.partition(":")
+    definition = find(name)
+    options = dict(definition.example)
+    if {"strength", "angle"} <= options.keys():  # as YADE's own
+        options |= dict(zip(("strength", "angle"), CDM, strict=True))
+    rule = definition.rule(rule or definition.default_unloading).name
+    return Way(text, name, rule, 0.0 if engine == "yade" else 1e-5, options=tuple(options.items()))
+
+
+def law_costs(names, engine="yade", overlap=1e-4, side=8, repeats=40):
+    """`StepCost` of each of `names` (see `way_of`) in an engine: equal spheres of granite in a close packing that stands still,
+    every way in turn, `overlap` radii deep at each contact. side³ spheres; repeats: rounds."""
+    radius = 2.0 * GRANITE_CONTACT.radius
+    grain = Grain(radius, GRANITE, SURFACE)
+    given = {
+        "young": GRANITE.young,
+        "poisson": GRANITE.poisson,
+        "density": GRANITE.density,
+        "surface": vars(SURFACE),
+        "radius": radius,
+        "overlap": number(overlap, "overlap", "of the spheres' radius", 0.0, 0.04) * radius,
+        "cdm": CDM,
+    }
+    contact = grain.contact(grain)
+    ways = [way_of(name, engine) for name in names]
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ValidityWarning)
+        if engine == "yade":
+            return yade_costs(ways, given, contact, side, repeats)
+        return plugin_costs(engine, ways, {**given, "contact": contact, "mean_force": 10.0}, side, max(repeats // 5, 1))
+
+
+# --- the laws that users of other codes have, each fitted as well as it can be
+
+
+PEERS = (HERTZ, THORNTON_NING, CONICAL_DAMAGE, WALTON_BRAUN, LUDING, EEPA)
+TESTS_HELD = (("SS(12-18)", 100.0), ("RFC10", 450.0))
+"""Granite tests, and the largest force [N] of each."""
+
+
+class Held(NamedTuple):
+    """A peer fitted to a granite contact, loaded to half the force, unloaded, loaded to all of it, unloaded."""
+
+    test: str
+    law: str
+    unloading: str
+    parameters: dict  # name → value, SI
+    rms: float  # difference in displacement over the largest displacement: root mean square
+    worst: float  # largest
+    loading: float  # largest on first loading to the largest force
+    left: float  # of the displacement left at the end of unloading
+
+
+def made_points(test, force, steps=30):
+    """(displacement [m], force [N]) of `candidates.RICHEST` on a granite test's contact, unloaded twice, to 2 % of the load."""
+    reference = bind_law(RICHEST.law, test.contact, RICHEST.unloading, **options_for(RICHEST.law, test))
+    path = force_controlled(reference, [0.5 * force, 0.01 * force, force, 0.02 * force], steps)
+    keep = path.force >= 0.005 * force
+    return path.overlap[keep], path.force[keep]
+
+
+def held_together(laws=PEERS, tests=TESTS_HELD, progress=iter):
+    """`Held` of each law on each test: its best fit (`fit`, every rule that it is fitted with) to the reference's points."""
+    found = []
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore", ValidityWarning)
+        for (name, force), law in progress([(test, law) for test in tests for law in laws]):
+            test = find_test(name)
+            displacement, loads = made_points(test, force)
+            best = fit(np.stack([displacement, loads], 1), test.contact, laws=[law]).best
+            off = np.abs(best.displacement - displacement) / displacement.max()
+            first = loads >= np.maximum.accumulate(loads)
+            values = {n: e.value for n, e in best.parameters.items()}
+            rms, left = float(np.sqrt(np.mean(off**2))), float(off[-1])
+            found.append(Held(name, law, best.unloading, values, rms, float(off.max()), float(off[first].max()), left))
+    return found
+
+
+def held_table(rows):
+    """The rows as text."""
+    lines = [
+        f"{'':12}{'law':16}{'unloading':11}{'rms':>8}{'worst':>8}{'loading':>9}{'left':>8}   fitted",
+        f"{'':39}{'difference in displacement over the largest (%)':>33}",
+    ]
+    for r in rows:
+        values = ", ".join(f"{name} {value:.3g}" for name, value in r.parameters.items())
+        errors = f"{100 * r.rms:8.2f}{100 * r.worst:8.2f}{100 * r.loading:9.2f}{100 * r.left:8.2f}"
+        lines.append(f"{r.test:12}{r.law:16}{r.unloading:11}{errors}   {values}")
+    return "\n".join(lines)

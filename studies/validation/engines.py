@@ -1,0 +1,222 @@
+"""Rows that engines compute: impacts, restitution, regular arrays."""
+
+import json
+import math
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.laws.names import HERTZ
+from studies.costs.costs import available
+from studies.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, kept_jobs, packing_jobs, shear_jobs
+from studies.validation.published import (
+    BRANCHES,
+    IMPACT_TOLERANCE,
+    IMPACTS,
+    KEPT,
+    SPEEDS,
+    bound,
+    kept_rows,
+    quiet,
+    restitution_of,
+)
+from studies.validation.row import between, missing, near
+
+
+def impact_rows(engine, found):
+    """Rows of the published impacts in an engine."""
+    for one, answer in zip(IMPACTS, found, strict=False):
+        yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
+    first, second = len(IMPACTS), len(IMPACTS) + len(SPEEDS)
+    for ratio, answer in zip(SPEEDS, found[first:second], strict=True):
+        wanted = restitution_of(ratio)
+        yield near(f"restitution at V/V_y = {ratio:g}", engine, wanted, answer["restitution"], 1e-4, "thornton")
+    for (name, _, _, wanted), answer in zip(BRANCHES, found[second:], strict=True):
+        yield near(f"{name}: restitution", engine, wanted, answer["restitution"], 1e-4, name)
+
+
+# --- regular arrays
+
+
+COUNT = {"SC": 3, "FCC": 6}  # contacts a sphere
+VOLUME = {"SC": 1.0, "FCC": math.sqrt(0.5)}  # a sphere's share of the cell over the cube of the distance
+
+
+def pressure_of(array, force, distance):
+    """p = n P D/(3 V): Duffy & Mindlin's arrays under equal pressure from all sides."""
+    return COUNT[array] * force * distance / (3.0 * VOLUME[array] * distance**3)
+
+
+def moduli(array, normal, shear, distance):
+    """C11, C12, C44 of the array from the stiffnesses of its contacts (Duffy & Mindlin 1957, as lattice sums)."""
+    if array == "SC":
+        return normal / distance, 0.0, 0.5 * shear / distance
+    whole = math.sqrt(2.0) * (normal + shear) / distance
+    return whole, (normal - shear) / (math.sqrt(2.0) * distance), 0.5 * whole
+
+
+def array_rows(engine, jobs, found):
+    """Rows of the regular arrays in an engine."""
+    for job, answer in zip(jobs, found, strict=True):
+        array, unloading = job["array"], job["unloading"]
+        one = bound(job["law"], contact_of(job), unloading)
+        label = f"{array}, {job['law']}" + ("" if unloading == "elastic" else f", {unloading} unloading")
+        overlap, stress = _columns(answer["loading"])
+        force = quiet(one.force, overlap[-1])
+        distance = 2.0 * job["radius"] - overlap[-1]
+        pressure = -np.trace(stress, axis1=1, axis2=2) / 3.0
+        yield near(f"{label}: pressure", engine, pressure_of(array, force, distance), pressure[-1], 1e-6, "duffy-mindlin", "Pa")
+        yield _bulk(f"{label}: bulk modulus, loading", engine, array, job, one, overlap[-20:], pressure[-20:])
+        if "uniaxial" in answer:
+            # the array has moved on by a step before the probe begins
+            tangent = quiet(one.stiffness, _columns(answer["uniaxial"])[0].mean())
+            ratio = 2.0 * (1.0 - job["poisson"]) / (2.0 - job["poisson"])
+            c11, c12, c44 = moduli(array, tangent, ratio * tangent, distance)
+            along = _slopes(answer["uniaxial"], PROBE)
+            yield near(f"{label}: C11", engine, c11, -along[0, 0], 1e-3, "duffy-mindlin", "Pa")
+            if c12:
+                yield near(f"{label}: C12", engine, c12, -along[1, 1], 2e-3, "duffy-mindlin", "Pa")
+        if "shear" in answer:
+            yield near(f"{label}: C44", engine, c44, 0.5 * _slopes(answer["shear"], PROBE)[0, 1], 1e-3, "duffy-mindlin", "Pa")
+        overlap, stress = _columns(answer["unloading"])
+        pressure = -np.trace(stress, axis1=1, axis2=2) / 3.0
+        yield _bulk(f"{label}: bulk modulus, unloading", engine, array, job, one, overlap[:20], pressure[:20])
+
+
+def shear_modulus(job, answer):
+    """Mean pressure [Pa], C44 that the engine has, and the smallest and largest that the lattice sum gives [Pa].
+
+    Shear in a plane of the cube loads half of the plane's contacts and unloads the other half; the other contacts are sheared
+    at a constant normal force. Of those "tangent" says that K_t is one of two, by a rounding of their overlap.
+    """
+    one = bound(job["law"], contact_of(job), job["unloading"])
+    overlap, stress = _columns(answer["shear"])
+    here = float(overlap.mean())
+    distance = 2.0 * job["radius"] - here
+    along = quiet(one.follow, [here, here * (1.0 - 1e-9)]).stiffness
+    ratio = 2.0 * (1.0 - job["poisson"]) / (2.0 - job["poisson"])
+    path = [here, here * (1.0 - 1e-9)]
+    sideways = quiet(one.shear_stiffness, path, ratio, job["options"]["shear"])
+    sums = [moduli(job["array"], along.mean(), value, distance)[2] for value in sideways]
+    pressure = -float(np.trace(stress.mean(axis=0))) / 3.0
+    return pressure, 0.5 * float(_slopes(answer["shear"], PROBE)[0, 1]), min(sums), max(sums)
+
+
+def shear_rows(engine, jobs, found):
+    """Rows of the shear modulus C44 of sheared arrays in an engine."""
+    for job, answer in zip(jobs, found, strict=True):
+        choice = job["options"]["shear"]
+        _, seen, low, high = shear_modulus(job, answer)
+        what = f"FCC, {job['law']}, {job['unloading']} unloading, shear={choice}: C44"
+        if high - low > 1e-6 * high:
+            note = "K_t of contacts at rest hangs on the last bit of their overlap"
+            yield between(what, engine, low * 0.999, high * 1.001, seen, "duffy-mindlin", "Pa", note=note)
+        else:
+            yield near(what, engine, 0.5 * (low + high), seen, 1e-3, "duffy-mindlin", "Pa")
+
+
+def _columns(rows):
+    return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+
+
+def _slopes(rows, strain):
+    """Change of stress with strain over the rows, by least squares."""
+    _, stress = _columns(rows)
+    x = strain * np.arange(len(rows)) / len(rows)
+    return np.polyfit(x, stress.reshape(len(rows), 9), 1)[0].reshape(3, 3)
+
+
+def _bulk(what, engine, array, job, one, overlap, pressure):
+    """-V dp/dV from neighbouring rows against √2 K/(3 r) (FCC) or K/(6 r) (SC)."""
+    distance = 2.0 * job["radius"] - overlap
+    volume = 3.0 * np.log(distance)
+    middle = len(overlap) // 2
+    found = -(pressure[-1] - pressure[0]) / (volume[-1] - volume[0])
+    force = quiet(one.follow, [float(overlap.max()), float(overlap[middle])]).force[-1]
+    tangent = _tangent(one, overlap)
+    # the array's own change of size: p = c P/D², so that -V dp/dV = (D/3) c (K/D² + 2 P/D³)
+    c = COUNT[array] / (3.0 * VOLUME[array])
+    wanted = c / 3.0 * (tangent + 2.0 * force / distance[middle]) / distance[middle]
+    return near(what, engine, float(wanted), float(found), 1e-4, "duffy-mindlin", "Pa")
+
+
+def _tangent(one, overlap):
+    """Mean stiffness over the rows, from the law's own forces at their ends."""
+    rising = overlap[-1] > overlap[0]
+    ends = [float(overlap[0]), float(overlap[-1])]
+    force = quiet(one.force, ends) if rising else quiet(one.follow, ends).force
+    return (force[1] - force[0]) / (ends[1] - ends[0])
+
+
+# --- running
+
+
+def in_yade(jobs):
+    """What in_yade.py answers to the jobs."""
+    from demlaws.yade.run import command, environment
+
+    with tempfile.TemporaryDirectory() as scratch:
+        files = [Path(scratch) / name for name in ("given.json", "found.json")]
+        files[0].write_text(json.dumps(jobs))
+        line = command(Path(__file__).with_name("in_yade.py"), files)
+        done = subprocess.run(line, env=environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL)
+        if not files[1].is_file():
+            raise DemlawsError(f"YADE stopped (exit {done.returncode}): {(done.stdout + done.stderr).strip()[-400:]}")
+        return json.loads(files[1].read_text())
+
+
+def in_liggghts(jobs):
+    """Answers of LIGGGHTS to the jobs."""
+    from studies.validation.in_liggghts import answer
+
+    return answer(jobs)
+
+
+def in_lammps(jobs):
+    """Answers of LAMMPS to the jobs."""
+    from studies.validation.in_lammps import answer
+
+    return answer(jobs)
+
+
+ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts), "LAMMPS": ("lammps", in_lammps)}
+
+
+def packing_rows(found):
+    """Exponent n of the bulk stiffness, K ∝ pressure^n, of a random packing in YADE."""
+    for job, answer in zip(packing_jobs(), found, strict=True):
+        pressure, stiffness = np.array(answer).T
+        exponent = np.polyfit(np.log(pressure), np.log(stiffness), 1)[0]
+        what = f"random packing, {job['law']}: exponent of bulk stiffness over pressure"
+        if job["law"] == HERTZ:
+            note = "smooth grains: below what is measured, the reason for rough laws"
+            yield between(what, "YADE", 0.30, 0.45, exponent, "sands", note=note)
+        else:
+            yield between(what, "YADE", 0.45, 0.60, exponent, "sands")
+
+
+def rows(packing=True):
+    """Group, row of every engine; an engine that is not there gives one row that says so."""
+    for engine, (name, ask) in ENGINES.items():
+        why = available(name)
+        if why:
+            yield engine, missing("impacts and regular arrays", engine, "", "duffy-mindlin", why)
+            continue
+        first, second = impact_jobs(), array_jobs()
+        third = packing_jobs() if packing and name == "yade" else []
+        fourth = shear_jobs() if name == "yade" else []
+        kept = kept_jobs()
+        answers = ask(kept + first + fourth + second + third)
+        for one, answer in zip(KEPT, answers, strict=False):
+            yield from (("LAMMPS's own tests", row) for row in kept_rows(one, engine, answer["places"]))
+        found = answers[len(kept) :]
+        impacts, found = found[: len(first)], found[len(first) :]
+        sheared, found = found[: len(fourth)], found[len(fourth) :]
+        yield from (("Impacts in the engines", row) for row in impact_rows(engine, impacts))
+        yield from (("Regular arrays", row) for row in array_rows(engine, second, found[: len(second)]))
+        yield from (("Regular arrays", row) for row in shear_rows(engine, fourth, sheared))
+        if third:
+            yield from (("Random packing", row) for row in packing_rows(found[len(second) :]))

@@ -1,0 +1,176 @@
+"""The rows that YADE computes; started under YADE by `engines`: in_yade.py SPECIFICATION RESULT (JSON files)."""
+
+import json
+import sys
+
+import numpy as np
+import yade
+from yade import pack, utils
+
+import demlaws as dl
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
+from studies.validation.arrays import CELLS, EDGE, RIGID, SITES
+
+O = yade.O  # noqa: E741
+
+
+def _material(job, label, young=1.0):
+    O.materials.append(
+        yade.FrictMat(
+            young=young * job["young"], poisson=job["poisson"], density=job["density"], frictionAngle=1.5, label=label
+        )
+    )
+
+
+def _law(job):
+    surfaces = {label: dl.Surface(**job["surface"]) for label in ("grain", "rigid")}
+    return Law2_ScGeom_MindlinPhys_Demlaws(job["law"], job["unloading"], surfaces, **job["options"])
+
+
+def _watched(job, look):
+    """Engines without damping, and `look()` called after each step's contacts."""
+    sys.modules["__main__"].look = look
+    O.engines = engines(
+        _law(job),
+        newton=yade.NewtonIntegrator(damping=0.0),
+        after=[yade.PyRunner(command="look()", iterPeriod=1, initRun=True)],
+    )
+    O.dt = job["dt"]
+
+
+def impact(job):
+    """Peak force [N] and rebound over approach speed of two spheres, or of one and a rigid plane; places after given steps."""
+    O.reset()
+    radius, speed, peak = job["radius"], job["speed"], [0.0, False]
+    _material(job, "grain")
+    apart = job["gap"] if "gap" in job else 1e-3 * job["overlap"]
+    if job["plane"]:
+        _material(job, "rigid", RIGID)
+        O.bodies.append(utils.wall((0, 0, 0), 2, sense=1, material="rigid"))
+        O.bodies.append(utils.sphere((0, 0, radius + apart), radius, material="grain"))
+        O.bodies[1].state.vel = (0, 0, -speed)
+    else:
+        for side in (-1, 1):
+            O.bodies.append(utils.sphere((0, 0, side * (radius + 0.5 * apart)), radius, material="grain"))
+            O.bodies[-1].state.vel = (0, 0, -0.5 * side * speed)
+    mover = O.bodies[1]
+
+    def look():
+        force = O.forces.f(1)[2]
+        peak[0], peak[1] = max(peak[0], force), peak[0] > 0.0 and force == 0.0
+
+    _watched(job, look)
+    if "after" in job:  # speeds are those of half a step before, and the same as long as nothing touches
+        places = []
+        for step in job["after"]:
+            O.run(step - O.iter, True)
+            places.append(mover.state.pos[2])
+        return {"places": places}
+    for _ in range(job["rounds"]):
+        O.run(2000, True)
+        if peak[1]:
+            break
+    rebound = mover.state.vel[2] - (0.0 if job["plane"] else O.bodies[0].state.vel[2])
+    return {"peak": peak[0], "restitution": rebound / speed, "parted": bool(peak[1])}
+
+
+def lattice(job):
+    """A periodic array along a path of strains: for each, rows of (mean overlap of the contacts, stress tensor)."""
+    O.reset()
+    O.periodic = True
+    cells, radius = CELLS, job["radius"]
+    edge = EDGE[job["array"]] * radius * (1.0 + 1e-9)
+    O.cell.setBox((cells * edge,) * 3)
+    _material(job, "grain")
+    for cell in np.ndindex(cells, cells, cells):
+        for site in SITES[job["array"]]:
+            place = [(c + s + 0.25) * edge for c, s in zip(cell, site, strict=True)]
+            O.bodies.append(utils.sphere(tuple(place), radius, material="grain"))
+    rows = []
+
+    def look():
+        touching = [i.geom.penetrationDepth for i in O.interactions if i.isReal]
+        if touching:
+            rows.append((float(np.mean(touching)), [list(map(float, row)) for row in utils.getStress()]))
+
+    _watched(job, look)
+
+    def strain(gradient, steps):
+        """Rows while the cell is strained by `gradient` in all."""
+        rows.clear()
+        O.cell.velGrad = yade.Matrix3(*(g / (steps * O.dt) for row in gradient for g in row))
+        O.run(steps, True)
+        return list(rows)
+
+    found = {name: strain(gradient, job["steps"]) for name, gradient in job["path"].items()}
+    O.cell.velGrad = yade.Matrix3.Zero
+    return found
+
+
+def packing(job):
+    """Bulk stiffness [Pa] of a random periodic packing at each pressure, from a small strain and the rest that follows."""
+    O.reset()
+    O.periodic = True
+    _material(job, "grain")
+    radius, count = job["radius"], job["count"]
+    side = (count * 4.0 / 3.0 * np.pi * radius**3 / 0.35) ** (1.0 / 3.0)
+    cloud = pack.SpherePack()
+    cloud.makeCloud((0, 0, 0), (side,) * 3, rMean=radius, rRelFuzz=0.2, num=count, periodic=True, seed=1)
+    cloud.toSimulation(material="grain")
+    O.materials["grain"].frictionAngle = job["friction"]
+    # a servo holds the pressure while grains find their places; a strain alone meets collisions, and jams at no pressure
+    servo = yade.PeriTriaxController(
+        stressMask=7,
+        dynCell=True,
+        mass=sum(body.state.mass for body in O.bodies),
+        maxUnbalanced=job["unbalanced"],
+        relStressTol=0.01,
+        globUpdate=10,
+        doneHook="O.pause()",
+        label="servo",
+    )
+    O.engines = engines(_law(job), newton=yade.NewtonIntegrator(damping=0.4), after=[servo])
+    O.dt = job["dt"]
+
+    def pressure():
+        return -float(utils.getStress().trace()) / 3.0
+
+    def rest(limit):
+        for _ in range(40):
+            O.run(250, True)
+            if utils.unbalancedForce() < limit:
+                return
+
+    found = []
+    for goal in job["pressures"]:
+        for again in range(6):  # what gives way while the cell rests is not at this pressure yet
+            fast = not found and not again
+            servo.goal, servo.maxStrainRate = (-goal,) * 3, (job["rate"] if fast else job["slow"],) * 3
+            servo.dead = False
+            O.run(job["longest"], True)
+            servo.dead = True
+            O.cell.velGrad = yade.Matrix3.Zero
+            rest(1e-5)
+            if abs(pressure() / goal - 1.0) < 0.02:
+                break
+        start = pressure()
+        O.cell.velGrad = -job["probe"] / (200 * O.dt) * yade.Matrix3.Identity
+        O.run(200, True)
+        O.cell.velGrad = yade.Matrix3.Zero
+        rest(1e-6)
+        found.append((start, (pressure() - start) / (3.0 * job["probe"])))
+    return found
+
+
+KINDS = {"impact": impact, "lattice": lattice, "packing": packing}
+
+if __name__ == "__main__":
+    given, result = sys.argv[-2:]
+    with open(given) as file:
+        jobs = json.load(file)
+    answers = []
+    for number, job in enumerate(jobs):
+        print("PROGRESS", number, flush=True)
+        answers.append(KINDS[job["kind"]](job))
+    with open(result, "w") as file:
+        json.dump(answers, file)

@@ -1,0 +1,146 @@
+"""What is asked of the engines."""
+
+import math
+
+from demlaws.contact import Contact
+from demlaws.core.shear import CHOICES
+from demlaws.driver import impact
+from demlaws.laws.names import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
+from studies.validation.arrays import RIGID
+from studies.validation.published import BRANCHES, IMPACTS, KEPT, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
+
+SMOOTH = 1e-12
+"""Roughness [m] that stands for none: engines take a pair of smooth surfaces for Hertz, whatever the law."""
+ARRAYS = ("SC", "FCC")
+ARRAY = {"radius": 0.005, "young": 60e9, "poisson": 0.25, "density": 2600.0}
+PEAK = 2e-5
+"""Largest overlap of the arrays' contacts over their distance."""
+STEPS = 400
+PROBE = 1e-9
+"""Strain of the probes for C11, C12, C44."""
+ROUGH = {"roughness": 1.0e-6, "fractal_dimension": 2.22, "hardness": 6.27e9}
+LAWS = ((HERTZ, "elastic"), (POHRT_POPOV, "elastic"), (POHRT_POPOV, "hertz"))
+
+
+def contact_of(job):
+    """Contact of two grains of a job."""
+    modulus = 0.5 * job["young"] / (1.0 - job["poisson"] ** 2)
+    sigma = math.sqrt(2.0) * job["surface"]["roughness"]
+    return Contact(0.5 * job["radius"], modulus, sigma, job["surface"].get("fractal_dimension"), job["surface"].get("hardness"))
+
+
+def impact_jobs():
+    """The printed impacts, then the yielding ones."""
+    jobs = []
+    for one in IMPACTS:
+        exact = quiet(impact, bound(HERTZ, one.contact), one.mass, one.speed, 2000)
+        jobs.append(
+            {
+                **{name: getattr(one, name) for name in ("young", "poisson", "density", "radius", "speed", "plane")},
+                "kind": "impact",
+                "law": HERTZ,
+                "unloading": "elastic",
+                "options": {},
+                "surface": {"roughness": 0.0},
+                "dt": exact.duration / 2000,
+                "rounds": 4,
+                "steps": 2000,
+                "overlap": exact.peak_overlap,
+            }
+        )
+    for ratio in SPEEDS:
+        job = {
+            "young": 60e9,
+            "poisson": 0.0,
+            "density": 2500.0,
+            "radius": 0.01,
+            "plane": False,
+            "surface": {"roughness": SMOOTH},
+        }
+        contact = contact_of(job)
+        mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
+        pressure = YIELD_RATIO * contact.modulus
+        options = {"yield_pressure": pressure, "loading": HERTZ}
+        job["speed"] = ratio * yield_speed(contact, pressure, mass)
+        exact = quiet(impact, bound(ROUGH_PLASTIC, contact, "thornton", **options), mass, job["speed"], 4000)
+        job |= {"kind": "impact", "law": ROUGH_PLASTIC, "unloading": "thornton", "options": options}
+        jobs.append(
+            job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
+        )
+    for name, unloading, options, _ in BRANCHES:
+        job = {"young": 60e9, "poisson": 0.0, "density": 2500.0, "radius": 0.01, "plane": False, "speed": 0.1}
+        job |= {"surface": {"roughness": SMOOTH}, "kind": "impact", "law": name, "unloading": unloading, "options": options}
+        mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
+        exact = quiet(impact, bound(name, contact_of(job), unloading, **options), mass, job["speed"], 2000)
+        jobs.append(
+            job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
+        )
+    return jobs
+
+
+def kept_jobs():
+    """LAMMPS's own tests."""
+    jobs = []
+    for one in KEPT:
+        # the plane's modulus is not without bound
+        young = one.modulus * (1.0 + 1.0 / RIGID) if one.plane else 2.0 * one.modulus
+        job = {"kind": "impact", "law": HERTZ, "unloading": "elastic", "options": {}, "surface": {"roughness": 0.0}}
+        job |= {"young": young, "poisson": 0.0, "density": one.density, "radius": one.radius, "speed": one.speed}
+        gap = (one.place - one.radius) * (1.0 if one.plane else 2.0)
+        jobs.append(job | {"plane": one.plane, "dt": one.dt, "gap": gap, "after": one.after, "steps": one.after[-1]})
+    return jobs
+
+
+# --- regular arrays
+
+
+def diagonal(strain):
+    """Strain tensor of equal strain along all axes."""
+    return [[strain, 0.0, 0.0], [0.0, strain, 0.0], [0.0, 0.0, strain]]
+
+
+PATH = {
+    "loading": diagonal(-PEAK),
+    "uniaxial": [[-PROBE, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 0.0]],
+    "shear": [[0.0, PROBE, 0.0], [PROBE, 0.0, 0.0], [0.0, 0.0, 0.0]],
+    "unloading": diagonal(0.25 * PEAK),
+}
+
+
+def array_jobs():
+    """Jobs of the regular arrays: each with each law and its unloading."""
+    jobs = []
+    for array in ARRAYS:
+        for name, unloading in LAWS:
+            job = {"kind": "lattice", "array": array, **ARRAY, "law": name, "unloading": unloading, "options": {}}
+            job["surface"] = ROUGH if name != HERTZ else {"roughness": 0.0}
+            # probes of a contact with history would leave its loading curve: for those compression and back alone
+            path = PATH if unloading == "elastic" else {k: v for k, v in PATH.items() if k in ("loading", "unloading")}
+            jobs.append({**job, "path": path, "steps": STEPS, "dt": 1e-9})
+    return jobs
+
+
+def shear_jobs(peaks=(PEAK,), steps=STEPS):
+    """FCC of rough grains, compressed and then sheared, for each stiffness that K_t may go by."""
+    jobs = []
+    for choice in CHOICES:
+        for peak in peaks:
+            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": POHRT_POPOV, "unloading": "hertz", "surface": ROUGH}
+            path = {"loading": diagonal(-peak), "shear": PATH["shear"]}
+            jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": steps, "dt": 1e-9})
+    return jobs
+
+
+PRESSURES = (50e3, 100e3, 200e3)
+
+
+def packing_jobs():
+    """A random packing of granite grains of 10 mm, smooth and rough."""
+    jobs = []
+    for name, unloading in ((HERTZ, "elastic"), (POHRT_POPOV, "elastic")):
+        job = {"kind": "packing", "radius": 0.005, "young": 60.6e9, "poisson": 0.25, "density": 2650.0, "law": name}
+        job |= {"unloading": unloading, "options": {}, "surface": ROUGH if name != HERTZ else {"roughness": 0.0}}
+        job |= {"count": 150, "friction": 0.3, "dt": 1e-6, "rate": 5.0, "slow": 0.5, "longest": 200_000, "unbalanced": 1e-3}
+        job |= {"probe": 2e-6, "pressures": PRESSURES}
+        jobs.append(job)
+    return jobs

@@ -1,0 +1,71 @@
+"""What a law does on a sample, for every rule: against one contact's path, and against Hertz's closed form."""
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, quiet, shared
+
+import demlaws as dl
+from demlaws.advice.errors import FRACTIONS, QUANTITIES, Loaded, Sample, error_of
+from demlaws.core.unloading import RULES
+from demlaws.laws.registry import registry
+
+MANY = GRANITE.with_values(radius=GRANITE.radius * np.linspace(0.7, 1.4, 7))
+PEAK = np.geomspace(3.0, 300.0, 7)
+SAMPLE = Sample(MANY, PEAK, np.full(7, 1 / 7))
+
+
+def on_sample(rule, contact=MANY):
+    curve = contact.with_values(roughness=0.25 * GRANITE.roughness)
+    return dl.law("pohrt-popov", contact, dl.law("pohrt-popov", curve) if RULES[rule].curve == "given" else rule)
+
+
+@pytest.mark.parametrize("rule", shared(RULES, lambda rule: rule != "table"))
+@pytest.mark.parametrize("form", ["closed form", "table"])
+def test_unloading_and_energy_are_those_of_one_contact(rule, form):
+    many = on_sample(rule)
+    loaded = Loaded(many.tabulate(1e-5, 400.0) if form == "table" else many, SAMPLE)
+    state, force, _ = loaded.state_at(loaded.top)
+    assert force == pytest.approx(PEAK, rel=2e-5)
+    work, lost = loaded.energies(loaded.top)
+    for fraction in FRACTIONS:
+        assert loaded.again(loaded.unloaded(state, fraction * PEAK), state)[0] == pytest.approx(fraction * PEAK, rel=1e-7)
+    for i in (0, 6):
+        one = on_sample(rule, GRANITE.with_values(radius=float(MANY.radius[i])))
+        path = one.follow([float(loaded.top[i]), float(loaded.top[i]) * (1 - 1e-13)])
+        assert (work[i], lost[i]) == pytest.approx((path.work[0], path.dissipated[0]), rel=1e-4, abs=1e-7 * work[i])
+
+
+def test_hertz_unloading_in_closed_form():
+    loaded = Loaded(on_sample("hertz"), SAMPLE)
+    state, _, _ = loaded.state_at(loaded.top)
+    coefficient = 4 / 3 * MANY.modulus * np.sqrt(MANY.radius)
+    elastic = (PEAK / coefficient) ** (2 / 3)
+    plastic = loaded.top - elastic
+    assert loaded.unloaded(state, 0.3 * PEAK) == pytest.approx(plastic + (0.3 * PEAK / coefficient) ** (2 / 3), rel=1e-12)
+    work, lost = loaded.energies(loaded.top)
+    assert work - lost == pytest.approx(0.4 * coefficient * elastic**2.5, rel=1e-12)
+
+
+@pytest.mark.parametrize("name", [name for name, definition in registry().items() if not definition.needs_map])
+def test_overlap_of_work_is_the_inverse_of_energy(name):
+    law = quiet(make, name)
+    one = Sample(law.contact, PEAK, SAMPLE.weight)
+    loaded = quiet(Loaded, law, one)
+    work = quiet(law.energy, quiet(law.overlap, np.geomspace(0.5, 200.0, 7)))
+    assert quiet(law.energy, loaded.overlap_of_work(work)) == pytest.approx(work, rel=1e-11)
+
+
+def test_work_beyond_the_end_of_a_table_has_no_overlap():
+    law = make("pohrt-popov").tabulate(1e-4, 50.0)
+    loaded = Loaded(law, Sample(law.contact, np.array([10.0, 10.0]), np.ones(2) / 2))
+    work = np.array([1.0, 1e3]) * law.energy(law.overlap(20.0))
+    found = loaded.overlap_of_work(work)
+    assert law.energy(float(found[0])) == pytest.approx(work[0], rel=1e-11)
+    assert np.isnan(found[1])
+
+
+@pytest.mark.parametrize("quantity", QUANTITIES)
+def test_a_law_has_no_error_against_itself_and_another_rule_has(quantity):
+    law = on_sample("table")
+    assert error_of(law, law, SAMPLE, quantity, True).max() < 1e-9
+    assert error_of(on_sample("elastic"), law, SAMPLE, quantity, True).max() > 1e-3

@@ -1,0 +1,108 @@
+"""Packings at the advised time step keep their energy in YADE, and explode beyond the exact limit."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.advice.scene import Scene, stable_step
+from demlaws.cli import main
+from demlaws.timestep import from_contacts
+
+RADIUS, FORCE = 0.01, 500.0
+GRANITE = dl.Material(young=60.6e9, poisson=0.25, density=2680.0)
+HERTZ = dl.law("hertz", dl.Contact.between(GRANITE, GRANITE, radius1=RADIUS, radius2=RADIUS))
+BASES = {"sc": [(0, 0, 0)], "fcc": [(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0, 0.5, 0.5)]}
+
+
+def lattice(kind):
+    """A periodic lattice of equal spheres with YADE's own Mindlin law and FORCE in each contact, moving a little."""
+    import yade
+
+    yade.O.reset()
+    edge = (2.0 * RADIUS - HERTZ.overlap(FORCE)) * (math.sqrt(2.0) if kind == "fcc" else 1.0)
+    yade.O.materials.append(
+        yade.FrictMat(young=GRANITE.young, poisson=GRANITE.poisson, density=GRANITE.density, frictionAngle=1.0)
+    )
+    yade.O.periodic = True
+    yade.O.cell.setBox(4 * edge, 4 * edge, 4 * edge)
+    random = np.random.default_rng(1)
+    for corner, base in itertools.product(itertools.product(range(4), repeat=3), BASES[kind]):
+        body = yade.utils.sphere(tuple(edge * (np.array(corner) + base)), RADIUS)
+        body.state.vel = tuple(1e-4 * random.standard_normal(3))
+        yade.O.bodies.append(body)
+    yade.O.engines = [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()]),
+        yade.InteractionLoop(
+            [yade.Ig2_Sphere_Sphere_ScGeom()],
+            [yade.Ip2_FrictMat_FrictMat_MindlinPhys()],
+            [yade.Law2_ScGeom_MindlinPhys_Mindlin()],
+        ),
+        yade.NewtonIntegrator(damping=0.0),
+    ]
+    yade.O.dt = 1e-9
+    yade.O.run(2, True)
+    return yade.O
+
+
+def limits():
+    from demlaws.yade.snapshot import snapshot
+
+    found = snapshot()
+    springs = np.transpose(found["springs"])
+    return from_contacts(found["pairs"], found["normals"], *springs, found["masses"])
+
+
+def growth(omega, dt, steps):
+    """Largest kinetic energy in a run of `steps` over that at its start."""
+    import yade
+
+    start, largest = yade.utils.kineticEnergy(), 0.0
+    omega.dt = dt
+    for _ in range(20):
+        omega.run(steps // 20, True)
+        largest = max(largest, yade.utils.kineticEnergy())
+    return largest / start
+
+
+@pytest.mark.parametrize("kind", ["sc", "fcc"])
+def test_energy_is_bounded_at_the_advised_step(omega, kind):
+    """The former advice for this scene was 2 to 3 times the limit; 0.7 of it exploded to 10⁸ J."""
+    scene = Scene(radii=(0.01, 0.03), materials=GRANITE, force=(1.0, FORCE), coordination=6.0)
+    advised = stable_step(scene, lambda contact: dl.law("hertz", contact))
+    exact = limits_of(lattice(kind))
+    assert 0.4 * exact < advised < 0.9 * exact
+    assert growth(lattice(kind), advised, 20_000) < 2.0
+    assert growth(lattice(kind), 0.7 * former_step(), 400) > 1e3
+    assert growth(lattice(kind), 1.05 * exact, 2_000) > 1e3
+
+
+def limits_of(omega):
+    """Exact limit [s] of the contacts as they are; equal to the closed form of the lattice."""
+    found = limits()
+    stiffness = 1.5 * FORCE / HERTZ.overlap(FORCE)
+    mass = 4.0 / 3.0 * math.pi * RADIUS**3 * GRANITE.density
+    number = 2.0 * len([i for i in omega.interactions if i.isReal]) / len(omega.bodies)
+    assert found.exact == pytest.approx(2.0 / math.sqrt(10.0 / 3.0 * number * 1.5 / 1.75 * stiffness / mass), rel=1e-3)
+    return found.exact
+
+
+def former_step():
+    """The former `stable_step` at coordination 6: 1.6 √(m/K)/√3."""
+    mass = 4.0 / 3.0 * math.pi * RADIUS**3 * GRANITE.density
+    return 1.6 / math.sqrt(3.0) * math.sqrt(mass / HERTZ.stiffness(HERTZ.overlap(FORCE)))
+
+
+def test_command_reads_a_saved_scene(omega, tmp_path, capfd):
+    exact = limits_of(lattice("sc"))
+    omega.dt = 2.0 * exact
+    omega.save(str(tmp_path / "sc.yade.gz"))
+    assert main(["timestep", str(tmp_path / "sc.yade.gz")]) == 0
+    lines = capfd.readouterr().out.splitlines()
+    (limit,) = [float(line.split()[2]) for line in lines if line.startswith("exact limit")]
+    assert limit == pytest.approx(exact, rel=1e-3) and lines[-1].endswith("2.00 of the exact limit: unstable")
+    (tmp_path / "bad.yade.gz").write_bytes(b"no scene")
+    assert main(["timestep", str(tmp_path / "bad.yade.gz")]) == 2

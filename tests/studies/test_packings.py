@@ -1,0 +1,61 @@
+"""The oedometer's scene without an engine: where its grains start, what it tells the engine, what it makes of the answer."""
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from studies.trade import candidates, packings
+from studies.trade.candidates import GRANITE, RADII
+from studies.trade.packings import QUICK, Outcome, Setup
+
+
+@pytest.mark.parametrize("setup", [QUICK, Setup(), Setup(count=7, across=2, seed=3)])
+def test_grains_start_apart_inside_their_box(setup):
+    centres, radii = setup.start()
+    assert len(centres) == len(radii) == setup.count and set(radii) <= set(RADII)
+    distance = np.linalg.norm(centres[:, None] - centres[None], axis=2) + np.diag(np.full(setup.count, np.inf))
+    assert np.all(distance > radii[:, None] + radii[None])
+    for axis in (0, 1):
+        assert np.all(centres[:, axis] > radii) and np.all(centres[:, axis] < setup.width - radii)
+    assert np.all(centres[:, 2] > radii)
+    again, _ = setup.start()
+    np.testing.assert_array_equal(centres, again)
+
+
+def test_the_step_is_stable_for_the_stiffest_contact():
+    """Half of 2 √(m/K)/√3 of the lighter grain at the largest force; Hertz is the stiffest of the ways."""
+    setup = Setup()
+    half = dl.Contact.between(GRANITE, GRANITE, radius1=min(RADII), radius2=min(RADII))
+    stiffness = dl.law("hertz", half).stiffness(dl.law("hertz", half).overlap(setup.largest_force))
+    mass = 4 / 3 * np.pi * min(RADII) ** 3 * GRANITE.density
+    assert 0.0 < setup.timestep() < 2.0 * np.sqrt(mass / stiffness)
+    assert setup.timestep() > 0.1 * np.sqrt(mass / stiffness)
+
+
+def test_what_an_engine_is_told():
+    centres, radii = QUICK.start()
+    given = QUICK.given(radii, centres)
+    assert given["count"] == len(given["radii"]) == len(given["centres"]) == 150
+    assert given["young"] == GRANITE.young and given["width"] == QUICK.width and given["stress"] == QUICK.stress
+    assert given["mean_force"] == pytest.approx(0.1 * QUICK.largest_force)
+    assert QUICK.given(radii, centres, width=1.0)["width"] == 1.0
+
+
+def outcome(way=candidates.RICHEST, **changes):
+    forces = np.random.default_rng(1).exponential(5.0, 1000)
+    return Outcome(way, 1e-2, 1e8, 2e8, 3e8, 5e5, forces, 100, 1.0)._replace(**changes)
+
+
+def test_outcomes_in_a_table_and_a_file():
+    one = outcome()
+    hertz = outcome(candidates.Way("hertz", "hertz"), low=1.5e8)
+    assert len(one.percentiles) == len(packings.PERCENTILES) and np.mean(one.shape) == pytest.approx(1.0)
+    text = packings.table([one, hertz], QUICK)
+    assert "hertz" in text and "50.0" in text  # per cent of the low stiffness
+    rows = list(packings.csv_rows("yade", [one, hertz]))
+    assert len(rows) == 2 and all(len(row) == len(packings.TITLES) for row in rows)
+
+
+def test_a_packing_that_was_never_made():
+    with pytest.raises(OSError, match="granite-7"):
+        packings.packing(Setup(count=7))

@@ -1,0 +1,60 @@
+"""Laws that other codes have, fitted to made points of the granite reference."""
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.granite import find_test
+from studies.costs import __main__ as command
+from studies.costs import costs
+from studies.trade import candidates, peers
+from studies.trade.peers import PEERS, held_table, held_together, made_points
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")  # cones at 450 N: overlaps beyond R/10
+
+
+def test_points_are_the_references():
+    """Loaded twice and unloaded twice; more is left after the second."""
+    displacement, force = made_points(find_test("RFC10"), 450.0)
+    assert force.max() == pytest.approx(450.0, rel=1e-9)
+    falls = np.flatnonzero(np.diff(force) < 0)
+    assert 0 < displacement[falls[0]] < displacement[-1] < displacement.max()
+    assert force[-1] == pytest.approx(9.0, rel=1e-9)
+
+
+def test_what_a_fit_leaves():
+    """Thornton and Ning's plastic sphere is nearly the reference where roughness hardly matters, and finds its yield pressure:
+    that is by construction. Hertz's contact returns what it took, whatever E* is."""
+    rows = {r.law: r for r in held_together(("hertz", "thornton-ning"), (("RFC10", 450.0),))}
+    plastic, elastic = rows["thornton-ning"], rows["hertz"]
+    assert plastic.parameters["yield_pressure"] == pytest.approx(1.66e9, rel=0.01)
+    assert plastic.rms < 0.005 and plastic.left < 0.01
+    assert elastic.rms > 0.1 and elastic.left == elastic.worst > 0.3
+    assert "thornton-ning" in held_table(rows.values()) and set(rows) < set(PEERS)
+
+
+def test_the_ways_that_are_priced_against_each_other():
+    """A law with its own rule or a named one, a table where the engine reads tables, YADE's own with the same numbers."""
+    ours, cone = peers.way_of("conical-damage", "yade"), peers.way_of("cdm@own", "yade")
+    assert (ours.law, ours.unloading, ours.rtol, cone.model) == ("conical-damage", "thornton", 0.0, "cdm")
+    assert tuple(dict(ours.options).values()) == candidates.CDM
+    table = peers.way_of("rms:hertz", "liggghts")
+    assert (table.unloading, table.rtol) == ("hertz", 1e-5)
+    for wrong, engine, said in (
+        ("cdm@own", "liggghts", "'cdm@own': liggghts has hertz@own, edinburgh@own"),
+        ("rms:linear", "yade", "unknown unloading rule 'linear'"),
+        ("nobody", "yade", "unknown law 'nobody'"),
+    ):
+        with pytest.raises(dl.DemlawsError, match=said):
+            peers.way_of(wrong, engine)
+
+
+def test_the_command_prints_each_over_the_first(monkeypatch, capsys):
+    ways = [peers.way_of(name, "yade") for name in ("hertz", "cdm@own")]
+    found = [
+        costs.StepCost(way, step, over, 0.1, 0.2) for way, step, over in zip(ways, (200.0, 150.0), (1.0, 0.75), strict=True)
+    ]
+    monkeypatch.setattr(command, "law_costs", lambda *given, **more: found)
+    assert command.main(["hertz", "cdm@own"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert lines[1][-3:] == ["200.0", "1.000", "1.000"] and lines[2][-3:] == ["150.0", "0.750", "0.750"]

@@ -1,0 +1,247 @@
+"""Stable time steps: closed forms, estimates compared with exact limits, and packings integrated by velocity Verlet."""
+
+import functools
+import itertools
+import math
+
+import numba
+import numpy as np
+import pytest
+from examples import make
+from packings import CELLS, lattice, random_packing
+
+import demlaws as dl
+from demlaws.advice.scene import stable_step
+from demlaws.timestep import (
+    SOFTENING_SAFETY,
+    STEP_SAFETY,
+    chain_limit,
+    from_contacts,
+    packing_limit,
+    pair_limit,
+    rayleigh_step,
+    shear_ratio,
+    stiffest,
+)
+
+RATIOS = (0.0, 0.3, 0.857, 1.0)
+X = [1.0, 0.0, 0.0]
+
+
+# --- closed forms
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+@pytest.mark.parametrize("other", [1e-3, 5e-3, math.inf])
+def test_pair_and_wall(ratio, other):
+    """Two bodies, equal and unlike, and one on a wall: estimate, exact limit and bound are one."""
+    limits = from_contacts([[0, 1]], [X], 1e6, ratio * 1e6, [1e-3, other])
+    assert limits.exact == pytest.approx(pair_limit(1e6, 1e-3, other, ratio), rel=1e-9)
+    assert limits.bound == pytest.approx(limits.exact, rel=1e-9)
+    assert pair_limit(1e6, 1e-3, other, 0.0) == pytest.approx(2.0 / math.sqrt(1e6 * (1e3 + 1.0 / other)), rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_chain(ratio):
+    """A ring of spheres is a chain without ends; one with walls at its ends is slightly slower."""
+    count = 40
+    ring = [[i, (i + 1) % count] for i in range(count)]
+    exact = from_contacts(ring, [X] * count, 1e6, ratio * 1e6, np.full(count, 1e-3)).exact
+    assert chain_limit(1e6, 1e-3, ratio) == pytest.approx(exact, rel=1e-6)
+
+
+def test_rayleigh_and_shear_ratio():
+    assert rayleigh_step(1e-3, 2500.0, 20e9, 0.0) == pytest.approx(
+        math.pi * 1e-3 * math.sqrt(2500.0 / 10e9) / 0.8766, rel=1e-12
+    )
+    steel, rubber = dl.Material(210e9, 0.3), dl.Material(5e6, 0.49)
+    assert shear_ratio(steel, steel) == pytest.approx(2 * 0.7 / 1.7, rel=1e-12)
+    assert shear_ratio(rubber, rubber) < shear_ratio(steel, rubber) < shear_ratio(steel, steel)
+
+
+# --- the estimate and the bound compared with the exact limit
+
+
+@functools.cache
+def packing(kind):
+    return lattice(kind) if kind in CELLS else random_packing(*map(float, kind.split()[:2]), seed=int(kind.split()[2]))
+
+
+RANDOM = [f"{sizes} {share} {seed}" for sizes in (1, 1.5, 2, 3, 4) for share, seed in ((0.65, 1), (0.7, 2))]
+
+
+@pytest.mark.parametrize("kind", [*CELLS, *RANDOM])
+def test_estimate_and_bound_are_half_to_all_of_the_exact_limit(kind):
+    """Lattices and random packings of radii from 1 to 4; equal stiffness, and forces and stiffnesses as of rough contacts."""
+    grains = packing(kind)
+    reduced = 1.0 / np.sum(1.0 / grains.radius[grains.pairs], axis=1)
+    stiffnesses = [np.ones(len(grains.pairs))]
+    if kind not in CELLS:
+        stiffnesses += [(grains.overlap * reduced) ** (1 / 3), grains.overlap**0.6 * reduced**0.4]
+    sizes = grains.radius.mean() / grains.radius.min()
+    for stiffness, ratio in itertools.product(stiffnesses, RATIOS):
+        limits = from_contacts(grains.pairs, grains.normals, stiffness, ratio * stiffness, grains.mass)
+        largest = np.max(stiffness / grains.mass[grains.pairs].min(axis=1))
+        estimate = packing_limit(largest, 1.0, grains.coordination, ratio, sizes)
+        assert 0.5 <= estimate / limits.exact <= 1.0, (ratio, estimate / limits.exact)
+        assert 0.85 <= limits.bound / limits.exact <= 1.0 + 1e-6, (ratio, limits.bound / limits.exact)
+
+
+@pytest.mark.parametrize("kind", ["sc", "bcc"])
+def test_lattices_with_all_contacts_alike_have_a_closed_form(kind):
+    """ω² = 2/3 Z max(1 + 2r, 5r) K/m."""
+    grains = packing(kind)
+    for ratio in RATIOS:
+        exact = from_contacts(grains.pairs, grains.normals, 1.0, ratio, grains.mass).exact
+        square = 2 / 3 * grains.coordination * max(1 + 2 * ratio, 5 * ratio)
+        assert exact == pytest.approx(2.0 / math.sqrt(square), rel=1e-5)
+
+
+# --- velocity Verlet
+
+
+@numba.njit
+def verlet(pairs, normals, hertz, overlap, shear, radius, mass, dt, steps, start):
+    """Largest motion over that at the start, about equilibrium, with Hertz's normal force, linear shear, and rotation."""
+    count = len(mass)
+    place, speed, force = np.zeros((count, 6)), np.zeros((count, 6)), np.zeros((count, 6))  # moved, turned
+    inertia = np.empty(6)
+    inertia[:3], inertia[3:] = 1.0, 0.4 * radius**2
+    place[:, :3] = start
+    slip, push, turned = np.empty(3), np.empty(3), np.empty(3)
+    largest = 0.0
+    for step in range(steps):
+        force[:] = 0.0
+        for c in range(len(pairs)):
+            i, j = pairs[c]
+            n = normals[c]  # from j to i; the arm from i to the contact is -R n, that from j is R n
+            along = 0.0
+            for k in range(3):
+                a, b = (k + 1) % 3, (k + 2) % 3
+                turned[a], turned[b] = place[i, 3 + a] + place[j, 3 + a], place[i, 3 + b] + place[j, 3 + b]
+                slip[k] = place[i, k] - place[j, k] - radius * (turned[a] * n[b] - turned[b] * n[a])
+                along += slip[k] * n[k]
+            depth = max(overlap - along, 0.0)
+            normal = hertz * (depth**1.5 - overlap**1.5)
+            for k in range(3):
+                push[k] = (normal + shear * along) * n[k] - shear * slip[k]
+                force[i, k] += push[k]
+                force[j, k] -= push[k]
+            for k in range(3):
+                a, b = (k + 1) % 3, (k + 2) % 3
+                moment = -radius * (n[a] * push[b] - n[b] * push[a])
+                force[i, 3 + k] += moment
+                force[j, 3 + k] += moment
+        for i in range(count):
+            for k in range(6):
+                pull = 0.5 * dt * force[i, k] / (mass[i] * inertia[k])
+                # the second half kick of this step and the first of the next
+                speed[i, k] += pull if step == 0 else 2.0 * pull
+                place[i, k] += dt * speed[i, k]
+            largest = max(largest, abs(place[i, 0]), abs(place[i, 1]), abs(place[i, 2]))
+        if not largest < 1e3 * np.max(start):
+            break
+    return largest / np.max(start)
+
+
+def chain(count=20):
+    """A straight chain between two walls."""
+    pairs = np.array([[i, i + 1] for i in range(count + 1)])
+    return pairs, np.tile([-1.0, 0.0, 0.0], (count + 1, 1)), np.r_[np.inf, np.ones(count), np.inf]
+
+
+def block():
+    """A periodic block of a face-centred lattice."""
+    grains = lattice("fcc", 2)
+    return grains.pairs.astype(np.int64), grains.normals, grains.mass
+
+
+LAW = dl.law("hertz", dl.Contact(radius=2e-3, modulus=32.32e9))
+MASS = 4 / 3 * math.pi * (4e-3) ** 3 * 2680
+
+
+def largest_motion(pairs, normals, masses, ratio, dt, steps, force=100.0):
+    depth = LAW.overlap(force)
+    start = 1e-4 * depth * np.random.default_rng(1).random((len(masses), 3)) * np.isfinite(masses)[:, None]
+    contact = force / depth**1.5, depth, ratio * LAW.stiffness(depth), 4e-3
+    return verlet(pairs, np.ascontiguousarray(normals), *contact, MASS * masses, dt, steps, start)
+
+
+@pytest.mark.parametrize(
+    ("grains", "ratio", "number"), [(chain, 0.0, 2), (chain, 0.857, 2), (block, 0.0, 12), (block, 0.857, 12)]
+)
+def test_verlet_is_bounded_at_the_advised_step_and_diverges_beyond_the_limit(grains, ratio, number):
+    """A chain of 20 and a face-centred block, 100,000 steps. The former step, ÷ √(contacts in one direction), diverges."""
+    pairs, normals, masses = grains()
+    stiffness = LAW.stiffness(LAW.overlap(100.0))
+    exact = from_contacts(pairs, normals, stiffness, ratio * stiffness, MASS * masses).exact
+    advised = dl.timestep(LAW, MASS, 100.0, coordination=number, shear_ratio=ratio)
+    assert 0.3 * exact < advised < STEP_SAFETY * exact
+    assert largest_motion(pairs, normals, masses, ratio, advised, 100_000) < 20.0
+    assert largest_motion(pairs, normals, masses, ratio, 1.05 * exact, 10_000) > 999.0
+    former = 1.6 * math.sqrt(MASS / stiffness / (number / 2.0))
+    if grains is chain or ratio > 0.0:
+        assert former > 1.05 * exact and largest_motion(pairs, normals, masses, ratio, former, 10_000) > 999.0
+
+
+# --- dl.timestep
+
+
+def test_default_is_safe_for_several_contacts():
+    """The former step was 1.13 times the limit of two free equal grains, and 2 to 3 times that of lattices."""
+    stiffness = stiffest(LAW, 100.0)
+    step = dl.timestep(LAW, MASS, 100.0)
+    assert step < STEP_SAFETY * min(pair_limit(stiffness, MASS, MASS), chain_limit(stiffness, MASS))
+    assert 1.6 * math.sqrt(MASS / stiffness) > 1.13 * pair_limit(stiffness, MASS, MASS, 0.0)
+    for kind in CELLS:  # also where the coordination is higher than the default one
+        grains = packing(kind)
+        assert step < from_contacts(grains.pairs, grains.normals, stiffness, stiffness, MASS * grains.mass).exact
+
+
+def test_step_of_bodies_alone():
+    """other_mass: two bodies or a wall; the safety factor depends on the law."""
+    for name, rule, safety in (("pohrt-popov", "hertz", STEP_SAFETY), ("conical-damage", "elastic", SOFTENING_SAFETY)):
+        law = make(name, rule)
+        for other in (0.01, 0.03, math.inf):
+            step = dl.timestep(law, 0.01, 500.0, other_mass=other, shear_ratio=0.5)
+            assert step == pytest.approx(safety * pair_limit(stiffest(law, 500.0), 0.01, other, 0.5), rel=1e-12)
+
+
+def test_scene_of_unlike_grains():
+    """Small grains between large ones: the stiffness is that of unlike radii, the mass that of the small one."""
+    scene = dl.Scene(
+        radii=(4e-3, 12e-3), materials=dl.Material(60.6e9, 0.25, density=2680.0), force=(1.0, 100.0), coordination=8
+    )
+    step = stable_step(scene, lambda contact: dl.law("hertz", contact))
+    contact = scene.contacts(3e-3)[0]  # of 4 and 12 mm
+    stiffness = dl.law("hertz", contact).stiffness(dl.law("hertz", contact).overlap(100.0))
+    grains = packing("bcc")  # with large grains on one of its two lattices
+    masses = MASS * np.where(np.arange(len(grains.radius)) < len(grains.radius) // 2, 1.0, 27.0)
+    exact = from_contacts(grains.pairs, grains.normals, stiffness, 0.857 * stiffness, masses).exact
+    assert 0.4 * exact < step < STEP_SAFETY * exact
+    assert stable_step(scene.__class__(**{**vars(scene), "walls": True}), lambda c: dl.law("hertz", c)) < step
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: dl.timestep("hertz", 1.0, 1.0),
+        lambda: dl.timestep(LAW, 0.0, 1.0),
+        lambda: dl.timestep(LAW, 1.0, -1.0),
+        lambda: dl.timestep(LAW, 1.0, 1.0, other_mass=-1.0),
+        lambda: dl.timestep(LAW, 1.0, 1.0, shear_ratio=-0.1),
+        lambda: dl.timestep(LAW, 1.0, 1.0, coordination=math.nan),
+        lambda: packing_limit(1.0, 1.0, size_ratio=0.5),
+        lambda: from_contacts([], [], 1.0, 1.0, [1.0]),
+        lambda: from_contacts([[0, 0]], [X], 1.0, 1.0, [1.0]),
+        lambda: from_contacts([[0, 2]], [X], 1.0, 1.0, [1.0, 1.0]),
+        lambda: from_contacts([[0, 1]], [[2.0, 0.0, 0.0]], 1.0, 1.0, [1.0, 1.0]),
+        lambda: from_contacts([[0, 1]], [X], math.nan, 1.0, [1.0, 1.0]),
+        lambda: from_contacts([[0, 1]], [X], 0.0, 0.0, [1.0, 1.0]),
+        lambda: from_contacts([[0, 1]], [X], 1.0, 1.0, [math.inf, math.inf]),
+        lambda: from_contacts([[0, 1]], [X], 1.0, 1.0, [-1.0, 1.0]),
+    ],
+)
+def test_bad_calls(call):
+    with pytest.raises(dl.DemlawsError):
+        call()
