@@ -14,7 +14,8 @@ from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part
 from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.errors import DemlawsError
-from demlaws.law import Law, Path
+from demlaws.law import Law
+from demlaws.response import Path
 from demlaws.units import number, real, whole
 
 

@@ -56,26 +56,28 @@ MUTATIONS = (
         "E* sum",
         "demlaws/contact.py",
         "modulus=1.0 / (1.0 / material1.plane_modulus + <<1.0 -> 1.02>> / material2.plane_modulus)",
-        tests="test_contact.py",
+        tests="tests/test_contact.py",
     ),
     _m(
         "plane modulus 1 - ν²",
         "demlaws/contact.py",
         "self.young / (1.0 - <<self.poisson**2 -> 1.02 * self.poisson**2>>)",
-        tests="test_contact.py",
+        tests="tests/test_contact.py",
     ),
-    _m("R sum", "demlaws/contact.py", "radius=1.0 / (1.0 / radius1 + <<1.0 -> 1.02>> / radius2)", tests="test_contact.py"),
+    _m(
+        "R sum", "demlaws/contact.py", "radius=1.0 / (1.0 / radius1 + <<1.0 -> 1.02>> / radius2)", tests="tests/test_contact.py"
+    ),
     _m(
         "σ sum",
         "demlaws/contact.py",
         "roughness=np.hypot(roughness1, <<roughness2 -> 1.02 * roughness2>>)",
-        tests="test_contact.py test_exactness.py",
+        tests="tests/test_contact.py test_exactness.py",
     ),
     _m(
         "α factor 16",
         "demlaws/contact.py",
         "self.roughness * (<<16.0 -> 16.32>> * self.radius",
-        tests="test_contact.py test_hertz.py",
+        tests="tests/test_contact.py test_hertz.py",
     ),
     # --- Hertz
     _m("hertz coefficient 4/3", "core/hertz.py", "return <<4.0 -> 4.08>> * modulus * sqrt(radius) / 3.0", tests=HERTZ),
@@ -167,31 +169,31 @@ MUTATIONS = (
         "asperity K_ν 0.4645",
         "solvers/*.py",
         "return <<0.4645 -> 0.4738>> + 0.3141 * poisson",
-        tests="test_patches.py test_exactness.py -k 'yield or residual'",
+        tests="solvers/test_contact.py test_exactness.py -k 'yield or residual'",
     ),
     _m(
         "asperity elastic force 4√2/3",
         "solvers/*.py",
         "elastic_force = <<4.0 -> 4.08>> * math.sqrt(2.0) / 3.0 * p.modulus",
-        tests="test_patches.py -k circular",
+        tests="solvers/test_contact.py -k circular",
     ),
     _m(
         "asperity first yield π²/2",
         "solvers/*.py",
         "first = <<0.5 -> 0.51>> * math.pi * math.pi * mean_radius",
-        tests="test_patches.py -k 'yield or joints'",
+        tests="solvers/test_contact.py -k 'yield or joints'",
     ),
     _m(
         "asperity plastic area 2π",
         "solvers/*.py",
         "plastic_area = <<2.0 -> 2.04>> * math.pi * geometric_radius",
-        tests="test_patches.py -k 'yield or joints'",
+        tests="solvers/test_contact.py -k 'yield or joints'",
     ),
     _m(
         "asperity area between yield and flow",
         "solvers/*.py",
         "x * x * (<<3.0 - 2.0 -> 3.06 - 2.06>> * x)",
-        tests="test_patches.py test_exactness.py -k 'yield or joints or residual'",
+        tests="solvers/test_contact.py test_exactness.py -k 'yield or joints or residual'",
     ),
     # --- plastic spheres
     _m(
@@ -515,7 +517,7 @@ def arguments_of(tree, tests):
     """The arguments of pytest, with the path of every test file."""
     arguments = []
     for word in shlex.split(tests):
-        found = sorted((tree / "tests").rglob(word)) if word.endswith(".py") else [word]
+        found = [path for path in (tree / "tests").rglob("*.py") if path.match(word)] if word.endswith(".py") else [word]
         if len(found) != 1:
             raise LookupError(f"{len(found)} test files are called {word}")
         arguments.append(str(found[0]))

@@ -81,7 +81,7 @@ def _regime(column):
 
 def _memory(memory):
     """Change of the map in cycle 2 [% of cycle 1's], isotropic surface."""
-    from demlaws.solvers.patches import repeat
+    from studies.jamari.cycles import repeat
     from studies.jamari.published import published_contact
 
     return 100.0 * repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())[1].relative_change

@@ -160,17 +160,17 @@ def test_shear_ratio_of_two_materials():
 @pytest.mark.parametrize("poisson", [0.0, 0.34, 0.5])
 def test_sphere_between_yield_and_flow(poisson):
     """Jamari & Schipper's area and mean pressure, from p0 = K_ν H_m at ω1 to c_h H_m at ω2 = (c_A/2) ω1."""
-    from demlaws.solvers import patches
+    from demlaws.solvers import ellipsoid
 
     radius, modulus, hardness, flow, ratio = 2e-4, 71.3e9, 0.24e9, 0.71, 160.0
-    material = patches.plasticity(modulus, hardness, poisson, flow, ratio)
+    material = ellipsoid.plasticity(modulus, hardness, poisson, flow, ratio)
     radius, modulus, hardness, flow, nu = map(mpf, (radius, modulus, hardness, flow, poisson))
     factor = mpf("0.4645") + mpf("0.3141") * nu + mpf("0.1943") * nu**2
     first = (mp.pi * factor * hardness / (2 * modulus)) ** 2 * radius
     full = first * mpf(ratio) / 2
     times = np.array([0.5, 1.5, 5.0, 30.0, 79.0, 100.0])
     radii = np.full(times.size, float(radius))
-    found = patches.ellipsoids(material, radii, radii, float(first) * times)
+    found = ellipsoid.ellipsoids(material, radii, radii, float(first) * times)
     np.testing.assert_allclose(found.first_yield, float(first), rtol=1e-13)
     np.testing.assert_allclose(found.full_plasticity, float(full), rtol=1e-13)
     for i in range(times.size):

@@ -17,15 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
-from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
+from demlaws.core.loops import evaluate_loop, inverse_loop, unloaded_loop
 from demlaws.core.params import loading_part
 from demlaws.core.unloading import GIVEN
+from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.units import LARGEST_OVERLAP, number, unmasked
+from demlaws.unloading import Unloading
 
 ZERO = "zero"
 COMPLIANCE = "compliance"
@@ -156,19 +158,6 @@ def _refuse_other_units(displacement, force, contact, give):
         raise DemlawsError("the displacement falls where the force rises: count the approach of the bodies as positive, in m")
 
 
-def _said_of_order(displacement, force):
-    """Notes on points that were sorted: the one column rises all along while the other comes back.
-
-    A narrow loop (below a tenth) is not told from noise."""
-    for name, sorted_one, other in (("displacement", displacement, force), ("force", force, displacement)):
-        fall = float(np.max(np.maximum.accumulate(other) - other)) / (float(np.ptp(other)) or 1.0)
-        if np.all(np.diff(sorted_one) >= 0.0) and fall > 0.1:
-            yield (
-                f"the {name} never falls, but the other column does, by up to {100 * fall:.0f} % of its range: points must "
-                "stand in the order of the test, not sorted"
-            )
-
-
 def _in_contact(displacement, force, noise):
     """The points that are in contact, why the others were left out (or None), and the noise of the force [N].
 
@@ -252,10 +241,11 @@ class _Model:
         contact = self.contact.with_values(**{n: v for n, v in values.items() if not self.parameters[n].option})
         options = {**self.options, **{n: v for n, v in values.items() if self.parameters[n].option}}
         if self.family is not None and "hardness" not in values:
-            params = scale_one(self.family, contact.radius, contact.modulus, contact.roughness)
-            return Law(self.definition, contact, self.unloading, options, self.family, params)
-        shape = self.definition.prepare(contact, **options)
-        return Law(self.definition, contact, self.unloading, options, shape)
+            shape = self.family
+        else:
+            shape = self.definition.prepare(contact, **options)
+        rule = Unloading(self.definition.rule(self.unloading))
+        return Law(contact, ClosedForm(self.definition, contact, options, shape), rule)
 
     def displacement(self, coordinates, force):
         """Displacement [m] from first touch, apparatus included, and the contact's tangent stiffness, at each force."""
@@ -360,8 +350,7 @@ def fit(
         count, reason = dropped.split(": ", 1)
         skipped[count] = reason
     fits.sort(key=lambda f: f.aicc)
-    order = _said_of_order(displacement, force)
-    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *order, *_suspicions(fits[0], one, contact, displacement)))
+    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], one, contact, displacement)))
     best = fits[0].aicc
     total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
     ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
@@ -402,27 +391,23 @@ def _suspicions(best, one, contact, displacement):
     if best.law.definition.solved or not float(np.sum(left[1:] * left[:-1])) > 1.7 / math.sqrt(left.size) * spread > 0.0:
         return
     varied = [name for name in best.coordinates if name != ZERO]
-    for name in ("modulus", COMPLIANCE):
+    given = f"speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa"
+    hints = {
+        "modulus": (1e-9, "GPa", given, "fit the modulus, too"),
+        COMPLIANCE: (1e6, "µm/N", "an apparatus makes that gives way", "measure the compliance and give it, or fit it, too"),
+    }
+    for name, (unit, symbol, meaning, remedy) in hints.items():
         if name in varied:
             continue
         try:
             other = one(best.name, best.unloading, [*varied, name])
         except DemlawsError:
             continue
-        if not other.aicc < best.aicc - _DECISIVE:
-            continue
-        found, misfit = other.parameters[name], f"the misfit falls from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
-        if name == "modulus":
-            ends = f"{found.value * 1e-9:.4g} GPa [{found.low * 1e-9:.4g}, {found.high * 1e-9:.4g}]"
+        value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
+        if value > 0.0 and other.aicc < best.aicc - _DECISIVE:
             yield (
-                f"the misfit has a pattern that speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa: "
-                f"with {ends} {misfit}; fit the modulus, too"
-            )
-        elif found.value > 0.0:
-            ends = f"{found.value * 1e6:.3g} µm/N [{found.low * 1e6:.3g}, {found.high * 1e6:.3g}]"
-            yield (
-                f"the misfit has a pattern as from an apparatus that gives way by {ends}, with which {misfit}: "
-                "measure the compliance and give it, or fit it, too"
+                f"the misfit has a pattern that {meaning}: with {value:.4g} {symbol} [{low:.4g}, {high:.4g}] it falls from "
+                f"{best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm; {remedy}"
             )
 
 
@@ -464,37 +449,30 @@ class _Problem:
         return found, whole.copy()
 
     def profile(self, x, index, step, variance, quantile):
-        """Ends of the profile likelihood's interval of coordinate `index`: where the points, with all else fitted anew, lie
-        `quantile` standard deviations from the best fit `x`. Also whether an end is that of the range."""
+        """Ends of the profile likelihood's interval of coordinate `index`: where the points, with all else fitted again, lie
+        `quantile` standard deviations from the best fit `x`, or the end of the range."""
+        from scipy.optimize import brentq
+
         least = float(np.sum(self.residual(x) ** 2))
-        ends, stopped = [], []
-        for direction, bound in ((-1.0, self.low[index]), (1.0, self.high[index])):
-            near, other, here = 0.0, x.copy(), x[index]
-            place, width, far = here, step, None
-            for _ in range(40):
-                if far is None:  # outwards, in growing steps
-                    trial = here + direction * width
-                    trial = max(trial, bound) if direction < 0.0 else min(trial, bound)
-                    width *= 2.0
-                else:  # the root of χ is nearly a straight line
-                    share = (quantile - near) / (far[1] - near)
-                    trial = place + min(max(share, 0.05), 0.95) * (far[0] - place)
-                if trial == place:
-                    break
-                whole = other.copy()
-                whole[index] = trial
-                whole = self.solve(whole, index, xtol=1e-10, ftol=1e-10, gtol=1e-10, max_nfev=40)[1]
-                away = math.sqrt(max(float(np.sum(self.residual(whole) ** 2)) - least, 0.0) / variance)
-                if away < quantile:
-                    place, near, other = trial, away, whole
-                else:
-                    far = trial, away
-                if abs(away - quantile) < 0.005 * quantile:
-                    place = trial
-                    break
+        ends = []
+        for bound in (self.low[index], self.high[index]):
+            start = x.copy()
+
+            def beyond(trial, start=start):
+                start[index] = trial
+                start[:] = self.solve(start, index, xtol=1e-10, ftol=1e-10, gtol=1e-10, max_nfev=40)[1]
+                away = math.sqrt(max(float(np.sum(self.residual(start) ** 2)) - least, 0.0) / variance) - quantile
+                return away if abs(away) > 0.005 * quantile else 0.0
+
+            place, width, outside = x[index], math.copysign(step, bound - x[index]), False
+            while place != bound and not outside:
+                near, place = place, (min if width > 0.0 else max)(place + width, bound)
+                width *= 2.0
+                outside = beyond(place) >= 0.0
+            if outside:
+                place = brentq(lambda trial: beyond(trial) if trial != x[index] else -quantile, near, place)
             ends.append(place)
-            stopped.append(place == bound)
-        return ends, stopped
+        return ends
 
 
 def _fit_one(model, displacement, force, displacement_noise, force_noise):
@@ -529,32 +507,27 @@ def _report(problem, solution, absolute):
     freedom = n - k
     variance = 1.0 if absolute else rss / freedom
     # a parameter at its bound, or without effect, is left out of the covariance
-    low, high = model.bounds()
+    low, high = problem.low, problem.high
     size = np.linalg.norm(solution.jac, axis=0)
-    width = high - low
-    at_bound = np.append(np.minimum(solution.x[:-1] - low, high - solution.x[:-1]) < 1e-6 * width, False)
+    width = np.where(np.isfinite(high), high - low, 1.0)
+    at_bound = np.minimum(solution.x - low, high - solution.x) < 1e-6 * width
     idle = size <= 1e-10 * max(size[-1], 1e-300)
     used = ~(at_bound | idle)
     jacobian = solution.jac[:, used] / size[used]
-    _, singular, right = np.linalg.svd(jacobian, full_matrices=False)
     covariance = np.full((k, k), np.nan)
-    weak = np.zeros(k, bool)
-    if singular[-1] > 1e-7 * singular[0]:
-        inverse = (right.T / singular**2) @ right
-        covariance[np.ix_(used, used)] = variance * inverse / np.outer(size[used], size[used])
-    else:
-        weak = used.copy()
+    weak = used & (np.linalg.cond(jacobian) >= 1e7)
+    if not np.any(weak):
+        inverse = np.linalg.pinv(jacobian) / size[used, None]
+        covariance[np.ix_(used, used)] = variance * inverse @ inverse.T
     half = 0.5 + 0.5 * _CONFIDENCE
     quantile = float(stats.norm.ppf(half) if absolute else stats.t.ppf(half, freedom))
     errors = np.sqrt(np.diag(covariance))
     ends = np.array([solution.x - quantile * errors, solution.x + quantile * errors]).T
-    stopped = np.zeros((k, 2), bool)
-    if variance > 0.0 and not np.all((ends[:-1, 0] > low) & (ends[:-1, 1] < high)):
+    if variance > 0.0 and not np.all((ends[:, 0] > low) & (ends[:, 1] < high)):
         # near an end of its range a quantity's likelihood is no parabola, nor is that of those that are tied to it
-        steps = np.where(np.isfinite(errors) & (errors > 0.0), errors, 0.02 * np.append(width, 1.0))
-        steps[:-1] = np.minimum(steps[:-1], width)
-        for i in range(k):
-            ends[i], stopped[i] = problem.profile(solution.x, i, float(steps[i]), variance, quantile)
+        steps = np.minimum(np.where(np.isfinite(errors) & (errors > 0.0), errors, 0.02 * width), high - low)
+        ends = np.array([problem.profile(solution.x, i, float(steps[i]), variance, quantile) for i in range(k)])
+    stopped = ends == np.stack([low, high], 1)
     unit = np.append(np.ones(k - 1), scale)
     covariance *= np.outer(unit, unit)
     estimates = {}

@@ -1,6 +1,5 @@
 """`demlaws surface`: height maps, their contact, their law."""
 
-import dataclasses
 import math
 
 from demlaws.cli import example
@@ -17,18 +16,16 @@ def register(subparsers):
         usage="demlaws surface FILE [options]\n"
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface synthetic --out FILE [options]\n"
-        "       demlaws surface summits FILE [--radius R] [options]\n"
-        "       demlaws surface change BEFORE AFTER [options]",
+        "       demlaws surface summits FILE [--radius R] [options]",
         description="FILE: .npy, .csv, .txt, .tsv or .asc, or what an instrument writes (through SurfaceTopography). The first "
         "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `summits` counts nine-point "
-        "summits; `change` lays a map over the one before it and shows what has changed; `synthetic` makes a self-affine map.",
+        "summits; `synthetic` makes a self-affine map.",
         **example(
             "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
             "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
-            "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --cycles 20 --table map.tbl --figure contact.png\n"
-            "  demlaws surface summits map.asc --radius 5mm --crop 0.2mm\n"
-            "  demlaws surface change before.asc after.asc --figure change.png --out change.npy"
+            "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --table map.tbl --figure contact.png\n"
+            "  demlaws surface summits map.asc --radius 5mm --crop 0.2mm"
         ),
     )
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
@@ -43,26 +40,19 @@ def register(subparsers):
     surface.add_argument(
         "--wavelengths", type=length, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
     )
-    surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the last cycle leaves it")
+    surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the load leaves it")
     surface.add_argument("--figure", type=output, help="picture to draw")
     contact = surface.add_argument_group("contact")
     bodies(contact)
     contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
     contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
     contact.add_argument("--load", type=force, help="load in N")
-    contact.add_argument("--cycles", type=whole(1, 100_000), default=1, help="number of load cycles (default 1)")
     contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (without: aluminium's)"
     )
-    contact.add_argument(
-        "--memory",
-        choices=("pressure", "blunting", "none"),
-        default="pressure",
-        help="what unloading leaves in a pixel besides its height; an assumption: with none, geometry alone, nothing runs in",
-    )
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (without: aluminium's)")
-    contact.add_argument("--csv", type=output, help="write the micro-contacts of the first cycle")
+    contact.add_argument("--csv", type=output, help="write the micro-contacts under load")
     contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
     contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
     contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz; reloading: elastic)")
@@ -90,10 +80,6 @@ def run_surface(arguments):
         return _contact(arguments, rest[0])
     if first == "summits" and len(rest) == 1:
         return _summits(arguments, rest[0])
-    if first == "change":
-        if len(rest) != 2:
-            raise DemlawsError("`demlaws surface change` takes two height maps: before and after")
-        return _change(arguments, rest)
     if rest:
         raise DemlawsError(f"one height map at a time, got {' '.join(arguments.words)}")
     _form(_cropped(arguments, first))
@@ -134,10 +120,10 @@ def _form(heights):
 
 
 def _summits(arguments, path):
-    from demlaws.solvers import patches
+    from demlaws.solvers.summits import summits
 
     heights = _levelled(arguments, path)
-    found = patches.summits(heights)
+    found = summits(heights)
     print(
         f"{found.total} nine-point summits on {heights.field_of_view[0] * 1e6:.4g} x {heights.field_of_view[1] * 1e6:.4g} µm, "
         f"pixels of {heights.pixel_x * 1e6:.4g} µm: η = {found.density * 1e-12:.4g} /µm²"
@@ -150,33 +136,6 @@ def _summits(arguments, path):
     if arguments.radius is not None:
         print(f"μ = (8/3) η σ √(2Rβ) = {found.mu(arguments.radius):.4g} for R = {arguments.radius * 1e3:g} mm and σ = Sq")
     draw(arguments.figure, lambda plots: plots.nine_point_figure(heights))
-    return 0
-
-
-def _change(arguments, paths):
-    import numpy as np
-
-    from demlaws.matching import matched
-
-    before, after = (_cropped(arguments, path) for path in paths)
-    match = matched(before, after)
-    changed, pixel = match.changed(), before.pixel_x * before.pixel_y
-    heights = match.difference.heights
-    lowered = float(np.nansum(np.where(changed & (heights < 0), -heights, 0.0))) * pixel
-    raised = float(np.nansum(np.where(changed & (heights > 0), heights, 0.0))) * pixel
-    print(
-        f"the second map is moved by {match.shift_x * 1e6:.4g}, {match.shift_y * 1e6:.4g} µm and turned by "
-        f"{math.degrees(match.angle):.4g}°; {100 * np.isfinite(heights).mean():.3g} % of the first is seen in both"
-    )
-    share = 100 * changed.mean()
-    print(f"noise of the difference {match.noise * 1e9:.4g} nm; {share:.3g} % of the map differ by more than 4 times that")
-    print(
-        f"largest lowering {max(-np.nanmin(heights), 0.0) * 1e6:.4g} µm, "
-        f"largest rise {max(np.nanmax(heights), 0.0) * 1e6:.4g} µm; "
-        f"volume lowered {lowered * 1e18:.4g} µm³, raised {raised * 1e18:.4g} µm³"
-    )
-    _write(arguments.out, match.difference)
-    draw(arguments.figure, lambda plots: plots.change_figure(before, match))
     return 0
 
 
@@ -230,7 +189,8 @@ def _synthetic(arguments):
 
 
 def _contact(arguments, name):
-    from demlaws.solvers.patches import RoughContact
+    from demlaws.regime import assess
+    from demlaws.solvers.contact import RoughContact
 
     heights = _levelled(arguments, name)
     if arguments.on is not None:
@@ -242,53 +202,22 @@ def _contact(arguments, name):
         arguments.plastic_factor,
         arguments.plastic_ratio,
         flat=arguments.flat,
-        memory=arguments.memory,
     )
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
     if arguments.load is not None:
-        history = press(contact, arguments.load, arguments.cycles, min(arguments.tolerance, 1.0), arguments.figure, name)
+        if contact.pair.hardness is not None and not contact.flat:
+            print(assess(contact.pair, arguments.load))
+        step = contact.load(arguments.load, min(arguments.tolerance, 1.0))
+        print(step)
         if arguments.csv is not None:
-            _write_micro_contacts(arguments.csv, history[0].step.micro)
-        _write(arguments.out, history[-1].contact.heights)
+            _write_micro_contacts(arguments.csv, step.micro)
+        if arguments.out is not None:
+            _write(arguments.out, contact.unload(step).heights)
+        draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
     if arguments.table is not None:
         _table(arguments, contact, arguments.load)
     return 0
-
-
-def press(contact, load, cycles=1, tolerance=0.01, figure=None, name=""):
-    """Press a ball on a map `cycles` times, print what each does and draw it to `figure`; returns the cycles."""
-    from demlaws import regime
-    from demlaws.solvers import patches
-
-    if contact.pair.hardness is not None and not contact.flat:
-        print(regime.assess(contact.pair, load))
-    history = patches.repeat(contact, load, cycles, tolerance, keep=(1, 2, 3, 10, cycles))
-    others = {}
-    if cycles > 1 and contact.pair.hardness is not None:
-        few = min(cycles, 5)
-        for memory in patches.MEMORIES:
-            if memory != contact.memory:
-                other = dataclasses.replace(contact, memory=memory)
-                others[memory] = patches.repeat(other, load, few, tolerance, keep=())
-    for cycle in history:
-        if cycle.number in (1, 2, 3, 10, cycles):
-            print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
-    print(
-        f"run in after cycle {max(patches.run_in_cycle(history), 1)} (ε_r = 0.01), on the assumption that a pixel "
-        f"remembers {patches.REMEMBERED[contact.memory]} (--memory {contact.memory})"
-    )
-    for memory, few in others.items():
-        print(f"  with --memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change")
-    draw(
-        figure,
-        lambda plots: (
-            plots.repeated_figure(contact, history, name, others)
-            if cycles > 1
-            else plots.contact_figure(contact, history[0].step)
-        ),
-    )
-    return history
 
 
 def _table(arguments, contact, load):

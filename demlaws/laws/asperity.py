@@ -79,7 +79,7 @@ class Curve(NamedTuple):
 
 
 def _curve(pair, surface, curve, load, max_force, poisson, plastic_factor, plastic_ratio, reach):
-    from demlaws.solvers.patches import RoughContact
+    from demlaws.solvers.contact import RoughContact
 
     rough = RoughContact(surface, pair, poisson, plastic_factor, plastic_ratio)
     start = 0.0
@@ -103,7 +103,7 @@ def sample(rough, start, max_force):
     overlap = max(rough.heights.sq, 1e-12) * 2.0**-_OCTAVES
     overlaps, forces, edge = [], [], 0.0
     while len(overlaps) < 40 * _SAMPLES:
-        force, _, edge = rough._force(rough.origin - (start + overlap), rough._whole())
+        force, _, edge = rough.carried(start + overlap)
         if force > limit or (edge and max_force is None):
             break
         overlaps.append(overlap)
@@ -117,7 +117,7 @@ def sample(rough, start, max_force):
             "or a larger map"
         )
     if max_force is not None and edge:
-        rough._advise(rough.at(start + overlaps[-1]))
+        rough.advise(rough.at(start + overlaps[-1]))
     return np.array(overlaps)[used], forces[used]
 
 

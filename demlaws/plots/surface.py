@@ -163,79 +163,9 @@ def circle(ax, centre, radius, style, label):
     ax.legend(fontsize=8, loc="upper right")
 
 
-def repeated_figure(contact, history, name="", others=None):
-    """Repeated contact: map before and after the first cycle, contact area, profiles and change over cycles.
-
-    others: memory → history of the same contact with another assumption of what a pixel remembers.
-    """
-    fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
-    heights, first = contact.heights, history[0]
-    after = first.contact.heights.heights
-    span = {"vmin": np.nanmin(heights.heights) * MICRO, "vmax": np.nanmax(heights.heights) * MICRO}
-    show(fig, axes[0, 0], heights, heights.heights * MICRO, "height (µm)", **span)
-    axes[0, 0].set_title(f"{name} before: Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
-    show(fig, axes[0, 1], heights, after * MICRO, "height (µm)", **span)
-    axes[0, 1].set_title(f"after cycle 1 at {first.step.load:.3g} N", fontsize=10)
-    change = (after - heights.heights) * MICRO
-    limit = max(abs(np.nanmin(change)), 1e-9)
-    show(fig, axes[0, 2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
-    touched = np.argwhere(change != 0)
-    if touched.size:
-        (row0, column0), (row1, column1) = touched.min(axis=0), touched.max(axis=0)
-        px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
-        axes[0, 2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
-    axes[0, 2].set_title("plastic change (contact region)", fontsize=10)
-    ax = axes[1, 0]
-    show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
-    ellipses(ax, first.step)
-    radius = (first.step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
-    if not contact.flat:
-        circle(ax, contact.centre, radius, "--", "Hertz radius")
-    counts = first.step.counts
-    ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
-    # profiles through the pixel that lost most
-    ax = axes[1, 1]
-    row, column = np.unravel_index(np.nanargmin(change), change.shape)
-    x = np.arange(heights.shape[1]) * heights.pixel_x * MICRO
-    ax.plot(x, heights.heights[row] * MICRO, "k-", lw=1.6, label="before")
-    for cycle in history:
-        if cycle.contact is not None:
-            ax.plot(
-                x,
-                cycle.contact.heights.heights[row] * MICRO,
-                lw=1.0,
-                ls=(0, (2 + cycle.number % 5, 1.5)),
-                label=f"n = {cycle.number}",
-            )
-    centre = column * heights.pixel_x * MICRO
-    ax.set(xlim=(centre - 25, centre + 25), xlabel="x (µm)", ylabel="height (µm)")
-    near = np.abs(x - centre) < 25
-    ax.set_ylim(np.nanmin(heights.heights[row][near]) * MICRO, np.nanmax(heights.heights[row][near]) * MICRO + 0.1)
-    ax.set_title(f"profile at y = {row * heights.pixel_y * MICRO:.0f} µm", fontsize=10)
-    ax.legend(fontsize=7, ncol=2)
-    ax = axes[1, 2]
-    number = [c.number for c in history]
-    ax.semilogy(
-        number,
-        [max(c.relative_change, 1e-6) for c in history],
-        "o-",
-        label=f"change of the map / first, memory: {contact.memory}",
-    )
-    for memory, few in (others or {}).items():
-        ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")
-    ax.axhline(0.01, color="black", lw=0.8, ls="--", label="run-in, ε$_r$ = 0.01")
-    ax.semilogy(
-        number, [c.step.contact_area / first.step.contact_area for c in history], "s-", ms=4, label="contact area / first"
-    )
-    ax.set(xlabel="cycle", ylim=(5e-7, 3))
-    ax.set_title("run-in (0 is drawn at 1e-6)", fontsize=10)
-    ax.legend(fontsize=8)
-    return fig
-
-
 def nine_point_figure(heights):
     """Nine-point summits on the map, and how their radii and heights are distributed."""
-    from demlaws.solvers.patches import nine_point_summits
+    from demlaws.solvers.summits import nine_point_summits
 
     x, y, z, radius = nine_point_summits(heights)
     fig, (left, right) = figure(columns=2, width=5.4, height=4.2)
@@ -244,28 +174,6 @@ def nine_point_figure(heights):
     left.set_title(f"{x.size} nine-point summits", fontsize=10)
     right.semilogx(np.abs(radius) * MICRO, z * MICRO, ".", ms=3)
     right.set(xlabel="radius of curvature (µm)", ylabel="height of the summit (µm)")
-    return fig
-
-
-def change_figure(before, match):
-    """A map, what has changed after it was laid over a second one, and profiles of that through its middle of change."""
-    fig, (left, middle, right) = figure(columns=3, width=5.0, height=4.2)
-    show(fig, left, before, before.heights * MICRO, "height (µm)")
-    left.set_title("before", fontsize=10)
-    change = match.difference.heights * MICRO
-    limit = max(float(np.nanmax(np.abs(change))), 1e-9)
-    show(fig, middle, before, change, "after - before (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
-    middle.set_title(f"difference, noise {match.noise * 1e9:.3g} nm", fontsize=10)
-    weight = np.where(match.changed(), np.abs(np.nan_to_num(change)), 0.0) + 1e-300
-    row = int(np.argmax(weight.sum(axis=1)))
-    column = int(np.argmax(weight.sum(axis=0)))
-    for values, pixel, place in (
-        (change[row], before.pixel_x, f"along x at y = {row * before.pixel_y * MICRO:.0f} µm"),
-        (change[:, column], before.pixel_y, f"along y at x = {column * before.pixel_x * MICRO:.0f} µm"),
-    ):
-        right.plot(np.arange(values.size) * pixel * MICRO, values, lw=1.0, label=place)
-    right.set(xlabel="distance (µm)", ylabel="after - before (µm)")
-    right.legend(fontsize=8)
     return fig
 
 

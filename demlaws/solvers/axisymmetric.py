@@ -28,17 +28,19 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from demlaws.errors import DemlawsError
+from demlaws.solvers.influence import ORDER, influence_matrix, nodes_of, panel_edges, reference_rules
+
+if TYPE_CHECKING:
+    from scipy.interpolate import BPoly
 
 LOWEST_FORCE = 1e-9  # below it the elastic bulk moves by less than 1e-8 sigma and the closed form of the tail is exact
 HIGHEST_FORCE = 1e7
 
-_ORDER = 10  # Gauss-Legendre nodes per panel
 _INNER = 9  # panels from the axis to the flank of the pressure
 _OUTER = 4  # panels from the flank to the end of the tail
 _FLANK = math.log(1e-3)  # pressure over central pressure where the inner panels end
@@ -125,7 +127,7 @@ def half_moments(s, orders):
     x = np.maximum(s, -12.0)[..., None] + y2
     phi = np.exp(-0.5 * x * x) * (0.2 / math.sqrt(2 * math.pi))
     phi[..., 0] *= 0.5
-    result = [_apply(phi, y2 ** (n + 0.5)) for n in orders]
+    result = [phi @ y2 ** (n + 0.5) for n in orders]
     deep = s < -12
     if deep.any():
         depth = -s[deep]
@@ -138,157 +140,20 @@ def half_moments(s, orders):
     return result
 
 
-# ---- influence matrix ----------------------------------------------------------------------------
-
-
-@lru_cache
-def _reference(order):
-    """Rules on [0, 1] for one panel: nodes and weights, and per target the singular and near-singular rules, each with
-    the values of the panel's Lagrange polynomials at its points."""
-    x, weights = np.polynomial.legendre.leggauss(order)
-    x, weights = 0.5 * (x + 1), 0.5 * weights
-    v, dv = np.polynomial.legendre.leggauss(3 * order)
-    v, dv = 0.5 * (v + 1), 0.5 * dv
-    # t = v^5 turns the logarithm at v = 0 into v^4 log v, which Gauss-Legendre integrates to 1e-12
-    t, dt = v**5, 5 * v**4 * dv
-    barycentric = 1 / np.prod(x[:, None] - x + np.eye(order), axis=1)
-
-    def lagrange(points):
-        difference = points[..., None] - x
-        ratio = barycentric / difference
-        return ratio / ratio.sum(axis=-1, keepdims=True)
-
-    own = np.concatenate([x[:, None] * (1 - t), x[:, None] + (1 - x[:, None]) * t], axis=1)
-    own_weights = np.concatenate([x[:, None] * dt, (1 - x[:, None]) * dt], axis=1)
-    own_distance = np.concatenate([-x[:, None] * t, (1 - x[:, None]) * t], axis=1)
-    at_left, at_right = lagrange(np.array([0.0]))[0], lagrange(np.array([1.0]))[0]
-    return {
-        "x": x,
-        "weights": weights,
-        "own_distance": own_distance,
-        "own": own_weights[..., None] * lagrange(own),
-        "t": t,
-        "from_left": dt[:, None] * lagrange(t),
-        "from_right": dt[:, None] * lagrange(1 - t),
-        "at_left": at_left,
-        "at_right": at_right,
-    }
-
-
-def _kernel(r, t, difference):
-    """(2/pi) t/(t + r) K(k) = (2/pi) (t / hi) K(lo / hi), difference = t - r (Landen)."""
-    from scipy.special import ellipkm1
-
-    hi = np.maximum(r, t)
-    return (2 / math.pi) * (t / hi) * ellipkm1(np.abs(difference) * (r + t) / (hi * hi))
-
-
-def influence_matrix(edges, order=_ORDER):
-    """Nodes r, weights dr and the matrix W of w(r_i) = sum_j W_ij q(r_j) for panels between edges (edges[0] = 0).
-
-    The pressure is a polynomial of degree order - 1 on each panel; its product with the complete elliptic kernel is
-    integrated with the logarithmic singularity resolved on the target's own panel and on both neighbours.
-    """
-    ref = _reference(order)
-    edges = np.asarray(edges, float)
-    left, width = edges[:-1], np.diff(edges)
-    panels = width.size
-    nodes = left[:, None] + width[:, None] * ref["x"]
-    weights = width[:, None] * ref["weights"]
-    r = nodes.ravel()
-    same = np.eye(panels * order, dtype=bool)
-    difference = r - r[:, None] + same  # the diagonal is overwritten below
-    matrix = _kernel(r[:, None], r, difference) * weights.ravel()
-    blocks = matrix.reshape(panels, order, panels, order)
-    distance = width[:, None, None] * ref["own_distance"]
-    target = nodes[:, :, None]
-    own = np.einsum("ijq,jqk->ijk", _kernel(target, target + distance, distance), ref["own"])
-    i = np.arange(panels)
-    blocks[i, :, i, :] = own * width[:, None, None]
-    t = width[:, None] * ref["t"]
-    # source panels 1.. seen from targets in the panel to their left, then 0.. from their right
-    point = (left[1:, None] + t[1:])[:, None, :]
-    target = nodes[:-1, :, None]
-    blocks[i[:-1], :, i[1:], :] = (
-        np.einsum("ijq,qk->ijk", _kernel(target, point, point - target), ref["from_left"]) * width[1:, None, None]
-    )
-    point = (edges[1:-1, None] - t[:-1])[:, None, :]
-    target = nodes[1:, :, None]
-    blocks[i[1:], :, i[:-1], :] = (
-        np.einsum("ijq,qk->ijk", _kernel(target, point, point - target), ref["from_right"]) * width[:-1, None, None]
-    )
-    return r, weights.ravel(), matrix
-
-
-def _nodes(edges):
-    return (edges[:-1, None] + np.diff(edges)[:, None] * _reference(_ORDER)["x"]).ravel()
-
-
-def _graded(length, smallest, panels):
-    """Widths in geometric progression, the first equal to smallest, that add up to length."""
-    smallest = min(smallest, length / panels)
-    low, high, ratio = 1.0, 50.0, length / smallest
-    for _ in range(60):
-        g = 0.5 * (low + high)
-        total = panels if abs(g - 1) < 1e-9 else (g**panels - 1) / (g - 1)
-        low, high = (g, high) if total < ratio else (low, g)
-    widths = smallest * g ** np.arange(panels)
-    return widths * (length / widths.sum())
-
-
-def _panel_edges(levels, inner, outer):
-    """Equal panels from the flank of the pressure to its end (levels: their ln r), growing ones back to the axis."""
-    flank, end = np.exp(levels)
-    h = (end - flank) / outer
-    widths = np.concatenate([_graded(flank, h, inner)[::-1], np.full(outer, h)])
-    return np.concatenate([[0.0], np.cumsum(widths)])
+def _tail_separation(model, parameter, log_force):
+    """d of the undeformed bulk, f = (pi/sqrt 2) A int_d^inf g ds, and -dd/d ln f; arrays."""
+    target = log_force - math.log(math.pi / math.sqrt(2) * parameter)
+    d = np.sqrt(np.maximum(1.0, -2 * target))
+    for _ in range(50):
+        total, g, _ = model.tail(d)
+        step = (np.log(np.maximum(total, 1e-308)) - target) * total / np.maximum(g, 1e-308)
+        d = d + step
+        if np.abs(step).max() < 1e-13:
+            break
+    return d, total / g
 
 
 # ---- Newton and continuation ---------------------------------------------------------------------
-
-
-@njit(cache=True, error_model="numpy")
-def _eliminate(matrix, pivots):
-    """LU with row exchanges, in place. LAPACK's threads stall for milliseconds at this size on a busy machine."""
-    n = matrix.shape[0]
-    for j in range(n):
-        best = j
-        for i in range(j + 1, n):
-            if abs(matrix[i, j]) > abs(matrix[best, j]):
-                best = i
-        pivots[j] = best
-        if best != j:
-            for k in range(n):
-                matrix[j, k], matrix[best, k] = matrix[best, k], matrix[j, k]
-        inverse = 1.0 / matrix[j, j]
-        for i in range(j + 1, n):
-            factor = matrix[i, j] * inverse
-            matrix[i, j] = factor
-            for k in range(j + 1, n):
-                matrix[i, k] -= factor * matrix[j, k]
-
-
-@njit(cache=True, error_model="numpy")
-def _back_substitute(matrix, pivots, right):
-    """Solve in place for the vector right with the result of _eliminate."""
-    n = matrix.shape[0]
-    for j in range(n):
-        right[j], right[pivots[j]] = right[pivots[j]], right[j]
-    for i in range(1, n):
-        total = right[i]
-        for k in range(i):
-            total -= matrix[i, k] * right[k]
-        right[i] = total
-    for i in range(n - 1, -1, -1):
-        total = right[i]
-        for k in range(i + 1, n):
-            total -= matrix[i, k] * right[k]
-        right[i] = total / matrix[i, i]
-
-
-def _apply(matrix, vector):
-    """matrix @ vector without BLAS: its threads cost ten times the arithmetic at this size on a busy machine."""
-    return np.einsum("ij,j->i", matrix, vector)
 
 
 class _State(NamedTuple):
@@ -311,32 +176,17 @@ class _Solver:
         self.points = []
         self.flat = False
 
-    def _tail_separation(self, log_force):
-        """d of the undeformed bulk: f = (pi/sqrt 2) A int_d^inf g ds."""
-        target = log_force - math.log(math.pi / math.sqrt(2) * self.parameter)
-        d = math.sqrt(max(1.0, -2 * target))
-        for _ in range(50):
-            total, g, _ = self.model.tail(np.float64(d))
-            step = (math.log(total) - target) * total / g
-            d += step
-            if abs(step) < 1e-13 * d:
-                break
-        return d
-
-    def _edges(self, levels):
-        return _panel_edges(levels, self.inner, self.outer)
-
     def _guess(self, log_force):
         """Separation, approach and panel edges to start Newton from: the tail, or past states extrapolated in ln f.
 
         Nodes keep their place relative to the flank and the tail of the pressure, so s at a node varies slowly."""
         if not self.history:
-            d = self._tail_separation(log_force)
+            d = float(_tail_separation(self.model, self.parameter, np.array([log_force]))[0][0])
             s = np.linspace(d, d + 60, 60001)
             log_g = np.log(np.maximum(self.model.layer(s)[0], 1e-300))
             level = np.interp([-_FLANK, -_END], log_g[0] - log_g, s)
-            edges = self._edges(0.5 * np.log(level - d))
-            r = _nodes(edges)
+            edges = panel_edges(0.5 * np.log(level - d), self.inner, self.outer)
+            r = nodes_of(edges)
             return d + r * r, -d, edges
         past = self.history[-4:]
         x = np.array([state.log_force for state in past])
@@ -344,15 +194,16 @@ class _Solver:
         _, approach, s, r, levels = (
             sum(w * item for w, item in zip(weights, items, strict=True)) for items in zip(*past, strict=True)
         )
-        edges = self._edges(levels)
-        return s + np.gradient(s, r) * (_nodes(edges) - r), approach, edges
+        edges = panel_edges(levels, self.inner, self.outer)
+        return s + np.gradient(s, r) * (nodes_of(edges) - r), approach, edges
 
     def _newton(self, log_force, s, approach, edges):
         """Solve at one load; (state, point) or None when Newton does not converge."""
+        from scipy.linalg import lu_factor, lu_solve
+
         r, dr, influence = influence_matrix(edges)
         load = math.pi * math.sqrt(2) * r * dr
         diagonal = np.arange(r.size)
-        pivots = np.empty(r.size, np.int64)
         for _ in range(30):
             self.newton_steps += 1
             g, g1, g2 = (self.parameter * x for x in self.model.layer(s))
@@ -361,11 +212,11 @@ class _Solver:
                 return None
             jacobian = influence * -g1
             jacobian[diagonal, diagonal] += 1
-            correction = r * r + _apply(influence, g) - s - approach
-            sinking = np.ones_like(r)  # minus ds/dU
-            _eliminate(jacobian, pivots)
-            _back_substitute(jacobian, pivots, correction)
-            _back_substitute(jacobian, pivots, sinking)
+            # einsum: the threads of BLAS stall on a busy machine, and a product costs less than waking them
+            correction = r * r + np.einsum("ij,j->i", influence, g) - s - approach
+            factors = lu_factor(jacobian, overwrite_a=True, check_finite=False)
+            # sinking: minus ds/dU
+            correction, sinking = lu_solve(factors, np.stack([correction, np.ones_like(r)], 1), check_finite=False).T
             load_slope = load * g1
             d_approach = (force * (log_force - math.log(force)) - load_slope @ correction) / -(load_slope @ sinking)
             ds = correction - d_approach * sinking
@@ -382,10 +233,9 @@ class _Solver:
         g, g1, g2 = (self.parameter * x for x in self.model.layer(s))
         ds = -sinking
         stiffness = (load * g1) @ ds
-        bend = _apply(influence, g2 * ds * ds)
-        _back_substitute(jacobian, pivots, bend)
+        bend = lu_solve(factors, np.einsum("ij,j->i", influence, g2 * ds * ds), check_finite=False)
         curvature = load @ (g2 * ds * ds + g1 * bend)
-        central = self.parameter * self.model.layer(_reference(_ORDER)["at_left"] @ s[:_ORDER])[0]
+        central = self.parameter * self.model.layer(reference_rules(ORDER)["at_left"] @ s[:ORDER])[0]
         force = load @ g
         hertz_radius = (3 * force / (8 * math.sqrt(2))) ** (1 / 3)
         radius = 3 * math.pi * (r * dr @ g) / (4 * (dr @ g))
@@ -450,7 +300,7 @@ class Curve(NamedTuple):
     parameter: float
     points: MasterCurve
     log_force: np.ndarray  # nodes of the quintics
-    offset: np.ndarray  # V and its first and second derivative by ln f, one row each
+    offset: BPoly  # V as a function of ln f
     flat: bool  # the last point is one of a flattened (fully crushed) contact
 
     # -- U(f) --
@@ -467,31 +317,15 @@ class Curve(NamedTuple):
         low, high = t < self.log_force[0], t > self.log_force[-1]
         middle = ~(low | high)
         if middle.any():
-            u[middle], du[middle] = self._between(t[middle])
+            hertz = np.exp((t[middle] + math.log(0.75)) * (2 / 3))
+            u[middle] = self.offset(t[middle]) + hertz
+            du[middle] = self.offset(t[middle], 1) + (2 / 3) * hertz
         if low.any():
-            u[low], du[low] = self._tail_approach(t[low])
+            d, du[low] = _tail_separation(_MODELS[self.model], self.parameter, t[low])
+            u[low] = -d
         if high.any():
             u[high], du[high] = self._far_approach(t[high])
         return u.reshape(log_force.shape), du.reshape(log_force.shape)
-
-    def _between(self, t):
-        i = np.clip(np.searchsorted(self.log_force, t, side="right") - 1, 0, self.log_force.size - 2)
-        h = self.log_force[i + 1] - self.log_force[i]
-        value, slope = _quintic((t - self.log_force[i]) / h, h, self.offset[:, i], self.offset[:, i + 1])
-        hertz = np.exp((t + math.log(0.75)) * (2 / 3))
-        return value + hertz, slope + (2 / 3) * hertz
-
-    def _tail_approach(self, t):
-        tail = _MODELS[self.model].tail
-        target = t - math.log(math.pi / math.sqrt(2) * self.parameter)
-        d = np.sqrt(np.maximum(1.0, -2 * target))
-        for _ in range(40):
-            total, g, _ = tail(d)
-            step = (np.log(np.maximum(total, 1e-308)) - target) * total / np.maximum(g, 1e-308)
-            d = d + step
-            if np.abs(step).max() < 1e-13:
-                break
-        return -d, total / g
 
     def _far_approach(self, t):
         last = MasterCurve(*(column[-1] for column in self.points))
@@ -551,10 +385,6 @@ class Curve(NamedTuple):
         """s = (3f/4)^(2/3), the Hertz overlap of the same force in units of sigma, and ds/dU."""
         return _hertz_overlap(*self.evaluate(approach))
 
-    def excess_over_hertz(self):
-        """Largest ds/dU - 1 = K / K_Hertz(P) - 1 along the solved points: passive under Hertz unloading where <= 0."""
-        return float((_hertz_overlap(self.points.force, self.points.stiffness)[1] - 1).max())
-
     def bulk_yield_force(self, ratio=0.6):
         """f at which p(0) = ratio H_m, to 1e-4: from there on the bulk yields, not only asperities (Yip-Venart).
 
@@ -588,24 +418,14 @@ def _flat_approach(f, parameter):
     return a * a + 2 * parameter * a / math.pi, a * a + parameter * a / math.pi
 
 
-def _quintic(x, h, left, right):
-    """Quintic Hermite on a cell of width h, x in [0, 1]; value and derivative (by the physical variable)."""
-    y0, d0, c0 = left[0], h * left[1], 0.5 * h * h * left[2]
-    y1, d1, c1 = right[0], h * right[1], 0.5 * h * h * right[2]
-    rise = y1 - y0
-    a3 = 10 * rise - 6 * d0 - 4 * d1 - 3 * c0 + c1
-    a4 = -15 * rise + 8 * d0 + 7 * d1 + 3 * c0 - 2 * c1
-    a5 = 6 * rise - 3 * (d0 + d1) - c0 + c1
-    value = y0 + x * (d0 + x * (c0 + x * (a3 + x * (a4 + x * a5))))
-    return value, (d0 + x * (2 * c0 + x * (3 * a3 + x * (4 * a4 + x * 5 * a5)))) / h
-
-
 @lru_cache(maxsize=512)
 def curve(model, parameter, lowest=LOWEST_FORCE, highest=HIGHEST_FORCE):
     """The Curve of one parameter, solved once (0.1 to 0.3 s) and kept.
 
     model: "yip-venart" (parameter N_H) or "greenwood-tripp" (mu); the force range is that of the solved points.
     """
+    from scipy.interpolate import BPoly
+
     solver = _Solver(model, _check(model, parameter))
     low, high = math.log(lowest), math.log(highest)
     solver.reach(low)
@@ -615,7 +435,8 @@ def curve(model, parameter, lowest=LOWEST_FORCE, highest=HIGHEST_FORCE):
     s = np.cbrt(0.75 * f) ** 2
     slope = f / k - (2 / 3) * s
     bend = f / k - f * f * points.curvature / k**3 - (4 / 9) * s
-    return Curve(model, float(parameter), points, np.log(f), np.array([points.approach - s, slope, bend]), bool(solver.flat))
+    offset = BPoly.from_derivatives(np.log(f), np.stack([points.approach - s, slope, bend], 1))
+    return Curve(model, float(parameter), points, np.log(f), offset, bool(solver.flat))
 
 
 def _check(model, parameter):

@@ -4,15 +4,16 @@ import sys
 import warnings
 from pathlib import Path
 
-from demlaws import plots
+from demlaws import plots, surface
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.arguments import figures, output
-from demlaws.cli.surface import press
 from demlaws.errors import ValidityWarning
 from demlaws.granite.command import draw_figures, print_claims
-from demlaws.solvers.patches import MEMORIES
+from demlaws.solvers.contact import MEMORIES
 from studies.jamari import figures as pictures
 from studies.jamari.claims import jamari_claims
+from studies.jamari.cycles import press
+from studies.jamari.matching import change
 from studies.jamari.published import published_contact, published_ratios, swaps
 
 
@@ -26,7 +27,8 @@ def parser():
             "  python -m studies.jamari --figure regime.png\n"
             "  python -m studies.jamari --claims\n"
             "  python -m studies.jamari --figures-2006 all --figures-2008 2,7-12 --out jamari\n"
-            "  python -m studies.jamari --repeat isotropic --figure repeated.png"
+            "  python -m studies.jamari --repeat isotropic --figure repeated.png\n"
+            "  python -m studies.jamari --change before.asc after.asc --figure change.png"
         ),
     )
     parser.add_argument("--claims", action="store_true", help="what the papers of 2006 and 2008 say, and the verdicts")
@@ -35,7 +37,13 @@ def parser():
     parser.add_argument("--out", type=Path, default=Path("jamari"), help="folder for these (default: jamari)")
     parser.add_argument("--repeat", choices=("isotropic", "anisotropic"), help="press on this surface of 2008 20 times")
     parser.add_argument("--memory", choices=MEMORIES, default="pressure", help="of a pixel, with --repeat")
-    parser.add_argument("--figure", type=output, help="picture to draw: of the tests, or of --repeat")
+    parser.add_argument(
+        "--change", nargs=2, metavar=("BEFORE", "AFTER"), help="lay the second height map over the first: what has changed"
+    )
+    parser.add_argument("--pixel", help="pixel size, for files that do not give it, with --change")
+    parser.add_argument("--unit", default="m", help="unit of the heights in a file, with --change (default m)")
+    parser.add_argument("--map", type=output, help="write the difference of the two maps of --change")
+    parser.add_argument("--figure", type=output, help="picture to draw: of the tests, of --repeat, or of --change")
     parser.set_defaults(func=run)
     return parser
 
@@ -54,9 +62,14 @@ def run(arguments):
             published_contact(arguments.repeat, memory=arguments.memory),
             0.2,
             20,
-            figure=arguments.figure,
+            picture=arguments.figure,
             name=arguments.repeat,
         )
+    elif arguments.change:
+        before, after = (surface.read(path, arguments.pixel, arguments.unit) for path in arguments.change)
+        match = change(before, after, arguments.figure)
+        if arguments.map is not None:
+            print(surface.write(arguments.map, match.difference))
     elif not (arguments.claims or arguments.figures_2006 or arguments.figures_2008):
         print_tests()
         if arguments.figure is not None:

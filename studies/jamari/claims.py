@@ -50,7 +50,8 @@ def jamari_claims():
 
 
 def _repeated():
-    from demlaws.solvers.patches import MEMORIES, repeat
+    from demlaws.solvers.contact import MEMORIES
+    from studies.jamari.cycles import repeat
 
     change = {}
     for memory in MEMORIES:

@@ -120,7 +120,8 @@ def criterion():
 def summits(heights=None):
     """Fig. 2 of 2008: volume-conserving asperities beside nine-point summits of a rough protrusion at three depths."""
     from demlaws.contact import Contact
-    from demlaws.solvers.patches import RoughContact, nine_point_summits
+    from demlaws.solvers.contact import RoughContact
+    from demlaws.solvers.summits import nine_point_summits
     from demlaws.surface import HeightMap, self_affine
 
     if heights is None:
@@ -166,7 +167,7 @@ def summits(heights=None):
 @functools.cache
 def _history(kind, memory):
     """The contact of the paper before and after each of its cycles; kept: it is drawn three times."""
-    from demlaws.solvers.patches import repeat
+    from studies.jamari.cycles import repeat
 
     contact = published.published_contact(kind, memory=memory)
     return contact, repeat(contact, LOAD, cycles=CYCLES[-1], keep=CYCLES)
@@ -221,7 +222,7 @@ def _areas(kind):
 
 def _profiles(kind):
     """Figs. 9 and 12: x and y profile through the pixel that lost most, before and after cycles 1, 2, 3, 10, 20."""
-    from demlaws.solvers.patches import MEMORIES
+    from demlaws.solvers.contact import MEMORIES
 
     contact, history = _history(kind, "pressure")
     heights = contact.heights

@@ -89,7 +89,8 @@ def published_contact(kind, seed=2, memory="pressure"):
     field of view (260 by 240 µm) stands in, 0.5 µm pixels, waves of 6 to 40 µm, the anisotropic one 8 times longer
     along x [our choice].
     """
-    from demlaws.solvers.patches import ALUMINIUM_FACTOR, ALUMINIUM_RATIO, RoughContact
+    from demlaws.solvers.contact import RoughContact
+    from demlaws.solvers.ellipsoid import ALUMINIUM_FACTOR, ALUMINIUM_RATIO
     from demlaws.surface import self_affine
 
     if not isinstance(kind, str) or kind not in ("isotropic", "anisotropic"):

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 
 from demlaws.contact import Contact
-from demlaws.solvers.patches import RoughContact
+from demlaws.solvers.contact import RoughContact
 from demlaws.surface import self_affine
 
 PIXELS, PIXEL, MODULUS = 256, 0.5e-6, 50e9

@@ -121,7 +121,7 @@ def start(contacts, rounds):
 def surfaces(contacts, rounds):
     from scipy import ndimage
 
-    from demlaws.solvers.patches import RoughContact
+    from demlaws.solvers.contact import RoughContact
     from demlaws.surface import self_affine
     from studies.jamari.published import published_contact
 

@@ -84,10 +84,10 @@ def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
 
 def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
     table, micro, worn, figure = (tmp_path / n for n in ("map.tbl", "micro.csv", "worn.npy", "contact.png"))
-    arguments = ["surface", "contact", map_file, *ALUMINIUM, *BALL, "--load", "0.05", "--cycles", "3", "--table", str(table)]
+    arguments = ["surface", "contact", map_file, *ALUMINIUM, *BALL, "--load", "0.05", "--table", str(table)]
     assert cli.main([*arguments, "--csv", str(micro), "--out", str(worn), "--figure", str(figure)]) == 0
     text = capsys.readouterr().out
-    assert "cycle 3" in text and "run in after cycle 1" in text and "hertz unloading" in text
+    assert "micro-contacts" in text and "hertz unloading" in text
     assert dl.Table.load(table).force(1e-7) > 0
     assert micro.read_text().startswith("x,y,cut_area")
     assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000

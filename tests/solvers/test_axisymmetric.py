@@ -8,7 +8,8 @@ from examples import shared
 
 from demlaws.errors import DemlawsError
 from demlaws.solvers import axisymmetric
-from demlaws.solvers.axisymmetric import curve, family, half_moments, influence_matrix, solve_greenwood_tripp, solve_yip_venart
+from demlaws.solvers.axisymmetric import curve, family, half_moments, solve_greenwood_tripp, solve_yip_venart
+from demlaws.solvers.influence import influence_matrix
 
 CASES = [("yip-venart", a) for a in (1.0, 23.0, 100.0, 1e4)] + [("greenwood-tripp", a) for a in (0.1, 4.0, 17.0, 1e3)]
 EVERY = [("yip-venart", a) for a in (0.05, 0.3, 3.0, 10.0, 300.0, 1e5)] + [("greenwood-tripp", a) for a in (0.05, 1.0, 1e5)]
@@ -175,7 +176,6 @@ def test_inverse_continuity_and_passivity(model, parameter):
     assert np.all(np.diff(u) > 0)
     _, slope = whole.hertz_overlap(u)
     assert slope.max() <= 1.0  # K <= K_Hertz(P): Hertz unloading is passive
-    assert whole.excess_over_hertz() < 0
     inner = (forces > 1e-8) & (forces < 0.9 * whole.points.force[-1])
     numeric = np.gradient(np.log(forces), u)[inner][1:-1]
     np.testing.assert_allclose((k / f)[inner][1:-1], numeric, rtol=2e-4)

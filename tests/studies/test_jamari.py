@@ -5,8 +5,9 @@ import re
 import numpy as np
 import pytest
 
+from demlaws import regime
+from studies.jamari import cycles, published
 from studies.jamari import figures as jamari
-from studies.jamari import published
 from studies.jamari.__main__ import main
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -111,3 +112,23 @@ def test_repeated_contact(capsys, tmp_path):
     text = capsys.readouterr().out
     assert "0.159" in text and "cycle 20" in text and "run in after cycle 1" in text
     assert figure.stat().st_size > 10000
+
+
+@pytest.mark.parametrize(("kind", "criterion"), [("isotropic", 0.16), ("anisotropic", 0.15)])
+def test_repeated_contact_of_the_paper(kind, criterion):
+    """0.2 N on aluminium: asperities only; plastic change in the first cycle, practically none after."""
+    contact = published.published_contact(kind)
+    assert regime.pressure_ratio(contact.pair, 0.2) == pytest.approx(criterion, abs=0.005)
+    history = cycles.repeat(contact, 0.2, cycles=20, keep=(1, 2, 3, 10, 20))
+    assert history[0].step.counts[1] + history[0].step.counts[2] > 0
+    assert history[0].change > 0
+    assert all(c.relative_change <= 0.01 for c in history[1:])
+    assert cycles.run_in_cycle(history) == 1
+    first = history[0].contact.heights.heights
+    for cycle in history:
+        if cycle.contact is not None:
+            assert np.abs(cycle.contact.heights.heights - first).max() <= 0.01 * np.ptp(first - contact.heights.heights)
+    assert history[-1].step.counts[1] <= 3 and history[-1].step.counts[2] == 0  # those that share a pixel of their rings
+    area = history[0].step.contact_area
+    assert history[-1].step.contact_area == pytest.approx(area, rel=0.01)
+    assert len(cycles.repeat(contact, 0.2, cycles=20, stop=True)) == 2

@@ -86,7 +86,7 @@ MUTATIONS = {
                    ["Plastic asperities on an elastic sphere (Yip & Venart)"]),
     "greenwood-tripp": ("solvers/axisymmetric.py", "return f32, -1.5 * f12", "return 0.5 * f32, -0.75 * f12",
                         ["Elastic rough spheres (Greenwood & Tripp)"]),
-    "asperity": ("solvers/patches.py", "4.0 * math.sqrt(2.0) / 3.0 * p.modulus", "2.0 * math.sqrt(2.0) / 3.0 * p.modulus",
+    "asperity": ("solvers/ellipsoid.py", "4.0 * math.sqrt(2.0) / 3.0 * p.modulus", "2.0 * math.sqrt(2.0) / 3.0 * p.modulus",
                  ["Height maps against boundary elements"]),
     "thornton-ning": ("laws/thornton_ning.py", "2.0 / 3.0 * stiffness", "1.0 / 3.0 * stiffness",
                       ["Plastic laws of the literature"]),

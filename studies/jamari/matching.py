@@ -14,7 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws import plots
 from demlaws.errors import DemlawsError
+from demlaws.plots import figure
+from demlaws.plots.surface import MICRO, show
 from demlaws.surface import HeightMap
 
 
@@ -121,3 +124,48 @@ def matched(before, after, steps=40):
         noise,
         before.with_heights(difference, form_order=None),
     )
+
+
+def change(before, after, picture=None):
+    """Print how the second map lies over the first and what has changed, and draw it to `picture`; returns the `Match`."""
+    match = matched(before, after)
+    changed, pixel = match.changed(), before.pixel_x * before.pixel_y
+    heights = match.difference.heights
+    lowered = float(np.nansum(np.where(changed & (heights < 0), -heights, 0.0))) * pixel
+    raised = float(np.nansum(np.where(changed & (heights > 0), heights, 0.0))) * pixel
+    print(
+        f"the second map is moved by {match.shift_x * 1e6:.4g}, {match.shift_y * 1e6:.4g} µm and turned by "
+        f"{math.degrees(match.angle):.4g}°; {100 * np.isfinite(heights).mean():.3g} % of the first is seen in both"
+    )
+    share = 100 * changed.mean()
+    print(f"noise of the difference {match.noise * 1e9:.4g} nm; {share:.3g} % of the map differ by more than 4 times that")
+    print(
+        f"largest lowering {max(-np.nanmin(heights), 0.0) * 1e6:.4g} µm, "
+        f"largest rise {max(np.nanmax(heights), 0.0) * 1e6:.4g} µm; "
+        f"volume lowered {lowered * 1e18:.4g} µm³, raised {raised * 1e18:.4g} µm³"
+    )
+    if picture is not None:
+        print(plots.save(change_figure(before, match), picture))
+    return match
+
+
+def change_figure(before, match):
+    """A map, what has changed after it was laid over a second one, and profiles of that through its middle of change."""
+    fig, (left, middle, right) = figure(columns=3, width=5.0, height=4.2)
+    show(fig, left, before, before.heights * MICRO, "height (µm)")
+    left.set_title("before", fontsize=10)
+    change = match.difference.heights * MICRO
+    limit = max(float(np.nanmax(np.abs(change))), 1e-9)
+    show(fig, middle, before, change, "after - before (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
+    middle.set_title(f"difference, noise {match.noise * 1e9:.3g} nm", fontsize=10)
+    weight = np.where(match.changed(), np.abs(np.nan_to_num(change)), 0.0) + 1e-300
+    row = int(np.argmax(weight.sum(axis=1)))
+    column = int(np.argmax(weight.sum(axis=0)))
+    for values, pixel, place in (
+        (change[row], before.pixel_x, f"along x at y = {row * before.pixel_y * MICRO:.0f} µm"),
+        (change[:, column], before.pixel_y, f"along y at x = {column * before.pixel_x * MICRO:.0f} µm"),
+    ):
+        right.plot(np.arange(values.size) * pixel * MICRO, values, lw=1.0, label=place)
+    right.set(xlabel="distance (µm)", ylabel="after - before (µm)")
+    right.legend(fontsize=8)
+    return fig

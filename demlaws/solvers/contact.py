@@ -1,0 +1,440 @@
+"""Deterministic contact of a measured rough surface with a smooth ball or flat (Jamari & Schipper 2006-2008).
+
+The gap map is cut at a separation; every connected patch above the cut is replaced by the elliptic paraboloid of the same
+area and volume, which carries load as an elastic-plastic ellipsoid; the separation is iterated to the load. Unloading
+leaves a deformed map that is the input of the next cycle. The bulk stays elastic and its deflection is left out, as in
+the papers.
+
+    contact = RoughContact(heights, pair, poisson=0.34)
+    step = contact.load(0.2)                    # LoadStep: area, micro-contacts and their states
+    worn = contact.unload(step)                 # RoughContact of the deformed map
+"""
+
+import math
+import warnings
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from demlaws.core.numba_compat import kernel, loop
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.solvers.ellipsoid import (
+    ALUMINIUM_FACTOR,
+    ALUMINIUM_RATIO,
+    ELASTIC,
+    STATES,
+    ellipsoid,
+    plasticity,
+    quick_factors,
+    residual,
+)
+from demlaws.solvers.scan import AREA, EDGE, LIMIT, SPREAD, VOLUME, X0, Y0, X, Y, gather_patches, paraboloid, scan
+from demlaws.units import number
+
+MEMORIES = ("pressure", "blunting", "none")
+"""What a pixel remembers of a contact that has yielded (`RoughContact.memory`)."""
+
+REMEMBERED = {
+    "pressure": "how blunt its patch has become and the pressure it has carried",
+    "blunting": "how blunt its patch has become",
+    "none": "nothing: geometry alone",
+}
+
+
+@kernel
+def _response(p, stats, i, shape, remembers, elastic_only):
+    """What patch i remembers (blunting, pressure factor at its yield), its mean radius, and what `ellipsoid` gives for it."""
+    cut_area, indentation, aspect, _ = shape
+    blunt = stats[i, SPREAD] / stats[i, AREA] if remembers else 1.0
+    limit = stats[i, LIMIT] / stats[i, AREA] if remembers else p.yield_factor
+    geometric = blunt * cut_area / (2.0 * math.pi * indentation)
+    mean = geometric / (aspect + 1.0 / aspect)
+    ab, gamma = quick_factors(aspect * aspect)
+    return (blunt, limit), mean, ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
+
+
+@loop
+def _carry(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only):
+    """Force and contact area of all patches, and whether one touches the edge of the map."""
+    force = area = edge = 0.0
+    for i in range(1, patches + 1):
+        if not (stats[i, AREA] > 0.0 and stats[i, VOLUME] > 0.0):
+            continue
+        _, _, values = _response(p, stats, i, paraboloid(stats, i, pixel_x, pixel_y), remembers, elastic_only)
+        force += values[0]
+        area += values[1]
+        edge = max(edge, stats[i, EDGE])
+    return force, area, edge
+
+
+_COLUMNS = (
+    "x", "y", "cut_area", "volume", "length_long", "length_short", "angle", "indentation", "force", "area", "state",
+    "shrink", "spread", "limit", "edge",
+)  # fmt: skip
+
+
+@loop
+def _describe(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only, out):
+    """Everything about each patch, one row each, columns as in _COLUMNS; patches without volume get zeros."""
+    for n in range(patches):
+        i = n + 1
+        for c in range(out.shape[1]):
+            out[n, c] = 0.0
+        out[n, 11] = out[n, 12] = 1.0
+        out[n, 13] = p.yield_factor
+        if not (stats[i, AREA] > 0.0 and stats[i, VOLUME] > 0.0):
+            continue
+        cut_area, indentation, aspect, angle = shape = paraboloid(stats, i, pixel_x, pixel_y)
+        (blunt, limit), mean, values = _response(p, stats, i, shape, remembers, elastic_only)
+        force, area, state = values[0], values[1], values[2]
+        out[n, 0] = (stats[i, X] / stats[i, AREA] + stats[i, X0]) * pixel_x
+        out[n, 1] = (stats[i, Y] / stats[i, AREA] + stats[i, Y0]) * pixel_y
+        out[n, 2] = cut_area
+        out[n, 3] = stats[i, VOLUME] * pixel_x * pixel_y
+        side = math.sqrt(4.0 * cut_area / math.pi)
+        out[n, 4], out[n, 5] = side * math.sqrt(aspect), side / math.sqrt(aspect)
+        out[n, 6], out[n, 7] = angle, indentation
+        out[n, 8], out[n, 9], out[n, 10] = force, area, state
+        kept = residual(p, mean, force, area, indentation, values[6], values[7], state)
+        if state != ELASTIC:
+            out[n, 11] = 1.0 - kept / indentation
+            out[n, 12] = blunt * area / values[5]
+            out[n, 13] = 1.5 * force / (area * p.hardness) * (1.0 + 1e-9)  # rounding is no yield
+        else:
+            out[n, 12], out[n, 13] = blunt, limit
+        out[n, 14] = stats[i, EDGE]
+
+
+@loop
+def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
+    """Shrink plastic patches towards the cut, together with the ring of pixels round them, and note what they remember.
+
+    Scaling h - cut on both sides of the contour keeps the contour, and so the area, where it is. The pixels of the ring
+    rise: the pile-up. One that borders several patches follows the one that shrinks least, and remembers the highest pressure.
+    """
+    rows, columns = h.shape
+    for i in range(rows):
+        for j in range(columns):
+            label = labels[i, j]
+            chosen, carried = -1, 0.0
+            if label:
+                chosen = patch_of[label] - 1
+                if described[chosen, 10] != ELASTIC:
+                    carried = described[chosen, 13]
+            elif h[i, j] == h[i, j]:
+                largest = -1.0
+                for di in range(-1, 2):
+                    for dj in range(-1, 2):
+                        if di == -dj and di != 0:
+                            continue  # not an edge of the triangulation
+                        a, b = i + di, j + dj
+                        if 0 <= a < rows and 0 <= b < columns and labels[a, b]:
+                            n = patch_of[labels[a, b]] - 1
+                            if described[n, 11] > largest:
+                                largest, chosen = described[n, 11], n
+                            if described[n, 10] != ELASTIC:
+                                carried = max(carried, described[n, 13])
+            if carried > 0.0:
+                limit[i, j] = carried
+            if chosen >= 0 and described[chosen, 10] != ELASTIC:
+                heights[i, j] += (described[chosen, 11] - 1.0) * (h[i, j] - cut)
+                spread[i, j] = described[chosen, 12]
+
+
+@loop
+def _subtract_ball(z, pixel_x, pixel_y, radius, x0, y0, out):
+    highest = -math.inf
+    for i in range(z.shape[0]):
+        for j in range(z.shape[1]):
+            x, y = j * pixel_x - x0, i * pixel_y - y0
+            out[i, j] = z[i, j] - (x * x + y * y) / (2.0 * radius)
+            if out[i, j] > highest:
+                highest = out[i, j]
+    return highest
+
+
+class MicroContacts:
+    """Micro-contacts, one entry each: x, y [m] from the map's first pixel, cut_area and volume above the cut [m², m³],
+    length_long, length_short, angle of the ellipse, indentation ω, force, contact area, state, edge (touches the map's edge).
+    """
+
+    def __init__(self, table):
+        self.table = table
+
+    def __len__(self):
+        return len(self.table)
+
+    def __getattr__(self, name):
+        if name in _COLUMNS:
+            column = self.table[:, _COLUMNS.index(name)]
+            return column.astype(int) if name == "state" else column
+        raise AttributeError(f"micro-contacts have {', '.join(_COLUMNS)}, not {name!r}")
+
+
+@dataclass(frozen=True)
+class LoadStep:
+    """A rough contact under load. SI units.
+
+    load; separation of ball apex or flat from the mean plane of the map; overlap since first touch; contact_area (real);
+    cut_area and volume of the map above the cut; counts: number of micro-contacts that are elastic, elastic-plastic, plastic;
+    micro: `MicroContacts`; evaluations: cuts of the map that the iteration took.
+    """
+
+    load: float
+    separation: float
+    overlap: float
+    contact_area: float
+    cut_area: float
+    volume: float
+    counts: tuple
+    micro: MicroContacts
+    evaluations: int
+    cut: float
+    touches_edge: bool
+
+    def __str__(self):
+        states = ", ".join(f"{n} {name}" for n, name in zip(self.counts, STATES, strict=True))
+        return (
+            f"load {self.load:.6g} N at separation {self.separation * 1e6:.4g} µm (overlap {self.overlap * 1e6:.4g} µm)\n"
+            f"contact area {self.contact_area * 1e12:.5g} µm² in {len(self.micro)} micro-contacts: {states}"
+            + (
+                "; all are fully plastic, so the area is the load over c_h H_m, whatever the map"
+                if self.counts[2] == len(self.micro) > 0
+                else ""
+            )
+        )
+
+
+@dataclass
+class RoughContact:
+    """A rough map against a smooth ball of the pair's effective radius, or a flat.
+
+    heights: `demlaws.surface.HeightMap`, form removed; pair: `demlaws.Contact` (its radius, modulus and hardness are used);
+    poisson: ν of the rough body; flat=True: the counter-body is a flat; centre: (x, y) [m] of the ball's axis from the first
+    pixel (default the middle). Missing pixels never touch; fill them first if they should. Without a hardness the asperities
+    are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; where they are not given aluminium's are taken,
+    with a ValidityWarning. memory: what unloading leaves in a pixel besides its height, an assumption that the papers do
+    not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
+    which it stays elastic: work hardening, residual stress), "blunting" (the first alone), "none" (geometry alone). Only with
+    "pressure" does the same load change nothing the second time [our derivation].
+    """
+
+    heights: object
+    pair: object
+    poisson: float = 0.3
+    plastic_factor: float | None = None
+    plastic_ratio: float | None = None
+    flat: bool = False
+    centre: tuple | None = None
+    memory: str = "pressure"
+    spread: np.ndarray | None = field(default=None, repr=False)
+    limit: np.ndarray | None = field(default=None, repr=False)
+    origin: float | None = None
+
+    def __post_init__(self):
+        if self.pair.size is not None:
+            raise DemlawsError("a height map belongs to one contact; this pair is an array of contacts")
+        if self.memory not in MEMORIES:
+            raise DemlawsError(f"memory = {self.memory!r}: a pixel remembers {', '.join(map(repr, MEMORIES))}")
+        hardness = math.inf if self.pair.hardness is None else self.pair.hardness
+        if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
+            warnings.warn(
+                f"c_h = {ALUMINIUM_FACTOR} and c_A = {ALUMINIUM_RATIO:g} are aluminium's: give plastic_factor and "
+                "plastic_ratio of this material",
+                ValidityWarning,
+                stacklevel=3,
+            )
+        self.plastic_factor = ALUMINIUM_FACTOR if self.plastic_factor is None else self.plastic_factor
+        self.plastic_ratio = ALUMINIUM_RATIO if self.plastic_ratio is None else self.plastic_ratio
+        self.material = plasticity(self.pair.modulus, hardness, self.poisson, self.plastic_factor, self.plastic_ratio)
+        rows, columns = self.heights.shape
+        px, py = self.heights.pixel_x, self.heights.pixel_y
+        if self.centre is None:
+            self.centre = (0.5 * (columns - 1) * px, 0.5 * (rows - 1) * py)
+        self.gap = np.empty(self.heights.shape)
+        radius = math.inf if self.flat else self.pair.radius
+        self.highest = _subtract_ball(self.heights.heights, px, py, radius, *self.centre, self.gap)
+        if self.origin is None:
+            self.origin = self.highest  # where a virgin surface first touches; overlaps count from here
+        self.mean = float(np.nanmean(self.heights.heights))
+        self._parent = np.zeros(1024, np.int32)
+        self._stats = np.zeros((1024, 12))
+        self._rows = np.zeros((2, columns), np.int32)
+        self._warned = set()
+
+    def _patches(self, cut, window, labels=None):
+        none = np.empty((0, 0))
+        spread, limit = (none, none) if self.spread is None else (self.spread, self.limit)
+        buffer, mask = (self._rows, 1) if labels is None else (labels, -1)
+        start = window.copy()
+        while True:
+            count = scan(self.gap, cut, window, buffer, mask, self._parent, self._stats, spread, limit)
+            if count >= 0:
+                break
+            window[:] = start
+            size = min(4 * self._parent.size, self.gap.size // 2 + 2)
+            self._parent, self._stats = np.zeros(size, np.int32), np.zeros((size, 12))
+        return gather_patches(self._parent, self._stats, count)
+
+    def _whole(self):
+        return np.array([0, self.gap.shape[0] - 1, 0, self.gap.shape[1] - 1])
+
+    def carried(self, overlap):
+        """Force [N], contact area [m²] and whether the contact reaches the edge of the map, at an overlap [m] as in `at`."""
+        return self._force(self.origin - overlap, self._whole())
+
+    def _force(self, cut, window, elastic_only=False):
+        patches = self._patches(cut, window)
+        px, py = self.heights.pixel_x, self.heights.pixel_y
+        return _carry(self.material, self._stats, patches, px, py, self.spread is not None, elastic_only)
+
+    def at(self, overlap, elastic_only=False, labels=None, evaluations=1):
+        """The `LoadStep` at a given overlap [m] since first touch of the virgin surface."""
+        cut = self.origin - overlap
+        window = self._whole()
+        patches = self._patches(cut, window, labels)
+        table = np.empty((patches, len(_COLUMNS)))
+        px, py = self.heights.pixel_x, self.heights.pixel_y
+        remembers = self.spread is not None
+        _describe(self.material, self._stats, patches, px, py, remembers, elastic_only, table)
+        held = table if labels is not None else table[table[:, 8] > 0]
+        micro = MicroContacts(held[held[:, 8] > 0])
+        step = LoadStep(
+            load=float(held[:, 8].sum()),
+            separation=cut - self.mean,
+            overlap=overlap,
+            contact_area=float(held[:, 9].sum()),
+            cut_area=float(held[:, 2].sum()),
+            volume=float(held[:, 3].sum()),
+            counts=tuple(int((micro.state == s).sum()) for s in range(3)),
+            micro=micro,
+            evaluations=evaluations,
+            cut=cut,
+            touches_edge=bool(held[:, 14].any()),
+        )
+        return (step, table) if labels is not None else step
+
+    def _solve(self, load, tolerance, elastic_only=False, guess=None):
+        """Overlap at which the patches carry `load` within `tolerance`, and how many cuts that took.
+
+        The force falls in jumps where patches merge, and rises continuously between: a bracket whose upper end carries
+        less than the load and whose lower end carries more closes on a continuous crossing.
+        """
+        base = self.origin - self.highest  # below this overlap nothing touches (a worn surface)
+        scale = max(self.heights.sq, 1e-15 * abs(self.highest), 1e-300)
+        if guess is None or guess <= base:
+            hertz = 0.0 if self.flat else (9 * load**2 / (16 * self.pair.radius * self.pair.modulus**2)) ** (1 / 3)
+            guess = base + max(hertz, 0.5 * scale)
+        deepest = None
+        window = self._whole()
+        low, high = base, math.inf
+        low_f, high_f = -math.inf, math.inf
+        x, evaluations, side = guess, 0, 0
+        while evaluations < 300:
+            trial = (self._high_window if high < math.inf else window).copy()
+            force, _, _ = self._force(self.origin - x, trial, elastic_only)
+            evaluations += 1
+            if abs(force - load) <= tolerance * load:
+                return x, evaluations
+            f = math.log(force / load) if force > 0 else -math.inf
+            if f < 0:
+                if side < 0 and high < math.inf:
+                    high_f *= 0.5
+                low, low_f, side = x, f, -1
+            else:
+                if side > 0 and low_f > -math.inf:
+                    low_f *= 0.5
+                high, high_f, side = x, f, 1
+                self._high_window = trial
+            if high == math.inf:
+                if deepest is None:
+                    deepest = self.origin - float(np.nanmin(self.gap)) + 10 * scale
+                if x > deepest:
+                    raise DemlawsError(
+                        f"load = {load:g} N presses the whole map flat, at {force:.3g} N: give a smaller load or a larger map"
+                    )
+                x = base + (x - base) * (4.0 if f == -math.inf else min(max(math.exp(-0.6 * f), 1.2), 8.0))
+            elif low_f == -math.inf:
+                x = base + (x - base) * (min(max(math.exp(-0.6 * f), 0.05), 0.8) if side > 0 else 1.5)
+                if x >= high or x <= low:
+                    x = 0.5 * (low + high)
+            else:
+                # secant in log-log of the interference, kept off the ends; every sixth step halves
+                a, b = math.log(low - base), math.log(high - base)
+                share = -low_f / (high_f - low_f) if evaluations % 6 else 0.5
+                x = base + math.exp(a + min(max(share, 0.02), 0.98) * (b - a))
+                if not low < x < high:
+                    break
+        raise DemlawsError(
+            f"no separation carries {load:g} N within {tolerance:g}: the force jumps there from {math.exp(low_f) * load:g} N; "
+            "give a larger tolerance or a map with more pixels in contact"
+        )
+
+    def load(self, load, tolerance=0.01, elastic_only=False, guess=None):
+        """Press until the micro-contacts carry `load` [N] within `tolerance` (relative): a `LoadStep`.
+
+        Warns (ValidityWarning) where the regime criterion says that the bulk yields too, and where the contact reaches
+        the edge of the map.
+        """
+        load = number(load, "load", "N")
+        tolerance = number(tolerance, "tolerance", high=1.0)
+        overlap, evaluations = self._solve(load, tolerance, elastic_only, guess)
+        step = self.at(overlap, elastic_only, evaluations=evaluations)
+        self.advise(step)
+        return step
+
+    def advise(self, step):
+        """Warn, once for each reason, where the model leaves out what happens at this step."""
+        from demlaws import criterion
+
+        if self.flat:
+            return
+        if self.pair.hardness is not None and "bulk" not in self._warned:
+            ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.load)
+            if ratio >= criterion.YIELD_RATIO:
+                self._warned.add("bulk")
+                warnings.warn(
+                    f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk yields too, "
+                    "which this model leaves out",
+                    ValidityWarning,
+                    stacklevel=4,
+                )
+        if step.touches_edge and "edge" not in self._warned:
+            self._warned.add("edge")
+            warnings.warn(
+                f"asperity: at {step.load:.3g} N the contact reaches the edge of the map: its load is a lower bound; "
+                "measure a larger area",
+                ValidityWarning,
+                stacklevel=4,
+            )
+
+    def unload(self, step):
+        """The `RoughContact` that `step` leaves behind: plastic patches lowered, with what `memory` says that pixels keep.
+
+        A plastic patch of indentation ω keeps ω' = 3P γ̄^1.5/(4√2 E* √g), g = A γ̄/(2π ᾱβ̄): the height of the ellipsoid that
+        carries the same force elastically over the same area A [our derivation].
+        """
+        labels = np.zeros(self.gap.shape, np.int32)
+        _, table = self.at(step.overlap, labels=labels)
+        heights = self.heights.heights.copy()
+        spread = np.ones(self.gap.shape) if self.spread is None else self.spread.copy()
+        limit = np.full(self.gap.shape, self.material.yield_factor) if self.limit is None else self.limit.copy()
+        _deform(self.gap, step.cut, labels, self._parent, table, heights, spread, limit)
+        del labels
+        if self.memory == "none":
+            spread = limit = None
+        elif self.memory == "blunting":
+            limit[:] = self.material.yield_factor
+        return RoughContact(
+            self.heights.with_heights(heights),
+            self.pair,
+            self.poisson,
+            self.plastic_factor,
+            self.plastic_ratio,
+            self.flat,
+            self.centre,
+            self.memory,
+            spread,
+            limit,
+            self.origin,
+        )

@@ -1,0 +1,147 @@
+"""The same load again and again on one map: `repeat`, when the map has run in, and its figure."""
+
+import dataclasses
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws import plots, regime
+from demlaws.plots import figure
+from demlaws.plots.surface import MICRO, circle, contact_figure, ellipses, show
+from demlaws.solvers.contact import MEMORIES, REMEMBERED, LoadStep, RoughContact
+
+
+class Cycle(NamedTuple):
+    """One cycle of loading and unloading."""
+
+    number: int
+    step: LoadStep
+    contact: RoughContact  # after unloading
+    change: float  # volume by which the map changed [m³], ∫|Δz|
+    relative_change: float  # over the change of the first cycle
+
+
+def repeat(contact, load, cycles=20, tolerance=1e-4, run_in=0.01, keep=None, stop=False):
+    """Load to `load` [N] and unload, `cycles` times, each time on the map that the last one left: list of `Cycle`.
+
+    Run-in is the first cycle whose change of the map is below `run_in` (ε_r) times the first's; stop=True ends there.
+    keep: numbers of the cycles whose maps are kept (default all); others hold contact=None.
+    """
+    history = []
+    first = None
+    pixel = contact.heights.pixel_x * contact.heights.pixel_y
+    for n in range(1, cycles + 1):
+        # starting where the last cycle ended, a map that has run in meets the load at once
+        step = contact.load(load, tolerance, guess=history[-1].step.overlap if history else None)
+        worn = contact.unload(step)
+        change = float(np.nansum(np.abs(worn.heights.heights - contact.heights.heights))) * pixel
+        first = change if first is None else first
+        relative = change / first if first > 0 else 0.0
+        worn._warned = contact._warned
+        history.append(Cycle(n, step, worn if keep is None or n in keep else None, change, relative))
+        contact = worn
+        if stop and n > 1 and relative <= run_in:
+            break
+    return history
+
+
+def run_in_cycle(history, run_in=0.01):
+    """Number of the last cycle that still changed the map by more than `run_in` of the first's change."""
+    return max((c.number for c in history if c.relative_change > run_in), default=0)
+
+
+def press(contact, load, cycles=1, tolerance=0.01, picture=None, name=""):
+    """Press a ball on a map `cycles` times, print what each does and draw it to `picture`; returns the cycles."""
+    if contact.pair.hardness is not None and not contact.flat:
+        print(regime.assess(contact.pair, load))
+    history = repeat(contact, load, cycles, tolerance, keep=(1, 2, 3, 10, cycles))
+    others = {}
+    if cycles > 1 and contact.pair.hardness is not None:
+        few = min(cycles, 5)
+        for memory in MEMORIES:
+            if memory != contact.memory:
+                other = dataclasses.replace(contact, memory=memory)
+                others[memory] = repeat(other, load, few, tolerance, keep=())
+    for cycle in history:
+        if cycle.number in (1, 2, 3, 10, cycles):
+            print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
+    print(
+        f"run in after cycle {max(run_in_cycle(history), 1)} (ε_r = 0.01), on the assumption that a pixel "
+        f"remembers {REMEMBERED[contact.memory]} (--memory {contact.memory})"
+    )
+    for memory, few in others.items():
+        print(f"  with --memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change")
+    if picture is not None:
+        fig = repeated_figure(contact, history, name, others) if cycles > 1 else contact_figure(contact, history[0].step)
+        print(plots.save(fig, picture))
+    return history
+
+
+def repeated_figure(contact, history, name="", others=None):
+    """Repeated contact: map before and after the first cycle, contact area, profiles and change over cycles.
+
+    others: memory → history of the same contact with another assumption of what a pixel remembers.
+    """
+    fig, axes = figure(columns=3, rows=2, width=5.0, height=4.1)
+    heights, first = contact.heights, history[0]
+    after = first.contact.heights.heights
+    span = {"vmin": np.nanmin(heights.heights) * MICRO, "vmax": np.nanmax(heights.heights) * MICRO}
+    show(fig, axes[0, 0], heights, heights.heights * MICRO, "height (µm)", **span)
+    axes[0, 0].set_title(f"{name} before: Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
+    show(fig, axes[0, 1], heights, after * MICRO, "height (µm)", **span)
+    axes[0, 1].set_title(f"after cycle 1 at {first.step.load:.3g} N", fontsize=10)
+    change = (after - heights.heights) * MICRO
+    limit = max(abs(np.nanmin(change)), 1e-9)
+    show(fig, axes[0, 2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
+    touched = np.argwhere(change != 0)
+    if touched.size:
+        (row0, column0), (row1, column1) = touched.min(axis=0), touched.max(axis=0)
+        px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
+        axes[0, 2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
+    axes[0, 2].set_title("plastic change (contact region)", fontsize=10)
+    ax = axes[1, 0]
+    show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
+    ellipses(ax, first.step)
+    radius = (first.step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
+    if not contact.flat:
+        circle(ax, contact.centre, radius, "--", "Hertz radius")
+    counts = first.step.counts
+    ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
+    # profiles through the pixel that lost most
+    ax = axes[1, 1]
+    row, column = np.unravel_index(np.nanargmin(change), change.shape)
+    x = np.arange(heights.shape[1]) * heights.pixel_x * MICRO
+    ax.plot(x, heights.heights[row] * MICRO, "k-", lw=1.6, label="before")
+    for cycle in history:
+        if cycle.contact is not None:
+            ax.plot(
+                x,
+                cycle.contact.heights.heights[row] * MICRO,
+                lw=1.0,
+                ls=(0, (2 + cycle.number % 5, 1.5)),
+                label=f"n = {cycle.number}",
+            )
+    centre = column * heights.pixel_x * MICRO
+    ax.set(xlim=(centre - 25, centre + 25), xlabel="x (µm)", ylabel="height (µm)")
+    near = np.abs(x - centre) < 25
+    ax.set_ylim(np.nanmin(heights.heights[row][near]) * MICRO, np.nanmax(heights.heights[row][near]) * MICRO + 0.1)
+    ax.set_title(f"profile at y = {row * heights.pixel_y * MICRO:.0f} µm", fontsize=10)
+    ax.legend(fontsize=7, ncol=2)
+    ax = axes[1, 2]
+    number = [c.number for c in history]
+    ax.semilogy(
+        number,
+        [max(c.relative_change, 1e-6) for c in history],
+        "o-",
+        label=f"change of the map / first, memory: {contact.memory}",
+    )
+    for memory, few in (others or {}).items():
+        ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")
+    ax.axhline(0.01, color="black", lw=0.8, ls="--", label="run-in, ε$_r$ = 0.01")
+    ax.semilogy(
+        number, [c.step.contact_area / first.step.contact_area for c in history], "s-", ms=4, label="contact area / first"
+    )
+    ax.set(xlabel="cycle", ylim=(5e-7, 3))
+    ax.set_title("run-in (0 is drawn at 1e-6)", fontsize=10)
+    ax.legend(fontsize=8)
+    return fig
