@@ -23,7 +23,7 @@ from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.laws.registry import is_own
 from demlaws.soundness import refuse_unsound, refuse_unsound_rule
-from demlaws.units import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
 
 
 class State:
@@ -399,9 +399,8 @@ class Law:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
-        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now; "tangent", that of the branch that
-        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each. Of a law
-        that keeps a history "tangent" warns once (ValidityWarning): cycles of shear and normal load return more than they took.
+        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now, or "loading", that of first
+        loading at the force carried now (docs/shear.md).
         """
         if shear not in CHOICES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
@@ -411,9 +410,6 @@ class Law:
         if values.ndim > 1:
             raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
         self._check_range(values)
-        if shear == "tangent" and self.state_size and not self.definition.hertzian and shear not in self._warned:
-            self._warned.add(shear)
-            warnings.warn(f"{self.name}: {CREATES_ENERGY}", ValidityWarning, stacklevel=2)
         state = self.new_state(1) if state is None else state
         arrays = self._arrays_of(state, 1)
         result = np.empty(values.size)
