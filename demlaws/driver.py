@@ -14,7 +14,8 @@ from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part
 from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError
-from demlaws.law import Law, Path
+from demlaws.law import Law
+from demlaws.response import Path
 from demlaws.units import number, real, whole
 
 
@@ -195,7 +196,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
-    p, kinetic = _checked(law)._single(), _kinetic(mass, speed)
+    p, kinetic = _checked(law).single_params(), _kinetic(mass, speed)
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
@@ -235,7 +236,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     from scipy.optimize import brentq
 
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
-    params, kinetic = _checked(law)._single(), _kinetic(mass, speed)
+    params, kinetic = _checked(law).single_params(), _kinetic(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
         values = np.atleast_1d(np.asarray(overlaps, float))

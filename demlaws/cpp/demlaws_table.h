@@ -359,6 +359,7 @@ public:
 
   // The curve to unload along; empty unless unloading() is GIVEN.
   const Curve &unloading_curve() const { return unloading_; }
+  const Curve &loading_curve() const { return loading_; }
   // u at which the unloading curve reaches s: its reverse, then one step of Newton's method.
   inline double recover(double s) const {
     const double above = s - unloading_.seat();
@@ -1038,7 +1039,7 @@ inline double eepa_energy(double overlap, double plastic) {
 }
 
 // What the tangential stiffness K_t is the ratio of an elastic contact of (docs/shear.md).
-enum Shear { TANGENT_SHEAR = 0, ELASTIC_SHEAR = 1, LOADING_SHEAR = 2 };
+enum Shear { TANGENT_SHEAR = 0, ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 };
 
 // What an engine warns of once where contacts with a history are sheared by the tangent (demlaws/units.py).
 static const char *const TANGENT_CREATES_ENERGY =
@@ -1047,12 +1048,12 @@ static const char *const TANGENT_CREATES_ENERGY =
     "load return more work than they took; shear elastic (the default) keeps K_t continuous (docs/shear.md)";
 
 inline const char *shear_name(int shear) {
-  static const char *const names[] = {"tangent", "elastic", "loading"};
+  static const char *const names[] = {"tangent", "elastic", "loading", "slip"};
   return names[shear];
 }
 
 inline bool shear_from_name(const std::string &name, Shear &shear) {
-  for (int i = TANGENT_SHEAR; i <= LOADING_SHEAR; i++)
+  for (int i = TANGENT_SHEAR; i <= SLIP_SHEAR; i++)
     if (name == shear_name(i)) {
       shear = (Shear)i;
       return true;
@@ -1067,6 +1068,7 @@ template <Unloading RULE>
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
                               const double *state) {
   if (RULE == ELASTIC || shear == TANGENT_SHEAR || !(now.force > 0.)) return now.stiffness;
+  if (shear == SLIP_SHEAR) shear = ELASTIC_SHEAR;
   if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
   const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own
   if (shear == ELASTIC_SHEAR) {

@@ -15,8 +15,8 @@ import pytest
 from examples import shared
 
 import demlaws as dl
-from demlaws import table_file
 from demlaws.core.grid import MOST_KINKS
+from demlaws.curves import text as table_file
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

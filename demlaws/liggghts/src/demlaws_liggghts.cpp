@@ -30,6 +30,7 @@ static const SubModel SUB_MODELS[] = {
     {TANGENTIAL, TANGENTIAL_OFF, true, "tangential off"},
     {TANGENTIAL, TANGENTIAL_NO_HISTORY, true, "tangential no_history"},
     {TANGENTIAL, TANGENTIAL_HISTORY, true, "tangential history"},
+    {TANGENTIAL, TANGENTIAL_DEMLAWS, true, "tangential demlaws"},
     {TANGENTIAL, 4, false, "tangential tan_luding"},
     {COHESION, COHESION_OFF, true, "cohesion off"},
     {COHESION, 1, false, "cohesion sjkr"},
@@ -93,9 +94,11 @@ struct Registration {
   Registration() {
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ); // or the reason of an MPI_Abort is lost where the output goes to a pipe
     ContactModels::Factory::instance().addNormalModel("demlaws/table", DEMLAWS_TABLE);
+    ContactModels::Factory::instance().addTangentialModel("demlaws", TANGENTIAL_DEMLAWS);
     add_rolling<TANGENTIAL_OFF>();
     add_rolling<TANGENTIAL_NO_HISTORY>();
     add_rolling<TANGENTIAL_HISTORY>();
+    add_rolling<TANGENTIAL_DEMLAWS>();
     add_refused(TANGENTIAL, DEMLAWS_TABLE, true);
   }
 };

@@ -92,7 +92,7 @@ private:
 // contacts where delete_atoms gives the particles new numbers. The plugin makes it; there is one.
 class FixEnergy : public Fix {
 public:
-  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)), told_(false) {
+  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)), told_(false), page_(-1), one_(-1) {
     restart_global = 1;
     instance_->ledger.taken = 0.;
   }
@@ -101,6 +101,7 @@ public:
   void init() {
     keep_for_particles(modify, numbers(), false);
     follow_new_numbers();
+    keep_neighbour_lists();
   }
   void setup_pre_force(int vflag) {
     look_across();
@@ -135,6 +136,16 @@ public:
 private:
   const std::shared_ptr<Instance> instance_;
   bool told_;
+  int page_, one_; // sizes in the run before
+
+  // After `neigh_modify page` or `one` LIGGGHTS makes new neighbour lists at the start of every run, not of the next one
+  // only, and contacts lose their history.
+  void keep_neighbour_lists() {
+    if (page_ == neighbor->pgsize) neighbor->old_pgsize = page_;
+    if (one_ == neighbor->oneatom) neighbor->old_oneatom = one_;
+    page_ = neighbor->pgsize;
+    one_ = neighbor->oneatom;
+  }
 
   // Where a box is periodic and less than two contacts long, two particles can touch through both sides: two contacts
   // with the same two numbers, by which LIGGGHTS finds their histories.

@@ -39,9 +39,9 @@ struct PairSettings {
   Files files;
   std::map<std::string, std::shared_ptr<Table>> tables; // as read: since then the folder, or the file, may be another
   bool use_roughness, extrapolate;
-  double radius_tolerance;
+  double radius_tolerance, springs;
   Shear shear; // what K_t goes by
-  PairSettings() : use_roughness(false), extrapolate(false), radius_tolerance(0.01), shear(ELASTIC_SHEAR) {}
+  PairSettings() : use_roughness(false), extrapolate(false), radius_tolerance(0.01), springs(12.), shear(ELASTIC_SHEAR) {}
 };
 
 // Holds the wall contacts of the last step, for what they store.

@@ -5,6 +5,7 @@
 
 #include "contact_models.h"
 #include "normal_model_demlaws.h"
+#include "tangential_model_demlaws.h"
 
 namespace demlaws {
 using namespace LAMMPS_NS;
@@ -22,7 +23,9 @@ public:
   // the order of the members is the order in which they claim history
   Model(LAMMPS *lmp, IContactHistorySetup *setup, bool wall, const int64_t)
       : ContactModelBase(lmp, wall), surface(lmp, setup, this), normal(lmp, setup, this), tangential(lmp, setup, this),
-        rolling(lmp, setup, this) {}
+        rolling(lmp, setup, this) {
+    join(tangential);
+  }
   int64_t hashcode() {
     return Utils::generate_gran_hashcode(DEMLAWS_TABLE, TANGENTIAL, COHESION_OFF, ROLLING, SURFACE_DEFAULT);
   }
@@ -81,6 +84,11 @@ public:
     tangential.surfacesClose(d, i, j);
     rolling.surfacesClose(d, i, j);
   }
+  // Energy of a contact: what normal and shear force store, and what its plastic flow took.
+  void energies(const SurfacesCloseData &data, double overlap, double &stored, double &dissipated) const {
+    normal.energies(data, overlap, stored, dissipated);
+    stored += shear_energy(tangential, data);
+  }
   bool contact_match(const std::string kind, const std::string name) {
     Factory &known = Factory::instance();
     if (kind == "surface") return known.getSurfaceModelId(name) == SURFACE_DEFAULT;
@@ -90,6 +98,13 @@ public:
     if (kind == "rolling_friction") return known.getRollingModelId(name) == ROLLING;
     return false;
   }
+
+private:
+  typedef TangentialModel<TANGENTIAL_DEMLAWS> Passive;
+  template <class OTHER> void join(OTHER &) {}
+  void join(Passive &passive) { passive.connect(normal); }
+  template <class OTHER> static double shear_energy(const OTHER &, const SurfacesCloseData &) { return 0.; }
+  static double shear_energy(const Passive &passive, const SurfacesCloseData &data) { return passive.stored(data); }
 };
 
 } // namespace demlaws

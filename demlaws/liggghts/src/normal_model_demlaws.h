@@ -3,6 +3,7 @@
 #ifndef DEMLAWS_NORMAL_MODEL_H
 #define DEMLAWS_NORMAL_MODEL_H
 #include "contact_models.h"
+#include "demlaws_slip.h"
 #include "demlaws_table.h"
 #include "global_properties.h"
 #include "instance.h"
@@ -22,6 +23,7 @@ struct TypePair {
   double tangential;         // kt / K = 4 G* / E*
   double tangential_damping; // gamma_t / gamma_n, or 0
   double radius;             // > 0: the only radius the table is valid for
+  std::shared_ptr<SpringCurve> springs; // of partial slip
 };
 
 // Energies of a contact at `overlap`: what it holds, what its plastic flow took. In a contact that has not been updated
@@ -257,6 +259,16 @@ public:
   }
   demlaws::Instance &instance() const { return *instance_; }
 
+  // For the tangential model: K_t / K, and the springs of a contact after its step.
+  demlaws::Shear shear() const { return now_.shear; }
+  double shear_ratio(const SurfacesCloseData &data) const { return pairs_[data.itype * types_ + data.jtype].tangential; }
+  demlaws::Compression compression(const SurfacesIntersectData &data) const {
+    const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
+    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
+    return demlaws::Compression(type.pair, type.springs.get(), radius, data.deltan,
+                                state_size_ ? &data.contact_history[offset_] : NULL);
+  }
+
 private:
   void add_energies(int groupbit, double &stored, double &pending) const {
     contacts_.add_energies(update->ntimestep, atom->mask, groupbit, state_size_, stored, pending);
@@ -347,6 +359,14 @@ private:
             << " does not collapse; use 'surfaceRoughness off'";
         error->all(FLERR, who.str().c_str());
       }
+    }
+    if (now_.shear == demlaws::SLIP_SHEAR) {
+      if (!demlaws::has_springs(type.pair.rule))
+        error->all(FLERR, (who.str() + "'shear slip' needs elastic, hertz, thornton or table unloading, " + table.path() +
+                           " has " + table.text("unloading"))
+                              .c_str());
+      type.springs.reset(
+          new demlaws::SpringCurve(type.pair.rule == demlaws::GIVEN ? table.unloading_curve() : table.loading_curve()));
     }
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = 4. * effective_shear_[i][j] / effective_modulus_[i][j];

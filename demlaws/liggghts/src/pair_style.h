@@ -152,7 +152,7 @@ public:
         data.is_wall = false;
         data.contact_history = past ? &past->firstdouble[data.i][parent_->dnum() * jj] : NULL;
         double s, d;
-        model_.normal.energies(data, overlap, s, d);
+        model_.energies(data, overlap, s, d);
         stored += share * s;
         dissipated += share * d;
       }
@@ -280,7 +280,7 @@ private:
     if (parent->cpl() && addflag) parent->cpl_add_pair(data, on_i);
     if (parent->evflag) {
       double stored = 0., dissipated = 0.;
-      if (parent->eflag_either) model_.normal.energies(data, data.deltan, stored, dissipated);
+      if (parent->eflag_either) model_.energies(data, data.deltan, stored, dissipated);
       parent->ev_tally_xyz(i, j, atom->nlocal, force->newton_pair, stored, 0., on_i.delta_F[0], on_i.delta_F[1],
                            on_i.delta_F[2], data.delta[0], data.delta[1], data.delta[2]);
     }

@@ -1,0 +1,202 @@
+// demlaws_slip.h: partial slip of a contact, a row of springs sorted by normal stiffness. C++11, with demlaws_table.h.
+//
+// A contact is a row of springs, one for each stiffness that it had while it grew: the method of dimensionality
+// reduction of Popov and Hess. Twin of slip_loop in demlaws/core/slip.py, which explains it. The springs share the
+// stiffness equally; when the contact has become twice as stiff as the row, springs are joined in pairs.
+//
+// Licence: GPL-2.0-or-later, as the package demlaws.
+#ifndef DEMLAWS_SLIP_H
+#define DEMLAWS_SLIP_H
+#include "demlaws_table.h"
+
+namespace demlaws {
+
+// The integral of overlap over stiffness along a curve: G(k) = u k - f where the curve has the stiffness k (the Legendre
+// transform of the force), without units. G' = u, so that cubics between the nodes have exact slopes.
+class SpringCurve {
+public:
+  explicit SpringCurve(const Curve &curve) {
+    const double lowest = curve.last() * std::ldexp(1., -40);
+    double force;
+    const double least = stiffness(curve, lowest, force), most = stiffness(curve, curve.last(), force);
+    first_ = number(least) + 1;
+    for (int64_t n = first_; node(n) < most; n++) {
+      double low = lowest, high = curve.last();
+      for (int i = 0; i < 200 && high - low > 1e-15 * high; i++) {
+        const double middle = 0.5 * (low + high);
+        if (stiffness(curve, middle, force) < node(n)) low = middle;
+        else high = middle;
+      }
+      stiffness(curve, high, force);
+      const Node found = {node(n), high * node(n) - force, high};
+      nodes_.push_back(found);
+    }
+    stiffness(curve, curve.last(), force);
+    const Node end = {most, curve.last() * most - force, curve.last()};
+    nodes_.push_back(end);
+  }
+  double integral(double k) const {
+    if (k <= nodes_[0].k) { // a power law
+      const double exponent = nodes_[0].integral > 0. ? nodes_[0].overlap * nodes_[0].k / nodes_[0].integral : 1.;
+      return nodes_[0].integral * pow(k / nodes_[0].k, exponent);
+    }
+    const size_t n = (size_t)(number(k) - first_);
+    if (n + 1 >= nodes_.size()) return nodes_.back().integral + nodes_.back().overlap * (k - nodes_.back().k);
+    const Node &a = nodes_[n], &b = nodes_[n + 1];
+    const double width = b.k - a.k, t = (k - a.k) / width, rise = b.integral - a.integral;
+    const double c2 = 3. * rise - width * (2. * a.overlap + b.overlap), c3 = width * (a.overlap + b.overlap) - 2. * rise;
+    return a.integral + t * (width * a.overlap + t * (c2 + t * c3));
+  }
+
+private:
+  struct Node {
+    double k, integral, overlap;
+  };
+  static const int BITS = 4; // nodes for each doubling of the stiffness: 2^BITS
+  int64_t first_;
+  std::vector<Node> nodes_;
+
+  static double stiffness(const Curve &curve, double u, double &force) {
+    double s, slope;
+    curve.evaluate(u, s, slope);
+    force = (4. / 3.) * s * sqrt(s);
+    return 2. * sqrt(s) * slope;
+  }
+  static int64_t number(double k) {
+    int64_t b;
+    memcpy(&b, &k, 8);
+    return b >> (52 - BITS);
+  }
+  static double node(int64_t number) {
+    const int64_t b = number << (52 - BITS);
+    double k;
+    memcpy(&k, &b, 8);
+    return k;
+  }
+};
+
+// Whether contacts with this rule have springs: those that unload along a curve which does not depend on the history.
+inline bool has_springs(Unloading rule) { return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN; }
+
+// Compression of the springs of one contact, from the curve along which it would unload now.
+class Compression {
+public:
+  // curve: that of the pair's table, loading (ELASTIC) or unloading (GIVEN); not read for Hertz's curve.
+  Compression(const Pair &pair, const SpringCurve *curve, double radius, double overlap, const double *state)
+      : curve_(pair.rule == ELASTIC || pair.rule == GIVEN ? curve : NULL),
+        recoverable_(pair.rule == ELASTIC ? overlap : overlap - state[1]) {
+    const double length = pair.length_of(radius);
+    if (curve_) {
+      stiffness_ = pair.modulus * sqrt(radius * length);
+      scale_ = stiffness_ * length;
+    } else {
+      const double root = 2. * pair.modulus * sqrt(pair.rule == THORNTON ? radius * state[2] : radius);
+      stiffness_ = 1.;
+      scale_ = 1. / (3. * root * root); // K = root sqrt(z)
+    }
+  }
+  // Mean of the springs from one stiffness [N/m] to another.
+  double mean(double low, double high) const {
+    return recoverable_ - (integral(high) - integral(low)) / (high - low);
+  }
+
+private:
+  const SpringCurve *curve_;
+  double recoverable_, stiffness_, scale_;
+  double integral(double k) const {
+    if (!curve_) return scale_ * k * k * k;
+    return k > 0. ? scale_ * curve_->integral(k / stiffness_) : 0.;
+  }
+};
+
+// What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no shear
+// force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for 99 values per contact.
+class SpringRow {
+public:
+  static const int MOST = 30;
+  static int size(int springs) { return 2 + 3 * springs; }
+  SpringRow(double *numbers, int springs)
+      : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}
+
+  double energy(double ratio) const {
+    double sum = 0.;
+    for (int k = 0; k < touching(); k++) sum += part(k) * dot(stretch_ + 3 * k, stretch_ + 3 * k);
+    return 0.5 * ratio * share_ * sum;
+  }
+
+  // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N], unit normal and
+  // tangential displacement, all of now. `force` is the shear force against the displacement. Returns the energy that
+  // friction and the opening parts of the contact took.
+  double step(double stiffness, double ratio, double limit, const Compression &compression, const double *normal,
+              const double *displacement, double *force) {
+    const double before = energy(ratio);
+    force_of(ratio, force);
+    double work = 0.5 * dot(force, displacement);
+    grow(stiffness);
+    const double held = stiffness_;
+    stiffness_ = stiffness;
+    double carried = 0., mean[MOST];
+    const int count = touching();
+    for (int k = 0; k < count; k++) {
+      const double low = k * share_, high = std::min(low + share_, stiffness);
+      mean[k] = std::max(compression.mean(low, high), 0.);
+      carried += (high - low) * mean[k];
+    }
+    const double scale = carried > 0. ? limit / (carried * ratio) : 0.;
+    for (int k = 0; k < count; k++) {
+      double *const u = stretch_ + 3 * k;
+      const double was = std::min(std::max(held / share_ - k, 0.), 1.);
+      if (part(k) > was) multiply(u, was / part(k));
+      shorten(u, scale * mean[k]);
+      for (int d = 0; d < 3; d++) u[d] += displacement[d];
+      const double along = dot(u, normal);
+      for (int d = 0; d < 3; d++) u[d] -= along * normal[d]; // the tangent plane has turned
+      shorten(u, scale * mean[k]);
+    }
+    std::fill(stretch_ + 3 * count, stretch_ + 3 * springs_, 0.);
+    force_of(ratio, force);
+    work += 0.5 * dot(force, displacement);
+    return work - (energy(ratio) - before);
+  }
+
+private:
+  double &stiffness_, &share_, *const stretch_;
+  const int springs_;
+
+  // Part of spring k that the contact has.
+  double part(int k) const { return std::min(std::max(stiffness_ / share_ - k, 0.), 1.); }
+  int touching() const {
+    int k = 0;
+    while (k < springs_ && k * share_ < stiffness_) k++;
+    return k;
+  }
+  void force_of(double ratio, double *force) const {
+    force[0] = force[1] = force[2] = 0.;
+    for (int k = 0; k < touching(); k++)
+      for (int d = 0; d < 3; d++) force[d] += ratio * share_ * part(k) * stretch_[3 * k + d];
+  }
+  // Joins springs in pairs, with the mean of their stretches, until the row is as stiff as the contact.
+  void grow(double stiffness) {
+    if (!(share_ > 0.)) share_ = stiffness / springs_;
+    while (stiffness > springs_ * share_) {
+      for (int k = 0; k < springs_; k++) {
+        const double first = 2 * k < springs_ ? part(2 * k) : 0., second = 2 * k < springs_ ? part(2 * k + 1) : 0.;
+        for (int d = 0; d < 3; d++)
+          stretch_[3 * k + d] =
+              first > 0. ? (first * stretch_[6 * k + d] + second * stretch_[6 * k + 3 + d]) / (first + second) : 0.;
+      }
+      share_ *= 2.;
+    }
+  }
+  static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  static void multiply(double *u, double factor) {
+    for (int d = 0; d < 3; d++) u[d] *= factor;
+  }
+  static void shorten(double *u, double most) {
+    const double square = dot(u, u);
+    if (square > most * most) multiply(u, most / sqrt(square));
+  }
+};
+
+} // namespace demlaws
+#endif

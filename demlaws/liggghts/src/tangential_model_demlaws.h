@@ -1,0 +1,160 @@
+// Tangential model `demlaws` of LIGGGHTS, which creates no energy: the contact sticks until it slides (demlaws_shear.h)
+// or, with 'shear slip', slips in parts (demlaws_slip.h).
+#ifndef DEMLAWS_TANGENTIAL_MODEL_H
+#define DEMLAWS_TANGENTIAL_MODEL_H
+#include "stock.h"
+
+#include "contact_models.h"
+#include "demlaws_shear.h"
+#include "normal_model_demlaws.h"
+#include "tangential_model_base.h"
+
+namespace LIGGGHTS {
+namespace ContactModels {
+
+static const int TANGENTIAL_DEMLAWS = 60; // a free 6-bit id (stock uses 0 to 4)
+
+template <> class TangentialModel<TANGENTIAL_DEMLAWS> : public TangentialModelBase, private demlaws::WallBook {
+public:
+  TangentialModel(LAMMPS *lmp, IContactHistorySetup *setup, class ContactModelBase *base)
+      : TangentialModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()),
+        normal_(NULL), friction_(NULL), springs_(12), offset_(-1), slips_(false), step_(-1) {
+    if (wall_) instance_->ledger.walls.insert(this);
+  }
+  ~TangentialModel() {
+    if (wall_) instance_->ledger.walls.erase(this);
+  }
+  void connect(const NormalModel<DEMLAWS_TABLE> &normal) { normal_ = &normal; }
+
+  void registerSettings(Settings &settings) { settings.registerDoubleSetting("springs", springs_, 12.); }
+  // A wall takes what its line does not give from the pair style, as the normal model does.
+  void postSettings(IContactHistorySetup *setup, ContactModelBase *) {
+    const demlaws::Line &line = instance_->line;
+    const bool own = !wall_ || line.given.count("shear");
+    slips_ = (own ? line.shear : instance_->pair.shear) == demlaws::SLIP_SHEAR;
+    if (wall_ && !line.given.count("springs")) springs_ = instance_->pair.springs;
+    if (!wall_) instance_->pair.springs = springs_;
+    if (springs_ != 2 * (int)(0.5 * springs_) || springs_ < 2. || springs_ > demlaws::SpringRow::MOST)
+      error->all(FLERR, "tangential model demlaws: 'springs' must be an even number from 2 to 30");
+    const int scalars = slips_ ? 2 : 1, vectors = slips_ ? (int)springs_ : 1;
+    for (int i = 0; i < scalars + 3 * vectors; i++) {
+      std::ostringstream name;
+      name << "demlaws_shear" << i;
+      // scalars are the same seen from either particle, stretches are opposite
+      const int at = setup->add_history_value(name.str(), i < scalars ? "0" : "1");
+      if (i == 0) offset_ = at;
+    }
+  }
+  void connectToProperties(PropertyRegistry &registry) {
+    registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
+    registry.connect("coeffFrict", friction_, "tangential model demlaws");
+    if (wall_) neighbor->register_contact_dist_factor(1.01); // else surfacesClose() is never called
+    if (slips_ != (normal_->shear() == demlaws::SLIP_SHEAR))
+      error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'shear' was known: "
+                        "define it below the pair_style line");
+    PairGran *const pair = static_cast<PairGran *>(force->pair_match("gran", 0));
+    if (pair && !wall_ && pair->dnum() > neighbor->pgsize / neighbor->oneatom) { // a page must hold one particle's history
+      std::ostringstream what;
+      what << "tangential model demlaws: a contact keeps " << pair->dnum() << " values, LIGGGHTS has room for "
+           << neighbor->pgsize / neighbor->oneatom << ": say 'neigh_modify page " << pair->dnum() * neighbor->oneatom
+           << "', or give fewer 'springs'";
+      error->all(FLERR, what.str().c_str());
+    }
+  }
+
+  inline void surfacesIntersect(const SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
+    if (data.contact_flags) *data.contact_flags |= CONTACT_TANGENTIAL_MODEL;
+    const bool keep = data.computeflag && data.shearupdate;
+    const double dt = keep ? update->dt : 0., limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
+    const double displacement[3] = {data.vtr1 * dt, data.vtr2 * dt, data.vtr3 * dt};
+    double force[3], lost, energy;
+    bool slides;
+    if (slips_) slip(data, keep, limit, displacement, force, lost, energy, slides);
+    else {
+      demlaws::Stretch &kept = stretch(data.contact_history), now = kept;
+      lost = demlaws::shear_step(data.kt, limit, data.en, displacement, now, slides);
+      for (int k = 0; k < 3; k++) force[k] = now.stiffness * now.vector[k];
+      energy = wall_ ? demlaws::stretch_energy(now) : 0.;
+      if (keep) kept = now;
+    }
+    if (keep && data.is_wall) instance_->ledger.take_at_wall(lost, data.i);
+    else if (keep) instance_->ledger.take(lost, data.i, data.j, atom->nlocal);
+    if (wall_ && data.computeflag && instance_->ledger.readers) enter(data.i, energy);
+
+    const double damping = slides ? 0. : data.gammat, share = data.is_wall ? data.area_ratio : 1.;
+    const double relative[3] = {data.vtr1, data.vtr2, data.vtr3};
+    for (int k = 0; k < 3; k++) force[k] = -force[k] - damping * relative[k];
+    double moment[3];
+    vectorCross3D(data.en, force, moment);
+    for (int k = 0; k < 3; k++) {
+      on_i.delta_F[k] += share * force[k];
+      on_i.delta_torque[k] -= share * data.cri * moment[k];
+      if (data.is_wall) continue;
+      on_j.delta_F[k] -= force[k];
+      on_j.delta_torque[k] -= data.crj * moment[k];
+    }
+  }
+
+  inline void surfacesClose(SurfacesCloseData &data, ForceData &, ForceData &) {
+    if (data.contact_flags) *data.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
+    if (!data.contact_history || data.contact_history[offset_] == 0.) return;
+    const double lost = stored(data);
+    if (data.is_wall) instance_->ledger.take_at_wall(lost, data.i);
+    else instance_->ledger.take(lost, data.i, data.j, atom->nlocal);
+    std::fill(data.contact_history + offset_, data.contact_history + offset_ + size(), 0.);
+  }
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+
+  // Energy that the shear of a contact stores.
+  double stored(const SurfacesCloseData &data) const {
+    if (!data.contact_history) return 0.;
+    if (!slips_) return demlaws::stretch_energy(stretch(data.contact_history));
+    return demlaws::SpringRow(data.contact_history + offset_, (int)springs_).energy(normal_->shear_ratio(data));
+  }
+
+private:
+  int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::STRETCH_SIZE; }
+  demlaws::Stretch &stretch(double *history) const {
+    return *reinterpret_cast<demlaws::Stretch *>(history + offset_);
+  }
+  void slip(const SurfacesIntersectData &data, bool keep, double limit, const double *displacement, double *force,
+            double &lost, double &energy, bool &slides) const {
+    double copy[2 + 3 * demlaws::SpringRow::MOST];
+    double *const kept = data.contact_history + offset_;
+    if (!keep) std::copy(kept, kept + size(), copy);
+    demlaws::SpringRow row(keep ? kept : copy, (int)springs_);
+    const double ratio = normal_->shear_ratio(data), stiffness = data.kt / ratio;
+    force[0] = force[1] = force[2] = lost = energy = 0.;
+    slides = false;
+    if (!(stiffness > 0.)) return; // an overlap that carries no force
+    lost = row.step(stiffness, ratio, limit, normal_->compression(data), data.en, displacement, force);
+    energy = wall_ ? row.energy(ratio) : 0.;
+    slides = vectorMag3DSquared(force) >= limit * limit * (1. - 1e-9);
+  }
+
+  // Energies of this wall's contacts in the last step.
+  void enter(int particle, double energy) {
+    if (update->ntimestep != step_) energies_.clear();
+    step_ = update->ntimestep;
+    energies_.push_back(std::make_pair(particle, energy));
+  }
+  void add_energies(int groupbit, double &stored, double &) const {
+    for (size_t n = 0; step_ == update->ntimestep && n < energies_.size(); n++)
+      if (atom->mask[energies_[n].first] & groupbit) stored += energies_[n].second;
+  }
+  void forget() { energies_.clear(); }
+
+  const std::shared_ptr<demlaws::Instance> instance_;
+  const bool wall_;
+  const NormalModel<DEMLAWS_TABLE> *normal_;
+  double **friction_, springs_;
+  int offset_;
+  bool slips_;
+  bigint step_;
+  std::vector<std::pair<int, double>> energies_;
+};
+
+} // namespace ContactModels
+} // namespace LIGGGHTS
+#endif

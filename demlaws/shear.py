@@ -1,0 +1,124 @@
+"""One contact under normal and tangential displacement: passive shear without slip, and partial slip."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from demlaws.core.shear import CHOICES, DEFAULT
+from demlaws.core.slip import SAMPLES, one_spring_loop, slip_loop
+from demlaws.errors import DemlawsError
+from demlaws.law import Law
+from demlaws.units import number, real, whole
+
+SLIP = "slip"
+"""Name of the choice with partial slip, beside those of `CHOICES`."""
+
+
+class Sheared(NamedTuple):
+    """One contact under normal and tangential displacement: arrays with one entry per point of the path, SI units.
+
+    displacement and shear_force have two columns where two directions were given. work: done by tangential displacement since
+    the path began [J]; stored: energy that the stretched contact holds [J]; the rest was dissipated.
+    """
+
+    overlap: np.ndarray
+    displacement: np.ndarray
+    force: np.ndarray
+    shear_stiffness: np.ndarray  # K_t [N/m] at the onset of slip
+    shear_force: np.ndarray
+    work: np.ndarray
+    stored: np.ndarray
+
+    @property
+    def dissipated(self) -> np.ndarray:
+        """Energy [J] lost to friction and to the parts of the contact that opened while stretched; it never falls."""
+        return self.work - self.stored
+
+
+def sheared(
+    law: Law,
+    overlap: ArrayLike,
+    displacement: ArrayLike,
+    ratio: float,
+    shear: str = DEFAULT,
+    friction: float | None = None,
+    springs: int = 32,
+) -> Sheared:
+    """Shear force and energies of one contact along a path of overlaps and tangential displacements [m].
+
+    Parameters
+    ----------
+    law : Law
+        Normal law of one contact, with its unloading rule.
+    overlap : array_like, shape (n,)
+        Overlaps [m], from a virgin contact.
+    displacement : array_like, shape (n,) or (n, 2)
+        Tangential displacement [m] in one direction, or in two directions of the tangent plane.
+    ratio : float
+        K_t/K of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949).
+    shear : str
+        "elastic" (default): no slip before sliding, K_t = ratio times the stiffness with which the contact would unload.
+        "loading": the same with the tangent of first loading at the present force. "slip": partial slip.
+    friction : float, optional
+        Coefficient of friction μ. Default: the contact never slides; required by "slip".
+    springs : int
+        Number of springs of "slip" for the stiffest point of the path. The force converges with its square: 32 springs
+        are within 1e-3 of the limit for all laws here, 8 within 1.2e-2.
+
+    Returns
+    -------
+    Sheared
+
+    Raises
+    ------
+    DemlawsError
+        Lengths that differ, values that are not finite, an unknown choice, "slip" without friction.
+
+    Notes
+    -----
+    Every choice is passive: `dissipated` never falls on any path, so that no closed path returns work. At constant overlap δ
+    "slip" gives Q = μ [P(δ) - P(δ - ratio s/μ)], with P the unloading curve (Jäger 1998; Ciavarella 1998), for Hertz the
+    solutions of Cattaneo (1938), Mindlin (1949) and Mindlin & Deresiewicz (1953). For contacts with a history the springs are
+    those of the curve on which the contact would unload now [our derivation].
+
+    Examples
+    --------
+    >>> law = dl.law("hertz", dl.Contact(radius=4.35e-3, modulus=32.32e9))
+    >>> depth = law.overlap(10.0)
+    >>> sideways = np.linspace(0.0, 1e-6, 11)
+    >>> slip = dl.driver.sheared(law, [depth] * 11, sideways, 0.857, "slip", friction=0.5)
+    >>> slip.shear_force[[1, 5, 10]].round(3)
+    array([0.546, 2.503, 4.341])
+    """
+    depth = np.atleast_1d(real(overlap, "overlap", "m", array=True))
+    along = np.asarray(displacement, float)
+    plane = np.stack([along, np.zeros(along.shape)], -1) if along.ndim == 1 else along
+    if plane.ndim != 2 or plane.shape != (depth.size, 2):
+        raise DemlawsError(
+            f"displacement has shape {along.shape} for {depth.size} overlaps: give one displacement in m, or two components, "
+            "for each overlap"
+        )
+    if not (np.all(np.isfinite(depth)) and np.all(np.isfinite(plane))):
+        raise DemlawsError("overlap and displacement must be finite numbers in m")
+    ratio = number(ratio, "ratio")
+    if shear not in (*CHOICES, SLIP):
+        raise DemlawsError(f"shear must be {', '.join(map(repr, (*CHOICES, SLIP)))}, got {shear!r}")
+    if shear == SLIP and friction is None:
+        raise DemlawsError("partial slip needs the coefficient of friction: give friction=")
+    limit = math.inf if friction is None else number(friction, "friction", allow_low=True)
+    params, state = law.params, law.new_state(1)
+    first, second = np.ascontiguousarray(plane.T)
+    results = np.empty((6, depth.size))
+    stiffness = np.atleast_1d(law.shear_stiffness(depth, 1.0, DEFAULT if shear == SLIP else shear))  # checks law and range
+    if shear == SLIP:
+        rows = np.zeros((2, whole(springs, "springs", high=100_000))), np.empty((2, SAMPLES))
+        largest = max(float(stiffness.max()), 1e-300)
+        slip_loop(law.rule, params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results)
+    else:
+        tag = CHOICES[shear].tag
+        one_spring_loop(tag, law.rule, params, depth, first, second, ratio, limit, state.arrays, results)
+    force, stiffness, *forces, work, stored = results
+    shear_force = forces[0] if along.ndim == 1 else np.stack(forces, -1)
+    return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)

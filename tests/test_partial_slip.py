@@ -1,0 +1,155 @@
+"""Shear of one contact: closed forms of partial slip, and passivity of every choice for every law and rule."""
+
+import numpy as np
+import pytest
+from examples import GRANITE, make, pairs, quiet, shared, telling
+from hypothesis import given
+from hypothesis import strategies as st
+
+import demlaws as dl
+from demlaws.shear import sheared
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(pairs(), telling))
+RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
+
+
+def hertz():
+    """Law, overlap at the load, and the displacement at which the whole contact slides."""
+    law = make("hertz")
+    overlap = law.overlap(LOAD)
+    return law, overlap, FRICTION * overlap / RATIO
+
+
+def there_and_back(law, overlap, amplitude, springs, points=1500):
+    """Shear to +amplitude, then a whole cycle; the index at which the cycle begins."""
+    corners = np.concatenate(
+        [
+            np.linspace(0, amplitude, points),
+            np.linspace(amplitude, -amplitude, points),
+            np.linspace(-amplitude, amplitude, points),
+        ]
+    )
+    return sheared(law, np.full(corners.size, overlap), corners, RATIO, "slip", FRICTION, springs), points - 1
+
+
+@pytest.mark.parametrize(("springs", "tolerance"), [(8, 6e-3), (32, 1e-3), (1000, 1e-6)])
+def test_hertz_is_cattaneo_and_mindlin(springs, tolerance):
+    """Q = μP [1 - (1 - 2 K_t s/(3 μP))^1.5]."""
+    law, overlap, sliding = hertz()
+    along = np.linspace(0.0, 1.2 * sliding, 300)
+    force = sheared(law, np.full(300, overlap), along, RATIO, "slip", FRICTION, springs).shear_force
+    onset = RATIO * law.stiffness(overlap)
+    exact = FRICTION * LOAD * (1.0 - np.maximum(1.0 - 2.0 * onset * along / (3.0 * FRICTION * LOAD), 0.0) ** 1.5)
+    np.testing.assert_allclose(force, exact, atol=tolerance * FRICTION * LOAD)
+
+
+@pytest.mark.parametrize(("springs", "tolerance"), [(32, 1e-2), (1000, 2e-3)])
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.9, 0.99])
+def test_loss_of_a_cycle_is_mindlin_and_deresiewicz(share, springs, tolerance):
+    """ΔW = (36/5) μ²P²/K_t {1 - (1 - q)^(5/3) - (5q/6)[1 + (1 - q)^(2/3)]}, q = Q/μP (Johnson 1985, Eq. 7.57)."""
+    law, overlap, sliding = hertz()
+    path, start = there_and_back(law, overlap, sliding * (1.0 - (1.0 - share) ** (2 / 3)), springs)
+    left = 1.0 - share
+    onset = RATIO * law.stiffness(overlap)
+    exact = 7.2 * (FRICTION * LOAD) ** 2 / onset * (1.0 - left ** (5 / 3) - 5.0 * share / 6.0 * (1.0 + left ** (2 / 3)))
+    assert path.work[-1] - path.work[start] == pytest.approx(exact, rel=tolerance)
+    assert path.shear_force[start] == pytest.approx(share * FRICTION * LOAD, rel=tolerance)
+
+
+@every_pair
+def test_shear_at_constant_overlap_is_that_of_the_unloading_curve(name, unloading):
+    """Q = μ [P(δ) - P(δ - ratio s/μ)] (Jäger 1998; Ciavarella 1998), P along which the contact would unload."""
+    law = make(name, unloading)
+    overlap = quiet(law.overlap, LOAD)
+    deeper = np.linspace(0.0, 1.1, 150) * overlap
+    state = law.new_state(1)
+    law.follow([overlap], state)
+    curve = quiet(law.follow, np.maximum(overlap - deeper, 1e-9 * overlap), state).force
+    if np.any(np.diff(curve, 2) < -1e-4 * LOAD):
+        pytest.skip("the unloading curve is not convex: the springs' compressions are scaled")
+    path = quiet(sheared, law, np.full(150, overlap), deeper * FRICTION / RATIO, RATIO, "slip", FRICTION, 400)
+    np.testing.assert_allclose(path.shear_force, FRICTION * (LOAD - curve), atol=2e-3 * FRICTION * LOAD)
+
+
+@pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
+@every_pair
+@given(data=st.data())
+def test_no_step_of_any_path_returns_what_was_lost(name, unloading, shear, data):
+    """Dissipation never falls, so that no closed path returns work; the force never exceeds Coulomb's."""
+    law = make(name, unloading)
+    places = [st.floats(lo, 1.0).map(lambda x: round(x, 12)) for lo in (-0.1, -1.0, -1.0)]  # no forces of 1e-300 N
+    corners = data.draw(st.lists(st.tuples(*places), min_size=2, max_size=8))
+    scale = quiet(law.overlap, LOAD) * np.array([1.0, *[FRICTION / RATIO * data.draw(st.sampled_from([0.1, 1.0, 3.0]))] * 2])
+    legs = [np.linspace(a, b, 25)[1:] for a, b in zip(corners, [*corners[1:], (corners[-1][0], 0.0, 0.0)], strict=True)]
+    path = np.concatenate([np.zeros((1, 3)), *legs]) * scale
+    result = quiet(sheared, law, path[:, 0], path[:, 1:], RATIO, shear, FRICTION, 16)
+    size = np.abs(result.work).max()
+    assert np.diff(result.dissipated).min() >= -1e-13 * size
+    assert np.all(np.hypot(*result.shear_force.T) <= FRICTION * result.force * (1.0 + 1e-9))
+
+
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+def test_oblique_loading_of_constant_direction_does_not_slip(shear):
+    """δ and s in proportion, dQ < μ dP: each spring is stretched in proportion to its compression, Q = ratio (s/δ) P."""
+    law, overlap, sliding = hertz()
+    part = np.linspace(0.0, 1.0, 4000) ** 2
+    path = sheared(law, overlap * part, 0.5 * sliding * part, RATIO, shear, FRICTION, 256)
+    assert path.shear_force[-1] == pytest.approx(0.5 * FRICTION * LOAD, rel=1e-3)
+    # what is not stretched at all but slips is what enters beside stretched springs
+    assert path.dissipated[-1] < (0.01 if shear == "slip" else 1.0) * path.stored[-1]
+
+
+def test_direction_does_not_matter():
+    law, overlap, sliding = hertz()
+    turn = np.linspace(0.0, 4.0, 400)
+    plane = sliding * np.stack([np.sin(turn), 0.7 * np.sin(2.3 * turn)], -1)
+    angle = 0.6
+    rotation = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    depth = overlap * (1.0 - 0.4 * np.sin(3.0 * turn))
+    first, second = (sheared(law, depth, p, RATIO, "slip", FRICTION) for p in (plane, plane @ rotation.T))
+    np.testing.assert_allclose(second.shear_force, first.shear_force @ rotation.T, atol=1e-12 * LOAD)
+    np.testing.assert_allclose(second.work, first.work, rtol=1e-10, atol=1e-12 * first.work.max())
+    one = sheared(law, depth, plane[:, 0], RATIO, "slip", FRICTION)
+    two = sheared(law, depth, np.stack([plane[:, 0], 0 * turn], -1), RATIO, "slip", FRICTION)
+    np.testing.assert_array_equal(one.shear_force, two.shear_force[:, 0])
+
+
+@every_pair
+def test_springs_converge_under_oblique_cycles(name, unloading):
+    """32 springs against 2,000, with slip in the plane and a normal force that rises and falls."""
+    law = make(name, unloading)
+    turn = np.linspace(0.0, 6.0, 500)
+    depth = quiet(law.overlap, LOAD) * (0.2 + 0.13 * turn) * (1.0 - 0.3 * np.sin(3.0 * turn) ** 2)
+    sliding = FRICTION * quiet(law.overlap, LOAD) / RATIO
+    plane = 0.7 * sliding * np.stack([np.sin(2.0 * turn), np.cos(3.0 * turn) - 1.0], -1)
+    few, many = (quiet(sheared, law, depth, plane, RATIO, "slip", FRICTION, n) for n in (32, 2000))
+    np.testing.assert_allclose(few.shear_force, many.shear_force, atol=0.015 * FRICTION * few.force.max())
+    assert few.dissipated[-1] == pytest.approx(many.dissipated[-1], rel=0.02)
+
+
+def test_the_force_falls_with_the_stiffness_and_is_kept_where_it_rises():
+    law, overlap, sliding = hertz()
+    depth = overlap * np.array([1.0, 1.0, 0.25, 1.0])
+    path = sheared(law, depth, np.array([0.0, 0.1, 0.1, 0.1]) * sliding, RATIO)
+    np.testing.assert_allclose(path.shear_force[1:] / path.shear_force[1], [1.0, 0.5, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(path.stored[1:] / path.stored[1], [1.0, 0.5, 0.25], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda law: sheared(law, [0.0, 1e-6], [0.0], 0.8),
+        lambda law: sheared(law, [1e-6], [np.nan], 0.8),
+        lambda law: sheared(law, [1e-6], [[0.0, 0.0, 0.0]], 0.8),
+        lambda law: sheared(law, [1e-6], [0.0], 0.0),
+        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip"),
+        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", -0.1),
+        lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", 0.5, 0),
+        lambda law: sheared(law, [1e-6], [0.0], 0.8, "sideways"),
+        lambda law: sheared(law, [2.0 * GRANITE.radius], [0.0], 0.8),
+    ],
+)
+def test_bad_input(call):
+    with pytest.raises(dl.DemlawsError):
+        call(make("pohrt-popov", "hertz"))
