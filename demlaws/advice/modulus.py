@@ -2,11 +2,9 @@
 
 Three causes, each with a measured curve [our derivation]: geometry, over x = overlap over diameter of the softened grains at
 the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross the sample while it is loaded; κ_K = K/(p d), K the
-softened tangent at the mean force), over I in shear; and the time step, over its part of the stable one. Errors are those
-against the study's own runs: full modulus, I of `STEADY`, half the stable step. Below its first point a curve goes as its first
-two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says. Density is no fourth
-knob: of one inertial number I = rate × d √(ρ/p), denser grains loaded more slowly take the same steps, so that a density
-factor serves where the rate is given.
+softened tangent at the mean force), over I in shear; and the time step, over its part of the stability limit 2/ω_max. Errors
+are those against the study's own runs: full modulus, I of `STEADY`, a step of `STANDARD`. Below its first point a curve goes
+as its first two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says.
 
 Where a process has no measured curve of the scene's quantity, full modulus and the literature's `QUASISTATIC` are all that is
 advised, and no error is predicted.
@@ -15,7 +13,6 @@ advised, and no error is predicted.
 import functools
 import math
 import warnings
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -29,6 +26,7 @@ from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.materials import DENSITY
+from demlaws.timestep import STEP_SAFETY
 from demlaws.units import number
 
 STIFFNESS = ("low", "loading", "unloading")
@@ -47,18 +45,22 @@ NAMES = {
 }
 FACTORS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0)
 INERTIAL = tuple(float(f"{v:.2g}") for v in np.geomspace(1e-5, 1e-2, 25))
-PARTS = (0.5, 0.7)
-"""Parts of the stable step that are advised: at 0.9 grains vibrate however slow the loading (docs/trade.md)."""
+STUDY_STEP = 1.36
+"""The study's unit of time step over the stability limit: `from_contacts` on its packing in YADE, in the oedometer at the
+largest stress (1.3 before shear, 1.5 at its peak; 1.05 where the oedometer is unloaded)."""
+HALF = 0.5
+"""Time step of the study's own runs in its unit."""
+STANDARD = HALF * STUDY_STEP
+"""The same as a part of the stability limit."""
+PARTS = (STANDARD, STEP_SAFETY)
+"""Parts of the stability limit that are advised. In the study, with damping, 0.95 was accurate; at 1.2 grains vibrate however
+slow the loading (docs/trade.md)."""
 WAYS = tuple((factor, rate, part) for factor in FACTORS for rate in INERTIAL for part in PARTS)
-"""(factor, I, part of the stable step) of which the fastest that keeps the tolerance is advised."""
-SLOWEST = 1e3
-"""By what a rate may be slower, at most, than that of its I at the grains' own density: a density factor of a million."""
+"""(factor, I, part of the stability limit) of which the fastest within the tolerance is advised."""
 MARGIN = 1.15
 """By what the curve's error is multiplied for scenes that are unlike the study's."""
 STEADY = 3e-4
 """I of the study's own runs at full modulus."""
-HALF = 0.5
-"""Part of the stable step that the study's own runs take."""
 QUASISTATIC = 1e-3
 """I below which flow is called quasi-static (from there to 0.1 dense): Wikipedia, "Inertial number", after GDR MiDi 2004 and
 da Cruz et al. 2005 (as cited there and in J. Fluid Mech., "Constitutive relations for compressible granular flow in the
@@ -117,7 +119,7 @@ class Curves(NamedTuple):
     unbalanced: Curve  # unbalanced force over the mean force, over the same as `rate`
     rate: Curve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
     soft_rate: Curve | None = None  # the same of softer grains, against the same grains at `STEADY`
-    step: Curve | None = None  # over the part of the stable step, against half of it; None: no other was run
+    step: Curve | None = None  # over the step in the study's unit, against HALF; None: no other was run
 
 
 @functools.cache
@@ -140,30 +142,30 @@ def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: 
     return numbers(contact, name, options, force, scene.pressure[1], factor, inertial)
 
 
-def _rate(scene, inertial):
+def _inertial_of_rate(scene):
+    """I of a strain rate of 1/s."""
     density = min(DENSITY if m.density is None else m.density for m in scene.materials)
-    return inertial / (sum(scene.radii) * math.sqrt(density / scene.pressure[1]))
+    return sum(scene.radii) * math.sqrt(density / scene.pressure[1])
 
 
 class Advice(NamedTuple):
-    """A modulus factor, a loading rate, a density factor and a time step for a scene, with what they cost."""
+    """A modulus factor, a loading rate and a time step for a scene, with what they cost."""
 
     factor: float
     inertial: float  # I
-    rate: float  # strain rate [1/s] of that I, with the density factor
+    rate: float  # strain rate [1/s] of that I
     numbers: Numbers
     geometry: float  # predicted error of each cause; not a number: not measured
     waves: float
     coarse: float  # of the time step
     error: float  # predicted, all of it, with twice the scatter of chance
     left_alone: float  # what the error would be with σ, hardness and yield pressure left alone
-    steps: float  # steps of the process over those at full modulus, I = STEADY and half the stable step
-    scene: Scene  # softened, of the denser grains
-    part: float = HALF  # of the stable step
-    dt: float = math.nan  # time step [s]
-    density: float = 1.0  # factor of the density; gravity is to be divided by it
-    unbalanced: float = math.nan  # predicted largest unbalanced force over the mean force while it moves
-    what: str = ""  # what is wrong by `error`
+    unbalanced: float  # predicted largest unbalanced force over the mean force while it moves
+    what: str  # the packing's quantity that `error` is of
+    steps: float  # steps of the process over those at full modulus, I = STEADY and a step of STANDARD
+    part: float  # of the stability limit
+    scene: Scene  # softened
+    dt: float  # time step [s]
 
     @property
     def measured(self) -> bool:
@@ -178,26 +180,17 @@ class Advice(NamedTuple):
             first = "full modulus: what softer grains cost of this quantity in this process has not been measured"
         if self.factor != 1.0:
             first = (
-                f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), stable step × "
+                f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), time step × "
                 f"{scaled.step:.3g}"
             )
-        dense = "density as it is"
-        if self.density != 1.0:
-            dense = (
-                f"density × {self.density:.3g}, gravity / {self.density:.3g} (the weight stays: at this rate I, and the steps, "
-                "are those of a faster one)"
-            )
-        lines = [f"{first}; {dense}", f"  time step {self.dt:.3g} s, {self.part:g} of the stable one"]
-        if self.scene.process == "pour":
-            lines.append(f"  κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}")
-        else:
+        lines = [first, f"  time step {self.dt:.3g} s, {self.part:.2g} of the estimated stability limit"]
+        numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
+        if self.scene.process != "pour":
             force = "" if self.unbalanced != self.unbalanced else f", unbalanced force up to {self.unbalanced:.2g} of the mean"
-            lines.append(
-                f"  strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); κ_K = {n.kappa:.3g}, "
-                f"overlap/diameter {n.depth:.2g}"
-            )
+            numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); {numbers}"
         to = {"oedometer": "to the stress", "pour": "of the fall"}.get(self.scene.process, "to a given strain")
-        lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and half the stable step")
+        lines.append(f"  {numbers}")
+        lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and {STANDARD:.2g} of the limit")
         if not self.measured:
             return [*lines, f"  no error is predicted: I ≤ {QUASISTATIC:g} is the literature's bound of quasi-static loading"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
@@ -212,19 +205,12 @@ def _process(scene):
 
 
 def _steps(scene, factor, inertial, part):
-    """Steps over those at full modulus, STEADY and half the stable step."""
-    share = HALF / part / Softening(factor).step
+    """Steps over those at full modulus, STEADY and STANDARD."""
+    share = STANDARD / part / Softening(factor).step
     if scene.process == "pour":  # the time is given
         return share
     strain = Softening(factor).overlap if scene.process == "oedometer" else 1.0  # the stress is given, or the strain
     return share * strain * STEADY / inertial
-
-
-def _of_step(curve, part):
-    """Error of a step against half the stable one, than which none is taken to be better."""
-    if part <= HALF:
-        return 0.0
-    return math.inf if curve is None else MARGIN * curve.at(part)
 
 
 def _check(scene):
@@ -235,67 +221,34 @@ def _check(scene):
         raise DemlawsError(f"quantity = 'restitution': softening is advised for {known} of a packing")
 
 
-def _predicted(scene, law, options, factor, inertial, part, here):
-    """`Advice` but for its scene and time step."""
+def _errors(scene, factor, inertial, part, here):
+    """Fields geometry to what of an `Advice`."""
     process = _process(scene)
     if scene.quantity not in MEASURED[process]:
-        geometry = waves = step = error = alone = unbalanced = math.nan
-        what = scene.quantity
+        names = ("geometry", "waves", "coarse", "error", "left_alone", "unbalanced")
+        return {**dict.fromkeys(names, math.nan), "what": scene.quantity}
+    found = curves(process, scene.quantity, scene.unloads)
+    place = here.waves if process == "oedometer" else inertial
+    geometry = 0.0 if factor == 1.0 else MARGIN * found.geometry.at(here.depth)
+    rates = found.rate if factor == 1.0 else found.soft_rate
+    if rates is None or (factor != 1.0 and inertial <= STEADY):  # what it costs there is part of geometry's curve
+        waves = 0.0
     else:
-        found = curves(process, scene.quantity, scene.unloads)
-        place = here.waves if process == "oedometer" else inertial
-        geometry = 0.0 if factor == 1.0 else MARGIN * found.geometry.at(here.depth)
-        rates = found.rate if factor == 1.0 else found.soft_rate
-        waves = 0.0 if rates is None else MARGIN * rates.at(place)
-        if factor != 1.0 and inertial <= STEADY:  # what it costs there is part of geometry's curve
-            waves = 0.0
-        step = _of_step(found.step, part)
-        error = (1.0 + geometry) * (1.0 + waves) * (1.0 + step) - 1.0 + 2.0 * found.chance
-        alone = (1.0 + error) * (1.0 + here.branch) - 1.0
-        unbalanced = math.nan if process == "pour" else found.unbalanced.at(place)
-        what = NAMES[MEASURED[process][scene.quantity][0]]
-    rate, density = _rate(scene, inertial), 1.0
-    if scene.rate is not None and rate > scene.rate and process != "pour":
-        slower = rate / scene.rate
-        density, rate = slower * slower if slower < SLOWEST else math.inf, scene.rate
-        error = error if density < math.inf else math.inf
-    steps = _steps(scene, factor, inertial, part)
-    return Advice(
-        factor,
-        inertial,
-        rate,
-        here,
-        geometry,
-        waves,
-        step,
-        error,
-        alone,
-        steps,
-        scene,
-        part,
-        math.nan,
-        density,
-        unbalanced,
-        what,
-    )
-
-
-def _finished(advice, law, options):
-    """With the softened scene of denser grains, and the time step."""
-    scene, density = advice.scene, advice.density
-
-    def bind(contact):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
-            return bind_law(law, contact, rebound(back, contact), **options)
-
-    back = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
-    stable = stable_step(scene, bind) * Softening(advice.factor).step * math.sqrt(density)
-    softer = soften(scene, advice.factor)
-    if density != 1.0:
-        heavier = tuple(replace(m, density=density * (DENSITY if m.density is None else m.density)) for m in softer.materials)
-        softer = replace(softer, materials=heavier)
-    return advice._replace(dt=advice.part * stable, scene=softer)
+        waves = MARGIN * rates.at(place)
+    if part <= STANDARD * (1.0 + 1e-9):  # the study's own step, than which none is taken to be better
+        coarse = 0.0
+    else:
+        coarse = math.inf if found.step is None else MARGIN * found.step.at(part / STUDY_STEP)
+    error = (1.0 + geometry) * (1.0 + waves) * (1.0 + coarse) - 1.0 + 2.0 * found.chance
+    return {
+        "geometry": geometry,
+        "waves": waves,
+        "coarse": coarse,
+        "error": error,
+        "left_alone": (1.0 + error) * (1.0 + here.branch) - 1.0,
+        "unbalanced": math.nan if process == "pour" else found.unbalanced.at(place),
+        "what": NAMES[MEASURED[process][scene.quantity][0]],
+    }
 
 
 def predict(
@@ -304,35 +257,58 @@ def predict(
     inertial: float = STEADY,
     law: str = USUAL,
     options: dict | None = None,
-    part: float = HALF,
+    part: float = STANDARD,
 ) -> Advice:
     """Predicted error of the scene's quantity with grains softer by `factor`, at inertial number `inertial`, in steps of `part`
-    of the stable one.
+    of the stability limit, which is estimated (`packing_limit`).
 
     The quantity is that of a packing under the scene's largest pressure. Raises DemlawsError without a pressure, for
     restitution, which is no packing's, or for a law that cannot be softened.
     """
     _check(scene)
     factor, inertial = number(factor, "factor"), number(inertial, "inertial number", "", 0.0, 1.0)
-    part, options = number(part, "part of the stable step", "", 0.0, 1.0), options or {}
+    part, options = number(part, "part of the stability limit", "", 0.0, 2.0), options or {}
     here = numbers_of(scene, law, options, factor, inertial)
-    return _finished(_predicted(scene, law, options, factor, inertial, part, here), law, options)
+
+    def bind(contact):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            return bind_law(law, contact, rebound(rule, contact), **options)
+
+    rule = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
+    stable = stable_step(scene, bind) * Softening(factor).step
+    return Advice(
+        factor,
+        inertial,
+        inertial / _inertial_of_rate(scene),
+        here,
+        **_errors(scene, factor, inertial, part, here),
+        steps=_steps(scene, factor, inertial, part),
+        part=part,
+        scene=soften(scene, factor),
+        dt=part / STEP_SAFETY * stable,
+    )
 
 
 def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> Advice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
-    A `rate` of the scene [1/s] is the fastest that it allows; where that of the advised I is faster, density is multiplied
-    instead. ways: (factor, I, part of the stable step) to choose from. Where the study has not measured the scene's quantity in
-    its process, full modulus at the literature's bound of I.
+    A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the limit) to choose from. Where the
+    study has not measured the scene's quantity in its process, full modulus at the literature's bound of I.
     """
     _check(scene)
     options = options or {}
+    highest = math.inf
+    if scene.rate is not None and scene.process != "pour":
+        numbers_of(scene, law, options, 1.0, 1.0)  # refuses a scene without a pressure
+        highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
-        return predict(scene, 1.0, QUASISTATIC, law, options)
-    best, at = None, {}
-    for factor, inertial, part in ways:
-        if best is not None and _steps(scene, factor, inertial, part) >= best.steps:
+        return predict(scene, 1.0, min(QUASISTATIC, highest), law, options)
+    best, fewest, at = None, math.inf, {}
+    for factor, fastest, part in ways:
+        inertial = min(fastest, highest)
+        steps = _steps(scene, factor, inertial, part)
+        if steps >= fewest:
             continue
         if factor not in at:
             try:
@@ -344,7 +320,9 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         if at[factor] is None:
             continue
         here = at[factor]._replace(waves=inertial * at[factor].waves)
-        found = _predicted(scene, law, options, factor, inertial, part, here)
-        if found.error <= scene.tolerance:
-            best = found
-    return best if best is None else _finished(best, law, options)
+        if _errors(scene, factor, inertial, part, here)["error"] <= scene.tolerance:
+            best, fewest = (factor, inertial, part), steps
+    if best is None:
+        return None
+    factor, inertial, part = best
+    return predict(scene, factor, inertial, law, options, part)
