@@ -217,7 +217,7 @@ FLOORS = (
     "errors lazy",
     "core files units",
     "contact criterion points soundness",
-    "materials surface",
+    "materials heightmap surface",
     "solvers",
     "laws",
     "regime defined unloading",
@@ -266,12 +266,6 @@ def test_imports_go_one_way():
         if unit != "__init__":
             upward |= {(where.as_posix(), other) for other in units_used(path) if layer[other] > layer[unit]}
     assert upward == set(UPWARD)
-
-
-def test_the_package_imports_no_study():
-    """Studies are not in the wheel; what the package needs of them is kept in advice/kept.json."""
-    for path in PACKAGE.rglob("*.py"):
-        assert not [one.module for one in imports(path) if one.module.partition(".")[0] == "studies"], path.name
 
 
 def test_no_engine_imports_another():
