@@ -115,7 +115,7 @@ def run(arguments):
     for what, error in best.left_out:
         print(f"  left out: {what}: costs {error:.2g} in {scene.quantity}")
     if advice is not None:
-        print(f"softer grains, {'which all this is of' if arguments.soften else 'with --soften'}:")
+        print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
         print("\n".join(advice.lines()))
     table = arguments.out or Path("law.tbl")
     print(best.script(table, advice.dt if arguments.soften else None))
