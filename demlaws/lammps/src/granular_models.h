@@ -185,7 +185,7 @@ template <bool LATE> struct Granular {
     double stiffness_, per_stiffness_;
     demlaws::Shear shear_;
     bool whole_, speed_; // speed_: the tangential model asks for that of the surfaces, vrel
-    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_; // BY_RADIUS: viscoelastic, whose formula abi_fits() has checked
+    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_; // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
 
   private:
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
