@@ -88,7 +88,7 @@ def writable(out, overlap, state):
 
 PIECE = 8192
 """Smallest number of contacts that is worth a thread's turn."""
-_pool = None
+_pool = _threads = None
 
 
 def _forget_pool():
@@ -103,12 +103,12 @@ if hasattr(os, "register_at_fork"):
 
 def in_threads(part, n):
     """Results of part(slice) over all of range(n), in pieces that this thread and those of the pool take in turn."""
-    global _pool
+    global _pool, _threads
     import numba
 
     workers = numba.config.NUMBA_NUM_THREADS
-    if _pool is None or _pool._max_workers != workers:
-        _pool = ThreadPoolExecutor(workers)
+    if _pool is None or _threads != workers:
+        _pool, _threads = ThreadPoolExecutor(workers), workers
     # several turns a thread: one that the system holds up then keeps the others waiting for a part of its share only
     piece = -(-n // (2 * workers * PIECE)) * PIECE
     numbers = itertools.count()  # next() is one operation for all threads

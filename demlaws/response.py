@@ -13,7 +13,7 @@ from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follo
 from demlaws.core.params import first_loading, loading_part, map_leaves
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
-from demlaws.units import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
 
 
 class Path(NamedTuple):
@@ -248,14 +248,15 @@ class Response:
             self._warned.add("large overlap")
             warnings.warn(f"{self.name}: {text}", LargeOverlap, stacklevel=4)
 
-    def _single(self):
+    def single_params(self) -> tuple:
+        """Params of the one contact; DemlawsError where the law holds an array of contacts."""
         if self.contact.size is not None:
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
 
     def follow(self, overlap: ArrayLike, state: State | None = None) -> Path:
         """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
-        self._single()
+        self.single_params()
         values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
         if values.ndim != 1:
             raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
@@ -264,7 +265,7 @@ class Response:
         self._arrays_of(state, 1)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule, self._single(), values, state.arrays, history, *columns)
+        follow_loop(self.rule, self.single_params(), values, state.arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
@@ -280,25 +281,21 @@ class Response:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
-        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now; "tangent", that of the branch that
-        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each. Of a law
-        that keeps a history "tangent" warns once (ValidityWarning): cycles of shear and normal load return more than they took.
+        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now, or "loading", that of first
+        loading at the force carried now (docs/shear.md).
         """
         if shear not in CHOICES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
         ratio = number(ratio, "ratio")
-        self._single()
+        self.single_params()
         values, shape = self._shaped(overlap, "overlap", "m")
         if values.ndim > 1:
             raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
         self._check_range(values)
-        if shear == "tangent" and self.state_size and not self.definition.hertzian and shear not in self._warned:
-            self._warned.add(shear)
-            warnings.warn(f"{self.name}: {CREATES_ENERGY}", ValidityWarning, stacklevel=2)
         state = self.new_state(1) if state is None else state
         arrays = self._arrays_of(state, 1)
         result = np.empty(values.size)
-        shear_loop(CHOICES[shear].tag, self.rule, self._single(), values.ravel(), arrays, result)
+        shear_loop(CHOICES[shear].tag, self.rule, self.single_params(), values.ravel(), arrays, result)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
@@ -308,7 +305,7 @@ class Response:
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
         states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
-        unloaded_loop(self.rule, self._single(), values.ravel(), states, result)
+        unloaded_loop(self.rule, self.single_params(), values.ravel(), states, result)
         return as_given(result.reshape(shape))
 
     # --- range

@@ -191,7 +191,7 @@ class Softening:
     def report(self, law: Law, force: float) -> "Report":
         """What becomes of one contact of `law` at `force` [N]: softened as here, and with σ and pressures left alone."""
         force = number(force, "force", "N")
-        law._single()
+        law.single_params()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
             softened = self.of(law)
