@@ -116,13 +116,15 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
             f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
             "with replace=True"
         )
-    others = (*map(_built_in, _BUILT_IN), *_own.values()) if definition.rank else ()
-    taken = {d.rank: d.name for d in others if d.rank and d.name != name}
-    if definition.rank in taken:
-        raise DemlawsError(f"law {name!r}: rank {definition.rank} is that of {taken[definition.rank]!r}: give another, or 0")
-    if not definition.label:
-        definition = definition._replace(label=name)
-    if name not in _own or any(a is not b for a, b in zip(_own[name], definition, strict=True)):
+    others = (*map(_built_in, _BUILT_IN), *_own.values()) if definition.advice.rank else ()
+    taken = {d.advice.rank: d.name for d in others if d.advice.rank and d.name != name}
+    if definition.advice.rank in taken:
+        raise DemlawsError(
+            f"law {name!r}: rank {definition.advice.rank} is that of {taken[definition.advice.rank]!r}: give another, or 0"
+        )
+    if not definition.drawing.label:
+        definition = definition._replace(drawing=definition.drawing._replace(label=name))
+    if _own.get(name) != definition:
         _own[name] = definition
     _homes[name] = home
     with contextlib.suppress(OSError):
@@ -169,9 +171,10 @@ def _check(definition: Any) -> None:
         text = getattr(definition, field)
         if not isinstance(text, str) or not text.isprintable():
             raise DemlawsError(f"law {name!r}: {field} must be one line of text, got {text!r:.60}")
-    for field in ("prepare", "limits", "kinks", "seated", "advise"):
-        if not callable(getattr(definition, field)):
-            raise DemlawsError(f"law {name!r}: {field} must be a function, got {getattr(definition, field)!r:.60}")
+    functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks", "seated")}
+    for field, function in (functions | {"advise": definition.advice.advise}).items():
+        if not callable(function):
+            raise DemlawsError(f"law {name!r}: {field} must be a function, got {function!r:.60}")
     if definition.length not in ("roughness", "radius"):
         raise DemlawsError(f"law {name!r}: length must be 'roughness' or 'radius', got {definition.length!r:.60}")
     known_fields = ("roughness", "fractal_dimension", "hardness")
@@ -182,7 +185,7 @@ def _check(definition: Any) -> None:
     offered = definition.offered()
     if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in offered]:
         raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(offered)}")
-    if wrong := sorted({*definition.free} - {"modulus", *definition.fitted}):
+    if wrong := sorted({*definition.fitting.free} - {"modulus", *definition.fitting.parameters}):
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
 
 
