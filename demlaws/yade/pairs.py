@@ -19,7 +19,7 @@ from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Table
 from demlaws.laws.hertz import HertzShape
-from demlaws.laws.registry import find, home_of, registry
+from demlaws.laws.registry import find, home_of, laws
 from demlaws.make import law, rebound, rule_and_curve
 from demlaws.yade import kernel, memory
 from demlaws.yade import layout as at
@@ -28,7 +28,6 @@ _MAP = "height map"
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-SHEAR = ("elastic", "loading")
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -231,7 +230,7 @@ class Source:
     def from_dict(cls, content):
         """A source from the content of a saved scene."""
         if "table" not in content:
-            if content["law"] not in registry():
+            if content["law"] not in laws():
                 raise DemlawsError(
                     f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
                     "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"
@@ -259,9 +258,9 @@ class Pairs:
     """
 
     def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT):
-        if shear not in SHEAR:
+        if shear not in list(CHOICES):
             raise DemlawsError(
-                f"shear must be {' or '.join(map(repr, SHEAR))}, got {shear!r}: the stiffness used to compute K_t"
+                f"shear must be {' or '.join(map(repr, CHOICES))}, got {shear!r}: the stiffness used to compute K_t"
             )
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}

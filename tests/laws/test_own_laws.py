@@ -424,7 +424,7 @@ def test_a_pair_that_is_not_passive_is_refused():
         ({"length": "diameter"}, "length must be 'roughness' or 'radius'"),
         ({"needs": ("colour",)}, "needs 'colour'"),
         ({"unloading": ("hertz",)}, "the first rule must be 'elastic'"),
-        ({"free": ("n",)}, "free names n"),
+        ({"fitting": Fitting(free=("n",))}, "free names n"),
     ],
 )
 def test_definitions_that_are_refused(changes, said):

@@ -75,7 +75,7 @@ def test_energy_is_bounded_at_the_advised_step(omega, kind):
     advised = stable_step(scene, lambda contact: dl.law("hertz", contact))
     exact = limits_of(lattice(kind))
     assert 0.4 * exact < advised < 0.9 * exact
-    assert growth(lattice(kind), advised, 20_000) < 2.0
+    assert growth(lattice(kind), advised, 8_000) < 2.0
     assert growth(lattice(kind), 0.7 * former_step(), 400) > 1e3
     assert growth(lattice(kind), 1.05 * exact, 2_000) > 1e3
 
@@ -103,6 +103,6 @@ def test_command_reads_a_saved_scene(omega, tmp_path, capfd):
     assert main(["timestep", str(tmp_path / "sc.yade.gz")]) == 0
     lines = capfd.readouterr().out.splitlines()
     (limit,) = [float(line.split()[2]) for line in lines if line.startswith("exact limit")]
-    assert limit == pytest.approx(exact, rel=1e-3) and lines[-1].endswith("2.00 of the exact limit: unstable")
+    assert limit == pytest.approx(exact, rel=1e-3) and lines[-1].endswith("2 of the exact limit: unstable")
     (tmp_path / "bad.yade.gz").write_bytes(b"no scene")
     assert main(["timestep", str(tmp_path / "bad.yade.gz")]) == 2

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.advice.modulus import STUDY_STEP
 from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError, EngineStopped
@@ -33,7 +34,7 @@ STRESS = 3.75e5
 DEEP = 0.038  # [m] height of the packing of 150
 DIAMETER = 2.0 * float(np.mean(RADII))
 QUANTILES = tuple(range(5, 100, 5))
-RESTING = 2870  # steps at half the stable step to come to rest under gravity
+RESTING = 2870  # steps at half the unit to come to rest under gravity
 LEAST = 0.2  # of the stress, to which a cycle unloads
 
 STUDIED = (POHRT_POPOV, "hertz")
@@ -52,7 +53,7 @@ class Run(NamedTuple):
     factor: float = 1.0  # by which Young's modulus is divided
     scaled: bool = True  # σ and pressures are scaled along
     inertial: float = 3e-4  # I = rate × diameter × √(density/stress)
-    part: float = 0.5  # of the stable step
+    part: float = 0.5  # time step over `Run.unit`
     copy: int = 0
     cycles: int = 1
     law: str = STUDIED[0]
@@ -72,7 +73,7 @@ class Run(NamedTuple):
 
     @property
     def reference(self) -> "Run":
-        """The process as it is: full modulus, slow, half the stable step, the richest law of the study."""
+        """The process as it is: full modulus, slow, half the unit of time step, the richest law of the study."""
         plain = Run("", "")
         return self._replace(**{n: getattr(plain, n) for n in TRADED})
 
@@ -93,8 +94,9 @@ class Run(NamedTuple):
         return GRANITE.young / self.factor, surface, {}
 
     @property
-    def stable(self) -> float:
-        """Stable step [s]: a smooth grain of the smaller size between stiff contacts, forces up to ten times the mean."""
+    def unit(self) -> float:
+        """Unit of the time step [s]: that of a smooth grain of the smaller size on a fixed contact at ten times the mean force,
+        over √3. It is `modulus.STUDY_STEP` times the stability limit of the packing at its largest stress, so not stable."""
         grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
         mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
         hertz = bind_law(HERTZ, grain.contact(grain))
@@ -118,8 +120,8 @@ class Run(NamedTuple):
         """What an engine is told of this run."""
         young, surface, options = self.softened()
         slower = math.sqrt(self.density)  # all of a heavier grain's motion
-        stable, overlap = slower * self.stable, Softening(self.factor).overlap
-        dt, density = self.part * stable, self.density * (GRANITE.density or DENSITY)
+        unit, overlap = slower * self.unit, Softening(self.factor).overlap
+        dt, density = self.part * unit, self.density * (GRANITE.density or DENSITY)
         rate = self.inertial / (self.size * DIAMETER * math.sqrt(density / self.stress))
         speed = rate * DEEP * self.size
         # some 150 looks at the plate while it goes down
@@ -132,8 +134,8 @@ class Run(NamedTuple):
             "options": options,
             "dt": dt,
             "speed": speed,
-            "settle": RESTING * 0.5 * stable,
-            "hold": 0.25 * RESTING * 0.5 * stable,
+            "settle": RESTING * 0.5 * unit,
+            "hold": 0.25 * RESTING * 0.5 * unit,
             "every": int(np.clip(round(sunk / (150 * speed * dt)), 1, 40)),
             "least": LEAST * self.stress,
             "shake": SHAKEN * self.size * min(RADII),
@@ -230,7 +232,7 @@ TRIED = tuple(
     + [(1.0, rate, 0.5) for rate in (2e-4, 3e-4, 5e-4, 1e-3, 2e-3)]
     + [(10.0, rate, 0.7) for rate in (3e-4, 7e-4, 1.4e-3)]
 )
-"""(factor, I, part of the stable step) with which each of the held-back scenes is run: the fastest of those that meet a
+"""(factor, I, part of the unit of time step) with which each of the held-back scenes is run: the fastest of those that meet a
 tolerance is what advice is held against."""
 SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
 """Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
@@ -467,250 +469,10 @@ def _of_shear(found):
     }
 
 
-# --- errors
-
-FIRST = ("low", "loading", "unloading", "exponent", "coordination", "forces", "work")
-OF_PROCESS = {"cycles": (*FIRST, "settlement"), "pour": ("height", "coordination", "forces"), "shear": ("peak", "coordination")}
-"""Quantities that are compared. low, loading, unloading: tangent stiffness of the packing from a tenth to a fifth of the
-stress, from half to all of it, and after the turn, times s^(2/3); exponent: of stiffness against stress, between the first two
-(a difference); forces: largest difference of the quantiles of force over its mean; work: lost in the first cycle, and
-settlement: from the first peak to the last, both over s^(2/3)."""
-ABSOLUTE = ("exponent", "forces")  # compared by difference
-
-
-def values(run: Run, row: dict) -> dict:
-    """What a row says of the grains as they are: lengths, stiffness and work unstretched."""
-    if "failed" in row:
-        return {}
-    stretch, found = Softening(run.factor).overlap, dict(row)
-    for name, exponent in (
-        ("low", 1),
-        ("loading", 1),
-        ("unloading", 1),
-        ("settlement", -1),
-        ("put_in", -1),
-        ("given_back", -1),
-    ):
-        if name in found:
-            found[name] *= stretch**exponent
-    if "put_in" in found:
-        found["work"] = found["put_in"] - found["given_back"]
-    return found
-
-
-class Point(NamedTuple):
-    """Copies of one way of running a process, against the process as it is."""
-
-    run: Run  # copy 0
-    errors: dict  # quantity → relative error (of `ABSOLUTE`: difference) of the mean over copies
-    chance: dict  # quantity → standard deviation of one copy of the process as it is
-    steps: float  # of loading and unloading once, rest and hold left out, or of all the process
-    seconds: float  # those × what a step costs, measured over all rows of the engine
-    copies: int
-    front: bool = False
-    unbalanced: float | None = None  # largest force that does not balance over the mean force of a contact, while it moves
-
-
-def microseconds(rows: dict, engine: str) -> float:
-    """CPU time of a step [µs], the median over an engine's rows: one cost for all, since the machine is shared."""
-    found = [1e6 * v["seconds"] / v["steps"] for r, v in rows.items() if r.engine == engine and "steps" in v]
-    return float(np.median(found)) if found else math.nan
-
-
-def _first(run):
-    return run._replace(copy=0, cycles=1)
-
-
-def points(rows: dict, others: bool = False) -> list[Point]:
-    """A `Point` of every way that the rows hold, those of the process as it is among them; others: of the other scenes."""
-    groups: dict = {}
-    for run, row in rows.items():
-        if "failed" not in row:
-            groups.setdefault(_first(run), []).append((run, values(run, row)))
-    result = []
-    for first, found in groups.items():
-        plain = Run("", "")
-        other = any(getattr(first, n) != getattr(plain, n) for n in ("size", "rough", "scatter")) or (
-            first.process == "cycles" and first.stress != STRESS
-        )
-        reference = groups.get(_first(first.reference)) if first.process == "cycles" else _base_of(groups, first)
-        if other != others or not reference:
-            continue
-        errors, chance = _compare(first, found, reference)
-        steps = _steps(first)
-        one = found[0][0]._replace(copy=0)
-        cost = 1e-6 * microseconds(rows, first.engine) * steps
-        loose = [v["unbalanced"] for _, v in found if "unbalanced" in v]
-        unbalanced = float(np.mean(loose)) if loose else None
-        result.append(Point(one, errors, chance, steps, cost, len(found), unbalanced=unbalanced))
-    return _with_front(result)
-
-
-def _base_of(groups, run):
-    """Of a pour or a shear the copies at full modulus and the slowest rate that was run."""
-    alike = [r for r in groups if (r.process, r.engine, r.factor, r.part) == (run.process, run.engine, 1.0, 0.5)]
-    return groups[min(alike, key=lambda r: r.inertial)] if alike else None
-
-
-def _compare(run, found, reference):
-    errors, chance = {}, {}
-    for name in OF_PROCESS[run.process]:
-        if name == "forces":
-            mine, base = (np.array([v["quantiles"] for _, v in rows]) for rows in (found, reference))
-            errors[name] = float(np.max(np.abs(mine.mean(0) - base.mean(0))))
-            chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) if len(base) > 1 else math.nan
-            continue
-        longest = max((r.cycles for r, v in found if name in v), default=0)
-        of = [
-            [v[name] for r, v in rows if name in v and (name != "settlement" or r.cycles == longest)]
-            for rows in (found, reference)
-        ]
-        if not of[0] or not of[1]:
-            continue
-        base = float(np.mean(of[1]))
-        scale = 1.0 if name in ABSOLUTE else base
-        errors[name] = (float(np.mean(of[0])) - base) / scale
-        chance[name] = float(np.std(of[1], ddof=1)) / abs(scale) if len(of[1]) > 1 else math.nan
-    return errors, chance
-
-
-def _steps(run):
-    """Steps of the process: of an oedometer those in which the plate moves, once down to the stress and back."""
-    told = run.given()
-    if run.process == "pour":
-        return told["time"] / told["dt"]
-    if run.process == "shear":
-        return told["strain"] * DEEP / told["speed"] / told["dt"]
-    sunk = 0.0047 * DEEP * run.size * (run.stress / STRESS) ** 0.45 * Softening(run.factor).overlap
-    return 1.5 * sunk / told["speed"] / told["dt"]
-
-
-def _judged(point):
-    """Quantities by which a point is judged: the packing's stiffness; of a pour or of shear the first one."""
-    stiff = [n for n in ("low", "loading", "unloading") if n in point.errors]
-    return stiff or [n for n in OF_PROCESS[point.run.process][:1] if n in point.errors]
-
-
-def first_quantity(point: Point) -> str:
-    """The quantity whose error is the largest of those that a point is judged by."""
-    return max(_judged(point), key=lambda n: abs(point.errors[n]), default="")
-
-
-def worst(point: Point) -> float:
-    """Largest error of the packing's stiffness (of a pour: of its height, of shear: of the peak strength)."""
-    return max((abs(point.errors[n]) for n in _judged(point)), default=math.nan)
-
-
-def _with_front(found):
-    from studies.trade.trade import pareto
-
-    marked = list(found)
-    for key in {(p.run.engine, p.run.process) for p in found}:
-        own = [n for n, p in enumerate(found) if (p.run.engine, p.run.process) == key]
-        front = pareto([(found[n].seconds, worst(found[n])) for n in own])
-        for place, n in enumerate(own):
-            marked[n] = found[n]._replace(front=place in front)
-    return marked
-
-
 def label(run: Run) -> str:
     """A way in words."""
     law = "" if (run.law, run.unloading) == STUDIED else f"{run.law}, {run.unloading}; "
     alone = "" if run.scaled or run.factor == 1.0 else ", σ alone"
-    part = "" if run.part == 0.5 else f", {run.part:g} of the stable step"
+    part = "" if run.part == 0.5 else f", {STUDY_STEP * run.part:.2g} of the stability limit"
     density = "" if run.density == 1.0 else f", density × {run.density:g}"
     return f"{law}E/{run.factor:g}{alone}, I = {run.inertial:g}{part}{density}"
-
-
-def table(found: list[Point]) -> str:
-    """The points as text: errors in per cent (exponent and forces: as they are), chance in brackets."""
-    lines = []
-    for key in sorted({(p.run.engine, p.run.process) for p in found}):
-        own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.seconds)
-        names = [n for n in OF_PROCESS[key[1]] if any(n in p.errors for p in own)]
-        head = " ".join(f"{n:>12}" for n in names)
-        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8} {'s':>7}  {head}")
-        for p in own:
-            cells = []
-            for n in names:
-                if n not in p.errors:
-                    cells.append(f"{'-':>12}")
-                elif n in ABSOLUTE:
-                    cells.append(f"{p.errors[n]:+12.3f}")
-                else:
-                    cells.append(f"{100 * p.errors[n]:+11.1f}%")
-            mark = "  *" if p.front else ""
-            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f} {p.seconds:7.2f}  {' '.join(cells)}{mark}")
-        spread = [
-            next((p.chance[n] for p in own if p.chance.get(n) == p.chance.get(n) and n in p.chance), math.nan) for n in names
-        ]
-        cells = [f"{c:12.3f}" if n in ABSOLUTE else f"{100 * c:11.1f}%" for n, c in zip(names, spread, strict=True)]
-        lines.append(f"{'chance (one copy at full modulus)':69}{' '.join(cells)}\n")
-    return "\n".join(lines)
-
-
-class Similar(NamedTuple):
-    """Grains of a tenth of the modulus against those as they are, from starts that differ in chance only."""
-
-    run: Run  # softened, copy 0
-    deviation: dict  # quantity of `FIRST` → relative difference (exponent: difference) of the means over copies
-    chance: dict  # quantity → standard deviation of the difference of two copies, one of each
-
-    @property
-    def worst(self) -> float:
-        """The largest deviation over its chance."""
-        return max(abs(self.deviation[n]) / self.chance[n] for n in self.deviation)
-
-
-def similarity(rows: dict) -> list[Similar]:
-    """A `Similar` of every stress, start and way of `similar` that the rows hold; the quantiles of force are left out."""
-    groups: dict = {}
-    for run in similar():
-        if run in rows and "failed" not in rows[run]:
-            groups.setdefault(run._replace(copy=0), []).append(values(run, rows[run]))
-    found = []
-    for run, soft in groups.items():
-        hard = groups.get(run.reference)
-        if run.factor == 1.0 or not hard or min(len(soft), len(hard)) < 2:
-            continue
-        deviation, chance = {}, {}
-        for name in FIRST:
-            if name == "forces":
-                continue
-            mine, base = (np.array([v[name] for v in copies]) for copies in (soft, hard))
-            scale = 1.0 if name in ABSOLUTE else float(base.mean())
-            deviation[name] = (float(mine.mean()) - float(base.mean())) / scale
-            chance[name] = math.hypot(np.std(mine, ddof=1), np.std(base, ddof=1)) / abs(scale)
-        found.append(Similar(run, deviation, chance))
-    return found
-
-
-def similarity_table(found: list[Similar]) -> str:
-    """As text: deviation ± chance, in per cent (exponent: as it is)."""
-    names = [n for n in FIRST if n != "forces"]
-    lines = [f"E/10 against E, chance behind ±\n{'':44}{'overlap/d':>10}  {' '.join(f'{n:>15}' for n in names)}"]
-    for one in sorted(found, key=lambda s: (s.run.scatter == 0.0, not s.run.scaled, -s.run.stress)):
-        cells = []
-        for n in names:
-            d, c = one.deviation[n], one.chance[n]
-            cells.append(f"{f'{d:+.3f} ± {c:.3f}' if n in ABSOLUTE else f'{100 * d:+.1f} ± {100 * c:.1f} %':>15}")
-        start = "lattice, gaps scaled" if one.run.scatter else "packing, gaps as they are"
-        way = f"{start}, σ {'scaled' if one.run.scaled else 'alone'}, {one.run.stress / 1e3:g} kPa"
-        lines.append(f"{way:44}{one.run.depth:10.2g}  {' '.join(cells)}")
-    return "\n".join(lines)
-
-
-COMPARED = tuple(dict.fromkeys(name for names in OF_PROCESS.values() for name in names))
-TITLES = (
-    *Run._fields,
-    *("kappa", "steps", "seconds", "copies", "front"),
-    *(f"{name}_error" for name in COMPARED),
-    *(f"{name}_chance" for name in COMPARED),
-)
-
-
-def csv_row(point: Point) -> tuple:
-    """One line of the CSV file: the values that TITLES names."""
-    figures = (point.errors.get(n, math.nan) for n in COMPARED), (point.chance.get(n, math.nan) for n in COMPARED)
-    about = (point.run.kappa, point.steps, point.seconds, point.copies, point.front)
-    return (*point.run, *about, *figures[0], *figures[1])
