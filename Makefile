@@ -3,12 +3,14 @@
 # make test-all  the same with everything, after lint; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
-# make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped)
-# make validation  answers that others wrote against ours, one page with figures in validation/ (some minutes)
+# make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped);
+#                then the costs and curves that `demlaws choose` reads
+# make validation  published and third-party results compared with ours, one page with figures in validation/ (some minutes)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
+# make size      lines and kB of the package, what a YADE script loads, circles: figures with their goals
 # make lint      format and lint of Python and C++, types of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
@@ -79,6 +81,9 @@ docs-measure: $(VENV)/.plots
 dist: $(VENV)/.test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check build
 	$(BIN)/python tests/machines/dist.py
+
+size: $(VENV)/.test
+	PYTHONPATH=tests $(BIN)/python tests/size.py
 
 readme-check: $(VENV)/.test
 	$(BIN)/python tests/readme_check.py

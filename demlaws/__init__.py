@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from demlaws.errors import DemlawsError as DemlawsError
     from demlaws.errors import ValidityWarning as ValidityWarning
     from demlaws.law import Law as Law
+    from demlaws.law import Table as Table
     from demlaws.laws.definition import Definition as Definition
     from demlaws.laws.definition import Option as Option
     from demlaws.laws.definition import Parameter as Parameter
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from demlaws.laws.registry import register as register
     from demlaws.make import law as law
     from demlaws.measure.lawcheck import check_law as check_law
-    from demlaws.table import Table as Table
     from demlaws.timestep import timestep as timestep
 
 __version__ = "0.2.0"
@@ -39,7 +39,7 @@ _HOMES = {
     "Parameter": "demlaws.laws.definition",
     "Scene": "demlaws.advice.scene",
     "Surface": "demlaws.contact",
-    "Table": "demlaws.table",
+    "Table": "demlaws.law",
     "ValidityWarning": "demlaws.errors",
     "check_law": "demlaws.measure.lawcheck",
     "choose": "demlaws.advice.choose",

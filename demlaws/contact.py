@@ -211,6 +211,21 @@ class Contact:
         shape = np.broadcast_shapes(np.shape(self.radius), np.shape(self.modulus), np.shape(self.roughness))
         return shape[0] if shape else None
 
+    @property
+    def is_smooth(self) -> bool | np.ndarray:
+        """Whether the roughness is at most SMOOTHEST times the radius: no effect in double precision; one entry per contact."""
+        from demlaws.core.params import SMOOTHEST
+
+        smooth = np.asarray(self.roughness) <= SMOOTHEST * np.asarray(self.radius)
+        return bool(smooth) if smooth.ndim == 0 else smooth
+
+    def representatives(self) -> list[int]:
+        """Places of the contacts that checks look at: the relatively smoothest, the roughest and the middle of an array."""
+        if self.size is None:
+            return [0]
+        order = np.argsort(np.broadcast_to(self.roughness, self.size) / self.radius)
+        return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
+
     def with_values(self, **changes: Any) -> "Contact":
         """A copy with some fields changed."""
         unknown = changes.keys() - {field.name for field in fields(self)}

@@ -12,9 +12,10 @@ from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.loops import energy_loop
 from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part
-from demlaws.core.shear import CHOICES, DEFAULT
+from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError
-from demlaws.law import Law, Path
+from demlaws.law import Law
+from demlaws.response import Path
 from demlaws.units import number, real, whole
 
 
@@ -111,8 +112,8 @@ def sheared(law: Law, overlap: ArrayLike, displacement: ArrayLike, ratio: float,
 
     As engines that add up shear forces do it (YADE): at each point the force grows by K_t of that point times the
     displacement since the last one. ratio and shear are those of `law.shear_stiffness`. Where K_t falls by more than that of
-    smooth spheres on the same path of forces, the shear force falls with it, so that no closed path returns more than theirs;
-    "tangent" has no such limit (docs/shear.md).
+    smooth spheres on the same path of forces, the shear force falls with it, so that no closed path returns more than theirs
+    (docs/shear.md).
     """
     depth, along = _points(overlap, "m"), _points(displacement, "m")
     if depth.shape != along.shape:
@@ -124,7 +125,7 @@ def sheared(law: Law, overlap: ArrayLike, displacement: ArrayLike, ratio: float,
         kept = forces[n - 1]
         if depth[n] <= 0.0:
             kept = 0.0
-        elif CHOICES[shear].limited and stiffness[n] < stiffness[n - 1] * (1.0 - 1e-11):
+        elif stiffness[n] < stiffness[n - 1] * (1.0 - 1e-11):
             unload = path.force[n - 1] / path.force[n] if path.force[n] > 0.0 else math.inf
             kept *= min(stiffness[n] / stiffness[n - 1] * max(unload, 1.0) ** (1.0 / 3.0), 1.0) if stiffness[n] else 0.0
         step = along[n] - along[n - 1]
@@ -195,7 +196,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
-    p, kinetic = _checked(law)._single(), _kinetic(mass, speed)
+    p, kinetic = _checked(law).single_params(), _kinetic(mass, speed)
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
@@ -235,7 +236,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     from scipy.optimize import brentq
 
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
-    params, kinetic = _checked(law)._single(), _kinetic(mass, speed)
+    params, kinetic = _checked(law).single_params(), _kinetic(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
         values = np.atleast_1d(np.asarray(overlaps, float))

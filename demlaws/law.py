@@ -1,109 +1,36 @@
-"""What a law is to its user: force, stiffness, inverse, energy, paths and batches.
+"""The public interface of a law, made of a curve of first loading and an unloading rule; tables of laws and their files."""
 
-The compiled loops know any law and any unloading rule; `Law` checks input, keeps units and shapes, and raises errors.
-"""
-
-import importlib
-import itertools
-import math
+import dataclasses
+import functools
 import os
-import warnings
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any, NamedTuple
+from collections.abc import Callable
+from pathlib import Path as File
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
-from demlaws.core.curve import TableShape
-from demlaws.core.grid import quick_to_invert
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follow_loop, inverse_loop, unloaded_loop
-from demlaws.core.params import bind_params, first_loading, loading_part, map_leaves, one_of
-from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
-from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
+from demlaws.core.grid import Nodes
+from demlaws.core.params import bind_params, loading_part, one_of
+from demlaws.core.unloading import GIVEN
+from demlaws.curves.closed import ClosedForm
+from demlaws.curves.points import Knots
+from demlaws.curves.table import Rows, TableCurve, tabulate, tolerance
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_own
-from demlaws.soundness import refuse_unsound, refuse_unsound_rule
-from demlaws.units import CREATES_ENERGY, LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
+from demlaws.response import Response, as_given
+from demlaws.soundness import refuse_unsound_rule
+from demlaws.units import number
+from demlaws.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
 
 
-class State:
-    """History of n contacts: one array for each quantity that the unloading rule remembers; all zeros is virgin.
-
-    `state.maximum_overlap` is that array; `state.maximum_overlap = saved` sets its values. A state can be copied and
-    pickled, to go on later.
-    """
-
-    def __init__(self, names, size, dtype=np.float64):
-        try:
-            if np.ndim(size) or np.dtype(dtype) not in (np.float64, np.float32):  # whole numbers would lose the history
-                raise TypeError
-            arrays = tuple(np.zeros(size, dtype) for _ in names)
-        except (TypeError, ValueError, MemoryError):
-            raise DemlawsError(
-                f"a state of n = {size!r} contacts in {dtype!r}: give a whole number and float64 or float32"
-            ) from None
-        self.__dict__.update(names=tuple(names), arrays=arrays)
-
-    def __getattr__(self, name: str) -> np.ndarray:
-        # of an object that pickle or copy has not filled yet there is nothing to look up
-        names = self.__dict__.get("names", ())
-        if name in names:
-            return self.arrays[names.index(name)]
-        raise AttributeError(f"this state has {', '.join(names) or 'no quantities'}, not {name!r}")
-
-    def __setattr__(self, name: str, values: ArrayLike) -> None:
-        if name in ("names", "arrays"):
-            raise AttributeError(f"{name} belongs to the state that law.new_state made: set the values of its quantities")
-        array = getattr(self, name)
-        new = self._values(name, values)
-        if new.shape not in ((), array.shape):
-            raise DemlawsError(f"{name} holds {array.size} contacts, got values of shape {new.shape}: one entry each")
-        array[...] = new
-
-    @staticmethod
-    def _values(name, values):
-        try:
-            return np.asarray(values, dtype=float)
-        except (TypeError, ValueError):
-            raise DemlawsError(f"{name} must be numbers, one a contact, got {values!r}") from None
-
-    def __repr__(self):
-        return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"
-
-    def copy(self) -> "State":
-        """A state of its own with the same values."""
-        twin = State(self.names, 0)
-        twin.__dict__["arrays"] = tuple(array.copy() for array in self.arrays)
-        return twin
-
-
-class Path(NamedTuple):
-    """What one contact does along a path: arrays with one entry an overlap, SI units.
-
-    plastic_overlap is NaN where a law's own rule remembers no quantity of that name. stored and dissipated [J] are the
-    contact's: where the path goes on from a state, what was done to it before since it last closed is in them, too.
-    """
-
-    overlap: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-    maximum_overlap: np.ndarray
-    plastic_overlap: np.ndarray
-    stored: np.ndarray
-    dissipated: np.ndarray
-
-    @property
-    def work(self) -> np.ndarray:
-        """Work done on the contact [J], ∫P dδ, exact between the points of the path: from virgin, or from where a contact whose
-        state was given last closed; of a part of a path take the difference of two entries."""
-        return self.stored + self.dissipated
-
-
-class Law:
-    """A law of first loading bound to a contact, joined with an unloading rule. Made by `demlaws.law(...)`.
+class Law(Response):
+    """A curve of first loading on a contact, joined with an unloading rule. Made by `demlaws.law(...)`.
 
     Overlaps in m, forces in N, stiffnesses in N/m, energies in J. The methods take a number or an array and return the
-    same; with a contact that is an array of contacts, arrays have one entry a contact.
+    same; with a contact that is an array of contacts, arrays have one entry per contact.
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{law.force(1e-6):.4f} N, {law.stiffness(1e-6):.0f} N/m, {law.overlap(10.0) * 1e6:.3f} µm")
@@ -115,33 +42,16 @@ class Law:
     (array([1.3492, 2.6985]), array([1.e-06, 1.e-06]))
     """
 
-    stiffness_error = 0.0  # relative: a law is exact, a `Table` is what its certificate says
-    largest_overlap, largest_force = math.inf, math.inf  # [m], [N]: where a table ends
-    _maker: Any = None  # the module demlaws.make, which stands above laws and tables and makes the ones of the others
-
-    @classmethod
-    def _made_by(cls):
-        if cls._maker is None:  # a table that was read or made of a function, before any law was
-            importlib.import_module("demlaws.make")
-        return cls._maker
-
-    def __init__(self, definition, contact, unloading, options, shape, params=None, unloading_law=None):
-        self.definition = definition
-        self.name = definition.name
-        self.contact = contact
-        self.options = {n: v.item() if isinstance(v, np.generic) else v for n, v in options.items()}  # plain for repr and files
-        self.unloading = unloading
-        self.unloading_law = unloading_law  # the curve of rule "table", else None
-        rule = definition.rule(unloading)
-        self.rule = rule.tag
-        self.state_names = rule.state
+    def __init__(self, contact: Contact, curve: ClosedForm | TableCurve, unloading: Unloading = ELASTIC):
+        curve.check(contact)
+        self.contact, self.curve, self.unloads = contact, curve, unloading
+        self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
+        self.rule, self.state_names = unloading.rule.tag, unloading.rule.state
         self.state_size = len(self.state_names)
-        self.shape = shape
-        if params is None and is_own(definition) and not isinstance(loading_part(shape), TableShape):
-            refuse_unsound(definition, loading_part(shape), contact, self.options)
-        self.params = bind_params(shape, contact) if params is None else params
-        if rule.curve == "law" and is_own(definition) and loading_part(shape) is shape:
-            refuse_unsound_rule(definition.name, rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
+        self.shape = joined_shape(curve.shape, contact, unloading)
+        self.params = bind_params(self.shape, contact)
+        if unloading.rule.curve == "law" and unloading.beside is None and is_own(self.definition):
+            refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
         self._limits = None
         self._end = None
         self._warned = set()
@@ -151,375 +61,327 @@ class Law:
         unloading = self.unloading if self.unloading_law is None else self.unloading_law
         return f"demlaws.law({self.name!r}, {self.contact!r}, unloading={unloading!r}{options})"
 
-    # --- joining with a rule
+    # --- parts
 
-    def joined(self, unloading: "str | Law") -> "Law":
-        """The same law of first loading with another unloading rule: a name, or a law or a `Table` as the curve to follow.
+    @property
+    def unloading(self) -> str:
+        """Name of the unloading rule."""
+        return self.unloads.rule.name
 
-        Raises DemlawsError where the pair is not passive.
-        """
-        return self._made_by().joined(self, unloading)
+    @functools.cached_property
+    def unloading_law(self) -> "Law | None":
+        """The law along whose curve the contact unloads (rule "table"), or None."""
+        return None if self.unloads.curve is None else composed(self.unloads.contact, self.unloads.curve)
 
-    def bound_to(self, contact: Contact) -> "Law":
-        """The same law and options for another contact (or array of contacts), elastic."""
-        return Law(self.definition, contact, "elastic", self.options, self.definition.prepare(contact, **self.options))
+    @property
+    def force_error(self) -> float:
+        """Largest relative error of the force: 0 in closed form, of a table that of its certificate."""
+        return self.curve.force_error
 
-    def quick_shape(self) -> Any:
-        """The Shape with which this law serves as an unloading curve: one whose inverse costs no search."""
-        return quick_to_invert(self.shape)
+    @property
+    def stiffness_error(self) -> float:
+        """Largest relative error of the stiffness."""
+        return self.curve.stiffness_error
+
+    @property
+    def largest_force(self) -> float:
+        """Force [N] at the end of the curve: infinite in closed form."""
+        return self.curve.largest_force(loading_part(self.params))
+
+    @property
+    def largest_overlap(self) -> float:
+        """End of the curve [m]: infinite in closed form."""
+        return float(np.min(self.curve.end(loading_part(self.params))))
 
     @property
     def collapses(self) -> bool:
         """Whether one dimensionless curve (with a given unloading curve: one pair of curves) serves all contacts."""
-        if self.unloading_law is None or not self.definition.collapses:
-            return self.definition.collapses
-        curve = self.unloading_law
+        other = self.unloads.curve
+        if other is None or not self.curve.collapses:
+            return self.curve.collapses
         # Hertz's curve has no length of its own
-        return curve.collapses and (curve.definition.hertzian or curve.definition.length == self.definition.length)
+        return other.collapses and (other.definition.hertzian or other.definition.length == self.definition.length)
 
     def kinks(self) -> list[float]:
-        """Overlaps [m] at which the stiffness of first loading (of one contact) jumps or has a kink."""
-        return list(self.definition.kinks(loading_part(self.params), **self.options))
+        """Overlaps [m] at which the stiffness of first loading (of the first contact) jumps or has a kink."""
+        return self.curve.kinks(one_of(loading_part(self.params), 0))
 
-    # --- first loading
+    def joined(self, unloading: "str | os.PathLike | Law") -> "Law":
+        """The same law of first loading with another unloading rule: a name, or a law or a `Table` as the curve to follow.
 
-    def _shaped(self, value, name, unit):
-        try:
-            array = np.asarray(unmasked(value))
-            if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
-                raise TypeError
-            array = array.astype(float, copy=False)
-        except (TypeError, ValueError):
-            raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
-        if not np.all(np.isfinite(array)):
-            raise DemlawsError(f"{name} contains {array[~np.isfinite(array)].flat[0]} {unit}: give finite values")
-        size = self.contact.size
-        if size is not None:
-            try:
-                array = np.broadcast_to(array, (size,))
-            except ValueError:
-                raise DemlawsError(
-                    f"{name} has shape {array.shape}, but the law holds {size} contacts: one entry each"
-                ) from None
-        # a copy where it may not be written to: loops would be compiled once more for that
-        return np.require(array, requirements="CW"), array.shape
+        Raises DemlawsError where the pair is not passive.
+        """
+        return join(self.contact, self.curve, unloading)
 
-    def _both(self, overlap):
-        values, shape = self._shaped(overlap, "overlap", "m")
-        self._check_range(values)
-        force, stiffness = np.empty(values.size), np.empty(values.size)
-        finite = first_loading(self.params, values.ravel(), force, stiffness)
-        if not finite:
-            raise DemlawsError(self._out_of_range(float(values.max())))
-        self._advise(force)
-        return force.reshape(shape), stiffness.reshape(shape)
+    def bound_to(self, contact: Contact) -> "Law":
+        """The same law and options for another contact (or array of contacts), elastic."""
+        return Law(contact, ClosedForm(self.definition, contact, self.options))
+
+    def for_unloading(self, contact: Contact) -> "Law":
+        """This law as the unloading curve of a law for another contact."""
+        return self.bound_to(contact)
+
+    def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
+        """The smallest `Table` of this law whose force and stiffness lie within `rtol`, measured between the nodes.
+
+        The range ends at the overlap of `max_force` [N] or at a tenth of the radius, and goes down to where the law is a
+        power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness; without
+        `max_force` it ends at a tenth of a radius ten times as large.
+        """
+        tolerance(rtol)
+        if self.contact.size is not None and not self.collapses:
+            raise DemlawsError(
+                f"law {self.name!r} has no single dimensionless curve for contacts that differ: tabulate each kind of contact"
+            )
+        largest = None
+        if max_force is not None:
+            largest = self.overlap(np.broadcast_to(number(max_force, "max_force", "N"), self.contact.size or ()))
+        curve = tabulate(self.contact, self.curve, rtol, largest)
+        return Table(self.contact, curve, curve.with_unloading(self.contact, self.unloads))
+
+
+# --- composition
+
+
+def composed(contact: Contact, curve: ClosedForm | TableCurve, unloading: Unloading = ELASTIC) -> Law:
+    """The law of these parts; a `Table` where the curve is one."""
+    return (Table if curve.tabulated else Law)(contact, curve, unloading)
+
+
+def join(contact: Contact, curve: ClosedForm | TableCurve, unloading: "str | os.PathLike | Law") -> Law:
+    """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
+    law = composed(contact, curve, curve.with_unloading(contact, resolve(unloading, curve.definition)))
+    refuse_unless_passive(law)
+    return law
+
+
+def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
+    """`Unloading` of a rule's name, of a law or a table to follow, or of the path of a table, for a law of this definition."""
+    unloading = read_if_path(unloading)
+    if isinstance(unloading, Law):
+        return Unloading(definition.rule(GIVEN), unloading.curve, unloading.contact)
+    if isinstance(unloading, str) and unloading == GIVEN:
+        raise DemlawsError(
+            f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
+        )
+    return Unloading(definition.rule(unloading))
+
+
+def read_if_path(unloading: Any) -> Any:
+    """The elastic law to follow, read where it is the path of a table; a rule's name as it is."""
+    if isinstance(unloading, os.PathLike) or (isinstance(unloading, str) and ("/" in unloading or "." in unloading)):
+        unloading = Table.load(unloading)
+    if isinstance(unloading, Law) and unloading.unloading != "elastic":
+        raise DemlawsError(
+            f"the unloading curve is elastic, this {unloading.name!r} has {unloading.unloading!r} unloading itself: "
+            "give it with unloading='elastic' (law.joined('elastic'))"
+        )
+    return unloading
+
+
+# --- tables
+
+
+class Table(Law):
+    """A law whose curve is a certified table; its files.
+
+    >>> law = dl.law("pohrt-popov", dl.Contact(4e-3, 32e9, roughness=2e-6, fractal_dimension=2.2), unloading="hertz")
+    >>> table = law.tabulate(rtol=1e-5)
+    >>> bool(table.force_error < 1e-5), table.collapses, abs(table.force(1e-6) / law.force(1e-6) - 1) < 1e-5
+    (True, True, True)
+    """
+
+    curve: TableCurve
+
+    def __repr__(self):
+        text = (
+            f"demlaws.Table of {self.name!r}: {self.nodes.u.size} rows, force within {self.force_error:.1e}, "
+            f"stiffness within {self.stiffness_error:.1e}"
+        )
+        return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
+
+    @property
+    def nodes(self) -> Nodes:
+        """Nodes of the curve of first loading, without units."""
+        return self.curve.nodes
+
+    @property
+    def rtol(self) -> float:
+        """The tolerance that was asked for."""
+        return self.curve.rtol
+
+    @property
+    def rows(self) -> Rows:
+        """What a file has of the curve of first loading."""
+        return self.curve.rows
+
+    @property
+    def knots(self) -> Knots | None:
+        """`Knots` of a table made of points."""
+        return self.curve.knots
+
+    @property
+    def loading_shape(self) -> Any:
+        """`TableShape` of first loading."""
+        return self.curve.shape
+
+    @property
+    def length(self) -> float | np.ndarray:
+        """Length [m] that makes overlaps dimensionless, one per contact."""
+        return loading_part(self.params).length
+
+    def bound_to(self, contact: Contact) -> "Table":
+        """The same curve for another contact (or array of contacts); only a law whose curve collapses allows that."""
+        return self._on(contact, True)
+
+    def for_unloading(self, contact: Contact) -> "Table":
+        """`bound_to` of an unloading curve, whose surface is its own: only radius, modulus and roughness are the contact's."""
+        return self._on(contact, False)
+
+    def _on(self, contact, surface_matters):
+        curve = self.curve if self.collapses else dataclasses.replace(self.curve, collapses=False)
+        contact, unloading = curve.bound_to(contact, surface_matters), self.unloads
+        if unloading.curve is not None:
+            unloading = unloading._replace(contact=unloading.curve.bound_to(contact, surface_matters=False))
+        return Table(contact, self.curve, unloading)
+
+    def uncertainty(self, overlap: ArrayLike) -> float | np.ndarray:
+        """Standard uncertainty [N] of the force at overlaps [m], between those of the knots; NaN where unknown."""
+        if self.knots is None:
+            raise DemlawsError(
+                f"the table of {self.name!r} was not made of measured points: it has no uncertainty but its certificate"
+            )
+        at, shape = self._shaped(overlap, "overlap", "m")
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.interp(np.log(at), np.log(self.knots.overlap), self.knots.uncertainty)
+        return as_given(found.reshape(shape))
 
     def _out_of_range(self, overlap):
-        radius = float(np.max(self.contact.radius))
-        text = f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
-        end = math.inf if self.unloading_law is None else self.unloading_law.largest_force
-        return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
-
-    def force(self, overlap: ArrayLike) -> float | np.ndarray:
-        """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
-        return _as_given(self._both(overlap)[0])
-
-    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
-        """Tangent stiffness K = dP/dδ [N/m] of first loading at `overlap` [m]; 0 at δ ≤ 0."""
-        return _as_given(self._both(overlap)[1])
-
-    def overlap(self, force: ArrayLike) -> float | np.ndarray:
-        """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
-        values, shape = self._shaped(force, "force", "N")
-        result = np.empty(values.size)
-        inverse_loop(loading_part(self.params), values.ravel(), result)
-        if not np.all(np.isfinite(result)):
-            raise DemlawsError(self._force_out_of_range(float(values.max())))
-        self._check_range(result.reshape(shape))
-        self._advise(values)
-        return _as_given(result.reshape(shape))
+        return (
+            f"overlap {overlap:g} m is beyond the table, which ends at {self.largest_overlap:g} m ({self.largest_force:g} N): "
+            "make it with a larger max_force"
+        )
 
     def _force_out_of_range(self, force):
-        return f"force up to {force:g} N has no finite overlap"
+        return f"force {force:g} N is beyond the table, which ends at {self.largest_force:g} N: make it with a larger max_force"
 
-    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
-        """Work ∫P dδ [J] of first loading to `overlap` [m]."""
-        values, shape = self._shaped(overlap, "overlap", "m")
-        self._check_range(values)
-        result = np.empty(values.size)
-        energy_loop(loading_part(self.params), values.ravel(), result)
-        return _as_given(result.reshape(shape))
+    # --- files
 
-    # --- history
+    def save(self, path: str | os.PathLike) -> File:
+        """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
 
-    def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> State:
-        """State of n virgin contacts (n: the contact's own size, or 1), kept as float64 or float32."""
-        return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
-
-    def evaluate(
-        self,
-        overlap: np.ndarray,
-        state: State | None = None,
-        out: tuple[np.ndarray, np.ndarray] | None = None,
-        parallel: bool = False,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] and tangent stiffness [N/m] of a batch of contacts; `state` is updated in place.
-
-        overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
-        `new_state` returned (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
-        spares the time that new memory takes; parallel=True: one thread a core where there are more than 131,072 contacts,
-        since fewer take longer so. The overlaps are looked at in the loop only. One that is NaN, infinite, beyond the
-        contact's effective radius or beyond a table's range raises DemlawsError after it: that contact's force is not
-        finite, its history is as it was; all others are good. Overlaps
-        beyond a tenth of the radius give one warning.
+        The code of a user-defined rule is written, too, beside the file: PATH.so (takes g++); both files or none.
         """
-        if type(overlap) is not np.ndarray:
-            overlap = np.asarray(unmasked(overlap))
-        if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
-            raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
-        n = overlap.size
-        if self.contact.size not in (None, n):
-            raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
-        arrays = self._arrays_of(state, n)
-        force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else _writable(out, overlap, arrays)
-        ends, (lowest, most) = self._ends()
+        from demlaws.files import as_path, write_atomically, write_together
 
-        def step(where, params, state, force, stiffness, end, limit):
-            return batch_loop(self.rule, params, overlap[where], state, end, limit, force, stiffness)
+        data = self._compose()[0]
+        if self._native_rule is None:
+            return write_atomically(path, data)
+        return write_together((f"{os.fspath(as_path(path))}.so", self._native_rule), (path, data))
 
-        def part(piece):
-            states = tuple(array[piece] for array in arrays)
-            return step(piece, self._params_of(piece), states, force[piece], stiffness[piece], (lowest,), (most,))
+    @functools.cached_property
+    def _native_rule(self):
+        """Object with the code of a user-defined rule, or None where the file contains all that a reader needs."""
+        if self.unloads.rule.number is not None:
+            return None
+        from demlaws.rule_object import rule_object
 
-        good = all(in_threads(part, n)) if parallel and n >= 16 * _PIECE else part(slice(None))
-        if not good and arrays and self.contact.size is not None:
-            # beyond the lowest of all ends, though not beyond their own: answered as NaN, their history as it was
-            again = np.flatnonzero(np.isnan(force) & (overlap <= ends))
-            states = tuple(array[again] for array in arrays)
-            results = np.empty(again.size, force.dtype), np.empty(again.size, stiffness.dtype)
-            step(again, self._params_of(again), states, *results, UNBOUNDED, FINITE)
-            for array, values in zip((force, stiffness, *arrays), (*results, *states), strict=True):
-                array[again] = values
-        if not good:
-            bad = np.flatnonzero(~np.isfinite(force) | ~(overlap <= ends))
-            if bad.size:
-                force[bad] = math.nan
-                where = f"contact {bad[0]}" if bad.size == 1 else f"contact {bad[0]} (one of {bad.size})"
-                raise DemlawsError(f"{where}: {self._why_not_finite(overlap[bad[0]], bad[0])}")
-            self._check_range(overlap)
-        return force, stiffness
+        return rule_object(self.unloads.rule, self.unloads.beside)
 
-    def _params_of(self, piece):
-        """Params of some of the contacts."""
-        return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
+    @property
+    def fingerprint(self) -> int:
+        """Check value (CRC-32) of the file that `save` writes: tables with one fingerprint are one table."""
+        return self._compose()[1]
 
-    def _ends(self):
-        """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
-        its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
-        if self._end is None:
-            radius = np.asarray(self.contact.radius)
-            end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
-            small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
-            most, stiffness = small.copy(), np.empty(small.size)
-            if self.state_size:
-                first_loading(self.params, small, most, stiffness)
-            self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE[0])))
-        return self._end
+    def _compose(self):
+        from demlaws.curves.saved import compose
 
-    def _curve_end(self):
-        """Overlap [m] at which the curve ends: where a table that is the unloading curve does."""
-        force = math.inf if self.unloading_law is None else self.unloading_law.largest_force
-        if force == math.inf:
-            return math.inf
-        result = np.empty(self.contact.size or 1)
-        inverse_loop(loading_part(self.params), np.full(result.size, force), result)
-        result[np.isnan(result)] = math.inf
-        return result if self.contact.size is not None else float(result[0])
+        return compose(self.contact, self.curve, self.unloads, self.collapses, self._native_rule)
 
-    def _arrays_of(self, state, n):
-        """The arrays of a batch's state, checked."""
-        if state is not None and not isinstance(state, State):
-            raise DemlawsError(f"state must be what law.new_state({n}) returns, got {state!r}")
-        names = () if state is None else state.names
-        if names != self.state_names:
-            given = "" if state is None else f"; this one has {', '.join(names) or 'no quantities'}"
-            raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns{given}")
-        arrays = () if state is None else state.arrays
-        if any(array.size != n for array in arrays):
-            raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
-        return arrays
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> "Table":
+        """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number.
 
-    def _why_not_finite(self, overlap, index):
-        overlap, radius = float(overlap), float(np.broadcast_to(self.contact.radius, self.contact.size or index + 1)[index])
-        if not math.isfinite(overlap):
-            return f"overlap is {overlap:g} m: give finite values"
-        if overlap > radius:
-            try:
-                check_overlaps(overlap, radius)
-            except DemlawsError as error:
-                return str(error)
-        return self._out_of_range(overlap)
-
-    def _check_range(self, overlap):
-        """Refuse overlaps beyond R, and warn once of those beyond a tenth of it."""
-        text = check_overlaps(overlap, self.contact.radius)
-        if text is not None and "large overlap" not in self._warned:
-            self._warned.add("large overlap")
-            warnings.warn(f"{self.name}: {text}", LargeOverlap, stacklevel=4)
-
-    def _single(self):
-        if self.contact.size is not None:
-            raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
-        return self.params
-
-    def follow(self, overlap: ArrayLike, state: State | None = None) -> Path:
-        """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
-        self._single()
-        values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
-        if values.ndim != 1:
-            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
-        self._check_range(values)
-        state = self.new_state(1) if state is None else state
-        self._arrays_of(state, 1)
-        columns = [np.empty(values.size) for _ in range(4)]
-        history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule, self._single(), values, state.arrays, history, *columns)
-        force, stiffness, stored, dissipated = columns
-        if not np.all(np.isfinite(force)):
-            raise DemlawsError(self._out_of_range(float(values.max())))
-        self._advise(force)
-        known = dict(zip(self.state_names, history, strict=True))
-        maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
-        plastic = known.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
-        return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
-
-    def shear_stiffness(
-        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: State | None = None
-    ) -> float | np.ndarray:
-        """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
-
-        K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
-        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now; "tangent", that of the branch that
-        it is on; "loading", that of first loading at the force carried now. docs/shear.md says what speaks for each. Of a law
-        that keeps a history "tangent" warns once (ValidityWarning): cycles of shear and normal load return more than they took.
+        A law that this version of demlaws does not have is no error: its table is its curve.
         """
-        if shear not in CHOICES:
-            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
-        ratio = number(ratio, "ratio")
-        self._single()
-        values, shape = self._shaped(overlap, "overlap", "m")
-        if values.ndim > 1:
-            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
-        self._check_range(values)
-        if shear == "tangent" and self.state_size and not self.definition.hertzian and shear not in self._warned:
-            self._warned.add(shear)
-            warnings.warn(f"{self.name}: {CREATES_ENERGY}", ValidityWarning, stacklevel=2)
-        state = self.new_state(1) if state is None else state
-        arrays = self._arrays_of(state, 1)
-        result = np.empty(values.size)
-        shear_loop(CHOICES[shear].tag, self.rule, self._single(), values.ravel(), arrays, result)
-        if not np.all(np.isfinite(result)):
-            raise DemlawsError(self._out_of_range(float(values.max())))
-        return _as_given(ratio * result.reshape(shape))
+        from demlaws.curves.saved import read
 
-    def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
-        """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
-        values, shape = self._shaped(force, "force", "N")
-        result = np.empty(values.size)
-        states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
-        unloaded_loop(self.rule, self._single(), values.ravel(), states, result)
-        return _as_given(result.reshape(shape))
+        return cls(*read(path))
 
-    # --- range
+    # --- user-defined curves
 
-    def limits(self) -> list:
-        """The ranges of force [N] in which the law's source supports it, each with its reason."""
-        if self._limits is None:
-            self._limits = self.definition.limits(self.contact, **self.options)
-        return self._limits
+    @classmethod
+    def from_function(
+        cls,
+        force: Callable,
+        contact: Contact,
+        largest_overlap: float | None = None,
+        stiffness: Callable | None = None,
+        unloading: Any = "elastic",
+        kinks: Any = (),
+        scales_with: str | None = None,
+        rtol: float = 1e-5,
+        name: str = "function",
+        description: str = "a user-defined function",
+    ) -> "Table":
+        """The smallest `Table` of any rising force(overlap) [N] of overlap [m], within `rtol` of it and of its derivative.
 
-    def _advise(self, force):
-        touching = force[force > 0.0] if np.ndim(force) else force
-        largest, smallest = float(np.max(touching, initial=0.0)), float(np.min(touching, initial=math.inf))
-        for limit in self.limits():
-            if limit.reason in self._warned:
-                continue
-            if largest > limit.maximum_force:
-                range_left = f"above {limit.maximum_force:.3g} N"
-            elif smallest < limit.minimum_force:
-                range_left = f"below {limit.minimum_force:.3g} N"
-            else:
-                continue
-            self._warned.add(limit.reason)
-            warnings.warn(f"{self.name} {range_left}: {limit.reason}", ValidityWarning, stacklevel=3)
+        force: takes one number or an array; from overlap 0, where it is 0 and goes as δ or a higher power, to
+        largest_overlap [m] (default a tenth of R; the last cell may go on a little, as a power law). stiffness(overlap) [N/m]:
+        its derivative, checked, else found from the force; kinks: overlaps [m] where it jumps (those that are not given are
+        looked for). unloading: a rule, a law or a `Table` as `law` takes it, or another function of the overlap past the foot
+        δp, the curve that the contact unloads along. The table holds for `contact` only, unless scales_with says that P/(E* R²)
+        is a function of δ/R ("radius"), or P/(E* √R σ^1.5) of δ/σ ("roughness").
 
-    def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> Any:
-        """A `Table` of this law whose force and stiffness are within `rtol`, measured between its nodes."""
-        return self._made_by().tabulate(self, rtol=rtol, max_force=max_force)
+        Raises DemlawsError, with the overlap and the value, where the function raises, is not finite, negative, falls, jumps,
+        or has another derivative.
+        """
+        from demlaws.curves.given import from_function
 
+        parts = from_function(
+            force, contact, largest_overlap, stiffness, unloading, kinks, scales_with, rtol, name, description
+        )
+        return cls._given(*parts)
 
-def _as_given(array):
-    return float(array) if array.ndim == 0 else array
+    @classmethod
+    def from_points(
+        cls,
+        overlap: ArrayLike,
+        force: ArrayLike,
+        contact: Contact,
+        unloading: Any = "elastic",
+        uncertainty: ArrayLike | None = None,
+        residual: float | None = None,
+        knots: int = 24,
+        scales_with: str | None = None,
+        rtol: float = 1e-3,
+        name: str = "points",
+        description: str = "measured points",
+    ) -> "Table":
+        """`Table` of a rising curve through measured points: overlaps [m] and forces [N] of first loading, in any order.
 
+        Up to `knots` points are interpolated as they are, more are averaged (`MeasuredCurve`); `table.knots` has the
+        knots with the standard uncertainty of their force, from `uncertainty` [N] (one, or one per point) or from the scatter,
+        and what was smoothed; `rtol` is the table's distance from that curve. unloading: a rule, a law, a `Table`, or
+        (overlaps, forces) measured after the largest force, whose curve past their foot δp (`residual` [m]; else found,
+        `residual_overlap`) the contact then unloads along from any largest force. Below the first point the curve is a
+        power law. The table holds for `contact` only, see `from_function`.
 
-def _writable(out, overlap, state):
-    """The two arrays of `out`, or an error where the loop could not write to them or would write over what it reads."""
-    try:
-        force, stiffness = out
-    except (TypeError, ValueError):
-        raise DemlawsError(f"out must be two float arrays, for force and stiffness, got {out!r}") from None
-    for name, array in (("force", force), ("stiffness", stiffness)):
-        if not isinstance(array, np.ndarray) or array.dtype not in (np.float64, np.float32):
-            kind = array.dtype if isinstance(array, np.ndarray) else type(array).__name__
-            raise DemlawsError(f"out's {name} must be a float64 or float32 array, got {kind}")
-        if not array.flags.writeable:
-            raise DemlawsError(f"out's {name} is read-only: give an array that may be written to")
-    if force.shape != overlap.shape or stiffness.shape != overlap.shape:
-        raise DemlawsError(f"out holds arrays of shape {force.shape} and {stiffness.shape}, overlap has {overlap.shape}")
-    every = (overlap, force, stiffness, *state)
-    if all(array.base is None for array in every) and len({id(array) for array in every}) == len(every):
-        return force, stiffness  # each owns its memory
-    read = (("overlap", overlap), *(("the state", array) for array in state))
-    for mine, array, others in (("force", force, (*read, ("out's stiffness", stiffness))), ("stiffness", stiffness, read)):
-        for name, other in others:
-            if np.may_share_memory(array, other) and np.shares_memory(array, other):
-                raise DemlawsError(f"out's {mine} shares memory with {name}: give an array of its own")
-    return force, stiffness
+        Raises DemlawsError, with overlap and force, where points do not follow a rising curve or unloading does not begin where
+        loading ends.
+        """
+        from demlaws.curves.given import from_points
 
+        parts = from_points(
+            overlap, force, contact, unloading, uncertainty, residual, knots, scales_with, rtol, name, description
+        )
+        return cls._given(*parts)
 
-_PIECE = 8192
-"""Smallest number of contacts that is worth a thread's turn."""
-_pool = None
-
-
-def _forget_pool():
-    """In a child made by fork the pool's threads do not exist: the next parallel call makes its own."""
-    global _pool
-    _pool = None
-
-
-if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_forget_pool)
-
-
-def in_threads(part, n):
-    """Results of part(slice) over all of range(n), in pieces that this thread and those of the pool take in turn."""
-    global _pool
-    import numba
-
-    workers = numba.config.NUMBA_NUM_THREADS
-    if _pool is None or _pool._max_workers != workers:
-        _pool = ThreadPoolExecutor(workers)
-    # several turns a thread: one that the system holds up then keeps the others waiting for a part of its share only
-    piece = -(-n // (2 * workers * _PIECE)) * _PIECE
-    numbers = itertools.count()  # next() is one operation for all threads
-
-    def work():
-        results = []
-        while (start := next(numbers) * piece) < n:
-            results.append(part(slice(start, min(start + piece, n))))
-        return results
-
-    others = [_pool.submit(work) for _ in range(workers - 1)]
-    own = work()
-    return [*own, *(result for other in others for result in other.result())]
+    @classmethod
+    def _given(cls, contact, curve, unloading):
+        """A table of a user's curve, and its unloading: a table of a second curve, or what `law` takes."""
+        if not isinstance(unloading, TableCurve):
+            return join(contact, curve, unloading)
+        law = join(contact, curve, cls(contact, unloading))
+        along = law.unloads.curve.with_errors_of(unloading)
+        return cls(contact, curve, law.unloads._replace(curve=along))

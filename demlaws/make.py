@@ -1,20 +1,19 @@
 """Making laws: by name, for a contact, joined with an unloading rule."""
 
 import os
-import sys
 from typing import Any
 
 import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
+from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError
-from demlaws.law import Law
+from demlaws.law import Law, join, read_if_path
 from demlaws.laws.registry import find, registry
-from demlaws.table import Table, tabulate, take  # noqa: F401  laws call it as Law._maker.tabulate
 
 
-def law(name: str, contact: Contact, unloading: str | Law | None = None, **options: Any) -> Law:
+def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None = None, **options: Any) -> Law:
     """Bind law `name` to `contact` and join it with a rule `unloading`: "elastic", "hertz", "thornton", or a curve.
 
     A law of the literature that unloads in a way of its own brings that as a rule of its own (`demlaws laws NAME`) and has it
@@ -35,39 +34,24 @@ def law(name: str, contact: Contact, unloading: str | Law | None = None, **optio
     definition = find(name)
     if not isinstance(contact, Contact):
         raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
-    rule, curve = rule_and_curve(definition.default_unloading if unloading is None else unloading, definition)
     for field in definition.needs:
         if getattr(contact, field) is None:
             raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")
-    result = Law(definition, contact, "elastic", options, definition.shape(contact, **options))
-    return take(result, rule, curve)
+    chosen = definition.default_unloading if unloading is None else unloading
+    return join(contact, ClosedForm(definition, contact, options), chosen)
 
 
-def joined(law, unloading):
-    """See `Law.joined`."""
-    return take(law, *rule_and_curve(unloading, law.definition))
-
-
-def rule_and_curve(unloading, definition=None):
-    """(rule, unloading curve or None) of what a user gave as `unloading`; definition: the law that is to take it, if known."""
-    if isinstance(unloading, os.PathLike) or (isinstance(unloading, str) and ("/" in unloading or "." in unloading)):
-        unloading = Table.load(unloading)
+def rule_and_curve(unloading: Any) -> tuple[str, Law | None]:
+    """(name of the rule, law to follow or None) of an unloading that a user named, before the law is known."""
+    unloading = read_if_path(unloading)
     if isinstance(unloading, Law):
-        if unloading.unloading != "elastic":
-            raise DemlawsError(
-                f"the unloading curve is elastic, this {unloading.name!r} has {unloading.unloading!r} unloading itself: "
-                "give it with unloading='elastic' (law.joined('elastic'))"
-            )
-        return GIVEN if definition is None else definition.rule(GIVEN).name, unloading
-    if isinstance(unloading, str) and unloading == GIVEN:
-        raise DemlawsError(
-            f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
+        return GIVEN, unloading
+    known = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
+    if not isinstance(unloading, str) or unloading not in known or unloading == GIVEN:
+        why = (
+            "needs its curve: give a law or a table" if unloading == GIVEN else f"is unknown: the rules are {', '.join(known)}"
         )
-    if definition is not None:
-        return definition.rule(unloading).name, None
-    known = dict.fromkeys(rule for law_definition in registry().values() for rule in law_definition.offered())
-    if not isinstance(unloading, str) or unloading not in known:
-        raise DemlawsError(f"unknown unloading rule {unloading!r}: the rules are {', '.join(known)}")
+        raise DemlawsError(f"unloading rule {unloading!r:.60} {why}")
     return unloading, None
 
 
@@ -79,7 +63,7 @@ def rebound(unloading, contact):
     names = ("radius", "modulus", "roughness")
     if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in names):
         return curve
-    return curve.lent_to(contact) if isinstance(curve, Table) else curve.bound_to(contact)
+    return curve.for_unloading(contact)
 
 
 def unloading_of_case(name):
@@ -101,6 +85,3 @@ def example(name: str, contact: Contact, unloading: str | Law = "elastic", **opt
     """Law `name` as tests and measurements make it, joined with any rule that it is offered."""
     curve = example_curve(name, contact, **options) if unloading == GIVEN else unloading
     return law(name, contact, curve, **{**find(name).example, **options})
-
-
-Law._maker = sys.modules[__name__]

@@ -1,7 +1,7 @@
 """Whether a curve of first loading is one that engines can use: finite, rising, continuous, its derivative and inverse right.
 
 What is wrong is said once, with the overlap [m] and the value, before any engine sees it: of a user's own law when it is
-bound to a contact, of a function when it becomes a table (`demlaws.given`). `demlaws.measure.lawcheck` measures the rest.
+bound to a contact, of a function when it becomes a table. `demlaws.measure.lawcheck` measures the rest.
 """
 
 import math
@@ -194,14 +194,6 @@ def fault(params, radius: float, fully: bool = True) -> str | None:
     return _fault_of_return(params, overlap, known)
 
 
-def _some(contact):
-    """Contacts of an array that stand for all: the smoothest, the roughest and the middle."""
-    if contact.size is None:
-        return [0]
-    order = np.argsort(np.broadcast_to(contact.roughness, contact.size) / contact.radius)
-    return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
-
-
 def refuse_unsound(definition, shape, contact, options) -> None:
     """Raise DemlawsError where a law is no law on this contact: one fault, with its overlap and value."""
     name = f"law {definition.name!r}"
@@ -213,7 +205,7 @@ def refuse_unsound(definition, shape, contact, options) -> None:
             raise DemlawsError(
                 f"{name}: its Params, {type(params).__qualname__}, must hold hertz_coefficient = (4/3) E* √R [N/m^1.5]"
             )
-        for index in _some(contact):
+        for index in contact.representatives():
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
             one, fully = one_of(params, index), _passed[definition.name] < _FULLY
             text = fault(one, radius, fully)
@@ -342,9 +334,9 @@ def _first_line(error):
     return (telling or lines or [type(error).__name__])[0][:200]
 
 
-def refuse_unless_collapses(law) -> None:
-    """Raise DemlawsError where a law says that one dimensionless curve serves all contacts, and another contact differs."""
-    definition, contact = law.definition, law.contact
+def refuse_unless_collapses(law, contact) -> None:
+    """Raise DemlawsError where the curve of a law (anything with its definition and options) differs between contacts."""
+    definition = law.definition
     if contact.size is not None:
         return
     rough = definition.length == "roughness" and contact.roughness > 0.0
@@ -365,7 +357,7 @@ def refuse_unless_collapses(law) -> None:
         if not off[k] <= 1e-9:
             what = ", ".join(f"{name} = {value:g}" for name, value in changes.items())
             raise DemlawsError(
-                f"law {law.name!r} says that one curve serves all contacts (collapses=True), but with {what} the force that "
+                f"law {definition.name!r} declares one curve for all contacts (collapses=True), but with {what} the force that "
                 f"this contact has at overlap {u[k] * length:.6g} m, made dimensionless, is {other[k] / own[k]:.6g} times as "
                 "large: give its Definition collapses=False"
             )

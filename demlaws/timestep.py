@@ -149,7 +149,7 @@ def stiffest(law: Law, max_force: float) -> float:
     force = number(max_force, "max_force", "N")
     if not isinstance(law, Law):
         raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
-    law._single()
+    law.single_params()
     end = float(law.overlap(force))
     overlap = np.concatenate([end * np.geomspace(1e-9, 1.0, 400), [end], *_beside_kinks(law, end)])
     largest = float(_tangent(law, overlap).max())

@@ -11,12 +11,6 @@ SMALL_OVERLAP = 0.1
 """Overlap over effective radius up to which contact laws hold: all take the bodies for half-spaces. One warning beyond it."""
 LARGEST_OVERLAP = 1.0
 """Overlap over effective radius beyond which no law answers."""
-CREATES_ENERGY = (
-    'shear="tangent": K_t falls whenever a contact goes on beyond its largest load, and closed cycles of shear and normal load '
-    'return a little more work than they took; "elastic" (the default) and "loading" return no more than smooth spheres do '
-    "(docs/shear.md)"
-)
-"""What is told once where contacts with a history are sheared by the tangent, in Python and YADE."""
 
 
 def large_overlap(overlap, radius, count=1, total=1):

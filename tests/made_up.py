@@ -6,6 +6,7 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, power, sqrt
 from demlaws.core.hertz import hertz_coefficient
+from demlaws.curves.closed import ClosedForm
 from demlaws.law import Law
 from demlaws.laws.definition import Definition
 
@@ -82,4 +83,4 @@ def made_up_law(contact, exponent=1.5, kinks=()):
         limits=lambda contact, **options: [],
         kinks=lambda params, **options: [kink * params.length for kink in kinks],
     )
-    return Law(definition, contact, "elastic", {}, definition.prepare(contact))
+    return Law(contact, ClosedForm(definition, contact, {}))

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.given import GivenCurve, MeasuredCurve
+from demlaws.curves.function import GivenCurve
+from demlaws.curves.points import MeasuredCurve
 
 CONTACT = dl.Contact(radius=4e-3, modulus=3e10)
 OVERLAP = np.geomspace(1e-10, 3.9e-4, 4000)

@@ -16,13 +16,13 @@ from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
+from demlaws.batch import in_threads
 from demlaws.core.unloading import GIVEN
-from demlaws.joining import largest_stiffness_ratio
-from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.measure import lawcheck
 from demlaws.surface import HeightMap
+from demlaws.unloading import largest_stiffness_ratio
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 

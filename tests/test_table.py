@@ -16,9 +16,9 @@ from hypothesis import strategies as st
 from made_up import made_up_law
 
 import demlaws as dl
-from demlaws import table_file
 from demlaws.core import loops
 from demlaws.core.params import leaves
+from demlaws.curves import text as table_file
 from demlaws.laws.registry import registry
 
 SMOOTHER_ALIKE = SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension)
@@ -209,7 +209,7 @@ def test_a_surface_of_another_form_is_refused():
     with pytest.raises(dl.DemlawsError, match=r"for fractal_dimension = 2\.22, the contact has 2\.6"):
         table.bound_to(GRANITE.with_values(fractal_dimension=2.6))
     assert table.bound_to(GRANITE.with_values(fractal_dimension=None)).contact == GRANITE
-    assert table.lent_to(GRANITE.with_values(fractal_dimension=2.6)).contact == GRANITE
+    assert table.for_unloading(GRANITE.with_values(fractal_dimension=2.6)).contact == GRANITE
     assert table_of("rms").bound_to(GRANITE.with_values(fractal_dimension=2.6)).force(1e-6) == table_of("rms").force(1e-6)
 
 

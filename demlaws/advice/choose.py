@@ -22,12 +22,11 @@ from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
-from demlaws.law import Law
+from demlaws.law import Law, Table
 from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
-from demlaws.table import Table, tabulate
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
@@ -62,7 +61,7 @@ class Plan(NamedTuple):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
             law = bind_law(self.name, contact, rebound(self.way_back, contact), **dict(self.options))
-            return tabulate(law, self.rtol, max_force) if self.evaluation == "table" else law
+            return law.tabulate(self.rtol, max_force) if self.evaluation == "table" else law
 
 
 @dataclass(frozen=True)

@@ -17,15 +17,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
-from demlaws.core.loops import evaluate_loop, inverse_loop, scale_one, unloaded_loop
+from demlaws.core.loops import evaluate_loop, inverse_loop, unloaded_loop
 from demlaws.core.params import loading_part
 from demlaws.core.unloading import GIVEN
+from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.units import LARGEST_OVERLAP, number, unmasked
+from demlaws.unloading import Unloading
 
 ZERO = "zero"
 COMPLIANCE = "compliance"
@@ -239,10 +241,11 @@ class _Model:
         contact = self.contact.with_values(**{n: v for n, v in values.items() if not self.parameters[n].option})
         options = {**self.options, **{n: v for n, v in values.items() if self.parameters[n].option}}
         if self.family is not None and "hardness" not in values:
-            params = scale_one(self.family, contact.radius, contact.modulus, contact.roughness)
-            return Law(self.definition, contact, self.unloading, options, self.family, params)
-        shape = self.definition.prepare(contact, **options)
-        return Law(self.definition, contact, self.unloading, options, shape)
+            shape = self.family
+        else:
+            shape = self.definition.prepare(contact, **options)
+        rule = Unloading(self.definition.rule(self.unloading))
+        return Law(contact, ClosedForm(self.definition, contact, options, shape), rule)
 
     def displacement(self, coordinates, force):
         """Displacement [m] from first touch, apparatus included, and the contact's tangent stiffness, at each force."""

@@ -4,9 +4,7 @@ Three causes, each with a measured curve [our derivation]: geometry, over x = ov
 the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross the sample while it is loaded; κ_K = K/(p d), K the
 softened tangent at the mean force), over I in shear; and the time step, over its part of the stable one. Errors are those
 against the study's own runs: full modulus, I of `STEADY`, half the stable step. Below its first point a curve goes as its first
-two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says. Density is no fourth
-knob: of one inertial number I = rate × d √(ρ/p), denser grains loaded more slowly take the same steps, so that a density
-factor serves where the rate is given.
+two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says.
 
 Where a process has no measured curve of the scene's quantity, full modulus and the literature's `QUASISTATIC` are all that is
 advised, and no error is predicted.
@@ -15,7 +13,6 @@ advised, and no error is predicted.
 import functools
 import math
 import warnings
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -51,8 +48,6 @@ PARTS = (0.5, 0.7)
 """Parts of the stable step that are advised: at 0.9 grains vibrate however slow the loading (docs/trade.md)."""
 WAYS = tuple((factor, rate, part) for factor in FACTORS for rate in INERTIAL for part in PARTS)
 """(factor, I, part of the stable step) of which the fastest that keeps the tolerance is advised."""
-SLOWEST = 1e3
-"""By what a rate may be slower, at most, than that of its I at the grains' own density: a density factor of a million."""
 MARGIN = 1.15
 """By what the curve's error is multiplied for scenes that are unlike the study's."""
 STEADY = 3e-4
@@ -140,30 +135,30 @@ def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: 
     return numbers(contact, name, options, force, scene.pressure[1], factor, inertial)
 
 
-def _rate(scene, inertial):
+def _inertial_of_rate(scene):
+    """I of a strain rate of 1/s."""
     density = min(DENSITY if m.density is None else m.density for m in scene.materials)
-    return inertial / (sum(scene.radii) * math.sqrt(density / scene.pressure[1]))
+    return sum(scene.radii) * math.sqrt(density / scene.pressure[1])
 
 
 class Advice(NamedTuple):
-    """A modulus factor, a loading rate, a density factor and a time step for a scene, with what they cost."""
+    """A modulus factor, a loading rate and a time step for a scene, with what they cost."""
 
     factor: float
     inertial: float  # I
-    rate: float  # strain rate [1/s] of that I, with the density factor
+    rate: float  # strain rate [1/s] of that I
     numbers: Numbers
     geometry: float  # predicted error of each cause; not a number: not measured
     waves: float
     coarse: float  # of the time step
     error: float  # predicted, all of it, with twice the scatter of chance
     left_alone: float  # what the error would be with σ, hardness and yield pressure left alone
+    unbalanced: float  # predicted largest unbalanced force over the mean force while it moves
+    what: str  # the packing's quantity that `error` is of
     steps: float  # steps of the process over those at full modulus, I = STEADY and half the stable step
-    scene: Scene  # softened, of the denser grains
-    part: float = HALF  # of the stable step
-    dt: float = math.nan  # time step [s]
-    density: float = 1.0  # factor of the density; gravity is to be divided by it
-    unbalanced: float = math.nan  # predicted largest unbalanced force over the mean force while it moves
-    what: str = ""  # what is wrong by `error`
+    part: float  # of the stable step
+    scene: Scene  # softened
+    dt: float  # time step [s]
 
     @property
     def measured(self) -> bool:
@@ -181,22 +176,13 @@ class Advice(NamedTuple):
                 f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), stable step × "
                 f"{scaled.step:.3g}"
             )
-        dense = "density as it is"
-        if self.density != 1.0:
-            dense = (
-                f"density × {self.density:.3g}, gravity / {self.density:.3g} (the weight stays: at this rate I, and the steps, "
-                "are those of a faster one)"
-            )
-        lines = [f"{first}; {dense}", f"  time step {self.dt:.3g} s, {self.part:g} of the stable one"]
-        if self.scene.process == "pour":
-            lines.append(f"  κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}")
-        else:
+        lines = [first, f"  time step {self.dt:.3g} s, {self.part:g} of the stable one"]
+        numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
+        if self.scene.process != "pour":
             force = "" if self.unbalanced != self.unbalanced else f", unbalanced force up to {self.unbalanced:.2g} of the mean"
-            lines.append(
-                f"  strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); κ_K = {n.kappa:.3g}, "
-                f"overlap/diameter {n.depth:.2g}"
-            )
+            numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); {numbers}"
         to = {"oedometer": "to the stress", "pour": "of the fall"}.get(self.scene.process, "to a given strain")
+        lines.append(f"  {numbers}")
         lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and half the stable step")
         if not self.measured:
             return [*lines, f"  no error is predicted: I ≤ {QUASISTATIC:g} is the literature's bound of quasi-static loading"]
@@ -220,13 +206,6 @@ def _steps(scene, factor, inertial, part):
     return share * strain * STEADY / inertial
 
 
-def _of_step(curve, part):
-    """Error of a step against half the stable one, than which none is taken to be better."""
-    if part <= HALF:
-        return 0.0
-    return math.inf if curve is None else MARGIN * curve.at(part)
-
-
 def _check(scene):
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
@@ -235,67 +214,34 @@ def _check(scene):
         raise DemlawsError(f"quantity = 'restitution': softening is advised for {known} of a packing")
 
 
-def _predicted(scene, law, options, factor, inertial, part, here):
-    """`Advice` but for its scene and time step."""
+def _errors(scene, factor, inertial, part, here):
+    """Fields geometry to what of an `Advice`."""
     process = _process(scene)
     if scene.quantity not in MEASURED[process]:
-        geometry = waves = step = error = alone = unbalanced = math.nan
-        what = scene.quantity
+        names = ("geometry", "waves", "coarse", "error", "left_alone", "unbalanced")
+        return {**dict.fromkeys(names, math.nan), "what": scene.quantity}
+    found = curves(process, scene.quantity, scene.unloads)
+    place = here.waves if process == "oedometer" else inertial
+    geometry = 0.0 if factor == 1.0 else MARGIN * found.geometry.at(here.depth)
+    rates = found.rate if factor == 1.0 else found.soft_rate
+    if rates is None or (factor != 1.0 and inertial <= STEADY):  # what it costs there is part of geometry's curve
+        waves = 0.0
     else:
-        found = curves(process, scene.quantity, scene.unloads)
-        place = here.waves if process == "oedometer" else inertial
-        geometry = 0.0 if factor == 1.0 else MARGIN * found.geometry.at(here.depth)
-        rates = found.rate if factor == 1.0 else found.soft_rate
-        waves = 0.0 if rates is None else MARGIN * rates.at(place)
-        if factor != 1.0 and inertial <= STEADY:  # what it costs there is part of geometry's curve
-            waves = 0.0
-        step = _of_step(found.step, part)
-        error = (1.0 + geometry) * (1.0 + waves) * (1.0 + step) - 1.0 + 2.0 * found.chance
-        alone = (1.0 + error) * (1.0 + here.branch) - 1.0
-        unbalanced = math.nan if process == "pour" else found.unbalanced.at(place)
-        what = NAMES[MEASURED[process][scene.quantity][0]]
-    rate, density = _rate(scene, inertial), 1.0
-    if scene.rate is not None and rate > scene.rate and process != "pour":
-        slower = rate / scene.rate
-        density, rate = slower * slower if slower < SLOWEST else math.inf, scene.rate
-        error = error if density < math.inf else math.inf
-    steps = _steps(scene, factor, inertial, part)
-    return Advice(
-        factor,
-        inertial,
-        rate,
-        here,
-        geometry,
-        waves,
-        step,
-        error,
-        alone,
-        steps,
-        scene,
-        part,
-        math.nan,
-        density,
-        unbalanced,
-        what,
-    )
-
-
-def _finished(advice, law, options):
-    """With the softened scene of denser grains, and the time step."""
-    scene, density = advice.scene, advice.density
-
-    def bind(contact):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
-            return bind_law(law, contact, rebound(back, contact), **options)
-
-    back = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
-    stable = stable_step(scene, bind) * Softening(advice.factor).step * math.sqrt(density)
-    softer = soften(scene, advice.factor)
-    if density != 1.0:
-        heavier = tuple(replace(m, density=density * (DENSITY if m.density is None else m.density)) for m in softer.materials)
-        softer = replace(softer, materials=heavier)
-    return advice._replace(dt=advice.part * stable, scene=softer)
+        waves = MARGIN * rates.at(place)
+    if part <= HALF:  # the study's own step, than which none is taken to be better
+        coarse = 0.0
+    else:
+        coarse = math.inf if found.step is None else MARGIN * found.step.at(part)
+    error = (1.0 + geometry) * (1.0 + waves) * (1.0 + coarse) - 1.0 + 2.0 * found.chance
+    return {
+        "geometry": geometry,
+        "waves": waves,
+        "coarse": coarse,
+        "error": error,
+        "left_alone": (1.0 + error) * (1.0 + here.branch) - 1.0,
+        "unbalanced": math.nan if process == "pour" else found.unbalanced.at(place),
+        "what": NAMES[MEASURED[process][scene.quantity][0]],
+    }
 
 
 def predict(
@@ -316,23 +262,46 @@ def predict(
     factor, inertial = number(factor, "factor"), number(inertial, "inertial number", "", 0.0, 1.0)
     part, options = number(part, "part of the stable step", "", 0.0, 1.0), options or {}
     here = numbers_of(scene, law, options, factor, inertial)
-    return _finished(_predicted(scene, law, options, factor, inertial, part, here), law, options)
+
+    def bind(contact):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            return bind_law(law, contact, rebound(rule, contact), **options)
+
+    rule = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading
+    stable = stable_step(scene, bind) * Softening(factor).step
+    return Advice(
+        factor,
+        inertial,
+        inertial / _inertial_of_rate(scene),
+        here,
+        **_errors(scene, factor, inertial, part, here),
+        steps=_steps(scene, factor, inertial, part),
+        part=part,
+        scene=soften(scene, factor),
+        dt=part * stable,
+    )
 
 
 def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> Advice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
-    A `rate` of the scene [1/s] is the fastest that it allows; where that of the advised I is faster, density is multiplied
-    instead. ways: (factor, I, part of the stable step) to choose from. Where the study has not measured the scene's quantity in
-    its process, full modulus at the literature's bound of I.
+    A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the stable step) to choose from. Where
+    the study has not measured the scene's quantity in its process, full modulus at the literature's bound of I.
     """
     _check(scene)
     options = options or {}
+    highest = math.inf
+    if scene.rate is not None and scene.process != "pour":
+        numbers_of(scene, law, options, 1.0, 1.0)  # refuses a scene without a pressure
+        highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
-        return predict(scene, 1.0, QUASISTATIC, law, options)
-    best, at = None, {}
-    for factor, inertial, part in ways:
-        if best is not None and _steps(scene, factor, inertial, part) >= best.steps:
+        return predict(scene, 1.0, min(QUASISTATIC, highest), law, options)
+    best, fewest, at = None, math.inf, {}
+    for factor, fastest, part in ways:
+        inertial = min(fastest, highest)
+        steps = _steps(scene, factor, inertial, part)
+        if steps >= fewest:
             continue
         if factor not in at:
             try:
@@ -344,7 +313,9 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         if at[factor] is None:
             continue
         here = at[factor]._replace(waves=inertial * at[factor].waves)
-        found = _predicted(scene, law, options, factor, inertial, part, here)
-        if found.error <= scene.tolerance:
-            best = found
-    return best if best is None else _finished(best, law, options)
+        if _errors(scene, factor, inertial, part, here)["error"] <= scene.tolerance:
+            best, fewest = (factor, inertial, part), steps
+    if best is None:
+        return None
+    factor, inertial, part = best
+    return predict(scene, factor, inertial, law, options, part)

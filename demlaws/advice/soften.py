@@ -15,12 +15,10 @@ import numpy as np
 
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.law import Law
+from demlaws.law import Law, Table
 from demlaws.laws.definition import PRESSURE, power_of, softened_option
 from demlaws.laws.registry import find, registry
-from demlaws.make import joined
 from demlaws.make import law as bind_law
-from demlaws.table import Table
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
 
 EXPONENTS = {
@@ -141,21 +139,21 @@ class Softening:
                 f"{law.name!r} is no law that is known here, but a table of a function, of points or of another's law: make it "
                 "anew, with overlaps times s^(2/3) at the same forces"
             )
-        contact, curve = self.of(law.contact), law.unloading_law
+        contact, along = self.of(law.contact), law.unloading_law
         if isinstance(law, Table) and law.loading_shape.length_over_roughness:
             # rows in multiples of σ, which is stretched as overlaps are: they stay as they are
-            options = self.options(law.name, law.options)
-            if curve is not None:
-                curve = self.of(curve)
-            held = Law(law.definition, contact, law.unloading, options, law.shape, None, curve)
-            table = Table(held, law.shape, law.nodes, (law.force_error, law.stiffness_error), law.rtol)
-            table.said_to_collapse = law.said_to_collapse
-            table.made_for = self.of(law.made_for)
-            return table
+            unloading = law.unloads
+            if unloading.curve is not None:
+                unloading = unloading._replace(curve=self._curve(unloading.curve), contact=self.of(unloading.contact))
+            return Table(contact, self._curve(law.curve), unloading)
         plain = bind_law(law.name, contact, **self.options(law.name, law.options))
         if isinstance(law, Table):
             plain = plain.tabulate(law.rtol)
-        return joined(plain, law.unloading if curve is None else self.of(curve))
+        return plain.joined(law.unloading if along is None else self.of(along))
+
+    def _curve(self, curve):
+        """The table of a curve whose rows stay as they are."""
+        return replace(curve, options=self.options(curve.definition.name, curve.options), made_for=self.of(curve.made_for))
 
     def _scene(self, scene):
         pressure = scene.yield_pressure
@@ -193,7 +191,7 @@ class Softening:
     def report(self, law: Law, force: float) -> "Report":
         """What becomes of one contact of `law` at `force` [N]: softened as here, and with σ and pressures left alone."""
         force = number(force, "force", "N")
-        law._single()
+        law.single_params()
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
             softened = self.of(law)

@@ -117,8 +117,6 @@ def run(arguments):
     print(best.script(table, advice.dt if arguments.soften else None))
     if arguments.out is None:
         return
-    if arguments.soften and advice.density != 1.0:
-        print(f"note: the grains of this case are {advice.density:.3g} times as dense: divide its gravity by as much")
     if scene.engine in ("liggghts", "lammps"):
         print(f"wrote {best.export(arguments.out)} and {len(list(arguments.out.glob('*.tbl')))} table(s)")
         return

@@ -46,7 +46,7 @@ def register(subparsers):
 
 
 def _is_table(path):
-    from demlaws.table_file import FORMAT
+    from demlaws.curves.text import FORMAT
 
     try:
         with open(path, "rb") as file:
@@ -59,8 +59,8 @@ def measured_table(arguments):
     """The table of the points, and the (overlap, force) of first loading and unloading for a figure."""
     import numpy as np
 
+    from demlaws.law import Table
     from demlaws.points import read_points
-    from demlaws.table import Table
 
     if arguments.law is not None or arguments.option or arguments.max_force is not None:
         raise DemlawsError("--points stand in place of --law, --option and --max-force: give one or the other")

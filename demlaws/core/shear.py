@@ -1,6 +1,6 @@
-"""Tangential stiffness K_t of a contact: K_t/K of an elastic contact times a normal stiffness, of which there are three.
+"""Tangential stiffness K_t of a contact: K_t/K of an elastic contact times a normal stiffness, of which there are two.
 
-Which one is a choice, a tag type as an unloading rule is. Any law and any rule has all three; a rule whose own answer is
+Which one is a choice, a tag type as an unloading rule is. Any law and any rule has both; a rule whose own answer is
 cheaper than the general one binds it.
 """
 
@@ -12,10 +12,6 @@ from demlaws.core.dispatch import bind, gather, generic, inverse, kernel_of, par
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import INLINED_KERNEL, kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
-
-
-class TangentShear(NamedTuple):
-    """The tangent of the branch that the contact is on: it jumps where loading turns into unloading."""
 
 
 class ElasticShear(NamedTuple):
@@ -32,16 +28,14 @@ class Choice(NamedTuple):
     name: str
     tag: tuple
     number: int  # in demlaws_table.h
-    limited: bool  # whether engines that add up shear forces keep them from returning more than smooth spheres' do
     description: str  # one line
 
 
 CHOICES = {
     choice.name: choice
     for choice in (
-        Choice("tangent", TangentShear(), 0, False, "the tangent of the branch that the contact is on"),
-        Choice("elastic", ElasticShear(), 1, True, "the stiffness with which the contact would unload now"),
-        Choice("loading", LoadingShear(), 2, True, "the tangent of first loading at the force carried now"),
+        Choice("elastic", ElasticShear(), 1, "the stiffness with which the contact would unload now"),
+        Choice("loading", LoadingShear(), 2, "the tangent of first loading at the force carried now"),
     )
 }
 """Name → the choices that any law and rule may take."""
@@ -98,11 +92,6 @@ def _shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
 
 
 @kernel
-def _tangent(choice, rule, p, overlap, force, stiffness, state):
-    return stiffness
-
-
-@kernel
 def _elastic(choice, rule, p, overlap, force, stiffness, state):
     return unloading_stiffness(rule, p, overlap, force, stiffness, state)
 
@@ -112,7 +101,6 @@ def _loading(choice, rule, p, overlap, force, stiffness, state):
     return loading_stiffness(rule, p, overlap, force, stiffness, state)
 
 
-bind(TangentShear, shear_stiffness=_tangent)
 bind(ElasticShear, shear_stiffness=_elastic)
 bind(LoadingShear, shear_stiffness=_loading)
 

@@ -15,12 +15,12 @@ from demlaws import driver
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
 from demlaws.files import save_csv
-from demlaws.law import Path
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.points import Points, read_points  # noqa: F401  what a test's points are read into stands beside the tests
+from demlaws.response import Path
 
 _MODULUS = 0.5 * GRANITE.plane_modulus
 SWITCH_FORCE = 10.0

@@ -11,7 +11,6 @@ from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import save_csv
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
-from demlaws.laws.names import HERTZ, POHRT_POPOV
 from demlaws.laws.registry import find
 from demlaws.points import read_points
 
@@ -236,29 +235,15 @@ def draw(out, tests, runs, points, whole):
     def keep(name, figure):
         files.append(plots.save(figure, out / f"{name}.png"))
 
-    by_name = {test.name: test for test in tests}
+    paper = pictures.Paper(points, [run for name in runs for run in runs[name]])
     for test in tests:
-        keep(f"force-{test.key}", pictures.granite_force(test, runs[test.name], points.get(test.name)))
-        if not test.cyclic and len(test.stages[0]) == 2:
-            elastic = [granite.bind(r.law.name, test, "elastic") for r in runs[test.name]]
-            hertz = granite.run_test(POHRT_POPOV, test)[0].paths[0]
-            keep(f"unloading-{test.key}", pictures.granite_unloading(test, elastic, hertz, points.get(test.name)))
+        keep(f"force-{test.key}", pictures.force(test, runs[test.name], points.get(test.name)))
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
-                keep(f"cycles-{test.key}", pictures.granite_cycles(result, granite.stages_of(result), points.get(test.name)))
-    if not whole:
-        return files
-    keep("stiffness", pictures.granite_stiffness([(by_name[n], runs[n]) for n in granite.ROUGH_SPHERES], points))
-    first = by_name["SS(18-18)"]
-    pair = [granite.bind(n, first, "elastic") for n in (HERTZ, POHRT_POPOV)]
-    keep("crossover-ss-18-18", pictures.granite_crossover(first, pair, granite.threshold_force(first)))
-    trio = [by_name[n] for n in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
-    keep("roughness", pictures.granite_roughness(trio, lambda name, test: granite.bind(name, test, "elastic"), points))
-    series = []
-    for name in ("RFC10", "FC5"):
-        result = next(r for r in runs[name] if r.law.definition.before_yield is not None)
-        stages = granite.stages_of(result)
-        series.append((name, [s for s in stages if s.stage == (4 if name == "FC5" else 1)]))
-    keep("plastic-overlap", pictures.granite_plastic(series, points))
-    keep("effective-radius", pictures.radius(pictures.Paper(points))[0])
+                keep(f"cycles-{test.key}", pictures.cycling(result, points.get(test.name)))
+    numbered = {7: "unloading-ss-12-18"} if "SS(12-18)" in runs else {}
+    if whole:
+        numbered |= {8: "stiffness", 5: "crossover-ss-18-18", 9: "roughness", 13: "plastic-overlap", 4: "effective-radius"}
+    for number, name in numbered.items():
+        keep(name, pictures.FIGURES[number](paper)[0])
     return files

@@ -21,7 +21,7 @@ PRINTED_THRESHOLD = 73.0
 """Load [N] of the paper's text at which SS(18-18) crosses over to Hertz."""
 
 
-def granite_force(test, runs, points=None, ax=None):
+def force(test, runs, points=None, ax=None):
     """Force against displacement of one test, every law; displacement counted from 0.1 N as in the tables."""
     if ax is None:
         _, ax = figure(width=6.4, height=4.8)
@@ -53,87 +53,6 @@ def _tangent(ax, points, name="measured", branch=None, **style):
     ax.plot(load, stiffness / 1e3, **{"marker": ".", "ls": "none", "color": "k", "ms": 4, **style}, label=name)
 
 
-def granite_stiffness(tests_and_runs, points=None):
-    """Stiffness against load on logarithmic axes, one panel a test; points: measured ones by test name."""
-    fig, axes = figure(columns=2, rows=2, width=5.0)
-    for ax, (test, runs) in zip(np.ravel(axes), tests_and_runs, strict=False):
-        load = np.geomspace(0.1, 100.0, 200)
-        for run in runs:
-            draw_line(ax, load, run.law.stiffness(run.law.overlap(load)) / 1e3, run.law.name, lw=1.3)
-        if points and test.name in points:
-            _tangent(ax, points[test.name], f"measured: {points[test.name].source}")
-            ax.legend(fontsize=7)
-        ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=test.name)
-    np.ravel(axes)[0].legend(fontsize=7)
-    return fig
-
-
-def granite_crossover(test, laws, threshold):
-    """Stiffness of Hertz and Pohrt-Popov, and where the lines cross."""
-    fig, ax = figure(width=6.0, height=4.4)
-    load = np.geomspace(1.0, 500.0, 300)
-    for bound in laws:
-        draw_line(ax, load, bound.stiffness(bound.overlap(load)) / 1e3, bound.name, lw=1.6)
-    ax.axvline(threshold, color="k", lw=0.8)
-    ax.annotate(
-        f"F = {threshold:.1f} N\n(the paper's text: 73 N)", (threshold, 2000), xytext=(5, 0), textcoords="offset points"
-    )
-    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=f"{test.name}: crossover")
-    ax.legend()
-    return fig
-
-
-def granite_roughness(tests, make, points=None):
-    """Force and stiffness of Pohrt-Popov for tests that differ in roughness, and of Hertz; points: by test name."""
-    fig, (left, right) = figure(columns=2)
-    load = np.geomspace(0.05, 100.0, 300)
-    for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True):
-        bound = make(POHRT_POPOV, test)
-        overlap = bound.overlap(load)
-        label = f"{test.name}, σ = {test.roughness * MICRO:.2f} µm"
-        left.plot((overlap - bound.overlap(0.1)) * MICRO, load, color=shade, label=label)
-        right.loglog(load, bound.stiffness(overlap) / 1e3, color=shade, label=label)
-        if points and test.name in points:
-            one = points[test.name]
-            left.plot((one.displacement - one.zero([bound])[0]) * MICRO, one.force, ".", color=shade, ms=3, label="measured")
-            _tangent(right, one, color=shade)
-    hertz = make(HERTZ, tests[1])
-    left.plot((hertz.overlap(load) - hertz.overlap(0.1)) * MICRO, load, "k--", label=f"Hertz, {tests[1].name}")
-    right.loglog(load, hertz.stiffness(hertz.overlap(load)) / 1e3, "k--", label=f"Hertz, {tests[1].name}")
-    left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")
-    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="tangent stiffness")
-    left.legend(fontsize=8)
-    return fig
-
-
-def granite_unloading(test, elastic, hertz, points=None):
-    """Unloading from the maximum along each law's own curve, as the paper compares them, and along the Hertz rule's."""
-    fig, ax = figure(width=6.4, height=4.8)
-    top = max(test.stages[0])
-    load = np.linspace(0.05, top, 300)
-    for bound in elastic:
-        draw_line(
-            ax, (bound.overlap(load) - bound.overlap(top)) * MICRO, load, bound.name, label=f"{bound.name}, elastic", lw=1.3
-        )
-    peak = int(np.argmax(hertz.force))
-    ax.plot(
-        (hertz.overlap[peak:] - hertz.overlap[peak]) * MICRO,
-        hertz.force[peak:],
-        color="k",
-        lw=3,
-        alpha=0.35,
-        label="Hertz unloading rule, any law",
-    )
-    if points is not None:
-        peak = int(np.argmax(points.force))
-        ax.plot(
-            (points.displacement[peak:] - points.displacement[peak]) * MICRO, points.force[peak:], "k.", ms=3, label="measured"
-        )
-    ax.set(xlabel="displacement from the maximum (µm)", ylabel="force (N)", title=f"{test.name}: unloading")
-    ax.legend(fontsize=8)
-    return fig
-
-
 def _step_colour(number, count):
     """Colours of a sequence, as many as there are steps, from dark to light."""
     from matplotlib import colormaps
@@ -141,7 +60,7 @@ def _step_colour(number, count):
     return colormaps["viridis"](0.9 * number / max(count - 1, 1))
 
 
-def granite_cycles(run, stages, points=None):
+def cycling(run, points=None):
     """Cycles of a cone: force against displacement stage by stage, and stiffness of each loading branch; points: measured."""
     fig, (left, right) = figure(columns=2, width=5.6, height=4.4)
     for number, path in enumerate(run.paths):
@@ -179,44 +98,17 @@ def granite_cycles(run, stages, points=None):
     return fig
 
 
-def granite_plastic(series, points=None):
-    """Cumulative plastic overlap against the largest load; points: measured ones by test name."""
-    fig, ax = figure(width=5.6, height=4.2)
-    for (name, stages), marker in zip(series, "os^", strict=False):
-        ax.plot([s.maximum_force for s in stages], [s.plastic_overlap * MICRO for s in stages], marker + "-", label=name)
-        if points and name in points and (left := points[name].residuals()):
-            load, residual = np.array(left).T
-            ax.plot(load, residual * MICRO, "k" + marker, mfc="none", label=f"measured {name}: {points[name].source}")
-    ax.set(xlabel="maximum force (N)", ylabel="plastic overlap (µm)", title="cumulative plastic overlap")
-    ax.legend()
-    return fig
-
-
-def granite_radius(alpha, curves):
-    """a*/a_H against the roughness parameter."""
-    fig, ax = figure(width=6.0, height=4.4)
-    for (name, values), style in zip(curves.items(), ("-", "--", ":"), strict=True):
-        ax.semilogx(alpha, values, style, lw=1.6, label=name)
-    ax.axvspan(1.0, alpha.max(), color="k", alpha=0.05, lw=0)
-    ax.text(1.1, 0.04, "beyond the data of the fit", fontsize=8, transform=ax.get_xaxis_transform())
-    ax.set(xlabel="α = σR/a_H²", ylabel="a*/a_H", title="effective contact radius")
-    ax.legend()
-    return fig
-
-
-# --- the paper's figures
-
-
 class Paper:
-    """The tests, run once a law, and a user's points by test name."""
+    """The tests, run once per law, and a user's points by test name; runs: those that were made before."""
 
-    def __init__(self, points=None):
+    def __init__(self, points=None, runs=()):
         self.points = points or {}
+        self.known = {(run.law.name, run.test.name): run for run in runs}
         self.run = functools.cache(self._run)
         self.law = functools.cache(self._law)
 
     def _run(self, name, test):
-        return granite.run_test(name, granite.find_test(test))[0]
+        return self.known.get((name, test)) or granite.run_test(name, granite.find_test(test))[0]
 
     def _law(self, name, test):
         return granite.bind(name, granite.find_test(test), "elastic")
@@ -267,10 +159,13 @@ def _measured(ax, paper, name, shade):
 def radius(paper):
     """Fig. 4: a*/a_H against α: Eq. 5, Greenwood & Tripp, and a* back-calculated (a*² = Rδ) from each law and from points."""
     alpha = np.geomspace(0.03, 30.0, 60)
-    fig = granite_radius(alpha, granite.effective_radius(alpha))
-    (ax,) = fig.axes
+    fig, ax = figure(width=6.0, height=4.4)
+    for (name, values), style in zip(granite.effective_radius(alpha).items(), ("-", "--", ":"), strict=True):
+        ax.semilogx(alpha, values, style, lw=1.6, label=name)
+    ax.axvspan(1.0, alpha.max(), color="k", alpha=0.05, lw=0)
+    ax.text(1.1, 0.04, "beyond the data of the fit", fontsize=8, transform=ax.get_xaxis_transform())
     said = ["a*/a_H back-calculated from δ (a*² = Rδ) at 1, 10 and 100 N, computed; α in brackets:"]
-    load = np.geomspace(0.3, 100.0, 12)
+    load, shown = np.geomspace(0.3, 100.0, 12), np.array([1.0, 10.0, 100.0])
     for name, marker in zip(granite.ROUGH_SPHERES, "o^sv", strict=True):
         test = granite.find_test(name)
         for law in SPHERES[1:]:
@@ -278,10 +173,8 @@ def radius(paper):
             hertz = (9.0 * load**2 / (16.0 * test.radius * test.contact.modulus**2)) ** (1 / 3)
             ax.plot(test.roughness / hertz, np.sqrt(one.overlap(load) / hertz), marker, color=colour(law), ms=3.5, mfc="none")
             if law == POHRT_POPOV:
-                at = [float(test.contact.roughness_parameter(f)) for f in (1.0, 10.0, 100.0)]
-                size = [
-                    float(np.sqrt(one.overlap(f) * a / test.roughness)) for f, a in zip((1.0, 10.0, 100.0), at, strict=True)
-                ]
+                at = test.contact.roughness_parameter(shown)
+                size = np.sqrt(one.overlap(shown) * at / test.roughness)
                 text = ", ".join(f"{s:.2f} ({a:.2f})" for s, a in zip(size, at, strict=True))
                 said.append(f"  {name}, {law}: {text}")
         ax.plot([], [], "k" + marker, mfc="none", ms=4, label=f"laws on {name}")
@@ -289,7 +182,7 @@ def radius(paper):
             ax.plot(*paper.points[name].contact_radius(test.contact), "k" + marker, ms=3, label=f"measured {name}")
     for law in SPHERES[1:]:
         ax.plot([], [], "s", color=colour(law), ms=4, label=law)
-    ax.set_ylim(0.8, 4.5)
+    ax.set(xlabel="α = σR/a_H²", ylabel="a*/a_H", title="effective contact radius", ylim=(0.8, 4.5))
     ax.legend(fontsize=7, ncol=2)
     return fig, [
         *said,
@@ -301,8 +194,16 @@ def radius(paper):
 def crossover(paper):
     """Fig. 5: stiffness of Hertz and of Pohrt-Popov, and where the lines cross."""
     test = granite.find_test("SS(18-18)")
-    threshold = granite.threshold_force(test)
-    fig = granite_crossover(test, [paper.law(name, test.name) for name in (HERTZ, POHRT_POPOV)], threshold)
+    threshold, load = granite.threshold_force(test), np.geomspace(1.0, 500.0, 300)
+    fig, ax = figure(width=6.0, height=4.4)
+    for name in (HERTZ, POHRT_POPOV):
+        law = paper.law(name, test.name)
+        draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, name, lw=1.6)
+    ax.axvline(threshold, color="k", lw=0.8)
+    text = f"F = {threshold:.1f} N\n(the paper's text: {PRINTED_THRESHOLD:g} N)"
+    ax.annotate(text, (threshold, 2000), xytext=(5, 0), textcoords="offset points")
+    ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=f"{test.name}: crossover")
+    ax.legend()
     return fig, [
         f"F: computed {threshold:.2f} N from the paper's Eqs. 8 and 9 and its table; printed around {PRINTED_THRESHOLD:g} N"
     ]
@@ -315,7 +216,7 @@ def loading(paper):
     said = ["displacement gained from 0.1 to 100 N (µm), computed:"]
     for ax, name in zip(np.ravel(axes), tests, strict=True):
         runs = [paper.run(law, name) for law in SPHERES]
-        granite_force(runs[0].test, [run._replace(paths=(_up(run.paths[0]),)) for run in runs], paper.points.get(name), ax)
+        force(runs[0].test, [run._replace(paths=(_up(run.paths[0]),)) for run in runs], paper.points.get(name), ax)
         said.append(f"  {name}: {_gained(paper, name, SPHERES)}")
     return fig, [*said, paper.whose(*tests)]
 
@@ -327,41 +228,74 @@ def _up(path):
 
 
 def unloading(paper):
-    """Fig. 7: unloading of SS(12-18) along each law's own curve."""
+    """Fig. 7: unloading of SS(12-18) along each law's own curve, as the paper compares them, and along the Hertz rule's."""
     test = granite.find_test("SS(12-18)")
     laws = [paper.law(name, test.name) for name in COMPARED]
-    fig = granite_unloading(test, laws, paper.run(POHRT_POPOV, test.name).paths[0], paper.points.get(test.name))
-    back = ", ".join(f"{law.name} {float(law.overlap(100.0) - law.overlap(0.1)) * MICRO:.1f}" for law in laws)
+    fig, ax = figure(width=6.4, height=4.8)
+    top = max(test.stages[0])
+    load = np.linspace(0.05, top, 300)
+    for law in laws:
+        gained = (law.overlap(load) - law.overlap(top)) * MICRO
+        draw_line(ax, gained, load, law.name, label=f"{law.name}, elastic", lw=1.3)
+    path = paper.run(POHRT_POPOV, test.name).paths[0]
+    back = slice(int(np.argmax(path.force)), None)
+    left = (path.overlap[back] - path.overlap[back][0]) * MICRO
+    ax.plot(left, path.force[back], color="k", lw=3, alpha=0.35, label="Hertz unloading rule, any law")
+    if test.name in paper.points:
+        points = paper.points[test.name]
+        back = slice(int(np.argmax(points.force)), None)
+        left = (points.displacement[back] - points.displacement[back][0]) * MICRO
+        ax.plot(left, points.force[back], "k.", ms=3, label="measured")
+    ax.set(xlabel="displacement from the maximum (µm)", ylabel="force (N)", title=f"{test.name}: unloading")
+    ax.legend(fontsize=8)
+    recovered = ", ".join(f"{law.name} {float(law.overlap(100.0) - law.overlap(0.1)) * MICRO:.1f}" for law in laws)
     return fig, [
-        f"displacement recovered from 100 to 0.1 N along each law's own curve (µm), computed: {back}",
+        f"displacement recovered from 100 to 0.1 N along each law's own curve (µm), computed: {recovered}",
         paper.whose(test.name),
     ]
 
 
 def stiffness(paper):
-    """Fig. 8: stiffness against load of four tests."""
+    """Fig. 8: stiffness against load of four tests, on logarithmic axes."""
     tests = ("SS(18-18)", "RS(18-18)", "SS(12-18)", "SF(12)")
-    fig = granite_stiffness([(granite.find_test(t), [paper.run(law, t) for law in SPHERES]) for t in tests], paper.points)
-    said = ["stiffness at 10 N (N/mm), computed:"]
-    for name in tests:
+    fig, axes = figure(columns=2, rows=2, width=5.0)
+    load, said = np.geomspace(0.1, 100.0, 200), ["stiffness at 10 N (N/mm), computed:"]
+    for ax, name in zip(np.ravel(axes), tests, strict=True):
+        for law in (paper.law(n, name) for n in SPHERES):
+            draw_line(ax, load, law.stiffness(law.overlap(load)) / 1e3, law.name, lw=1.3)
+        if name in paper.points:
+            _tangent(ax, paper.points[name], f"measured: {paper.points[name].source}")
+        ax.set(xscale="log", yscale="log", xlabel="force (N)", ylabel="stiffness (N/mm)", title=name)
+        ax.legend(fontsize=7)
         row = ", ".join(f"{law} {granite.stiffness_at(paper.law(law, name), 10.0) / 1e3:.0f}" for law in SPHERES)
         said.append(f"  {name}: {row}")
     return fig, [*said, paper.whose(*tests)]
 
 
 def roughness(paper):
-    """Fig. 9: what roughness does to Pohrt-Popov."""
+    """Fig. 9: force and stiffness of Pohrt-Popov on three pairs that differ in roughness, and of Hertz."""
     tests = [granite.find_test(name) for name in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
-    fig = granite_roughness(tests, lambda name, test: paper.law(name, test.name), paper.points)
-    said = [
-        f"  {t.name}: m = 0.2567 Df = {0.2567 * t.fractal_dimension:.3f} (Df = {t.fractal_dimension}, mean of the printed two)"
-        for t in tests
-    ]
-    return fig, [
-        "exponent of stiffness over load, computed; printed: around 0.56",
-        *said,
-        paper.whose(*(t.name for t in tests)),
-    ]
+    fig, (left, right) = figure(columns=2)
+    load, said = np.geomspace(0.05, 100.0, 300), ["exponent of stiffness over load, computed; printed: around 0.56"]
+    lines = [(POHRT_POPOV, test, "-", shade) for test, shade in zip(tests, ("#1f77b4", "#ff7f0e", "#d62728"), strict=True)]
+    for name, test, style, shade in [*lines, (HERTZ, tests[1], "--", "k")]:
+        law = paper.law(name, test.name)
+        overlap = law.overlap(load)
+        label = f"Hertz, {test.name}" if name == HERTZ else f"{test.name}, σ = {test.roughness * MICRO:.2f} µm"
+        left.plot((overlap - law.overlap(0.1)) * MICRO, load, style, color=shade, label=label)
+        right.loglog(load, law.stiffness(overlap) / 1e3, style, color=shade, label=label)
+        if name != HERTZ:
+            exponent = 0.2567 * test.fractal_dimension
+            said.append(
+                f"  {test.name}: m = 0.2567 Df = {exponent:.3f} (Df = {test.fractal_dimension}, mean of the printed two)"
+            )
+            _measured(left, paper, test.name, shade)
+            if test.name in paper.points:
+                _tangent(right, paper.points[test.name], color=shade)
+    left.set(xlabel="displacement from 0.1 N (µm)", ylabel="force (N)", title="effect of roughness, Pohrt-Popov")
+    right.set(xlabel="force (N)", ylabel="stiffness (N/mm)", title="tangent stiffness")
+    left.legend(fontsize=8)
+    return fig, [*said, paper.whose(*(t.name for t in tests))]
 
 
 def cone(paper):
@@ -371,7 +305,7 @@ def cone(paper):
     _path(left, run.paths[0], paper.points.get(test.name), run)
     left.set(title=f"{test.name}: {run.law.name}, {run.law.unloading} unloading" + (f"\n{run.beyond}" if run.beyond else ""))
     left.title.set_fontsize(9)
-    granite_force(test, [paper.run(name, test.name) for name in COMPARED], None, right)
+    force(test, [paper.run(name, test.name) for name in COMPARED], None, right)
     if test.name in paper.points:
         points = paper.points[test.name]
         first = points.first_loading() & (points.force <= 20.0)
@@ -394,21 +328,24 @@ def _path(ax, path, points, run):
 def cycles(paper):
     """Fig. 12: stiffness of the loading stages of RFC10."""
     run = paper.yielding("RFC10")
-    stages = granite.stages_of(run)
-    fig = granite_cycles(run, stages, paper.points.get("RFC10"))
-    rows = [f"  to {s.maximum_force:.0f} N: {s.final_stiffness / 1e3:.0f} N/mm at the maximum" for s in stages]
-    return fig, ["computed (p_y was chosen for the 5000 N/mm that is printed):", *rows, paper.whose("RFC10")]
+    rows = [f"  to {s.maximum_force:.0f} N: {s.final_stiffness / 1e3:.0f} N/mm at the maximum" for s in granite.stages_of(run)]
+    said = ["computed (p_y was chosen for the 5000 N/mm that is printed):", *rows, paper.whose("RFC10")]
+    return cycling(run, paper.points.get("RFC10")), said
 
 
 def plastic(paper):
     """Fig. 13: cumulative plastic deformation of both cones against the largest load."""
-    series = [("RFC10", granite.stages_of(paper.yielding("RFC10")))]
-    last = max(s.stage for s in granite.stages_of(paper.yielding("FC5"))) - 1
-    series.append(("FC5", [s for s in granite.stages_of(paper.yielding("FC5")) if s.stage == last]))
-    fig = granite_plastic(series, paper.points)
+    fig, ax = figure(width=5.6, height=4.2)
     said = ["plastic overlap (µm) at the largest load (N), computed:"]
-    for name, stages in series:
-        said.append(f"  {name}: " + ", ".join(f"{s.plastic_overlap * MICRO:.1f} at {s.maximum_force:.0f}" for s in stages))
+    for name, stage, marker in (("RFC10", 1, "o"), ("FC5", 4, "s")):
+        rows = [s for s in granite.stages_of(paper.yielding(name)) if s.stage == stage]
+        ax.plot([s.maximum_force for s in rows], [s.plastic_overlap * MICRO for s in rows], marker + "-", label=name)
+        said.append(f"  {name}: " + ", ".join(f"{s.plastic_overlap * MICRO:.1f} at {s.maximum_force:.0f}" for s in rows))
+        if name in paper.points and (left := paper.points[name].residuals()):
+            load, residual = np.array(left).T
+            ax.plot(load, residual * MICRO, "k" + marker, mfc="none", ls="none", label=f"{name}, measured")
+    ax.set(xlabel="largest force (N)", ylabel="cumulative plastic overlap (µm)", title="plastic overlap of the cones")
+    ax.legend()
     return fig, [*said, *filter(None, [paper.yielding("RFC10").beyond]), paper.whose("RFC10", "FC5")]
 
 
@@ -417,7 +354,7 @@ def stages(paper):
     run, test = paper.yielding("FC5"), granite.find_test("FC5")
     fig, axes = figure(columns=3, rows=2, width=4.4, height=3.6)
     first, *others = np.ravel(axes)
-    granite_force(test, [paper.run(name, test.name) for name in (*COMPARED, run.law.name)], paper.points.get(test.name), first)
+    force(test, [paper.run(name, test.name) for name in (*COMPARED, run.law.name)], paper.points.get(test.name), first)
     first.set_title("a: first loading to 20 N", fontsize=10)
     points = paper.points.get(test.name)
     top = 0.0 if points is None else float(points.force.max())

@@ -254,7 +254,7 @@ def _curve_checks(law):
             )
     if law.collapses and not law.definition.solved:  # a solved law's curve comes with a number of its own
         try:
-            refuse_unless_collapses(law)
+            refuse_unless_collapses(law, law.contact)
             checks.append(Check("one curve serves all contacts", 0, 0))
         except DemlawsError as error:
             checks.append(Check("one curve serves all contacts", 1, 0, note=str(error)))

@@ -161,10 +161,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
 
 
 _native_label = yade.Law2_ScGeom_MindlinPhys_Mindlin.label
+_reported = set()
 
 
 def _take_up(functor, bridge, stacklevel):
-    """Make the functor act natively, if two spheres show that it does; say what stands in the way."""
+    """Make the functor act natively if the self-test passes; warn if it does not, or if this YADE has not been tested."""
     binding = functor.binding
     if binding.attachment is not None:
         try:
@@ -175,7 +176,10 @@ def _take_up(functor, bridge, stacklevel):
             binding.attachment, binding.reason = None, str(error)
         else:
             binding.attachment.patch(functor)
-            _tell_untested(stacklevel + 1)
+            line = native.layout().untested
+            if line is not None and line not in _reported:
+                _reported.add(line)
+                warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
     if binding.attachment is None and bridge == "auto":
         warnings.warn(
             f"the native bridge is not available ({binding.reason}); the public-API way acts, at some ten times the cost",
@@ -184,18 +188,8 @@ def _take_up(functor, bridge, stacklevel):
         )
 
 
-_told = set()
-
-
-def _tell_untested(stacklevel):
-    line = native.layout().untested
-    if line is not None and line not in _told:
-        _told.add(line)
-        warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
-
-
 def _range(name, unit, given):
-    """(smallest, largest) as a user gave it, or None."""
+    """(smallest, largest) given by a user, or None."""
     if given is None:
         return None
     try:
@@ -208,7 +202,7 @@ def _range(name, unit, given):
 
 
 def _spans(radii, moduli, flats):
-    """Label pair → `Span` of the contacts: what the user gave, else what the scene's bodies and materials allow."""
+    """Function of two labels: `Span` of their contacts, from the user's ranges, else from the scene's bodies and materials."""
     radii, moduli = _range("radii", "m", radii), _range("moduli", "Pa", moduli)
     sizes, flat, compliances = {}, set(), {}
     for body in O.bodies:
@@ -217,37 +211,35 @@ def _spans(radii, moduli, flats):
             sizes.setdefault(label, set()).add(body.shape.radius)
         elif body.shape is not None and not isinstance(body.shape, yade.Clump):
             flat.add(label)
-        if isinstance(body.material, yade.FrictMat) and body.material.young > 0.0:  # a marker's contacts bear nothing
+        if isinstance(body.material, yade.FrictMat) and body.material.young > 0.0:  # contacts of a marker have no force
             compliance = (1.0 - body.material.poisson**2) / body.material.young
-            if compliance > 0.0:  # others are refused when they meet
+            if compliance > 0.0:  # others are refused at their first contact
                 compliances.setdefault(label, set()).add(compliance)
 
     def of(table, wanted):
-        """What bodies of a label have; "" stands for all labels, so that unlisted ones are among them."""
+        """Values of the bodies of a label; "" stands for all labels, so that unlisted ones are among them."""
         return {value for label in table if label == wanted or not wanted for value in table[label]}
 
     def reach(labels):
+        """Effective radii at the ends of the range."""
         first, second = (of(sizes, wanted) for wanted in labels)
-        found = [r * q / (r + q) for one in (min, max) if first and second for r, q in [(one(first), one(second))]]
+        ends = [(pick(first), pick(second)) for pick in (min, max) if first and second]
+        values = [r * q / (r + q) for r, q in ends]
         for spheres, other in ((first, labels[1]), (second, labels[0])):
             if spheres and (other in flat or (not other and flat)):
                 # YADE has r/2 at a wall, 2r/3 at a facet, and r with hertzian=True
-                found += [min(spheres) if flats == "plane" else 0.5 * min(spheres), max(spheres)]
-        return found
+                values += [min(spheres) if flats == "plane" else 0.5 * min(spheres), max(spheres)]
+        return values
 
     def span(labels):
-        found, every = radii or reach(labels), of(sizes, "")
-        meets = len(found) > 0
-        if not meets and every:
-            found = [0.5 * min(every), max(every)]
-        if not len(found):
-            return None
-        radius = min(found), max(found)
-        if moduli is not None:
-            return Span(radius, moduli, meets)
+        values, every = radii or reach(labels), of(sizes, "")
         first, second = (of(compliances, wanted) for wanted in labels)
-        if not (first and second):
+        meets = len(values) > 0
+        if not meets and every:
+            values = [0.5 * min(every), max(every)]
+        if not len(values) or (moduli is None and not (first and second)):
             return None
-        return Span(radius, tuple(1.0 / (one(first) + one(second)) for one in (max, min)), meets)
+        pairs = moduli or tuple(1.0 / (pick(first) + pick(second)) for pick in (max, min))
+        return Span((min(values), max(values)), pairs, meets)
 
     return span

@@ -73,77 +73,79 @@ def read_memory(start, size, kind):
     return np.ctypeslib.as_array((kind * (size // ctypes.sizeof(kind))).from_address(start))
 
 
-def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e33), make=None, read=None):
-    """Byte offset of an attribute: where `values` turn up in three objects; a number written there reads back."""
-    make = make or (lambda value: cls(**{name: value}))
-    read = read or (lambda thing: getattr(thing, name))
-    objects, places = [], None
-    for value in values:
-        thing = make(value)
-        objects.append(thing)
-        start, size = _window(thing)
-        hits = set((np.flatnonzero(read_memory(start, size, kind) == value) * ctypes.sizeof(kind)).tolist())
-        places = hits if places is None else places & hits
+def _one_place(cls, name, things, matches):
+    """The byte offset at which `matches(start, size, thing)` finds an attribute in each of these objects."""
+    places = None
+    for thing in things:
+        here = {int(place) for place in matches(*_window(thing), thing)}
+        places = here if places is None else places & here
     if len(places) != 1:
         raise BridgeUnavailable(f"{cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
-    place = places.pop()
-    kind.from_address(start + place).value = values[0]
-    if read(thing) != values[0]:
-        raise BridgeUnavailable(f"{cls.__name__}.{name}: what is written at byte {place} does not read back")
+    return places.pop()
+
+
+def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e33), make=None, read=None):
+    """Byte offset of a number: where `values` are found in three objects; a number written there reads back."""
+    things = [make(value) if make else cls(**{name: value}) for value in values]
+    wanted = {id(thing): value for thing, value in zip(things, values, strict=True)}
+
+    def matches(start, size, thing):
+        return np.flatnonzero(read_memory(start, size, kind) == wanted[id(thing)]) * ctypes.sizeof(kind)
+
+    place = _one_place(cls, name, things, matches)
+    kind.from_address(_window(things[-1])[0] + place).value = values[0]
+    if (read(things[-1]) if read else getattr(things[-1], name)) != values[0]:
+        raise BridgeUnavailable(f"{cls.__name__}.{name}: a number written at byte {place} does not read back")
     return place
 
 
 def _find_string(cls, name):
     """Byte offset of a std::string: a pointer to the characters within the object, their number, the characters."""
-    places = None
-    for text in ("abcdefgh", "ijklmno", "pqrstu"):
-        thing = cls(**{name: text})
-        start, size = _window(thing)
+
+    def matches(start, size, thing):
+        text = getattr(thing, name).encode()
         words = read_memory(start, size, ctypes.c_uint64)
         here = start + 8 * np.arange(words.size)
-        candidates = np.flatnonzero((words[:-1] == here[:-1] + 16) & (words[1:] == len(text)))
-        hits = {8 * int(n) for n in candidates if ctypes.string_at(start + 8 * int(n) + 16, len(text)) == text.encode()}
-        places = hits if places is None else places & hits
-    if len(places) != 1:
-        raise BridgeUnavailable(f"{cls.__name__}.{name} is not a string at one place of the object")
-    return places.pop()
+        candidates = 8 * np.flatnonzero((words[:-1] == here[:-1] + 16) & (words[1:] == len(text)))
+        return [n for n in candidates.tolist() if ctypes.string_at(start + n + 16, len(text)) == text]
+
+    return _one_place(cls, name, [cls(**{name: text}) for text in ("abcdefgh", "ijklmno", "pqrstu")], matches)
 
 
-def _find_pointer(owner_cls, name, target_cls):
-    """Byte offset of a shared_ptr attribute: where the target's address stands."""
-    places = None
-    for _ in range(3):
-        owner, target = owner_cls(), target_cls()
-        setattr(owner, name, target)
-        start, size = _window(owner)
-        hits = set((np.flatnonzero(read_memory(start, size, ctypes.c_uint64) == address(target)) * 8).tolist())
-        places = hits if places is None else places & hits
-    if len(places) != 1:
-        raise BridgeUnavailable(f"{owner_cls.__name__}.{name} is not at one place of the object, but at {sorted(places)}")
-    return places.pop()
+def _find_pointer(cls, name, target_cls):
+    """Byte offset of a shared_ptr attribute: where the target's address is."""
+
+    def matches(start, size, thing):
+        return 8 * np.flatnonzero(read_memory(start, size, ctypes.c_uint64) == address(getattr(thing, name)))
+
+    owners = [cls() for _ in range(3)]
+    for owner in owners:
+        setattr(owner, name, target_cls())
+    return _one_place(cls, name, owners, matches)
+
+
+def _mappings():
+    """(first address, address behind the last, mode, path) of each mapping of this process."""
+    with open("/proc/self/maps") as maps:
+        for line in maps:
+            span, mode, *rest = line.split(maxsplit=5)
+            low, high = (int(text, 16) for text in span.split("-"))
+            yield low, high, mode, rest[-1].strip()
 
 
 def _mapped(file_end):
-    """Path of the loaded library whose name ends so, from this process's own memory map."""
-    paths = set()
-    with open("/proc/self/maps") as maps:
-        for line in maps:
-            path = line.split(maxsplit=5)[-1].strip()
-            if path.endswith(file_end):
-                paths.add(path)
+    """Path of the loaded library whose name ends so."""
+    paths = {path for *_, path in _mappings() if path.endswith(file_end)}
     if len(paths) != 1:
         raise BridgeUnavailable(f"{len(paths)} loaded libraries are named {file_end}, not one")
     return paths.pop()
 
 
 def _mapped_until(location):
-    """End of the readable mapping that holds `location`."""
-    with open("/proc/self/maps") as maps:
-        for line in maps:
-            span, mode = line.split()[:2]
-            low, high = (int(text, 16) for text in span.split("-"))
-            if low <= location < high and mode[0] == "r":
-                return high
+    """End of the readable mapping that contains `location`."""
+    for low, high, mode, _ in _mappings():
+        if low <= location < high and mode[0] == "r":
+            return high
     raise BridgeUnavailable(f"nothing readable at {location:#x}")
 
 

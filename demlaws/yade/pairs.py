@@ -17,11 +17,10 @@ from demlaws.core.params import clamped_roughness, loading_part
 from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
-from demlaws.law import Law
+from demlaws.law import Law, Table
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.registry import find, home_of, registry
 from demlaws.make import law, rebound, rule_and_curve
-from demlaws.table import Table
 from demlaws.yade import kernel, memory
 from demlaws.yade import layout as at
 

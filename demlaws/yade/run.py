@@ -79,19 +79,6 @@ def environment():
     return {**os.environ, "PYTHONPATH": os.pathsep.join([*folders, *([old] if old else [])])}
 
 
-def check_windows():
-    """YADE's windows take a class from mpmath at a place where newer versions no longer have it."""
-    try:
-        import mpmath.ctx_mp_python
-    except ImportError:
-        return  # not in this venv: YADE finds the system's
-    if not hasattr(mpmath.ctx_mp_python, "mpf") and not mpmath.__file__.startswith("/usr/lib/python3"):
-        raise DemlawsError(
-            f"YADE's windows do not open with the mpmath {mpmath.__version__} of this venv, which hides the system's: "
-            "pip uninstall mpmath there (demlaws needs it for tests only), or leave out --gui"
-        )
-
-
 def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=False, options=()):
     """The command line that runs `script`.
 
@@ -118,7 +105,5 @@ def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=Fals
 
 def run(script, arguments=(), threads=1, gui=False, batch=None, stay=False, yade_options=(), **options):
     """Run a script under YADE; returns the `subprocess.CompletedProcess`, whatever its exit status."""
-    if gui:
-        check_windows()
     line = command(script, arguments, threads, gui, batch, stay=stay, options=yade_options)
     return subprocess.run(line, env=environment(), check=False, **options)

@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.law import Law, State
+from demlaws.batch import State
+from demlaws.law import Law
 
 
 class Batch(NamedTuple):

@@ -90,7 +90,7 @@ def shear_modulus(job, answer):
     """Mean pressure [Pa], C44 that the engine has, and the smallest and largest that the lattice sum gives [Pa].
 
     Shear in a plane of the cube loads half of the plane's contacts and unloads the other half; the other contacts are sheared
-    at a constant normal force. Of those "tangent" says that K_t is one of two, by a rounding of their overlap.
+    at a constant normal force.
     """
     one = bound(job["law"], contact_of(job), job["unloading"])
     overlap, stress = _columns(answer["shear"])

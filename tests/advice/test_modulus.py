@@ -116,25 +116,20 @@ def test_the_step_is_that_of_the_way_back():
 
 
 def test_each_process_has_its_own_advice():
-    """Pressed to a stress softer grains save nothing; in a pour and in shear they do. A rate that is too slow for the advised I
-    is made up by density, and steps, I and error stay."""
-    given = {"tolerance": 0.3, "rate": 0.05}
-    pressed = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", **given))
+    """Pressed to a stress softer grains save nothing; in a pour and in shear they do. A rate that the scene allows bounds I."""
+    pressed = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
     assert pressed.factor == 1.0 and pressed.part == 0.7 and 0.0 < pressed.unbalanced < 0.02
-    free = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
-    assert pressed.rate == 0.05 and pressed.density == pytest.approx((free.rate / 0.05) ** 2)
-    assert (pressed.inertial, pressed.steps, pressed.error) == (free.inertial, free.steps, free.error)
-    assert pressed.dt == pytest.approx(free.dt * math.sqrt(pressed.density))
-    assert pressed.scene.materials[0].density == pytest.approx(pressed.density * GRANITE.density)
-    assert "gravity /" in pressed.lines()[0]
+    slow = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))
+    assert slow.rate == pytest.approx(0.05) and slow.inertial < pressed.inertial and slow.error < pressed.error
+    assert slow.steps == pytest.approx(pressed.steps * pressed.inertial / slow.inertial)
+    given = {"tolerance": 0.3, "rate": 0.05}
     poured = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
-    assert poured.factor > 1.0 and poured.density == 1.0 and poured.steps < 0.5 and "height" in poured.lines()[-1]
+    assert poured.factor > 1.0 and poured.steps < 0.5 and "height" in poured.lines()[-1]
     sheared = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
     assert sheared.factor > 1.0 and sheared.what == "peak strength" and sheared.error <= 0.3
     unknown = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear"))  # stiffness: not measured there
     assert (unknown.factor, unknown.inertial, unknown.measured) == (1.0, modulus.QUASISTATIC, False)
     assert "literature" in unknown.lines()[-1]
-    assert modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=1e-200)) is None
 
 
 def test_a_step_that_shakes_the_grains_is_not_advised():

@@ -22,10 +22,10 @@ import numba
 import numpy as np
 
 import demlaws as dl
+from demlaws.batch import in_threads
 from demlaws.core.loops import evaluate_loop
 from demlaws.core.params import leaves, map_leaves
 from demlaws.core.unloading import RULES
-from demlaws.law import in_threads
 from demlaws.laws.registry import registry
 from demlaws.make import example
 

@@ -13,8 +13,8 @@ from demlaws import cli
 from demlaws.cli import main, option
 from demlaws.core import notice
 from demlaws.errors import DemlawsError
+from demlaws.law import Table
 from demlaws.laws.registry import registry
-from demlaws.table import Table
 
 
 @pytest.fixture(autouse=True)

@@ -91,82 +91,49 @@ def points_figure():
 # --- the granite tests
 
 
-def granite_force():
+def force():
     runs = [run_of("hertz", "SS(18-18)"), run_of("pohrt-popov", "SS(18-18)")]
-    (ax,) = figures.granite_force(runs[0].test, runs).axes
+    (ax,) = figures.force(runs[0].test, runs).axes
     assert labels(ax) == ["hertz", "pohrt-popov"] and ax.get_title() == "SS(18-18)"
     assert ax.get_lines()[0].get_color() == plots.colour("hertz")
 
 
-def granite_stiffness():
-    runs = [run_of("hertz", "SS(18-18)"), run_of("pohrt-popov", "SS(18-18)")]
-    fig = figures.granite_stiffness([(runs[0].test, runs)])
-    assert fig.axes[0].get_title() == "SS(18-18)"
-    assert len(lines(fig.axes[0])) == 2 and labels(fig.axes[0]) == ["hertz", "pohrt-popov"]
+def cycling():
+    run = run_of("rough-plastic", "RFC10")
+    left, right = figures.cycling(run).axes
+    assert len(lines(left)) == len(run.paths) and "Hertz" in labels(right)
 
 
 def test_measured_points_are_laid_over_stiffness_cycles_and_residuals():
-    """A user's points stand in stiffness, cycles and plastic overlap, too, not in the forces alone."""
-    run = run_of("rough-plastic", "RFC10")
-    path = run.paths[0]
+    run, smooth = run_of("rough-plastic", "RFC10"), run_of("hertz", "SS(18-18)")
+    path, up = run.paths[0], np.geomspace(0.05, 100.0, 200)
     keep = np.unique(np.linspace(1, path.force.size - 1, 1200).astype(int))
     points = granite.Points(path.overlap[keep] + 2e-6, path.force[keep], "mine.csv")
-    left, right = figures.granite_cycles(run, granite.stages_of(run), points).axes
+    paper = figures.Paper({"RFC10": points, "SS(18-18)": granite.Points(smooth.law.overlap(up), up, "mine.csv")}, [run, smooth])
+    left, right = figures.FIGURES[12](paper)[0].axes
     assert "measured: mine.csv" in labels(left)
-    measured = [text for text in labels(right) if text.startswith("measured, to")]
-    assert len(measured) == 6
-    (ax,) = figures.granite_plastic([("RFC10", granite.stages_of(run))], {"RFC10": points}).axes
-    laws, mine = lines(ax)
+    assert len([text for text in labels(right) if text.startswith("measured, to")]) == 6
+    (ax,) = figures.FIGURES[13](paper)[0].axes
+    laws, mine = lines(ax)[:2]
+    np.testing.assert_allclose(laws[:, 1], [s.plastic_overlap * 1e6 for s in granite.stages_of(run)])
     np.testing.assert_allclose(mine[:, 0], laws[:, 0], rtol=0.02)
     np.testing.assert_allclose(mine[:, 1], laws[:, 1], rtol=0.05, atol=0.2)
-    smooth = run_of("hertz", "SS(18-18)")
-    up = np.geomspace(0.05, 100.0, 200)
-    points = granite.Points(smooth.law.overlap(up), up, "mine.csv")
-    fig = figures.granite_stiffness([(smooth.test, [smooth])], {smooth.test.name: points})
-    law, mine = lines(fig.axes[0])
+    law, *_, mine = lines(figures.FIGURES[8](paper)[0].axes[0])
     np.testing.assert_allclose(np.interp(mine[5:-1, 0], law[:, 0], law[:, 1]), mine[5:-1, 1], rtol=0.02)
 
 
-def granite_crossover():
-    test = granite.find_test("SS(18-18)")
-    laws = [granite.bind(name, test, "elastic") for name in ("hertz", "pohrt-popov")]
-    (ax,) = figures.granite_crossover(test, laws, 57.5).axes
+def test_the_lines_of_hertz_and_of_pohrt_popov_cross_at_the_threshold():
+    (ax,) = figures.FIGURES[5](figures.Paper())[0].axes
     assert "57.5 N" in ax.texts[0].get_text()
     hertz, rough = lines(ax)[:2]
     crossed = rough[:, 1] >= hertz[:, 1] * (1 - 1e-9)
     assert 50.0 < rough[np.argmax(crossed), 0] < 65.0
 
 
-def granite_roughness():
-    tests = [granite.find_test(name) for name in ("VS(18-18)", "SS(18-18)", "RS(18-18)")]
-    left, _ = figures.granite_roughness(tests, lambda name, test: granite.bind(name, test, "elastic")).axes
-    assert len(lines(left)) == 4 and labels(left)[-1].startswith("Hertz")
-
-
-def granite_unloading():
-    run = run_of("pohrt-popov", "SS(18-18)")
-    (ax,) = figures.granite_unloading(run.test, [granite.bind("hertz", run.test, "elastic")], run.paths[0]).axes
-    assert labels(ax) == ["hertz, elastic", "Hertz unloading rule, any law"]
-    assert all(np.max(xy[:, 0]) < 1e-6 for xy in lines(ax))  # displacements from the maximum
-
-
-def granite_cycles():
-    run = run_of("rough-plastic", "RFC10")
-    left, right = figures.granite_cycles(run, granite.stages_of(run)).axes
-    assert len(lines(left)) == len(run.paths) and "Hertz" in labels(right)
-
-
-def granite_plastic():
-    stages = granite.stages_of(run_of("rough-plastic", "RFC10"))
-    (ax,) = figures.granite_plastic([("RFC10", stages)]).axes
-    np.testing.assert_allclose(lines(ax)[0][:, 1], [s.plastic_overlap * 1e6 for s in stages])
-
-
-def granite_radius():
-    alpha = np.geomspace(0.03, 30.0, 9)
-    curves = granite.effective_radius(alpha)
-    (ax,) = figures.granite_radius(alpha, curves).axes
-    assert labels(ax) == list(curves) and len(lines(ax)) == 3
+def test_unloading_is_drawn_from_the_maximum():
+    (ax,) = figures.FIGURES[7](figures.Paper())[0].axes
+    assert labels(ax)[0] == "hertz, elastic" and labels(ax)[-1] == "Hertz unloading rule, any law"
+    assert all(np.max(xy[:, 0]) < 1e-6 for xy in lines(ax))
 
 
 # --- advice and measurements
@@ -328,8 +295,8 @@ def boundary_element_figure():
 DRAWN = {
     function.__name__: function
     for function in (
-        *(path_figure, table_figure, points_figure, granite_force, granite_stiffness, granite_crossover, granite_roughness),
-        *(granite_unloading, granite_cycles, granite_plastic, granite_radius, fit_figure, choices_figure),
+        *(path_figure, table_figure, points_figure, force),
+        *(cycling, fit_figure, choices_figure),
         *(stability_figure, trade_figure, scene_figure, deviations, regime_figure, surface_figure),
         *(contact_figure, repeated_figure, nine_point_figure, change_figure, law_figure, boundary_element_figure),
     )

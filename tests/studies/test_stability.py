@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import demlaws as dl
+from demlaws.core.unloading import RULES
 from demlaws.law import Law
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.timestep import SOFTENING_SAFETY, STEP_SAFETY, stiffest
+from demlaws.unloading import Unloading
 from studies.extremes.stability import (
     GRANITE,
     Case,
@@ -51,7 +53,7 @@ def test_rounding_of_every_decade():
 def test_a_pair_that_gives_energy_back_is_found():
     """The measurement itself: Bahrami with Hertz unloading, which dl.law refuses, must show."""
     made = dl.law("bahrami", GRANITE)
-    wrong = Law(made.definition, GRANITE, "hertz", {}, made.shape)
+    wrong = Law(GRANITE, made.curve, Unloading(RULES["hertz"]))
     ends = np.array([1e-9]), np.array([1e-3])
     returned, worst, _ = path_loop(
         wrong.rule, wrong.params, wrong.new_state(1).arrays, 1, *ends, 2000, 12, np.random.default_rng(0)

@@ -10,8 +10,8 @@ import pytest
 from inputs_for_liggghts import modulus, sphere_mass, two_spheres
 
 import demlaws as dl
-from demlaws import table_file
 from demlaws.core.shear import CHOICES
+from demlaws.curves import text as table_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
 from demlaws.liggghts.build import PLUGIN

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from examples import rules_of, shared, telling
-from yade_scenes import GRANITE, Recorder, cloud, functor, material, set_engines
+from yade_scenes import FLATS, GRANITE, MODULUS, Recorder, cloud, functor, material, set_engines, two_spheres
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
@@ -19,17 +19,6 @@ SLOW = [("asperity", GIVEN)]  # to make, not to run
 COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if (name, rule) not in REFUSED + SLOW]
 
 
-def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01):
-    import yade
-    from yade.utils import sphere
-
-    stone = material()
-    yade.O.bodies.append(sphere((0, 0, 0), radius, fixed=True, material=stone))
-    yade.O.bodies.append(sphere((0, 0, 2 * radius + gap), radius, material=stone))
-    yade.O.bodies[1].state.vel = (0.02, 0, speed)
-    set_engines(law)
-
-
 ALIKE = ("hertz", "rms", "goddard", "bahrami", "yip-venart", "greenwood-tripp")
 ALIKE += ("thornton-ning", "conical-damage", "kogut-etsion", "luding")
 """Laws whose native code has no part that another law's has not: with `make test-all`."""
@@ -38,14 +27,13 @@ ALIKE += ("thornton-ning", "conical-damage", "kogut-etsion", "luding")
 @pytest.mark.parametrize(("name", "rule"), shared(COMBINATIONS, lambda pair: telling(pair) and pair[0] not in ALIKE))
 def test_two_spheres_every_law(omega, name, rule):
     options = find(name).example
-    modulus = 60.6e9 / (1 - 0.25**2) / 2
     given = name, rule
     if rule == GIVEN:  # a law that has its curve with it, on surfaces a quarter as rough
         pair = GRANITE.combined(GRANITE)
-        contact = dl.Contact(0.005, modulus, pair.roughness, pair.fractal_dimension, pair.hardness)
+        contact = dl.Contact(0.005, MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness)
         given, options = (example(name, contact, rule), None), {}
-    law = functor(*given, bridge="native", radii=(0.005, 0.005), moduli=(modulus, modulus), **options)
-    two_spheres(law)
+    law = functor(*given, bridge="native", radii=(0.005, 0.005), moduli=(MODULUS, MODULUS), **options)
+    two_spheres(law, sideways=0.02)
     recorder = Recorder()
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
@@ -90,20 +78,13 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
                 assert words == values[place // 8 : place // 8 + len(words)], f"{field}: {kind}"
 
 
-@pytest.mark.parametrize("geometry", ["facet", "wall", "box"])
-def test_flats(omega, geometry):
+@pytest.mark.parametrize("flat", FLATS)
+def test_flats(omega, flat):
     import yade
-    from yade import utils
 
-    law = functor(bridge="native")
-    stone = material()
-    flats = {
-        "facet": lambda: utils.facet([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], fixed=True, material=stone),
-        "wall": lambda: utils.wall(0, 2, sense=1, material=stone),
-        "box": lambda: utils.box((0, 0, -0.1), (1, 1, 0.1), fixed=True, material=stone),
-    }
-    omega.bodies.append(flats[geometry]())
-    omega.bodies.append(utils.sphere((0, 0, 0.010001), 0.01, material=stone))
+    law, stone = functor(bridge="native"), material()
+    omega.bodies.append(FLATS[flat](yade.utils, stone))
+    omega.bodies.append(yade.utils.sphere((0, 0, 0.010001), 0.01, material=stone))
     omega.bodies[1].state.vel = yade.Vector3(0.1, 0, -0.3)
     set_engines(law)
     recorder = Recorder()
@@ -386,10 +367,9 @@ def test_solved_law_needs_the_contacts(omega):
     recorder.step(300)
     wrong, _, _ = recorder.worst("yip-venart", "hertz")
     assert wrong <= 2e-4  # between solved curves
-    modulus = 60.6e9 / (1 - 0.25**2) / 2
     for kind in ("radii", "moduli"):
         omega.reset()
-        spans = {"radii": (0.005, 0.005), "moduli": (modulus, modulus), kind: (1.0, 2.0) if kind == "radii" else (1e9, 2e9)}
+        spans = {"radii": (0.005, 0.005), "moduli": (MODULUS, MODULUS), kind: (1.0, 2.0) if kind == "radii" else (1e9, 2e9)}
         two_spheres(functor("yip-venart", "hertz", bridge="native", **spans))
         with pytest.raises(RuntimeError, match="no finite force"):
             omega.run(50, True)

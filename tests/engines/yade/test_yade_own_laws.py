@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, Recorder, functor, material, set_engines
+from yade_scenes import GRANITE, MODULUS, Recorder, functor, material, set_engines, two_spheres
 
 import demlaws as dl
 
 PAGE = (Path(__file__).parents[3] / "docs" / "own-laws.md").read_text()
-MODULUS = 60.6e9 / (1 - 0.25**2) / 2
 SMOOTH = {"granite": dl.Surface()}
 
 
@@ -26,15 +25,8 @@ def page(tmp_path):
     return tmp_path
 
 
-def two_spheres(law):
-    import yade
-    from yade.utils import sphere
-
-    stone = material()
-    yade.O.bodies.append(sphere((0, 0, 0), 8e-3, fixed=True, material=stone))
-    yade.O.bodies.append(sphere((0, 0, 16.001e-3), 8e-3, material=stone))
-    yade.O.bodies[1].state.vel = (0.02, 0, -0.3)
-    set_engines(law)
+def recorded(law):
+    two_spheres(law, radius=8e-3, sideways=0.02)
     recorder = Recorder()
     recorder.step(700)
     return recorder
@@ -42,7 +34,7 @@ def two_spheres(law):
 
 def test_a_law_of_ones_own_is_exact(omega, page, registered_here):
     dl.load_laws(page / "my_law.py")
-    recorder = two_spheres(functor("power", "hertz", SMOOTH, bridge="native", factor=0.9))
+    recorder = recorded(functor("power", "hertz", SMOOTH, bridge="native", factor=0.9))
     wrong, tangent, steps = recorder.worst("power", "hertz", dl.Surface(), factor=0.9)
     assert steps > 300 and wrong <= 1e-14 and tangent <= 1e-13
 
@@ -72,13 +64,13 @@ def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
 
 @pytest.mark.slow
 def test_a_law_changed_under_its_name_is_another(omega, tmp_path, registered_here):
-    """Before: the same functor made again went on by the old functions, a loaded scene by the new ones, without a word."""
+    """Neither the same functor made again nor a loaded scene continues with other functions of this name."""
 
     def register(constant):
         dl.register(dl.define("spring", lambda p, x: constant * x**1.5, lambda p, x: 1.5 * constant * x**0.5))
         return functor("spring", "hertz", SMOOTH, bridge="native")
 
-    two_spheres(register(1e9))
+    recorded(register(1e9))
     omega.save(str(tmp_path / "scene.xml"))
     assert omega.interactions.countReal() == 1
     set_engines(register(1e9))  # the same again
@@ -99,7 +91,7 @@ def test_a_table_of_a_function_is_the_function_within_its_certificate(omega):
         return 3e9 * overlap**1.7
 
     table = dl.Table.from_function(force, dl.Contact(radius=4e-3, modulus=MODULUS), unloading="hertz")
-    recorder = two_spheres(functor(table, None, SMOOTH, bridge="native"))
+    recorder = recorded(functor(table, None, SMOOTH, bridge="native"))
     (rows,) = recorder.lives.values()
     overlap, found = np.array(rows).T[:2]
     path = table.follow(overlap[overlap >= 0])
@@ -114,7 +106,7 @@ def test_a_table_of_a_function_is_the_function_within_its_certificate(omega):
 def test_a_table_of_one_contact_is_refused_for_another(omega):
     table = dl.Table.from_function(lambda overlap: 3e9 * overlap**1.7, dl.Contact(radius=5e-3, modulus=MODULUS))
     with pytest.raises((dl.DemlawsError, RuntimeError), match=r"(radius|R)"):
-        two_spheres(functor(table, None, SMOOTH, bridge="native"))
+        recorded(functor(table, None, SMOOTH, bridge="native"))
 
 
 @pytest.mark.slow

@@ -2,105 +2,62 @@
 
 import copy
 import pickle
-import re
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, functor, material, set_engines
+from yade_scenes import (
+    FLATS,
+    GRANITE,
+    MODULUS,
+    OVERLAP,
+    assert_guarded,
+    expected,
+    force,
+    functor,
+    material,
+    set_engines,
+    still,
+    under_yade,
+)
 
 import demlaws as dl
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-ROOT = Path(__file__).parents[3]
-OVERLAP = 1e-5
-
-
-def still(law, overlap=OVERLAP, label="granite", young=60.6e9, poisson=0.25):
-    """Two fixed spheres that overlap, and engines."""
-    import yade
-    from yade.utils import sphere
-
-    stone = material(label, young, poisson)
-    yade.O.bodies.append(sphere((0, 0, 0), 0.01, fixed=True, material=stone))
-    yade.O.bodies.append(sphere((0, 0, 0.02 - overlap), 0.01, fixed=True, material=stone))
-    set_engines(law, 1e-9)
-
-
-def force():
-    import yade
-
-    return yade.O.interactions[0, 1].phys.normalForce.norm()
-
-
-def expected(overlap=OVERLAP, roughness=GRANITE.roughness, modulus=60.6e9 / (1 - 0.25**2) / 2):
-    pair = dl.Contact(0.005, modulus, roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
-    return float(dl.law("pohrt-popov", pair, "hertz").force(overlap))
-
-
-def under_yade(text, tmp_path, *options):
-    from demlaws.yade.run import command, environment
-
-    script = tmp_path / "script.py"
-    script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\n{text}")
-    line = command(script, stay="-x" not in options, options=[one for one in options if one != "-x"])
-    return subprocess.run(line, env=environment(), capture_output=True, text=True, timeout=3000, cwd=tmp_path, input="")
 
 
 # --- the engine list
 
 
-def test_engines_are_what_the_user_wrote(omega):
-    """Reading, slicing, indexing and assigning O.engines know nothing of the guard, which is there all the same."""
+@pytest.mark.parametrize(("way", "hidden"), [("native", 1), ("public", 4)])
+def test_engines_are_what_the_user_wrote(omega, way, hidden):
+    """Reading, slicing, indexing and assigning O.engines do not show hidden engines, which are there all the same."""
     import yade
 
     from demlaws.yade import engines
 
-    law = functor(bridge="native")
+    law = functor(bridge=way)
     wrote = engines(law)
     omega.engines = wrote
-    assert [type(e) for e in omega.engines] == [type(e) for e in wrote]
-    assert omega.engines[2] is wrote[2]
-    assert len(omega._currEngines) == len(wrote) + 1
+    assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and omega.engines[2] is wrote[2]
+    assert len(omega._currEngines) == len(wrote) + hidden
     # YADE's triax tutorial, FEMxDEM's prepareRVE, apply-buoyancy-clumps
     recorder = yade.PyRunner(command="pass", iterPeriod=20)
     omega.engines = omega.engines[0:3] + [recorder] + omega.engines[3:4]  # noqa: RUF005
     assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "PyRunner", "NewtonIntegrator"]
     omega.engines = omega.engines[:3] + omega.engines[4:]
-    assert [type(e) for e in omega.engines] == [type(e) for e in wrote]
+    omega.engines = list(omega.engines)
+    assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and len(omega._currEngines) == len(wrote) + hidden
     for engine in omega.engines:
         engine.dead = isinstance(engine, yade.PyRunner)
     stone = material()
     omega.bodies.append([yade.utils.sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
     omega.dt = 1e-9
     omega.run(3, True)
-    assert law.binding.guards >= 2 and force() == pytest.approx(expected(), rel=1e-13)
-    omega.bodies[1].state.pos = (0, 0, float("nan"))
-    with pytest.raises(RuntimeError, match="contact 0\\+1"):
-        omega.run(20, True)
-
-
-def test_engines_of_the_public_way(omega):
-    """Its engines behind the InteractionLoop are hidden, too."""
-    import yade
-
-    from demlaws.yade import engines
-
-    law = functor(bridge="public", label="slow")
-    wrote = engines(law)
-    omega.engines = wrote
-    assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and omega.engines[2] is wrote[2]
-    assert len(omega._currEngines) == len(wrote) + 4
-    recorder = yade.PyRunner(command="pass", iterPeriod=20)
-    omega.engines = omega.engines[0:3] + [recorder] + omega.engines[3:4]  # noqa: RUF005
-    assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "PyRunner", "NewtonIntegrator"]
-    stone = material()
-    omega.bodies.append([yade.utils.sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
-    omega.dt = 1e-9
-    omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert force() == expected()
+    if way == "native":  # by the public way YADE's own assertion ends the process at a NaN
+        assert_guarded()
 
 
 def test_the_account_outlives_an_empty_list(omega):
@@ -135,13 +92,11 @@ def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
     omega.engines = [*omega.engines[:3], once, *omega.engines[3:]]
     omega.run(5, True)
     assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "NewtonIntegrator"]
-    assert len(omega._currEngines) == 5 and force() == pytest.approx(expected(), rel=1e-13)
+    assert len(omega._currEngines) == 5 and force() == expected()
     omega.load(str(tmp_path / "x.yade"))
     omega.run(5, True)
-    assert len(omega._currEngines) == 5 and force() == pytest.approx(expected(), rel=1e-13)
-    omega.bodies[1].state.pos = (0, 0, float("nan"))
-    with pytest.raises(RuntimeError, match=r"contact 0\+1"):
-        omega.run(20, True)
+    assert len(omega._currEngines) == 5 and force() == expected()
+    assert_guarded()
 
 
 def test_the_guard_rests(omega):
@@ -169,14 +124,12 @@ def test_parallel_engine(omega, tmp_path):
     assert len(omega._currEngines) == 5 and len(omega.engines) == 4
     omega.dt = 1e-9
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert force() == expected()
     omega.save(str(tmp_path / "x.yade"))
     omega.load(str(tmp_path / "x.yade"))
     omega.run(3, True)
-    assert law.binding.guards >= 2 and force() == pytest.approx(expected(), rel=1e-13)
-    omega.bodies[1].state.pos = (0, 0, float("nan"))
-    with pytest.raises(RuntimeError, match="contact 0\\+1"):
-        omega.run(20, True)
+    assert law.binding.guards >= 2 and force() == expected()
+    assert_guarded()
 
 
 def test_a_saved_scene_never_acts_natively(omega, tmp_path):
@@ -185,7 +138,6 @@ def test_a_saved_scene_never_acts_natively(omega, tmp_path):
     omega.run(3, True)
     file = tmp_path / "x.yade"
     omega.save(str(file))
-    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(expected(), rel=1e-13)
     text = f"""
 import yade
 yade.O.load({str(file)!r})
@@ -194,7 +146,7 @@ for engine in yade.O.engines:
 yade.O.run(5, True)
 print("WENT ON", yade.O.interactions[0, 1].phys.normalForce.norm())
 """
-    done = under_yade(text, tmp_path, "-x")
+    done = under_yade(text, tmp_path)
     assert done.returncode != 0 and "WENT ON" not in done.stdout
     assert "None of given Law2 functors can handle" in done.stdout + done.stderr
 
@@ -229,19 +181,17 @@ def test_scenes_keep_apart(omega, tmp_path):
         second = functor(surfaces={"granite": rough}, bridge="native")
         still(second)
         omega.run(3, True)
-        assert force() == pytest.approx(expected(roughness=1e-5), rel=1e-13)
+        assert force() == expected(1e-5)
         omega.switchScene()
         omega.run(3, True)
         omega.save(str(tmp_path / "a.yade"))
         omega.load(str(tmp_path / "a.yade"))
         omega.run(3, True)
-        assert force() == pytest.approx(expected(), rel=1e-13)
+        assert force() == expected()
         omega.switchScene()
         omega.run(3, True)
-        assert force() == pytest.approx(expected(roughness=1e-5), rel=1e-13)
-        omega.bodies[1].state.pos = (0, 0, float("nan"))
-        with pytest.raises(RuntimeError, match="contact 0\\+1"):
-            omega.run(20, True)
+        assert force() == expected(1e-5)
+        assert_guarded()
     finally:
         omega.reset()
 
@@ -255,14 +205,14 @@ def test_a_law_in_two_scenes_stops_the_first(omega):
     omega.switchToScene(second)
     still(law)
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert force() == expected()
     omega.switchToScene(first)
     with pytest.raises(RuntimeError, match="acts in another scene"):
         omega.run(1, True)
     omega.reset()
     still(law)
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13) and law.totals().dissipated > 0
+    assert force() == expected() and law.totals().dissipated > 0
 
 
 # --- labels
@@ -271,28 +221,24 @@ def test_a_law_in_two_scenes_stops_the_first(omega):
 @pytest.mark.parametrize(
     ("law", "surfaces", "why"),
     [
-        (
-            "pohrt-popov",
-            {"granit": GRANITE},
-            "no body's material has the label 'granit'.*labels? of the bodies' materials: 'granite'",
-        ),
+        ("pohrt-popov", {"granit": GRANITE}, "label 'granit'.*'granite'"),
         ("pohrt-popov", None, "no surface was given.*'granite'"),
         ("table", None, "no surface was given.*'granite'"),
     ],
 )
 @pytest.mark.parametrize("way", ["native", "public"])
-def test_what_would_be_smooth_unsaid_is_an_error(omega, tmp_path, law, surfaces, why, way):
+def test_smooth_contacts_of_a_rough_law_are_an_error(omega, tmp_path, law, surfaces, why, way):
     if law == "table":
         contact = dl.Contact(0.005, 32e9, 2.4e-6, 2.22)
         law = str(dl.law("pohrt-popov", contact, "hertz").tabulate(1e-4).save(tmp_path / "rough.tbl"))
     still(functor(law, None if "." in law else "hertz", surfaces, bridge=way, label="unsaid"))
-    with pytest.raises(RuntimeError, match=re.compile(why, re.DOTALL | re.IGNORECASE)):
+    with pytest.raises(RuntimeError, match=why):
         omega.run(5, True)
 
 
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_a_surface_for_bodies_that_come_later(omega, way):
-    """A label that a material of the scene bears is no slip of the pen, though no body has it yet."""
+    """A label of a material in the scene is not a typing error, though no body has it yet."""
     from yade.utils import sphere
 
     floor, later = material("floor"), material("later")
@@ -306,35 +252,26 @@ def test_a_surface_for_bodies_that_come_later(omega, way):
     assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
 
 
-def test_smooth_said(omega):
+def test_smooth_is_allowed_by_the_user(omega):
     still(functor(surfaces=None, smooth=True, bridge="native"))
     omega.run(3, True)
-    smooth = float(dl.law("hertz", dl.Contact(0.005, 60.6e9 / (1 - 0.25**2) / 2)).force(OVERLAP))
-    assert force() == pytest.approx(smooth, rel=1e-13)
+    assert force() == pytest.approx(dl.law("hertz", dl.Contact(0.005, MODULUS)).force(OVERLAP), rel=1e-13)
 
 
 def test_one_surface_for_all_materials(omega):
     """YADE's examples have materials without labels."""
     still(functor(surfaces=GRANITE, bridge="native"), label="")
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert force() == expected()
     omega.saveTmp()
     omega.loadTmp()
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
-
-
-def test_repr_says_what_acts(omega):
-    law = functor(bridge="native")
-    still(law)
-    omega.run(3, True)
-    for part in ("pohrt-popov, hertz unloading", "granite: Sq 2.4e-06 m", "native bridge", "1 contacts of 1"):
-        assert part in repr(law)
+    assert force() == expected()
 
 
 def test_label_is_read_only(omega):
     law = functor(bridge="native")
-    with pytest.raises(dl.DemlawsError, match="label='other'"):
+    with pytest.raises(dl.DemlawsError):
         law.label = "other"
     assert law.label == "demlaws"
 
@@ -342,7 +279,7 @@ def test_label_is_read_only(omega):
 @pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, lambda law: pickle.loads(pickle.dumps(law))])
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_a_copy_is_the_same_law(omega, way, copied):
-    """Before: smooth Hertz, 34.1 N for 6.67."""
+    """A copy by YADE's own functions would be smooth Hertz: 34.1 N for 6.67."""
     law = functor(bridge=way, label="first", neverErase=True)
     still(law)
     omega.run(3, True)
@@ -352,13 +289,8 @@ def test_a_copy_is_the_same_law(omega, way, copied):
     omega.reset()
     still(other)
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
+    assert force() == expected()
     assert other.totals().dissipated == pytest.approx(other.contacts().dissipated[0], rel=1e-12)  # of this scene alone
-
-
-def test_surfaces_in_a_list(omega):
-    with pytest.raises(dl.DemlawsError, match=r"dict from labels .*surfaces=\{\"granite\""):
-        functor(surfaces=[GRANITE])
 
 
 # --- false alarms and markers
@@ -372,33 +304,7 @@ def test_scaled_stiffness_is_no_alarm(omega):
     omega.interactions[0, 1].phys.kn *= 1.5
     law.binding.verify()
     omega.run(3, True)
-    assert force() == pytest.approx(expected(), rel=1e-13)
-
-
-def test_a_law_beside_one_of_yades(omega):
-    """YADE's example of the Conical Damage Model: its physics derives from MindlinPhys."""
-    import yade
-    from yade.utils import sphere
-
-    law = functor(bridge="native")
-    stone = yade.FrictMatCDM(
-        young=60.6e9, poisson=0.25, density=2650, frictionAngle=0.5, sigmaMax=5e9, alpha=1.4, c1=0.0, c2=0.0
-    )
-    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
-    omega.engines = [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=1e-3),
-        yade.InteractionLoop(
-            [yade.Ig2_Sphere_Sphere_ScGeom()],
-            [yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM(), yade.Ip2_FrictMat_FrictMat_MindlinPhys()],
-            [yade.Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM(), law],
-        ),
-        yade.NewtonIntegrator(),
-    ]
-    omega.dt = 1e-9
-    omega.run(205, True)  # the guard has looked at everything
-    law.binding.verify()
-    assert law.totals() == (0.0, 0.0) and len(law.contacts().force) == 0
+    assert force() == expected()
 
 
 @pytest.mark.parametrize("way", ["native", "public"])
@@ -420,30 +326,20 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
     mindlin, linear = yade.Law2_ScGeom_MindlinPhys_Mindlin(), yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear()
     cundall = yade.Law2_ScGeom_FrictPhys_CundallStrack()
     for functors in ((law, mindlin), (mindlin, law), (law, second), (law, linear), (linear, law)):
-        with pytest.raises(dl.DemlawsError, match="for the same contacts"):
+        with pytest.raises(dl.DemlawsError):
             omega.engines = listed(loop(*functors))
     for functors in ((law, law), (law, second), (law, cundall)):
-        with pytest.raises(dl.DemlawsError, match="more than once"):
+        with pytest.raises(dl.DemlawsError):
             omega.engines = listed(*(loop(one) for one in functors))
     assert law.binding.scene is None
-    with pytest.raises(dl.DemlawsError, match="InteractionLoop has Ip2_FrictMat_FrictMat_FrictPhys"):
+    with pytest.raises(dl.DemlawsError):
         set_engines(law, physics=yade.Ip2_FrictMat_FrictMat_FrictPhys())
     dead = loop(cundall)
     dead.dead = True
     still(law)
     omega.engines = listed(loop(law, law), dead)
     omega.run(3, True)
-    assert omega.forces.f(1)[2] == pytest.approx(expected(), rel=1e-13)
-
-
-def test_a_foreign_contact_is_told_without_advice_that_destroys_unsaid(omega):
-    import yade
-
-    still(yade.Law2_ScGeom_MindlinPhys_Mindlin())
-    omega.run(5, True)
-    law = functor(bridge="native")
-    with pytest.raises(dl.DemlawsError, match=r"erases their history|erases all contacts with their history"):
-        law.binding.verify()
+    assert omega.forces.f(1)[2] == expected()
 
 
 @pytest.mark.parametrize(
@@ -456,17 +352,17 @@ def test_a_foreign_contact_is_told_without_advice_that_destroys_unsaid(omega):
         ("public", {"young": -1e9}),
     ],
 )
-def test_a_modulus_that_is_none_stops(omega, way, wrong):
-    """As YADE's own law a slip of the pen made contacts that attract: -71 N with poisson=1.2, and no word."""
+def test_an_invalid_modulus_stops(omega, way, wrong):
+    """By YADE's own law these contacts attract: -71 N with poisson=1.2, without a message."""
     still(functor(bridge=way), **wrong)
     with pytest.raises(RuntimeError, match=r"contact 0\+1: its materials make E\* = \S+ Pa, .*'granite' young="):
         omega.run(3, True)
-    functor(bridge=way, label="later")  # before: a division by zero where such bodies are there
+    functor(bridge=way, label="later")  # can be made while such bodies are in the scene
 
 
 @pytest.mark.parametrize("name", [pytest.param("hertz", marks=pytest.mark.slow), "pohrt-popov"])
 @pytest.mark.parametrize("way", ["native", "public"])
-def test_a_marker_bears_nothing(omega, name, way):
+def test_a_marker_has_no_force(omega, name, way):
     """young=0, as YADE's examples mark water levels: no force, as native Mindlin."""
     import yade
     from yade.utils import facet, sphere
@@ -507,7 +403,7 @@ def test_right_at_once_after_loading(omega, tmp_path):
     omega.run(3, True)
     assert again.totals() == pytest.approx(totals, rel=1e-12) and law.totals() == again.totals()
     assert again.contacts().maximum_overlap[0] == pytest.approx(OVERLAP, rel=1e-9)
-    with pytest.raises(dl.DemlawsError, match="erases all contacts with their history"):
+    with pytest.raises(dl.DemlawsError):
         set_engines(functor(surfaces={"granite": dl.Surface(1e-6, 2.22)}, bridge="native"), 1e-9)
 
 
@@ -527,7 +423,7 @@ set_engines(law, 1e-9)
 yade.O.run(3, True)
 print("found", law.contacts().maximum_overlap[0].hex(), *[x.hex() for x in law.totals()], law.contacts().force[0].hex())
 """
-    done = under_yade(text, tmp_path, "-x")
+    done = under_yade(text, tmp_path)
     lines = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if line.startswith(("label", "found"))}
     assert lines["label"] == ["Law2_ScGeom_MindlinPhys_Demlaws"], done.stdout + done.stderr
     law = omega.engines[2].lawDispatcher.functors[0]
@@ -539,50 +435,44 @@ print("found", law.contacts().maximum_overlap[0].hex(), *[x.hex() for x in law.t
 # --- sizes, flats
 
 
-def test_surfaces_are_judged_against_the_bodies_that_meet(omega):
+def test_roughness_is_compared_with_the_radius_of_each_contact(omega):
     """Rocks of a metre with 6 mm of roughness, in a law made before the bodies; then spheres that are too small for it."""
-    import yade
     from yade.utils import sphere
 
-    surface = dl.Surface(6e-3, 2.2)
-    law = functor(surfaces={"rock": surface}, bridge="native")
-    rock = material("rock")
-    omega.bodies.append([sphere((0, 0, z), 1.0, fixed=True, material=rock) for z in (0, 1.99)])
-    set_engines(law, 1e-9)
-    omega.run(3, True)
-    assert 0 < force() < yade.O.interactions[0, 1].phys.kno * 0.01**1.5 * 1.001
-    omega.reset()
-    law = functor(surfaces={"rock": surface}, bridge="native")
-    rock = material("rock")
-    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=rock) for z in (0, 0.0199)])
-    set_engines(law, 1e-9)
-    with pytest.raises(RuntimeError, match=r"0\.00848528 m exceeds its effective radius 0\.005 m"):
-        omega.run(3, True)
+    for radius in (1.0, 0.01):
+        omega.reset()
+        law = functor(surfaces={"rock": dl.Surface(6e-3, 2.2)}, bridge="native")
+        rock = material("rock")
+        omega.bodies.append([sphere((0, 0, z), radius, fixed=True, material=rock) for z in (0, 1.99 * radius)])
+        set_engines(law, 1e-9)
+        if radius == 1.0:
+            omega.run(3, True)
+            assert 0 < force() < omega.interactions[0, 1].phys.kno * 0.01**1.5 * 1.001
+        else:
+            with pytest.raises(RuntimeError, match=r"0\.00848528 m exceeds its effective radius 0\.005 m"):
+                omega.run(3, True)
 
 
-FLATS = {
-    "facet": lambda utils, stone: utils.facet([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], fixed=True, material=stone),
-    "wall": lambda utils, stone: utils.wall(0, 2, sense=1, material=stone),
-    "box": lambda utils, stone: utils.box((0, 0, -0.1), (1, 1, 0.1), fixed=True, material=stone),
-}
 OF_YADE = {"facet": 2 / 3, "wall": 0.5, "box": 0.5}
+
+
+def on_flat(flat):
+    import yade
+
+    stone = material()
+    yade.O.bodies.append(FLATS[flat](yade.utils, stone))
+    yade.O.bodies.append(yade.utils.sphere((0, 0, 0.01 - OVERLAP), 0.01, fixed=True, material=stone))
 
 
 @pytest.mark.parametrize("flat", FLATS)
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat, way):
-    from yade import utils
-
     for flats, share in (("plane", 1.0), ("yade", OF_YADE[flat])):
         omega.reset()
-        law = functor(bridge=way, flats=flats)
-        stone = material()
-        omega.bodies.append(FLATS[flat](utils, stone))
-        omega.bodies.append(utils.sphere((0, 0, 0.01 - OVERLAP), 0.01, fixed=True, material=stone))
-        set_engines(law, 1e-9)
+        on_flat(flat)
+        set_engines(functor(bridge=way, flats=flats), 1e-9)
         omega.run(3, True)
-        pair = dl.Contact(0.01 * share, 60.6e9 / (1 - 0.25**2) / 2, GRANITE.roughness * 2**0.5, 2.22, GRANITE.hardness)
-        assert force() == pytest.approx(float(dl.law("pohrt-popov", pair).force(OVERLAP)), rel=1e-12)
+        assert force() == expected(radius=0.01 * share)
 
 
 @pytest.mark.parametrize("flat", FLATS)
@@ -614,11 +504,8 @@ def test_chung_and_ooi_2(omega, flat):
 def test_hertzian_flats_are_understood(omega, flat):
     """hertzian=True: YADE gives R = r, which a law solved for the scene's contacts must serve."""
     import yade
-    from yade import utils
 
-    stone = material()
-    omega.bodies.append(FLATS[flat](utils, stone))
-    omega.bodies.append(utils.sphere((0, 0, 0.01 - OVERLAP), 0.01, fixed=True, material=stone))
+    on_flat(flat)
     geometries = [yade.Ig2_Facet_Sphere_ScGeom(hertzian=True), yade.Ig2_Wall_Sphere_ScGeom(hertzian=True)]
     for flats in ("plane", "yade"):
         law = functor("yip-venart", "elastic", bridge="native", flats=flats)
@@ -673,12 +560,9 @@ def test_a_stepper_without_a_bound_is_warned_of(omega):
     stepper.maxDt = 5e-6
     omega.engines = [*engines(law), stepper]
     assert stepper.maxDt == 5e-6  # a bound of the user's own
-    for wrong in (3, "0.5"):
-        with pytest.raises(dl.DemlawsError, match=f"timestep = {wrong!r}"):
-            engines(law, timestep=wrong)
-    for wrong in ("hertz", None):  # YADE ends the process at None
-        with pytest.raises(dl.DemlawsError, match="give the law functor"):
-            engines(wrong)
+    for wrong in ((law, 3), (law, "0.5"), ("hertz",), (None,)):  # YADE ends the process at None
+        with pytest.raises(dl.DemlawsError):
+            engines(wrong[0], timestep=dict(enumerate(wrong)).get(1))
 
 
 # --- restitution
@@ -699,7 +583,7 @@ def test_true_restitution(omega):
     assert 0.5 < damped < 0.9 * alone + 0.02 < alone < 0.99
     en = law.en_for(0.9 * alone, first, second, 0.1)
     assert law.restitution(first, second, 0.1, en=en) == pytest.approx(0.9 * alone, abs=1e-3)
-    with pytest.raises(dl.DemlawsError, match="is the most"):
+    with pytest.raises(dl.DemlawsError):
         law.en_for(0.999, first, second, 0.1)
     assert len(omega.bodies) == 2 and law.totals() == (0.0, 0.0)
 
@@ -718,15 +602,15 @@ def test_restitution_goes_by_the_masses_of_the_bodies(omega):
     first.state.mass *= 2
     second.state.mass *= 2
     assert law.restitution(first, second, 0.1) == pytest.approx(faster, abs=2e-4)
-    with pytest.raises(dl.DemlawsError, match="two fixed bodies"):
+    with pytest.raises(dl.DemlawsError):
         law.restitution(fixed, other, 0.1)
     with pytest.warns(dl.ValidityWarning, match=r"100 m/s goes deeper than 0.1 R"):
         law.restitution(first, fixed, 100.0)
     for speed in ("fast", None):
-        with pytest.raises(dl.DemlawsError, match=f"speed = {speed!r} m/s"):
+        with pytest.raises(dl.DemlawsError):
             law.restitution(first, fixed, speed)
     first.state.mass = 0
-    with pytest.raises(dl.DemlawsError, match="mass = 0 kg"):
+    with pytest.raises(dl.DemlawsError):
         law.restitution(first, second, 0.1)
 
 
@@ -807,57 +691,49 @@ def test_contacts_for_paraview(omega, tmp_path):
 # --- versions and layouts
 
 
-def test_an_untested_version_passes_with_a_line_that_names_it(omega, monkeypatch):
-    import yade.config
-
-    from demlaws.yade import BridgeWarning, native
+@pytest.fixture
+def bridge(omega, monkeypatch):
+    """The module of the native bridge, which looks for its layout again."""
+    from demlaws.yade import native
 
     monkeypatch.setattr(native, "_layout", None)
+    return native
+
+
+def test_an_untested_version_passes_with_a_warning(bridge, monkeypatch):
+    import yade.config
+
+    from demlaws.yade import BridgeWarning
+
     monkeypatch.setattr(yade.config, "version", "2031.01")
-    with pytest.warns(BridgeWarning, match="YADE 2031.01, on which demlaws has not been tested"):
+    with pytest.warns(BridgeWarning, match="2031.01"):
         law = functor(bridge="native")
     assert law.way == "native"
 
 
-@pytest.mark.parametrize(
-    ("name", "why"),
-    [
-        ("GO", "do not export"),
-        ("TABLE", "do not export"),
-        ("BODY_BY_ID", "do not export"),
-    ],
-)
-def test_missing_symbols_fail_closed(monkeypatch, name, why):
-    from demlaws.yade import native
-
-    monkeypatch.setattr(native, "_layout", None)
-    monkeypatch.setattr(native, name, getattr(native, name) + "x")
-    with pytest.raises(native.BridgeUnavailable, match=why):
-        native.layout()
+@pytest.mark.parametrize("name", ["GO", "TABLE", "BODY_BY_ID"])
+def test_missing_symbols_fail_closed(bridge, monkeypatch, name):
+    monkeypatch.setattr(bridge, name, getattr(bridge, name) + "x")
+    with pytest.raises(bridge.BridgeUnavailable, match="do not export"):
+        bridge.layout()
 
 
-def test_a_yade_built_by_its_user_is_judged_by_its_numbers(monkeypatch):
-    """Only Debian names a build for its precision: the suffix of another one says nothing."""
+@pytest.mark.parametrize(("name", "value", "works"), [("suffix", "-trunk", True), ("highPrecisionBits", 80, False)])
+def test_only_the_precision_of_a_yade_matters(bridge, monkeypatch, name, value, works):
+    """Only Debian names a build by its precision: the suffix of another build has no meaning."""
     import yade.config
 
-    from demlaws.yade import native
-
-    monkeypatch.setattr(native, "_layout", None)
-    monkeypatch.setattr(yade.config, "suffix", "-trunk")
-    assert native.layout().slot
-    monkeypatch.setattr(native, "_layout", None)
-    monkeypatch.setattr(yade.config, "highPrecisionBits", 80)
-    monkeypatch.setattr(yade.config, "highPrecisionName", "PrecisionLongDouble")
-    with pytest.raises(native.BridgeUnavailable, match="computes in PrecisionLongDouble; the bridge needs double"):
-        native.layout()
+    monkeypatch.setattr(yade.config, name, value)
+    if works:
+        assert bridge.layout().slot
+    else:
+        with pytest.raises(bridge.BridgeUnavailable, match="needs double"):
+            bridge.layout()
 
 
 @pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved vector"])
-def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
-    from demlaws.yade import native
-
-    monkeypatch.setattr(native, "_layout", None)
-    real = native.read_memory
+def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
+    native, real = bridge, bridge.read_memory
 
     def read(start, size, kind):
         words = real(start, size, kind).copy()
@@ -880,41 +756,42 @@ def test_a_doctored_layout_fails_closed(monkeypatch, doctored):
         native.layout()
 
 
-def test_what_a_start_script_says(tmp_path):
+@pytest.mark.parametrize(
+    ("first", "python"),
+    [
+        ("#!/usr/bin/python3.13", (3, 13)),
+        ("#! {folder}/python3", (3, 99)),
+        ("#!/usr/bin/env python3.12", (3, 12)),
+        ("#!/bin/sh", None),
+    ],
+)
+def test_python_and_modules_of_a_start_script(tmp_path, first, python):
     """Debian's names python3.13; YADE's own cmake names the python3 that it found, which links to one."""
     from demlaws.yade import run
 
     script, modules = tmp_path / "yade", tmp_path / "lib" / "yade-mine" / "py"
     (tmp_path / "python3").symlink_to("python3.99")
-    for first, python in (
-        ("#!/usr/bin/python3.13", (3, 13)),
-        (f"#! {tmp_path}/python3", (3, 99)),
-        ("#!/usr/bin/env python3.12", (3, 12)),
-        ("#!/bin/sh", None),
-    ):
-        script.write_text(f"{first}\n# encoding: utf-8\nimport sys\nsys.path.insert(1,'{modules}')\n")
-        assert (run.python_of(script), run.modules_of(script)) == (python, modules)
+    script.write_text(f"{first.format(folder=tmp_path)}\nimport sys\nsys.path.insert(1,'{modules}')\n")
+    assert (run.python_of(script), run.modules_of(script)) == (python, modules)
     script.write_text("#!/bin/sh\nexec /opt/yade/bin/yade\n")
     assert run.modules_of(script) is None
 
 
-def test_numpy_as_yade_is_built_for(tmp_path, monkeypatch):
+@pytest.mark.parametrize(("version", "major"), [("1.24.2", 1), ("2.2.4", 2)])
+def test_numpy_of_the_systems_packages(tmp_path, monkeypatch, version, major):
     from demlaws.yade import run
 
-    for version, major in (("1.24.2", 1), ("2.2.4", 2)):
-        folder = tmp_path / version
-        (folder / f"numpy-{version}.dist-info").mkdir(parents=True)
-        (folder / f"numpy-{version}.dist-info" / "METADATA").write_text(
-            f"Metadata-Version: 2.1\nName: numpy\nVersion: {version}\n"
-        )
-        assert run.numpy_built_for(folder) == major
-    assert run.numpy_built_for(tmp_path / "empty") is None
+    metadata = tmp_path / f"numpy-{version}.dist-info" / "METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text(f"Metadata-Version: 2.1\nName: numpy\nVersion: {version}\n")
+    assert run.numpy_built_for(tmp_path) == major and run.numpy_built_for(tmp_path / "empty") is None
     monkeypatch.setattr(np, "__version__", "2.4.0")
-    monkeypatch.setattr(run, "numpy_built_for", lambda: 2)
-    run.environment()
-    monkeypatch.setattr(run, "numpy_built_for", lambda: 1)
-    with pytest.raises(dl.DemlawsError, match=r"built for numpy 1.*'numpy<2'"):
+    monkeypatch.setattr(run, "numpy_built_for", lambda: major)
+    if major == 2:
         run.environment()
+    else:
+        with pytest.raises(dl.DemlawsError, match="'numpy<2'"):
+            run.environment()
 
 
 # --- the command
@@ -950,33 +827,18 @@ def test_command_lines(tmp_path, monkeypatch):
     line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
     assert line[1:] == ["-j1", "--cores=0,1", str(script)]
     assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
-    with pytest.raises(dl.DemlawsError, match="this is a folder"):
-        run.command(tmp_path)
-    for name in ("scene", "scene.txt"):  # YADE ends well, having done nothing
-        (tmp_path / name).write_text("raise ValueError")
-        with pytest.raises(dl.DemlawsError, match=r"passes over without a word"):
+    for name in ("", "scene", "scene.txt"):  # a folder; YADE ignores the others and ends with status 0
+        if name:
+            (tmp_path / name).write_text("raise ValueError")
+        with pytest.raises(dl.DemlawsError):
             run.command(tmp_path / name)
     (tmp_path / "scene.yade.bz2").write_text("")
     assert run.command(tmp_path / "scene.yade.bz2")[-1].endswith("scene.yade.bz2")
 
 
-def test_windows_and_a_newer_mpmath(tmp_path, monkeypatch):
-    import mpmath.ctx_mp_python
-
-    from demlaws.yade import run
-
-    monkeypatch.setattr(mpmath, "__file__", "/venv/mpmath/__init__.py")
-    monkeypatch.delattr(mpmath.ctx_mp_python, "mpf", raising=False)
-    with pytest.raises(dl.DemlawsError, match="pip uninstall mpmath"):
-        run.run(tmp_path / "script.py", gui=True)
-    monkeypatch.setattr(mpmath.ctx_mp_python, "mpf", object, raising=False)
-    run.check_windows()
-
-
 def test_quick_check(tmp_path):
-    done = subprocess.run(
-        [sys.executable, "-m", "demlaws", "yade", "check", "--quick"], capture_output=True, text=True, timeout=3000
-    )
+    command = [sys.executable, "-m", "demlaws", "yade", "check", "--quick"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=3000)
     assert done.returncode == 0, done.stdout + done.stderr
     lines = done.stdout.splitlines()
     assert "native bridge: available" in done.stdout and sum(line.startswith(tuple(dl.laws())) for line in lines) == 2
@@ -984,14 +846,10 @@ def test_quick_check(tmp_path):
 
 def test_plain_yade(tmp_path):
     """`yade script.py`, the package being installed for that Python (here: on its path)."""
-    import os
-
     from demlaws.yade.run import environment, executable
 
     script = tmp_path / "script.py"
     script.write_text("import demlaws.yade\nprint(demlaws.yade.Law2_ScGeom_MindlinPhys_Demlaws('hertz').way)\n")
-    environment = {**os.environ, "PYTHONPATH": environment()["PYTHONPATH"]}
-    done = subprocess.run(
-        [executable(), "-n", "-x", str(script)], env=environment, capture_output=True, text=True, timeout=2000
-    )
+    options = {"env": environment(), "capture_output": True, "text": True, "timeout": 2000}
+    done = subprocess.run([executable(), "-n", "-x", str(script)], **options)
     assert done.returncode == 0 and "native" in done.stdout.splitlines()

@@ -1,9 +1,12 @@
-"""Small scenes and the comparison of what YADE applied with what the law says."""
+"""Small scenes, scripts in processes of their own, and the comparison of YADE's forces with those of the law."""
 
 import math
+import subprocess
 from collections import defaultdict
+from pathlib import Path
 
 import numpy as np
+import pytest
 
 import demlaws as dl
 from demlaws.make import example
@@ -11,6 +14,13 @@ from demlaws.make import example
 YOUNG, POISSON = 60.6e9, 0.25
 GRANITE = dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
 SURFACES = {"granite": GRANITE}
+MODULUS = YOUNG / (1 - POISSON**2) / 2
+OVERLAP = 1e-5
+FLATS = {
+    "facet": lambda utils, stone: utils.facet([(-1, -1, 0), (1, -1, 0), (0, 1, 0)], fixed=True, material=stone),
+    "wall": lambda utils, stone: utils.wall(0, 2, sense=1, material=stone),
+    "box": lambda utils, stone: utils.box((0, 0, -0.1), (1, 1, 0.1), fixed=True, material=stone),
+}
 
 
 def functor(law="pohrt-popov", unloading="hertz", surfaces=SURFACES, **options):
@@ -34,6 +44,59 @@ def set_engines(law, timestep=1e-7, **options):
 
     yade.O.engines = engines(law, **options)
     yade.O.dt = timestep
+
+
+def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01, sideways=0.0):
+    """A sphere that moves towards a fixed one."""
+    import yade
+    from yade.utils import sphere
+
+    stone = material()
+    yade.O.bodies.append(sphere((0, 0, 0), radius, fixed=True, material=stone))
+    yade.O.bodies.append(sphere((0, 0, 2 * radius + gap), radius, material=stone))
+    yade.O.bodies[1].state.vel = (sideways, 0, speed)
+    set_engines(law)
+
+
+def still(law, label="granite", **stone):
+    """Two fixed spheres that overlap by OVERLAP."""
+    import yade
+    from yade.utils import sphere
+
+    stone = material(label, **stone)
+    yade.O.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    set_engines(law, 1e-9)
+
+
+def force():
+    import yade
+
+    return yade.O.interactions[0, 1].phys.normalForce.norm()
+
+
+def expected(roughness=GRANITE.roughness, radius=0.005):
+    """Force of `still` by the law itself, to rounding."""
+    pair = dl.Contact(radius, MODULUS, roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
+    return pytest.approx(float(dl.law("pohrt-popov", pair, "hertz").force(OVERLAP)), rel=1e-12)
+
+
+def assert_guarded():
+    """A position that is not finite stops the run with a message about its contact."""
+    import yade
+
+    yade.O.bodies[1].state.pos = (0, 0, float("nan"))
+    with pytest.raises(RuntimeError, match=r"contact 0\+1"):
+        yade.O.run(20, True)
+
+
+def under_yade(text, tmp_path, threads=1, stay=False):
+    """Run a script in a YADE process of its own."""
+    from demlaws.yade.run import run
+
+    script = tmp_path / "script.py"
+    script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\n{text}")
+    options = {"capture_output": True, "text": True, "timeout": 600, "cwd": tmp_path, "stdin": subprocess.DEVNULL}
+    return run(script, (), threads, stay=stay, **options)
 
 
 def cloud(law, number=150, seed=3, rate=-20.0, damping=0.1, physics=None, friction=0.5):
@@ -71,7 +134,7 @@ class Recorder:
                     row = (geom.penetrationDepth, force, phys.kn, np.inf if flat else geom.refR1, geom.refR2)
                     self.lives[contact.id1, contact.id2, contact.iterMadeReal].append(row)
 
-    def worst(self, law="pohrt-popov", unloading="hertz", pair=None, modulus=YOUNG / (1 - POISSON**2) / 2, **options):
+    def worst(self, law="pohrt-popov", unloading="hertz", pair=None, modulus=MODULUS, **options):
         """Largest |F - F_law| over the largest force, and largest relative error of the tangent, each life on its own."""
         pair = GRANITE.combined(GRANITE) if pair is None else pair
         wrong, largest, tangent, steps = 0.0, 0.0, 0.0, 0

@@ -1,4 +1,4 @@
-"""The text of a table file: header, rows, check marks. docs/table-format.md is its grammar, `table` gives it its meaning.
+"""The text of a table file: header, rows, check marks. docs/table-format.md is its grammar, `saved` interprets it.
 
 `demlaws/cpp/demlaws_table.h` reads the same files; tests/cpp compares the two, verdict by verdict and line by line.
 """
@@ -15,6 +15,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.grid import MOST_BITS, MOST_KINKS, Nodes, node, node_number
 from demlaws.core.unloading import GIVEN, RULES
+from demlaws.curves.table import Rows
 from demlaws.errors import DemlawsError
 from demlaws.laws.registry import registry
 
@@ -176,14 +177,6 @@ _YIELD = (
     Key("yield_area", _positive),
     Key("yield_area_slope", _positive),
 )
-
-
-class Rows(NamedTuple):
-    """Rows of one curve."""
-
-    nodes: Nodes
-    bits: int
-    straight: bool  # below the first row; else a power law
 
 
 class TableFile(NamedTuple):

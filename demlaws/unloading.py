@@ -1,44 +1,47 @@
-"""Joining a law of first loading with an unloading rule; refused where the pair is not passive."""
+"""How contacts unload: a rule, the curve that it follows, and the check that the pair of curves is passive."""
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.contact import Contact
 from demlaws.core.curve import TableParams
 from demlaws.core.loops import inverse_loop
 from demlaws.core.params import first_loading, loading_part, one_of
-from demlaws.core.unloading import JoinedParams, JoinedShape
+from demlaws.core.unloading import RULES, JoinedParams, JoinedShape, Rule
 from demlaws.errors import DemlawsError, NotPassive
-from demlaws.law import Law
 
 
-def joined_law(law, rule, curve=None):
-    """`law` (or a `Table`, as a law of its own shape) with rule `rule`, and its curve where the rule is "table".
+class Unloading(NamedTuple):
+    """A rule with all that it reads beside the curve of first loading."""
 
-    Raises NotPassive, a DemlawsError, where the pair is not passive.
-    """
-    shape, params = loading_part(law.shape), loading_part(law.params)
-    if curve is not None:
-        shape, params = joined_shape(law, curve), None
-    result = Law(law.definition, law.contact, rule, law.options, shape, params, curve)
-    if law.definition.rule(rule).curve in ("hertz", "given"):
-        # a table's stiffness is what its certificate says, not more exact
-        _refuse_unless_passive(result, *(one.stiffness_error for one in (law, curve) if curve is not None))
-    return result
+    rule: Rule
+    curve: Any = None  # of rule "table": the curve to follow
+    contact: Contact | None = None  # of that curve
+    beside: Any = None  # of a rule of the law's own where the curve is a table: the Shape that the rule reads
 
 
-def joined_shape(law, curve):
-    """Shape of `law` and an unloading curve: their contacts may differ, in a ratio that is one for all contacts."""
-    ratios = {}
+ELASTIC = Unloading(RULES["elastic"])
+
+
+def joined_shape(shape: Any, contact: Contact, unloading: Unloading) -> Any:
+    """Shape of a curve of first loading together with what its unloading rule reads."""
+    if unloading.curve is not None:
+        return JoinedShape(shape, unloading.curve.quick_shape(), *_ratios(contact, unloading.contact))
+    return shape if unloading.beside is None else JoinedShape(shape, unloading.beside, 1.0, 1.0, 1.0)
+
+
+def _ratios(contact, other):
+    """R, E* and σ of the unloading curve's contact over those of the law's, each one number for all contacts."""
+    ratios = []
     for name in ("radius", "modulus", "roughness"):
-        own, others = np.asarray(getattr(law.contact, name), float), np.asarray(getattr(curve.contact, name), float)
+        own, others = np.asarray(getattr(contact, name), float), np.asarray(getattr(other, name), float)
         with np.errstate(divide="ignore", invalid="ignore"):
             try:
                 ratio = others / own
             except ValueError:
-                raise DemlawsError(
-                    f"the law holds {law.contact.size} contacts, its unloading curve {curve.contact.size}"
-                ) from None
+                raise DemlawsError(f"the law has {contact.size} contacts, its unloading curve {other.size}") from None
         if np.all(own == others):  # smooth contacts, too
             ratio = np.ones(1)
         low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
@@ -47,16 +50,20 @@ def joined_shape(law, curve):
                 f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: it must be the law's own "
                 "or in one ratio to it; make the curve for the same contact or array of contacts"
             )
-        ratios[name] = low if high > low else high
-    return JoinedShape(loading_part(law.shape), curve.quick_shape(), **ratios)
+        ratios.append(low if high > low else high)
+    return ratios
 
 
-def _refuse_unless_passive(law, *uncertainties):
-    """Passive where at every load K(P) ≤ that of the unloading curve; for the Hertz-like rules dδ_H/dδ ≤ 1."""
+def refuse_unless_passive(law: Any) -> None:
+    """Raise NotPassive unless at every load K(P) is at most that of the unloading curve; for Hertz-like rules, Hertz's."""
+    if law.unloads.rule.curve not in ("hertz", "given"):
+        return
     excess, force = largest_stiffness_ratio(law)
-    curve = law.unloading_law
-    if excess > 1.0 + 1e-9 + sum(uncertainties):
-        whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.name!r})"
+    curve = law.unloads.curve
+    # the stiffness of a table is as exact as its certificate states
+    uncertainty = 0.0 if curve is None else law.curve.stiffness_error + curve.stiffness_error
+    if excess > 1.0 + 1e-9 + uncertainty:
+        whose = "Hertz's" if curve is None else f"that of its unloading curve ({curve.definition.name!r})"
         ratio = f"{excess:.4g}" if excess > 1.001 else f"1 + {excess - 1.0:.1g}"
         other = law.definition.default_unloading
         remedy = (
@@ -68,23 +75,19 @@ def _refuse_unless_passive(law, *uncertainties):
         )
 
 
-def largest_stiffness_ratio(law, points=2000):
+def largest_stiffness_ratio(law: Any, points: int = 2000) -> tuple[float, float]:
     """Largest K(P)/K_U(P) of first loading over 1e-12 to 0.1 of the radius, and the force [N] where it occurs.
 
     K_U is the stiffness of the given unloading curve, or else Hertz's.
     """
-    contact, worst, where = law.contact, 0.0, 0.0
-    chosen = [0]
-    if contact.size is not None:  # the extremes of relative roughness and the middle stand for the rest
-        order = np.argsort(np.broadcast_to(contact.roughness, contact.size) / contact.radius)
-        chosen = {int(order[0]), int(order[order.size // 2]), int(order[-1])}
-    for index in chosen:
+    contact, largest, where = law.contact, 0.0, 0.0
+    for index in contact.representatives():
         p = one_of(law.params, index)
         radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
         overlap = np.geomspace(1e-12 * radius, 0.1 * radius, points)
         part = loading_part(p)
-        # where K may jump up, between two points; a table is of a law that was looked at in closed form
-        steps = [] if isinstance(part, TableParams) else law.definition.kinks(part, **law.options)
+        # where K may jump up, between two points; the law of a table was checked in closed form
+        steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
         force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
         first_loading(p, overlap, force, stiffness)
@@ -100,6 +103,6 @@ def largest_stiffness_ratio(law, points=2000):
             other = 1.5 * p.hertz_coefficient ** (2 / 3) * np.cbrt(force)
         ratio = stiffness[usable] / other[usable]
         k = int(np.argmax(ratio))
-        if ratio[k] > worst:
-            worst, where = float(ratio[k]), float(force[usable][k])
-    return worst, where
+        if ratio[k] > largest:
+            largest, where = float(ratio[k]), float(force[usable][k])
+    return largest, where

@@ -1,0 +1,77 @@
+"""A curve of first loading that a law's compiled kernels compute."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.curve import BulkYield, TableShape
+from demlaws.core.grid import NO_YIELD, quick_to_invert
+from demlaws.laws.definition import Definition
+from demlaws.laws.registry import is_own
+from demlaws.soundness import refuse_unless_collapses, refuse_unsound
+
+
+class ClosedForm:
+    """A definition with its options, and the Shape that it prepares for a contact (or a `shape` prepared already)."""
+
+    tabulated = False
+    force_error = stiffness_error = 0.0
+
+    def __init__(self, definition: Definition, contact: Contact, options: dict, shape: Any = None):
+        self.definition = definition
+        self.options = {n: v.item() if isinstance(v, np.generic) else v for n, v in options.items()}  # plain for repr and files
+        self.shape = definition.shape(contact, **options) if shape is None else shape
+
+    @property
+    def collapses(self) -> bool:
+        """Whether one dimensionless curve serves all contacts."""
+        return self.definition.collapses
+
+    @property
+    def starts_from_force(self) -> bool:
+        """Whether the force at overlap 0+ is not 0."""
+        return self.definition.seated(**self.options)
+
+    def kinks(self, p: Any) -> list[float]:
+        """Overlaps [m] at which the stiffness of one contact's curve jumps or has a kink."""
+        return list(self.definition.kinks(p, **self.options))
+
+    def end(self, params: Any) -> float:
+        """Overlap [m] at which the curve ends."""
+        return math.inf
+
+    def largest_force(self, params: Any) -> float:
+        """Force [N] at the end of the curve."""
+        return math.inf
+
+    def bulk(self, p: Any, length: float, highest: float) -> BulkYield:
+        """`BulkYield` in units of `length` [m], where the bulk yields below the dimensionless overlap `highest`."""
+        if self.definition.bulk is None:
+            return NO_YIELD
+        overlap, area, slope = self.definition.bulk(p)
+        if not overlap / length < highest:
+            return NO_YIELD
+        slope = slope * p.hertz_coefficient * math.sqrt(length)
+        while 0.75 * slope / 0.75 != slope:  # a file holds three quarters of it, and gives back the same
+            slope = math.nextafter(slope, 0.0)
+        return BulkYield(area / length, slope)
+
+    def quick_shape(self) -> Any:
+        """The Shape with which this curve serves as an unloading curve: one whose inverse costs no search."""
+        return quick_to_invert(self.shape)
+
+    def with_unloading(self, contact: Contact, unloading: Any) -> Any:
+        """An `Unloading` in the form that this curve is joined with: unchanged."""
+        return unloading
+
+    def check(self, contact: Contact) -> None:
+        """Raise DemlawsError where a user-defined law is inadmissible on this contact."""
+        if is_own(self.definition) and not isinstance(self.shape, TableShape):
+            refuse_unsound(self.definition, self.shape, contact, self.options)
+
+    def check_collapse(self, contact: Contact) -> None:
+        """Raise DemlawsError where the curve of a user-defined law does not serve all contacts, as its definition states."""
+        if is_own(self.definition) and self.definition.collapses:
+            refuse_unless_collapses(self, contact)

@@ -1,0 +1,99 @@
+"""Tables of users' curves: the parts of the law of a function, or of measured points."""
+
+import re
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.params import bind_params
+from demlaws.curves.function import Called, GivenCurve
+from demlaws.curves.points import MeasuredCurve, residual_overlap
+from demlaws.curves.saved import definition_of_table
+from demlaws.curves.table import TableCurve, tabulate_given, tolerance
+from demlaws.errors import DemlawsError
+from demlaws.laws.registry import registry
+from demlaws.units import SMALL_OVERLAP, check_overlaps, number
+
+_REACH = 3.2  # of an unloading curve beyond its table's end, whose last cells are wide where the table is rough
+
+
+def from_function(
+    force, contact, largest_overlap, stiffness, unloading, kinks, scales_with, rtol, name, description
+) -> tuple[Contact, TableCurve, Any]:
+    """(contact, curve, unloading) of `Table.from_function`; the unloading is a `TableCurve` where it is a function."""
+    definition = _definition(contact, name, description, scales_with)
+    end = SMALL_OVERLAP * float(contact.radius)
+    if largest_overlap is not None:
+        end = number(largest_overlap, "largest_overlap", "m", 0.0, float(contact.radius))
+    tolerance(rtol)
+    table = tabulate_given(GivenCurve(force, end, stiffness, kinks), definition, contact, rtol)
+    if callable(unloading):
+        called = Called(unloading, "unloading", "N", np.array([end]))
+        reach = _overlap_of(lambda d: called(np.array([d]))[0], _REACH * _largest_force(table, contact), end)
+        unloading = _unloading_table(GivenCurve(unloading, reach), table, contact)
+    return contact, table, unloading
+
+
+def from_points(
+    overlap, force, contact, unloading, uncertainty, residual, knots, scales_with, rtol, name, description
+) -> tuple[Contact, TableCurve, Any]:
+    """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
+    definition = _definition(contact, name, description, scales_with)
+    curve = MeasuredCurve(overlap, force, uncertainty, knots)
+    check_overlaps(curve.largest, contact.radius)
+    table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
+    if isinstance(unloading, tuple | list) and len(unloading) == 2:
+        past, back, foot = residual_overlap(unloading[0], unloading[1], residual)
+        other = MeasuredCurve(past, back, None, knots, "unloading")
+        top, reached = float(past.max() + foot), float(back.max())
+        expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
+        if abs(reached / expected - 1.0) > MeasuredCurve.MOST:
+            raise DemlawsError(
+                f"unloading begins at overlap {top:.6g} m with {reached:.6g} N, where loading has {expected:.6g} N: "
+                "both must be of one test, with one zero of the overlap"
+            )
+        most = _REACH * _largest_force(table, contact)
+        other.largest = max(other.largest, _overlap_of(lambda d: other.evaluate(np.array([d]))[0][0], most, float(past.max())))
+        unloading = replace(_unloading_table(other, table, contact), knots=other.knots)
+    return contact, table, unloading
+
+
+def _definition(contact, name, description, scales_with):
+    """`Definition` of a user's curve, its description checked."""
+    if not isinstance(contact, Contact) or contact.size is not None:
+        raise DemlawsError(f"contact must be one demlaws.Contact, that of the curve, got {contact!r:.60}")
+    if scales_with not in (None, "radius", "roughness"):
+        raise DemlawsError(f"scales_with={scales_with!r}: None (this contact only), 'radius' or 'roughness'")
+    if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII) or name in registry():
+        raise DemlawsError(f"name={name!r:.60}: one word that is no law's name ({', '.join(registry())})")
+    if not isinstance(description, str) or not description.isprintable():
+        raise DemlawsError(f"description must be one line of text, got {description!r:.60}")
+    rough = scales_with == "roughness"
+    if rough and contact.roughness == 0.0:
+        raise DemlawsError("scales_with='roughness', but the contact's roughness is 0 m: give it, or scales_with=None")
+    length = "roughness" if rough else "radius"
+    return definition_of_table(name, "its user", description, length, scales_with is not None, unloading=("elastic",))
+
+
+def _unloading_table(curve, table, contact):
+    """`TableCurve` of a second curve of the user's to unload along, finer than the first."""
+    name = table.definition.name
+    definition = table.definition._replace(name=f"{name}-unloading", description=f"unloading of {name}")
+    return tabulate_given(curve, definition, contact, max(0.1 * table.rtol, 1e-11))
+
+
+def _largest_force(table, contact):
+    return table.largest_force(bind_params(table.shape, contact))
+
+
+def _overlap_of(function, force, start):
+    """An overlap [m] at which a user's rising function carries `force` [N], or as near as it comes."""
+    overlap = start
+    for _ in range(200):
+        value = float(np.asarray(function(overlap)).ravel()[0])
+        if not value < force:
+            break
+        overlap *= 1.1
+    return overlap

@@ -1,0 +1,234 @@
+"""A curve of first loading from measured points, checked before it becomes a table (`Table.from_points`)."""
+
+import json
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.units import number, real, whole
+
+
+class Knots(NamedTuple):
+    """What a table keeps of the points that it was made of: the knots of its curve, and how far the points lie from it."""
+
+    overlap: np.ndarray  # [m]
+    force: np.ndarray  # [N]
+    uncertainty: np.ndarray  # standard uncertainty of the force [N]; NaN where nothing tells it
+    points: int
+    departure: float  # largest distance of a point's force from the curve [N]
+    smoothing: str
+
+    def text(self) -> str:
+        """As one line of a table file."""
+        values = [None if isinstance(v, float) and v != v else v for v in self.uncertainty.tolist()]
+        columns = {"overlap": self.overlap.tolist(), "force": self.force.tolist(), "uncertainty": values}
+        return json.dumps({**columns, "points": self.points, "departure": self.departure, "smoothing": self.smoothing})
+
+    @classmethod
+    def from_text(cls, text: str) -> "Knots":
+        """The reverse of `text`."""
+        content = json.loads(text)
+        overlap, force, uncertainty = (np.array(content[n], float) for n in ("overlap", "force", "uncertainty"))
+        return cls(overlap, force, uncertainty, content["points"], content["departure"], content["smoothing"])
+
+
+class MeasuredCurve:
+    """Monotone curve through measured points: Fritsch and Carlson's cubics in ln δ, ln P.
+
+    Up to `knots` points, each is a knot (points of one overlap become their mean); more are averaged in ln δ, ln P over so
+    many intervals of equal ratio. Neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is
+    further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 standard uncertainties are refused, those
+    without an overlap or without a force, which make no knot, too. Below the first knot the curve is a power law with the
+    exponent there, from 1 to 4; beyond the last, one with the exponent there.
+    """
+
+    FURTHEST = 0.25
+    MOST = 0.05
+    """Difference of the forces with which loading ends and unloading begins, relative."""
+
+    def __init__(self, overlap: Any, force: Any, uncertainty: Any = None, knots: int = 24, what: str = "first loading"):
+        (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
+        knots = whole(knots, "knots", 2, 30)
+        order = np.argsort(overlap, kind="stable")
+        overlap, force, sigma = overlap[order], force[order], sigma[order]
+        groups = _groups(overlap, knots)
+        x = np.array([np.mean(np.log(overlap[g])) for g in groups])
+        y = np.array([np.mean(np.log(force[g])) for g in groups])
+        x, y, groups = _rising(x, y, groups)
+        if x.size < 2:
+            raise DemlawsError(
+                f"{what}: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
+                f"{force[-1]:.6g} N at {overlap[-1]:.6g} m)"
+            )
+        self.x, self._spline = x, _monotone(x, y)
+        self._slope = float(self._spline(x[0], 1))
+        self.first = min(max(1.0, self._slope), 4.0)
+        self.last = max(float(self._spline(x[-1], 1)), 1e-3)
+        self.largest = float(overlap[-1])
+        departure = np.abs(self.evaluate(overlap)[0] - force)
+        allowed = self._allowed(force, sigma, force.max())
+        self._check_touch(without, force.max(), what)
+        worst = int(np.argmax(departure / allowed))
+        if departure[worst] > allowed[worst]:
+            raise DemlawsError(
+                f"{what}: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N from "
+                f"a rising curve through the points: give points of {what} only, in m and N, or their uncertainty [N]"
+            )
+        smoothed = len(groups) < overlap.size
+        known = np.array([_uncertainty(sigma[g], departure[g], smoothed) for g in groups])
+        text = f"{overlap.size} points averaged to {len(groups)} knots" if smoothed else f"none: a knot a point, {len(groups)}"
+        self.knots = Knots(np.exp(x), np.exp(y), known, int(overlap.size), float(departure.max()), text)
+
+    def _allowed(self, force, sigma, largest):
+        """How far points may lie from the curve [N]."""
+        return np.maximum(self.FURTHEST * np.maximum(force, 0.05 * largest), 4.0 * np.nan_to_num(sigma))
+
+    def _check_touch(self, points, largest, what):
+        """Points without overlap carry no force, and those without force lie where it has none."""
+        overlap, force, sigma = points
+        expected = np.zeros(overlap.size)
+        expected[overlap > 0.0] = self.evaluate(overlap[overlap > 0.0])[0]
+        bad = np.flatnonzero(np.abs(force - expected) > self._allowed(0.0, sigma, largest))
+        if bad.size:
+            k = bad[np.argmax(np.abs(overlap[bad]))]
+            raise DemlawsError(
+                f"{what}: at overlap {overlap[k]:.6g} m the force is {force[k]:.6g} N: overlaps count from where the bodies "
+                "touch; subtract the displacement at which they do (demlaws table: --zero)"
+            )
+
+    def evaluate(self, overlap: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and stiffness [N/m] at overlaps [m] > 0."""
+        overlap = np.asarray(overlap, float)
+        at = np.log(overlap)
+        inside = np.clip(at, self.x[0], self.x[-1])
+        below, above = at < self.x[0], at > self.x[-1]
+        slope = np.where(below, self.first, np.where(above, self.last, self._spline(inside, 1)))
+        force = np.exp(self._spline(inside) + slope * (at - inside))
+        return force, slope * force / overlap
+
+    @property
+    def kinks(self) -> list[float]:
+        """Overlap [m] of the one knot where the stiffness may jump: the first."""
+        return [float(np.exp(self.x[0]))] if abs(self.first - self._slope) > 1e-9 else []
+
+
+def _columns(overlap, force, uncertainty, what):
+    """Overlaps, forces and uncertainties of points with an overlap and a force above 0, and those of the others."""
+    overlap = np.atleast_1d(
+        real(overlap if isinstance(overlap, np.ndarray) else list(_listed(overlap, what)), f"{what}: overlap", "m", array=True)
+    )
+    force = np.atleast_1d(
+        real(force if isinstance(force, np.ndarray) else list(_listed(force, what)), f"{what}: force", "N", array=True)
+    )
+    if overlap.size != force.size:
+        raise DemlawsError(f"{what}: {overlap.size} overlaps [m] and {force.size} forces [N]: one force each")
+    for name, unit, values in (("overlap", "m", overlap), ("force", "N", force)):
+        if not np.all(np.isfinite(values)):
+            k = int(np.argmin(np.isfinite(values)))
+            raise DemlawsError(f"{what}: {name} of point {k} is {values[k]:g} {unit}: give finite values")
+    sigma = np.full(force.size, np.nan)
+    if uncertainty is not None:
+        given = real(
+            uncertainty if isinstance(uncertainty, np.ndarray | float | int | str) else list(uncertainty),
+            "uncertainty",
+            "N",
+            array=True,
+        )
+        if given.ndim and given.size != force.size:
+            raise DemlawsError(f"{given.size} uncertainties [N] for {force.size} points: one each, or one for all")
+        sigma = np.broadcast_to(given, force.shape).copy()
+        if not np.all(np.isfinite(sigma) & (sigma >= 0.0)):
+            bad = float(sigma[int(np.argmin(np.isfinite(sigma) & (sigma >= 0.0)))])
+            raise DemlawsError(f"uncertainty = {bad:g} N: a standard uncertainty is 0 or more")
+    keep = (overlap > 0.0) & (force > 0.0)
+    if np.unique(overlap[keep]).size < 2:
+        raise DemlawsError(
+            f"{what}: {np.unique(overlap[keep]).size} points with an overlap and a force above 0; at least 2 are needed"
+        )
+    columns = (overlap, force, sigma)
+    return tuple(one[keep] for one in columns), tuple(one[~keep] for one in columns)
+
+
+def _listed(values, what):
+    if isinstance(values, str) or not hasattr(values, "__iter__"):
+        raise DemlawsError(f"{what}: overlaps [m] and forces [N] are two rows of numbers, got {values!r:.60}")
+    return values
+
+
+def _groups(overlap, knots):
+    """Rows of places that become one knot each."""
+    edges = np.flatnonzero(np.diff(overlap) > 0.0) + 1
+    groups = np.split(np.arange(overlap.size), edges)
+    if len(groups) <= knots:
+        return groups
+    x = np.log(overlap)
+    number = np.minimum((knots * (x - x[0]) / (x[-1] - x[0])).astype(int), knots - 1)
+    least, result = overlap.size // (3 * knots), []
+    for group in np.split(np.arange(overlap.size), np.flatnonzero(np.diff(number) > 0) + 1):
+        if result and min(result[-1].size, group.size) < least:  # too few for a mean of their own
+            result[-1] = np.concatenate([result[-1], group])
+        else:
+            result.append(group)
+    return result
+
+
+def _rising(x, y, groups):
+    """Neighbours whose forces do not rise, joined into one knot (pool adjacent violators)."""
+    blocks = []
+    for one in zip(x, y, groups, strict=True):
+        blocks.append(one)
+        while len(blocks) > 1 and not blocks[-1][1] > blocks[-2][1] + 1e-12:
+            (xb, yb, gb), (xa, ya, ga) = blocks.pop(), blocks.pop()
+            a, b = ga.size / (ga.size + gb.size), gb.size / (ga.size + gb.size)
+            blocks.append((a * xa + b * xb, a * ya + b * yb, np.concatenate([ga, gb])))
+    return np.array([b[0] for b in blocks]), np.array([b[1] for b in blocks]), [b[2] for b in blocks]
+
+
+def _monotone(x, y):
+    """Monotone cubics through rising knots (`scipy.interpolate.PchipInterpolator`), the slopes at the ends kept positive."""
+    from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
+
+    slopes, chords = PchipInterpolator(x, y).derivative()(x), np.diff(y) / np.diff(x)
+    for end in (0, -1):
+        slopes[end] = np.clip(slopes[end], 0.5 * chords[end], 2.0 * chords[end])
+    return CubicHermiteSpline(x, y, slopes)
+
+
+def _uncertainty(sigma, departure, smoothed):
+    """Standard uncertainty [N] of a knot: given, or from the scatter of the points that it is the mean of."""
+    n = sigma.size
+    given = math.sqrt(float(np.sum(sigma**2))) / n
+    if given == given or not smoothed or n < 3:
+        return given
+    return float(np.sqrt(np.mean(departure**2) / (n - 1)))
+
+
+def residual_overlap(overlap: Any, force: Any, residual: Any = None) -> tuple[np.ndarray, np.ndarray, float]:
+    """Unloading points as overlaps past their foot δp [m], forces [N], and δp.
+
+    δp is given, or the largest overlap without force, or where Hertz's straight line in P^(2/3) through the two lowest points
+    with a force meets 0.
+    """
+    what = "unloading"
+    overlap = np.atleast_1d(real(list(_listed(overlap, what)), "unloading: overlap", "m", array=True))
+    force = np.atleast_1d(real(list(_listed(force, what)), "unloading: force", "N", array=True))
+    if overlap.size != force.size:
+        raise DemlawsError(f"unloading: {overlap.size} overlaps [m] and {force.size} forces [N]: one force each")
+    order = np.argsort(overlap, kind="stable")
+    overlap, force = overlap[order], force[order]
+    carries = force > 0.0
+    if np.unique(overlap[carries]).size < 2:
+        raise DemlawsError(f"unloading: {np.unique(overlap[carries]).size} points with a force above 0; at least 2 are needed")
+    lowest = float(overlap[carries][0])
+    if residual is not None:
+        foot = number(residual, "residual", "m", -math.inf)
+    elif np.any(~carries & (overlap < lowest)):
+        foot = float(np.max(overlap[~carries & (overlap < lowest)]))
+    else:
+        (d0, d1), (s0, s1) = overlap[carries][:2], np.cbrt(force[carries][:2]) ** 2
+        foot = float(d0 - s0 * (d1 - d0) / (s1 - s0)) if s1 > s0 and d1 > d0 else lowest - 1e-3 * float(np.ptp(overlap))
+    if not foot < lowest:
+        raise DemlawsError(f"residual = {foot:g} m: unloading still carries {force[carries][0]:g} N at overlap {lowest:g} m")
+    return overlap[carries] - foot, force[carries], foot

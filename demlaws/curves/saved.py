@@ -1,0 +1,174 @@
+"""Table files: a law of tables as bytes, and the parts of a law from a file."""
+
+import json
+import math
+import os
+import zlib
+from typing import Any
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.curve import BulkYield
+from demlaws.core.grid import NO_YIELD, shape_from_nodes
+from demlaws.curves import text
+from demlaws.curves.points import Knots
+from demlaws.curves.table import Certificate, TableCurve
+from demlaws.curves.text import UNLOADING
+from demlaws.errors import DemlawsError
+from demlaws.files import as_path
+from demlaws.laws.definition import Definition, no_limits
+from demlaws.laws.registry import find, mark, registry
+from demlaws.unloading import Unloading
+
+
+def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses: bool, native_rule: bytes | None) -> tuple:
+    """(bytes of the file, fingerprint) of a law of tables; native_rule: the code of a user-defined rule."""
+    from demlaws import __version__
+
+    shape, rule = curve.shape, unloading.rule
+    length = shape.length_over_roughness * np.asarray(contact.roughness) + shape.length_over_radius * np.asarray(contact.radius)
+    header = {
+        "law": curve.definition.name,
+        "description": _about(curve.definition),
+        "source": curve.definition.source,
+        "unloading": rule.name if rule.number is not None else text.OWN,
+        "options": json.dumps(curve.options, default=lambda value: value.record()),
+        **text.describe_contact(contact),
+        "collapses": "yes" if collapses else "no",
+        "scales": "overlap/length, force/(E* sqrt(R) length^1.5), stiffness/(E* sqrt(R length)), R and E* effective",
+        "length": repr(float(np.ravel(length)[0])),
+        "length_over_roughness": repr(shape.length_over_roughness),
+        "length_over_radius": repr(shape.length_over_radius),
+        **text.describe_rows(curve.rows, curve.certificate),
+        "rtol": repr(curve.rtol),
+        **({} if curve.knots is None else {"points": curve.knots.text()}),
+        "demlaws": __version__,
+    }
+    if math.isfinite(shape.bulk.area):
+        u, s, _ = curve.nodes.curve()
+        header["yield_overlap"] = repr(float(u[np.argmin(np.abs(s - shape.bulk.area))]))  # a kink of these laws: a row
+        header["yield_force"] = repr(4.0 / 3.0 * shape.bulk.area**1.5)
+        header["yield_area"] = repr(shape.bulk.area)
+        header["yield_area_slope"] = repr(0.75 * shape.bulk.slope)  # by f, not by s^1.5
+    if native_rule is not None:
+        header |= dict(zip(text.OF_OWN_RULE, (rule.name, f"{zlib.crc32(native_rule):08x} {len(native_rule)}"), strict=True))
+        header["rule_source"] = mark(curve.definition) or "-"
+    elif rule.keys:
+        header |= {key: repr(value) for key, value in zip(rule.keys, unloading.beside, strict=False)}
+    along = unloading.curve
+    if along is not None:
+        about = {
+            "law": along.definition.name,
+            "description": _about(along.definition),
+            "source": along.definition.source,
+            "options": json.dumps(along.options, default=lambda value: value.record()),
+            **text.describe_contact(along.made_for),
+            **text.describe_rows(along.rows, along.certificate),
+            **({} if along.knots is None else {"points": along.knots.text()}),
+        }
+        header |= {UNLOADING + key: value for key, value in about.items()}
+    return text.compose(header, curve.rows, None if along is None else along.rows)
+
+
+def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
+    """Contact, curve and unloading of a table file; DemlawsError with the line where it is truncated, edited or foreign."""
+    path = as_path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DemlawsError(f"cannot read table {path}: {error.strerror or error}") from error
+    file = text.parse(data, path)
+    values, rule = file.values, _rule(file, path)
+    collapses = values["collapses"] == "yes"
+
+    def curve(prefix, rows, collapses, bulk=NO_YIELD, floor=None):
+        """The curve that the rows and the keys with this prefix describe."""
+        lengths = values["length_over_roughness"], values["length_over_radius"]
+        shape = shape_from_nodes(rows.nodes, rows.bits, *lengths, bulk, rows.straight, floor)
+        certificate = Certificate(values[f"{prefix}force_error"], values[f"{prefix}stiffness_error"])
+        definition, options = _definition(file, rule, prefix, collapses), values[f"{prefix}options"]
+        knots = _knots(file.header.get(f"{prefix}points"), path)
+        made_for = values[f"{prefix}contact"]
+        collapses = collapses or (prefix == "" and file.unloading is not None and definition.collapses)
+        return TableCurve(definition, options, shape, rows.nodes, certificate, values["rtol"], made_for, collapses, knots)
+
+    bulk, contact = NO_YIELD, values["contact"]
+    if values.get("yield_area", math.inf) < file.loading.nodes.curve()[1][-1]:
+        bulk = BulkYield(values["yield_area"], values["yield_area_slope"] / 0.75)
+    loading = curve("", file.loading, collapses, bulk)
+    unloading = Unloading(rule)
+    if file.unloading is not None:
+        unloading = Unloading(rule, curve(UNLOADING, file.unloading, collapses, floor=loading.floor), contact)
+    elif rule.curve == "law" and rule.name != values.get("rule"):
+        unloading = Unloading(rule, beside=loading.numbers_beside(rule, [values[key] for key in rule.keys]))
+    return contact, loading, loading.with_unloading(contact, unloading) if unloading.curve is None else unloading
+
+
+def _about(definition):
+    return "; ".join(filter(None, (definition.description, definition.equation)))
+
+
+def _definition(file, rule, prefix, collapses):
+    """`Definition` of a file's law, or of a law that is not installed, as the file describes it."""
+    name, header = file.values[f"{prefix}law"], file.header
+    if "rule" in file.values:
+        return find(name)
+    own = (rule,) if rule.curve == "law" else ()
+    try:
+        definition = find(name)
+    except DemlawsError:
+        return definition_of_table(
+            name,
+            header.get(f"{prefix}source", ""),
+            header.get(f"{prefix}description", ""),
+            "radius" if file.values["length_over_radius"] > 0.0 else "roughness",
+            collapses,
+            rules=own,
+        )
+    return definition if rule.name in definition.offered() else definition._replace(rules=own, refused={})
+
+
+def definition_of_table(name: str, source: str, description: str, length: str, collapses: bool, **facts: Any) -> Definition:
+    """`Definition` of a law that is known from its table only."""
+    return Definition(
+        name=name,
+        prepare=_not_here,
+        equation="",
+        source=source,
+        description=description,
+        limits=no_limits,
+        length=length,
+        collapses=collapses,
+        **facts,
+    )
+
+
+def _not_here(contact, **options):
+    raise DemlawsError("this law is known from a table only: it cannot be made for another contact")
+
+
+def _rule(file, path):
+    """`Rule` of a file; a user-defined rule is that of the law, which must be registered here as when it was written."""
+    values = file.values
+    if "rule" not in values:
+        return text.rules()[values["unloading"]]
+    definition = registry().get(values["law"])
+    rule = None if definition is None else definition.offered().get(values["rule"])
+    if rule is None:
+        raise DemlawsError(
+            f"{path}: its rule {values['rule']!r} comes with law {values['law']!r}, which is not registered here: name its "
+            "file (--laws FILE.py, dl.load_laws)"
+        )
+    if file.header.get("rule_source", "-") not in ("-", mark(definition)):
+        raise DemlawsError(
+            f"{path}: law {values['law']!r} was another when the table was written: take that file of laws, or write it again"
+        )
+    return rule
+
+
+def _knots(line, path):
+    try:
+        return None if line is None else Knots.from_text(line)
+    except (ValueError, KeyError, TypeError):
+        raise DemlawsError(f"{path}: the line 'points' does not hold the points of a table") from None

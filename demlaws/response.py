@@ -1,0 +1,336 @@
+"""What contacts respond to overlaps: forces, stiffnesses, energies, paths and batches of a bound law."""
+
+import math
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from demlaws.batch import PIECE, State, in_threads, writable
+from demlaws.contact import Contact
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follow_loop, inverse_loop, unloaded_loop
+from demlaws.core.params import first_loading, loading_part, map_leaves
+from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
+from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
+
+
+class Path(NamedTuple):
+    """What one contact does along a path: arrays with one entry an overlap, SI units.
+
+    plastic_overlap is NaN where a law's own rule remembers no quantity of that name. stored and dissipated [J] are the
+    contact's: where the path goes on from a state, what was done to it before since it last closed is in them, too.
+    """
+
+    overlap: np.ndarray
+    force: np.ndarray
+    stiffness: np.ndarray
+    maximum_overlap: np.ndarray
+    plastic_overlap: np.ndarray
+    stored: np.ndarray
+    dissipated: np.ndarray
+
+    @property
+    def work(self) -> np.ndarray:
+        """Work done on the contact [J], ∫P dδ, exact between the points of the path: from virgin, or from where a contact whose
+        state was given last closed; of a part of a path take the difference of two entries."""
+        return self.stored + self.dissipated
+
+
+class Response:
+    """Methods of `Law` that evaluate compiled loops: they check input, keep units and shapes, and raise errors."""
+
+    contact: Contact
+    curve: Any  # of first loading
+    unloads: Any  # `Unloading`
+    unloading_law: Any
+    params: Any
+    rule: Any  # tag of the unloading rule
+    state_names: tuple
+    state_size: int
+    definition: Any
+    options: dict
+    name: str
+    unloading: str
+    _warned: set
+    _limits: Any
+    _end: Any
+
+    # --- first loading
+
+    def _shaped(self, value, name, unit):
+        try:
+            array = np.asarray(unmasked(value))
+            if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
+                raise TypeError
+            array = array.astype(float, copy=False)
+        except (TypeError, ValueError):
+            raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
+        if not np.all(np.isfinite(array)):
+            raise DemlawsError(f"{name} contains {array[~np.isfinite(array)].flat[0]} {unit}: give finite values")
+        size = self.contact.size
+        if size is not None:
+            try:
+                array = np.broadcast_to(array, (size,))
+            except ValueError:
+                raise DemlawsError(
+                    f"{name} has shape {array.shape}, but the law holds {size} contacts: one entry each"
+                ) from None
+        # a copy where it may not be written to: loops would be compiled once more for that
+        return np.require(array, requirements="CW"), array.shape
+
+    def _both(self, overlap):
+        values, shape = self._shaped(overlap, "overlap", "m")
+        self._check_range(values)
+        force, stiffness = np.empty(values.size), np.empty(values.size)
+        finite = first_loading(self.params, values.ravel(), force, stiffness)
+        if not finite:
+            raise DemlawsError(self._out_of_range(float(values.max())))
+        self._advise(force)
+        return force.reshape(shape), stiffness.reshape(shape)
+
+    def _out_of_range(self, overlap):
+        radius = float(np.max(self.contact.radius))
+        text = f"overlap up to {overlap:g} m gives a force that is not finite: the contact's radius is {radius:g} m"
+        end = self._largest_unloading_force()
+        return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
+
+    def force(self, overlap: ArrayLike) -> float | np.ndarray:
+        """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
+        return as_given(self._both(overlap)[0])
+
+    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
+        """Tangent stiffness K = dP/dδ [N/m] of first loading at `overlap` [m]; 0 at δ ≤ 0."""
+        return as_given(self._both(overlap)[1])
+
+    def overlap(self, force: ArrayLike) -> float | np.ndarray:
+        """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
+        values, shape = self._shaped(force, "force", "N")
+        result = np.empty(values.size)
+        inverse_loop(loading_part(self.params), values.ravel(), result)
+        if not np.all(np.isfinite(result)):
+            raise DemlawsError(self._force_out_of_range(float(values.max())))
+        self._check_range(result.reshape(shape))
+        self._advise(values)
+        return as_given(result.reshape(shape))
+
+    def _force_out_of_range(self, force):
+        return f"force up to {force:g} N has no finite overlap"
+
+    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
+        """Work ∫P dδ [J] of first loading to `overlap` [m]."""
+        values, shape = self._shaped(overlap, "overlap", "m")
+        self._check_range(values)
+        result = np.empty(values.size)
+        energy_loop(loading_part(self.params), values.ravel(), result)
+        return as_given(result.reshape(shape))
+
+    # --- history
+
+    def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> State:
+        """State of n virgin contacts (n: the contact's own size, or 1), kept as float64 or float32."""
+        return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
+
+    def evaluate(
+        self,
+        overlap: np.ndarray,
+        state: State | None = None,
+        out: tuple[np.ndarray, np.ndarray] | None = None,
+        parallel: bool = False,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Force [N] and tangent stiffness [N/m] of a batch of contacts; `state` is updated in place.
+
+        overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
+        `new_state` returned (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
+        spares the time that new memory takes; parallel=True: one thread a core where there are more than 131,072 contacts,
+        since fewer take longer so. The overlaps are looked at in the loop only. One that is NaN, infinite, beyond the
+        contact's effective radius or beyond a table's range raises DemlawsError after it: that contact's force is not
+        finite, its history is as it was; all others are good. Overlaps
+        beyond a tenth of the radius give one warning.
+        """
+        if type(overlap) is not np.ndarray:
+            overlap = np.asarray(unmasked(overlap))
+        if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
+            raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
+        n = overlap.size
+        if self.contact.size not in (None, n):
+            raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
+        arrays = self._arrays_of(state, n)
+        force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else writable(out, overlap, arrays)
+        ends, (lowest, most) = self._ends()
+
+        def part(piece):
+            states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
+            return batch_loop(self.rule, params, overlap[piece], states, (lowest,), (most,), force[piece], stiffness[piece])
+
+        good = all(in_threads(part, n)) if parallel and n >= 16 * PIECE else part(slice(None))
+        if not good and arrays and self.contact.size is not None:
+            self._answer_between_ends(overlap, ends, arrays, force, stiffness)
+        if not good:
+            bad = np.flatnonzero(~np.isfinite(force) | ~(overlap <= ends))
+            if bad.size:
+                force[bad] = math.nan
+                where = f"contact {bad[0]}" if bad.size == 1 else f"contact {bad[0]} (one of {bad.size})"
+                raise DemlawsError(f"{where}: {self._why_not_finite(overlap[bad[0]], bad[0])}")
+            self._check_range(overlap)
+        return force, stiffness
+
+    def _answer_between_ends(self, overlap, ends, arrays, force, stiffness):
+        """Evaluate contacts beyond the lowest end of all but not beyond their own; their history is as it was before."""
+        again = np.flatnonzero(np.isnan(force) & (overlap <= ends))
+        states = tuple(array[again] for array in arrays)
+        results = np.empty(again.size, force.dtype), np.empty(again.size, stiffness.dtype)
+        batch_loop(self.rule, self._params_of(again), overlap[again], states, UNBOUNDED, FINITE, *results)
+        for array, values in zip((force, stiffness, *arrays), (*results, *states), strict=True):
+            array[again] = values
+
+    def _params_of(self, piece):
+        """Params of some of the contacts."""
+        return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
+
+    def _ends(self):
+        """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
+        its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
+        if self._end is None:
+            radius = np.asarray(self.contact.radius)
+            end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
+            small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
+            most, stiffness = small.copy(), np.empty(small.size)
+            if self.state_size:
+                first_loading(self.params, small, most, stiffness)
+            self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE[0])))
+        return self._end
+
+    def _largest_unloading_force(self):
+        """Force [N] at the end of the unloading curve."""
+        return math.inf if self.unloading_law is None else self.unloading_law.largest_force
+
+    def _curve_end(self):
+        """Overlap [m] at which the curve ends, or its unloading curve in force; one number or one per contact."""
+        params, force = loading_part(self.params), self._largest_unloading_force()
+        end = self.curve.end(params)
+        if force == math.inf:
+            return end
+        result = np.empty(self.contact.size or 1)
+        inverse_loop(params, np.full(result.size, force), result)
+        result[np.isnan(result)] = math.inf
+        return np.minimum(end, result if self.contact.size is not None else float(result[0]))
+
+    def _arrays_of(self, state, n):
+        """The arrays of a batch's state, checked."""
+        if state is not None and not isinstance(state, State):
+            raise DemlawsError(f"state must be what law.new_state({n}) returns, got {state!r}")
+        names = () if state is None else state.names
+        if names != self.state_names:
+            given = "" if state is None else f"; this one has {', '.join(names) or 'no quantities'}"
+            raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns{given}")
+        arrays = () if state is None else state.arrays
+        if any(array.size != n for array in arrays):
+            raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
+        return arrays
+
+    def _why_not_finite(self, overlap, index):
+        overlap, radius = float(overlap), float(np.broadcast_to(self.contact.radius, self.contact.size or index + 1)[index])
+        if not math.isfinite(overlap):
+            return f"overlap is {overlap:g} m: give finite values"
+        if overlap > radius:
+            try:
+                check_overlaps(overlap, radius)
+            except DemlawsError as error:
+                return str(error)
+        return self._out_of_range(overlap)
+
+    def _check_range(self, overlap):
+        """Refuse overlaps beyond R, and warn once of those beyond a tenth of it."""
+        text = check_overlaps(overlap, self.contact.radius)
+        if text is not None and "large overlap" not in self._warned:
+            self._warned.add("large overlap")
+            warnings.warn(f"{self.name}: {text}", LargeOverlap, stacklevel=4)
+
+    def single_params(self) -> tuple:
+        """Params of the one contact; DemlawsError where the law holds an array of contacts."""
+        if self.contact.size is not None:
+            raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
+        return self.params
+
+    def follow(self, overlap: ArrayLike, state: State | None = None) -> Path:
+        """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
+        self.single_params()
+        values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
+        if values.ndim != 1:
+            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
+        self._check_range(values)
+        state = self.new_state(1) if state is None else state
+        self._arrays_of(state, 1)
+        columns = [np.empty(values.size) for _ in range(4)]
+        history = tuple(np.zeros(values.size) for _ in self.state_names)
+        follow_loop(self.rule, self.single_params(), values, state.arrays, history, *columns)
+        force, stiffness, stored, dissipated = columns
+        if not np.all(np.isfinite(force)):
+            raise DemlawsError(self._out_of_range(float(values.max())))
+        self._advise(force)
+        known = dict(zip(self.state_names, history, strict=True))
+        maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
+        plastic = known.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
+        return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
+
+    def shear_stiffness(
+        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: State | None = None
+    ) -> float | np.ndarray:
+        """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
+
+        K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
+        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now, or "loading", that of first
+        loading at the force carried now (docs/shear.md).
+        """
+        if shear not in CHOICES:
+            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
+        ratio = number(ratio, "ratio")
+        self.single_params()
+        values, shape = self._shaped(overlap, "overlap", "m")
+        if values.ndim > 1:
+            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
+        self._check_range(values)
+        state = self.new_state(1) if state is None else state
+        arrays = self._arrays_of(state, 1)
+        result = np.empty(values.size)
+        shear_loop(CHOICES[shear].tag, self.rule, self.single_params(), values.ravel(), arrays, result)
+        if not np.all(np.isfinite(result)):
+            raise DemlawsError(self._out_of_range(float(values.max())))
+        return as_given(ratio * result.reshape(shape))
+
+    def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
+        """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
+        values, shape = self._shaped(force, "force", "N")
+        result = np.empty(values.size)
+        states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
+        unloaded_loop(self.rule, self.single_params(), values.ravel(), states, result)
+        return as_given(result.reshape(shape))
+
+    # --- range
+
+    def limits(self) -> list:
+        """The ranges of force [N] in which the law's source supports it, each with its reason."""
+        if self._limits is None:
+            self._limits = self.definition.limits(self.contact, **self.options)
+        return self._limits
+
+    def _advise(self, force):
+        touching = force[force > 0.0] if np.ndim(force) else force
+        largest, smallest = float(np.max(touching, initial=0.0)), float(np.min(touching, initial=math.inf))
+        for limit in self.limits():
+            if limit.reason in self._warned:
+                continue
+            if largest > limit.maximum_force:
+                range_left = f"above {limit.maximum_force:.3g} N"
+            elif smallest < limit.minimum_force:
+                range_left = f"below {limit.minimum_force:.3g} N"
+            else:
+                continue
+            self._warned.add(limit.reason)
+            warnings.warn(f"{self.name} {range_left}: {limit.reason}", ValidityWarning, stacklevel=3)
+
+
+def as_given(array):
+    return float(array) if array.ndim == 0 else array

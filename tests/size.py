@@ -1,0 +1,119 @@
+"""`make size`: how heavy the package is, as printed on the first screen of CONTRIBUTING.
+
+    python tests/size.py
+
+Lines are those of files that git knows; the wheel's kB are its Python files.
+"""
+
+import ast
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from test_boundaries import STRINGS, circles, import_graph
+
+ROOT = Path(__file__).resolve().parents[1]
+PACKAGE = ROOT / "demlaws"
+LONGEST = 600
+
+SCRIPT = """
+import json, sys, yade
+
+def entry_points():
+    places = {"yade": yade, "wrapper": yade.wrapper}
+    places |= {name: value for name, value in vars(yade.wrapper).items() if isinstance(value, type)}
+    return {f"{place}.{name}": id(value) for place, owner in places.items() for name, value in vars(owner).items()}
+
+before = entry_points()
+import demlaws as dl
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
+surface = dl.Surface(roughness=2.4e-6, fractal_dimension=2.2, hardness=6.27e9)
+O.materials.append(FrictMat(young=60e9, poisson=0.25, density=2680, label="granite"))
+O.bodies.append([sphere((0, 0, 0), 0.01, fixed=True), sphere((0, 0, 0.02), 0.01)])
+law = Law2_ScGeom_MindlinPhys_Demlaws("pohrt-popov", "hertz", {"granite": surface})
+O.engines = engines(law)
+O.dt = 1e-7
+O.run(10, True)
+after = entry_points()
+loaded = [m.__file__ for name, m in list(sys.modules.items()) if name.partition(".")[0] == "demlaws" and m.__file__]
+found = {"loaded": loaded, "wrapped": [name for name in before if after.get(name) != before[name]]}
+open(sys.argv[-1], "w").write(json.dumps(found))
+"""
+"""A YADE script with one law: what it loads of demlaws, and which entry points of YADE are replaced."""
+
+
+def files(*patterns):
+    """Paths of files that git knows."""
+    text = subprocess.run(["git", "ls-files", "--", *patterns], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return [ROOT / line for line in text.splitlines() if (ROOT / line).is_file()]
+
+
+def lines(paths):
+    """Lines of all the files."""
+    return sum(path.read_bytes().count(b"\n") for path in paths)
+
+
+def calls(paths, name):
+    """Files that call the built-in function `name`."""
+    return [
+        path
+        for path in paths
+        if any(
+            isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name
+            for node in ast.walk(ast.parse(path.read_text()))
+        )
+    ]
+
+
+def under_yade():
+    """(modules that the script loads, their lines, replaced entry points), or dashes without YADE."""
+    from demlaws.errors import DemlawsError
+    from demlaws.yade.run import command, environment
+
+    with tempfile.TemporaryDirectory() as folder:
+        script, answer = Path(folder) / "script.py", Path(folder) / "found.json"
+        script.write_text(SCRIPT)
+        try:
+            done = subprocess.run(command(script, [answer]), env=environment(), capture_output=True, text=True, cwd=folder)
+        except DemlawsError as error:
+            print(f"without YADE: {error}", file=sys.stderr)
+            return "-", "-", "-"
+        if not answer.is_file():
+            raise SystemExit(f"YADE stopped: {done.stdout[-300:]}{done.stderr[-300:]}")
+        found = json.loads(answer.read_text())
+    return len(found["loaded"]), lines(map(Path, found["loaded"])), len(found["wrapped"])
+
+
+def figures():
+    """(what, figure, goal) of each line."""
+    wheel = files("demlaws/*.py")
+    source = files("*.cpp", "*.h")
+    groups = circles(import_graph(PACKAGE, lazy=STRINGS))
+    long = [path for path in wheel + files("studies/*.py") if lines([path]) > LONGEST]
+    modules, loaded, wrapped = under_yade()
+    return [
+        ("Python in the wheel: lines", lines(wheel), 20_000),
+        ("Python in the wheel: kB", round(sum(path.stat().st_size for path in wheel) / 1000), 900),
+        ("C++: lines", lines(path for path in source if "tests" not in path.parts), 4_200),
+        ("tests: lines of Python", lines(files("tests/*.py")), 16_000),
+        ("studies: lines of Python", lines(files("studies/*.py")), 8_000),
+        ("a YADE script with one law: modules", modules, 45),
+        ("a YADE script with one law: lines", loaded, 9_000),
+        ("circles of imports", len(groups), 0),
+        (f"files over {LONGEST} lines", len(long), 0),
+        ("replaced entry points of YADE", wrapped, 8),
+        ("files with exec", len(calls(wheel, "exec")), 1),
+    ]
+
+
+def main():
+    """Print the figures, and which of them are above their goal."""
+    for what, figure, goal in figures():
+        above = isinstance(figure, int) and figure > goal
+        print(f"{what:38}{figure:>9}   goal {goal:>6}{'   above' if above else ''}")
+
+
+if __name__ == "__main__":
+    main()
