@@ -10,7 +10,7 @@ from demlaws.cli.arguments import output
 from demlaws.errors import DemlawsError
 from demlaws.laws.registry import registry
 from demlaws.make import example as example_law
-from studies.shear import figure, gas
+from studies.shear import figure, gas, paths
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force")}
@@ -24,6 +24,7 @@ def parser():
         description="Tangential restitution of oblique impacts compared with measurements; energy of a closed gas.",
         **example(
             "  python -m studies.shear --figure shear.png\n"
+            "  python -m studies.shear --paths 1000\n"
             "  python -m studies.shear --gas liggghts --friction 0.3 1 100 --poisson 0 0.1 0.25 0.4"
         ),
     )
@@ -31,6 +32,7 @@ def parser():
     parser.add_argument("--friction", type=float, nargs="+", default=[100.0], help="coefficients, with --gas (default 100)")
     parser.add_argument("--poisson", type=float, nargs="+", default=[0.25], help="Poisson's ratios, with --gas (default 0.25)")
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
+    parser.add_argument("--paths", type=int, help="so many random paths of every law, rule and choice: work returned")
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
     return parser
@@ -40,6 +42,9 @@ def run(arguments):
     """Print what the arguments ask, by default the oblique impacts."""
     if arguments.gas:
         print_gas(arguments)
+        return
+    if arguments.paths:
+        print_paths(arguments.paths)
         return
     print("angle (degrees)     " + "".join(f"{angle:7.1f}" for angle in ANGLE) + "     rms")
     print("measured            " + "".join(f"{value:7.3f}" for value in MEASURED))
@@ -57,6 +62,15 @@ def cases():
                 yield name, rule, example_law(name, gas.CONTACT, rule)
             except DemlawsError:
                 continue
+
+
+def print_paths(count):
+    """A row per law and rule: the largest work returned in a step and the largest excess over Coulomb's limit."""
+    print(f"{count} paths: largest fall of the dissipated energy over the work, largest excess over Coulomb's limit")
+    for name, rule, law in tqdm(list(cases()), disable=not sys.stderr.isatty()):
+        for shear in ("elastic", "loading", "slip"):
+            result = paths.worst(law, shear, count)
+            print(f"{name}, {rule}, {shear}: {result.returned:.1e}, {result.excess:.1e}", flush=True)
 
 
 def print_gas(arguments):
