@@ -56,26 +56,28 @@ MUTATIONS = (
         "E* sum",
         "demlaws/contact.py",
         "modulus=1.0 / (1.0 / material1.plane_modulus + <<1.0 -> 1.02>> / material2.plane_modulus)",
-        tests="test_contact.py",
+        tests="tests/test_contact.py",
     ),
     _m(
         "plane modulus 1 - ν²",
         "demlaws/contact.py",
         "self.young / (1.0 - <<self.poisson**2 -> 1.02 * self.poisson**2>>)",
-        tests="test_contact.py",
+        tests="tests/test_contact.py",
     ),
-    _m("R sum", "demlaws/contact.py", "radius=1.0 / (1.0 / radius1 + <<1.0 -> 1.02>> / radius2)", tests="test_contact.py"),
+    _m(
+        "R sum", "demlaws/contact.py", "radius=1.0 / (1.0 / radius1 + <<1.0 -> 1.02>> / radius2)", tests="tests/test_contact.py"
+    ),
     _m(
         "σ sum",
         "demlaws/contact.py",
         "roughness=np.hypot(roughness1, <<roughness2 -> 1.02 * roughness2>>)",
-        tests="test_contact.py test_exactness.py",
+        tests="tests/test_contact.py test_exactness.py",
     ),
     _m(
         "α factor 16",
         "demlaws/contact.py",
         "self.roughness * (<<16.0 -> 16.32>> * self.radius",
-        tests="test_contact.py test_hertz.py",
+        tests="tests/test_contact.py test_hertz.py",
     ),
     # --- Hertz
     _m("hertz coefficient 4/3", "core/hertz.py", "return <<4.0 -> 4.08>> * modulus * sqrt(radius) / 3.0", tests=HERTZ),
@@ -167,31 +169,31 @@ MUTATIONS = (
         "asperity K_ν 0.4645",
         "solvers/*.py",
         "return <<0.4645 -> 0.4738>> + 0.3141 * poisson",
-        tests="test_patches.py test_exactness.py -k 'yield or residual'",
+        tests="solvers/test_contact.py test_exactness.py -k 'yield or residual'",
     ),
     _m(
         "asperity elastic force 4√2/3",
         "solvers/*.py",
         "elastic_force = <<4.0 -> 4.08>> * math.sqrt(2.0) / 3.0 * p.modulus",
-        tests="test_patches.py -k circular",
+        tests="solvers/test_contact.py -k circular",
     ),
     _m(
         "asperity first yield π²/2",
         "solvers/*.py",
         "first = <<0.5 -> 0.51>> * math.pi * math.pi * mean_radius",
-        tests="test_patches.py -k 'yield or joints'",
+        tests="solvers/test_contact.py -k 'yield or joints'",
     ),
     _m(
         "asperity plastic area 2π",
         "solvers/*.py",
         "plastic_area = <<2.0 -> 2.04>> * math.pi * geometric_radius",
-        tests="test_patches.py -k 'yield or joints'",
+        tests="solvers/test_contact.py -k 'yield or joints'",
     ),
     _m(
         "asperity area between yield and flow",
         "solvers/*.py",
         "x * x * (<<3.0 - 2.0 -> 3.06 - 2.06>> * x)",
-        tests="test_patches.py test_exactness.py -k 'yield or joints or residual'",
+        tests="solvers/test_contact.py test_exactness.py -k 'yield or joints or residual'",
     ),
     # --- plastic spheres
     _m(
@@ -258,6 +260,19 @@ MUTATIONS = (
         tests=PLASTIC.format("jackson-green"),
     ),
     _m("jackson-green radius 1.9", "laws/jackson_green.py", "_YIELD = <<1.9 -> 1.938>>", tests=PLASTIC.format("jackson-green")),
+    _m(
+        "jackson-green exponent 5/12",
+        "laws/jackson_green.py",
+        "bulk = exp2(<<(5.0 / 12.0) -> 0.425>> * logarithm)",
+        tests=PLASTIC.format("jackson-green"),
+    ),
+    _m(
+        "jackson-green exponent 0.7",
+        "laws/jackson_green.py",
+        "exp2(<<-0.7 -> -0.714>> * (p.radius_logarithm",
+        tests=PLASTIC.format("jackson-green"),
+    ),
+    _m("conical-damage energy", "laws/conical_damage.py", "x * x / <<3.0 -> 3.06>>", tests=PLASTIC.format("conical-damage")),
     # --- unloading rules and shear
     _m(
         "rule hertz radius + 6 %",
@@ -294,6 +309,18 @@ MUTATIONS = (
         "max(unload, 1.0) ** <<(1.0 / 3.0) -> 0.34>>",
         tests="test_shear.py test_exactness.py",
     ),
+    _m(
+        "YADE shear limiter exponent 1/3",
+        "yade/*.py",
+        "fall * (<<cbrt(more) -> more ** 0.34>> if more > 1.0",
+        tests="test_yade_shear.py",
+    ),
+    _m(
+        "softening of roughness 2/3",
+        "*.py",
+        'Contact: {"radius": 0.0, "modulus": -1.0, "roughness": <<2 / 3 -> 1 / 3>>',
+        tests="test_soften.py",
+    ),
     # --- tables
     _m(
         "table stiffness",
@@ -319,6 +346,36 @@ MUTATIONS = (
         "return <<1.5 -> 1.53>> * now.force / recoverable",
         tests="test_golden_tables.py",
     ),
+    _m(
+        "table energy below the first row",
+        "core/grid.py",
+        "u[0] / (<<1.5 -> 1.53>> * exponent + 1.0)",
+        tests="test_table.py -k energy",
+    ),
+    _m(
+        "table contact radius of rule etsion",
+        "laws/etsion.py",
+        "exp2(<<p.power -> 1.02 * p.power>> * log2(ratio",
+        tests="test_table.py test_golden_tables.py -k 'etsion or jackson or kogut'",
+    ),
+    _m(
+        "C++ unloading energy 8/15",
+        "cpp/demlaws_table.h",
+        "hertz = (<<8. -> 8.16>> / 15.) * pair.modulus",
+        tests="test_table_header.py",
+    ),
+    _m(
+        "C++ eepa energy",
+        "cpp/demlaws_table.h",
+        "a * a * (2. * a + <<4. -> 4.08>> * b)",
+        tests="test_table_header.py test_golden_tables.py",
+    ),
+    _m(
+        "C++ contact area after yield",
+        "cpp/demlaws_table.h",
+        "sqrt(yield_s_)) * <<yield_area_slope_ -> 1.02 * yield_area_slope_>>;",
+        tests="test_table_header.py test_golden_tables.py",
+    ),
     # --- criterion and time step
     _m(
         "criterion p0 factor 6",
@@ -332,14 +389,55 @@ MUTATIONS = (
         "-np.expm1(-2.0 / (3.0 * alpha**<<0.6 -> 0.612>>))",
         tests="test_regime.py test_exactness.py",
     ),
+    _m(
+        "criterion roughness of transition",
+        "*.py",
+        "np.minimum(share, 1.0)))) ** <<(1 / 0.6) -> (1 / 0.612)>>",
+        tests="test_regime.py",
+    ),
     _m("criterion p(0)/H_m 0.6", "*.py", "YIELD_RATIO = <<0.6 -> 0.612>>", tests="test_regime.py test_exactness.py"),
     _m(
-        "time-step factor 2/ω",
-        "*.py",
-        "return safety * <<2.0 -> 2.04>> * math.sqrt(mass / largest)",
-        tests="test_driver.py test_exactness.py -k timestep",
+        "time-step limit of a pair",
+        "timestep.py",
+        "return <<2.0 -> 2.04>> / math.sqrt(stiffness * (1.0 / mass1",
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
     ),
-    _m("STEP_SAFETY 0.8", "*.py", "STEP_SAFETY = <<0.8 -> 0.95>>", tests="test_driver.py test_exactness.py -k timestep"),
+    _m(
+        "time-step limit of a pair, 7/2",
+        "timestep.py",
+        "max(1.0, <<3.5 -> 3.57>> * ratio)",
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
+    ),
+    _m(
+        "time-step limit of a packing, 2/3",
+        "timestep.py",
+        "<<2.0 -> 2.04>> / 3.0 * contacts",
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
+    ),
+    _m(
+        "shear ratio of two materials",
+        "timestep.py",
+        "<<2.0 -> 2.04>> * (2.0 - m.poisson)",
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
+    ),
+    _m(
+        "Rayleigh step 0.8766",
+        "timestep.py",
+        "0.1631 * poisson + <<0.8766 -> 0.8941>>",
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
+    ),
+    _m(
+        "STEP_SAFETY 0.8",
+        "timestep.py",
+        'STEP_SAFETY = <<0.8 -> 0.95>> """Safety',
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
+    ),
+    _m(
+        "SOFTENING_SAFETY 0.56",
+        "timestep.py",
+        "SOFTENING_SAFETY = <<0.56 -> 0.5712>>",
+        tests="test_timestep.py test_exactness.py -k 'step or pair or shear_ratio'",
+    ),
     _m(
         "velocity Verlet ½",
         "*.py",
@@ -419,7 +517,7 @@ def arguments_of(tree, tests):
     """The arguments of pytest, with the path of every test file."""
     arguments = []
     for word in shlex.split(tests):
-        found = sorted((tree / "tests").rglob(word)) if word.endswith(".py") else [word]
+        found = [path for path in (tree / "tests").rglob("*.py") if path.match(word)] if word.endswith(".py") else [word]
         if len(found) != 1:
             raise LookupError(f"{len(found)} test files are called {word}")
         arguments.append(str(found[0]))

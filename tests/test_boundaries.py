@@ -217,7 +217,7 @@ FLOORS = (
     "errors lazy",
     "core files units",
     "contact criterion points soundness",
-    "materials surface",
+    "materials heightmap surface",
     "solvers",
     "laws",
     "regime defined unloading",

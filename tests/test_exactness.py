@@ -115,17 +115,43 @@ def test_shear_force_that_is_kept_when_the_load_falls():
 # --- time step
 
 
-def test_timestep_is_eight_tenths_of_the_linear_limit():
+def test_timestep_of_a_body_on_a_wall():
     """0.8 × 2/ω below the resonance of velocity Verlet at √3/2; 0.56 × 2/ω where the lossless tangent falls at a kink."""
-    mass, force = 2e-3, 50.0
+    mass, force, alone = 2e-3, 50.0, {"other_mass": float("inf"), "shear_ratio": 0.0}
     stiffness = mpmath.cbrt(6 * mpf(force) * mpf(GRANITE.radius) * mpf(GRANITE.modulus) ** 2)
     limit = float(2 * mpmath.sqrt(mpf(mass) / stiffness))
-    assert dl.timestep(dl.law("hertz", GRANITE), mass, force) == pytest.approx(0.8 * limit, rel=1e-9)
-    crushed = {"strength": 1.66e9, "angle": 1.2}
+    assert dl.timestep(dl.law("hertz", GRANITE), mass, force, **alone) == pytest.approx(0.8 * limit, rel=1e-9)
     exact = REFERENCES["conical-damage"](GRANITE.radius, GRANITE.modulus, 1.66e9, 1.2)
     limit = float(2 * mpmath.sqrt(mpf(mass) / HERTZ.stiffness(exact.kinks[0])))
-    step = dl.timestep(dl.law("conical-damage", GRANITE, "elastic", **crushed), mass, 4.0 * float(exact.force(exact.kinks[0])))
+    law = dl.law("conical-damage", GRANITE, "elastic", strength=1.66e9, angle=1.2)
+    step = dl.timestep(law, mass, 4.0 * float(exact.force(exact.kinks[0])), **alone)
     assert step == pytest.approx(0.56 * limit, rel=1e-6)
+
+
+@pytest.mark.parametrize("ratio", [0.2, 6 / 7])
+def test_estimates_of_the_time_step(ratio):
+    """2/ω, ω² = 2/3 (Z + 4) ((1 + 1/s)/2)² max(1 + 2r, 5r) K/m; Rayleigh's π R √(ρ/G)/(0.1631 ν + 0.8766)."""
+    from demlaws.timestep import packing_limit, rayleigh_step
+
+    for coordination, size in ((6.0, 1.0), (4.5, 1.7)):
+        r, z, s = map(mpf, (ratio, coordination, size))
+        square = mpf(2) / 3 * (z + 4) * ((1 + 1 / s) / 2) ** 2 * max(1 + 2 * r, 5 * r) * mpf(1e6) / mpf(1e-3)
+        found = packing_limit(1e6, 1e-3, coordination, ratio, size)
+        assert found == pytest.approx(float(2 / mpmath.sqrt(square)), rel=1e-14)
+    shear = mpf(60e9) / 2 / (1 + mpf(0.25))
+    wave = mp.pi * mpf(2e-3) * mpmath.sqrt(2650 / shear) / (mpf("0.1631") * mpf(0.25) + mpf("0.8766"))
+    assert rayleigh_step(2e-3, 2650.0, 60e9, 0.25) == pytest.approx(float(wave), rel=1e-14)
+
+
+def test_shear_ratio_of_two_materials():
+    """4 G*/E*, 1/G* = Σ 2 (2 - ν)(1 + ν)/E, 1/E* = Σ (1 - ν²)/E (Mindlin 1949); 2(1 - ν)/(2 - ν) for one material."""
+    from demlaws.timestep import shear_ratio
+
+    bodies = ((70e9, 0.2), (3e9, 0.4))
+    exact = [(mpf(e), mpf(v)) for e, v in bodies]
+    wanted = 4 * sum((1 - v**2) / e for e, v in exact) / sum(2 * (2 - v) * (1 + v) / e for e, v in exact)
+    assert shear_ratio(*(dl.Material(*body) for body in bodies)) == pytest.approx(float(wanted), rel=1e-14)
+    assert shear_ratio(*2 * [dl.Material(1e9, 0.25)]) == pytest.approx(6 / 7, rel=1e-14)
 
 
 # --- asperities of a measured map
@@ -143,7 +169,8 @@ def test_sphere_between_yield_and_flow(poisson):
     first = (mp.pi * factor * hardness / (2 * modulus)) ** 2 * radius
     full = first * mpf(ratio) / 2
     times = np.array([0.5, 1.5, 5.0, 30.0, 79.0, 100.0])
-    found = ellipsoid.ellipsoids(material, float(radius), float(radius), float(first) * times)
+    radii = np.full(times.size, float(radius))
+    found = ellipsoid.ellipsoids(material, radii, radii, float(first) * times)
     np.testing.assert_allclose(found.first_yield, float(first), rtol=1e-13)
     np.testing.assert_allclose(found.full_plasticity, float(full), rtol=1e-13)
     for i in range(times.size):

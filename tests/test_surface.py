@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import demlaws as dl
-from demlaws import surface
+from demlaws import heightmap, surface
 from demlaws.surface import HeightMap, self_affine
 
 
@@ -41,7 +41,7 @@ def test_form_of_its_order_is_removed_and_nothing_else(order, seed, holes):
 def test_blocks_of_rows_give_the_same_fit(monkeypatch):
     heights = self_affine((300, 200), 1e-6, 0.8, 1e-6, 3)
     whole = heights.without_form(3).heights
-    monkeypatch.setattr(surface, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
+    monkeypatch.setattr(heightmap, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
     np.testing.assert_allclose(heights.without_form(3).heights, whole, atol=1e-18)
 
 
@@ -116,7 +116,15 @@ def test_a_map_becomes_a_surface_for_every_law():
     assert found.roughness == pytest.approx(2.4e-6) and found.hardness == 6e9
     assert found.fractal_dimension == pytest.approx(2.22, abs=0.05)
     granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
-    pair = heights.contact(granite, granite, radius1=8e-3, radius2=9e-3, roughness1=1e-6)
+    pair = dl.Contact.between(
+        granite,
+        granite,
+        radius1=8e-3,
+        radius2=9e-3,
+        roughness1=1e-6,
+        roughness2=found.roughness,
+        fractal_dimension=found.fractal_dimension,
+    )
     assert pair.roughness == pytest.approx(math.hypot(2.4e-6, 1e-6))
     for name in ("hertz", "rms", "pohrt-popov", "bahrami"):
         assert dl.law(name, pair).overlap(15.0) > 0

@@ -72,8 +72,8 @@ class Choice:
     error: float  # bound of the scene's quantity over its contacts and loads, against the reference
     mean_error: float  # over the load distribution
     ns: float  # per contact and evaluation, kept from `make trade`; on another machine the ratios are similar
-    step_factor: float  # stable time step over the reference's
-    step: float  # stable time step of the scene [s]
+    step_factor: float  # time step over the reference's
+    step: float  # safe time step of the scene [s], `stable_step`
     state_bytes: int  # a contact
     table_rows: int
     left_out: tuple  # (what, error that it costs)
@@ -142,7 +142,7 @@ class Choice:
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
     def script(self, table: str = "law.tbl", dt: float | None = None) -> str:
-        """The lines that put this choice into the scene's engine; dt: time step [s], if not the stable one."""
+        """The lines that put this choice into the scene's engine; dt: time step [s], if not `step`."""
         dt = self.step if dt is None else dt
         plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
         options = "".join(f", {k}={v!r}" for k, v in plain)
@@ -333,7 +333,7 @@ class _Judge:
         return _MARGIN * worst + _ROUNDING, mean
 
     def step(self, plan):
-        """Stable step [s] of the scene."""
+        """Safe step [s] of the scene."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
             return stable_step(self.scene, plan._replace(evaluation="closed form", rtol=0.0).bind)

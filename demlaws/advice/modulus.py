@@ -2,9 +2,9 @@
 
 Three causes, each with a measured curve [our derivation]: geometry, over x = overlap over diameter of the softened grains at
 the mean force; rate, over y = I √κ_K in an oedometer (too few waves cross the sample while it is loaded; κ_K = K/(p d), K the
-softened tangent at the mean force), over I in shear; and the time step, over its part of the stable one. Errors are those
-against the study's own runs: full modulus, I of `STEADY`, half the stable step. Below its first point a curve goes as its first
-two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says.
+softened tangent at the mean force), over I in shear; and the time step, over its part of the stability limit 2/ω_max. Errors
+are those against the study's own runs: full modulus, I of `STEADY`, a step of `STANDARD`. Below its first point a curve goes
+as its first two do; beyond the last one nothing is predicted. Roughness left alone costs what the law itself says.
 
 Where a process has no measured curve of the scene's quantity, full modulus and the literature's `QUASISTATIC` are all that is
 advised, and no error is predicted.
@@ -26,6 +26,7 @@ from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
 from demlaws.materials import DENSITY
+from demlaws.timestep import STEP_SAFETY
 from demlaws.units import number
 
 STIFFNESS = ("low", "loading", "unloading")
@@ -44,16 +45,22 @@ NAMES = {
 }
 FACTORS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 30.0, 50.0, 100.0)
 INERTIAL = tuple(float(f"{v:.2g}") for v in np.geomspace(1e-5, 1e-2, 25))
-PARTS = (0.5, 0.7)
-"""Parts of the stable step that are advised: at 0.9 grains vibrate however slow the loading (docs/trade.md)."""
+STUDY_STEP = 1.36
+"""The study's unit of time step over the stability limit: `from_contacts` on its packing in YADE, in the oedometer at the
+largest stress (1.3 before shear, 1.5 at its peak; 1.05 where the oedometer is unloaded)."""
+HALF = 0.5
+"""Time step of the study's own runs in its unit."""
+STANDARD = HALF * STUDY_STEP
+"""The same as a part of the stability limit."""
+PARTS = (STANDARD, STEP_SAFETY)
+"""Parts of the stability limit that are advised. In the study, with damping, 0.95 was accurate; at 1.2 grains vibrate however
+slow the loading (docs/trade.md)."""
 WAYS = tuple((factor, rate, part) for factor in FACTORS for rate in INERTIAL for part in PARTS)
-"""(factor, I, part of the stable step) of which the fastest that keeps the tolerance is advised."""
+"""(factor, I, part of the stability limit) of which the fastest within the tolerance is advised."""
 MARGIN = 1.15
 """By what the curve's error is multiplied for scenes that are unlike the study's."""
 STEADY = 3e-4
 """I of the study's own runs at full modulus."""
-HALF = 0.5
-"""Part of the stable step that the study's own runs take."""
 QUASISTATIC = 1e-3
 """I below which flow is called quasi-static (from there to 0.1 dense): Wikipedia, "Inertial number", after GDR MiDi 2004 and
 da Cruz et al. 2005 (as cited there and in J. Fluid Mech., "Constitutive relations for compressible granular flow in the
@@ -112,7 +119,7 @@ class Curves(NamedTuple):
     unbalanced: Curve  # unbalanced force over the mean force, over the same as `rate`
     rate: Curve | None = None  # over y, in shear over I, at full modulus; None: the process has no rate
     soft_rate: Curve | None = None  # the same of softer grains, against the same grains at `STEADY`
-    step: Curve | None = None  # over the part of the stable step, against half of it; None: no other was run
+    step: Curve | None = None  # over the step in the study's unit, against HALF; None: no other was run
 
 
 @functools.cache
@@ -155,8 +162,8 @@ class Advice(NamedTuple):
     left_alone: float  # what the error would be with σ, hardness and yield pressure left alone
     unbalanced: float  # predicted largest unbalanced force over the mean force while it moves
     what: str  # the packing's quantity that `error` is of
-    steps: float  # steps of the process over those at full modulus, I = STEADY and half the stable step
-    part: float  # of the stable step
+    steps: float  # steps of the process over those at full modulus, I = STEADY and a step of STANDARD
+    part: float  # of the stability limit
     scene: Scene  # softened
     dt: float  # time step [s]
 
@@ -173,17 +180,17 @@ class Advice(NamedTuple):
             first = "full modulus: what softer grains cost of this quantity in this process has not been measured"
         if self.factor != 1.0:
             first = (
-                f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), stable step × "
+                f"modulus / {self.factor:g} (σ, hardness, yield pressure scaled along: demlaws soften), time step × "
                 f"{scaled.step:.3g}"
             )
-        lines = [first, f"  time step {self.dt:.3g} s, {self.part:g} of the stable one"]
+        lines = [first, f"  time step {self.dt:.3g} s, {self.part:.2g} of the estimated stability limit"]
         numbers = f"κ_K = {n.kappa:.3g}, overlap/diameter {n.depth:.2g}"
         if self.scene.process != "pour":
             force = "" if self.unbalanced != self.unbalanced else f", unbalanced force up to {self.unbalanced:.2g} of the mean"
             numbers = f"strain rate up to {self.rate:.3g} 1/s (I = {self.inertial:.2g}{force}); {numbers}"
         to = {"oedometer": "to the stress", "pour": "of the fall"}.get(self.scene.process, "to a given strain")
         lines.append(f"  {numbers}")
-        lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and half the stable step")
+        lines.append(f"  steps {to} × {self.steps:.2g} of full modulus at I = {STEADY:g} and {STANDARD:.2g} of the limit")
         if not self.measured:
             return [*lines, f"  no error is predicted: I ≤ {QUASISTATIC:g} is the literature's bound of quasi-static loading"]
         causes = [(self.geometry, "geometry"), (self.waves, "rate"), (self.coarse, "time step")]
@@ -198,8 +205,8 @@ def _process(scene):
 
 
 def _steps(scene, factor, inertial, part):
-    """Steps over those at full modulus, STEADY and half the stable step."""
-    share = HALF / part / Softening(factor).step
+    """Steps over those at full modulus, STEADY and STANDARD."""
+    share = STANDARD / part / Softening(factor).step
     if scene.process == "pour":  # the time is given
         return share
     strain = Softening(factor).overlap if scene.process == "oedometer" else 1.0  # the stress is given, or the strain
@@ -228,10 +235,10 @@ def _errors(scene, factor, inertial, part, here):
         waves = 0.0
     else:
         waves = MARGIN * rates.at(place)
-    if part <= HALF:  # the study's own step, than which none is taken to be better
+    if part <= STANDARD * (1.0 + 1e-9):  # the study's own step, than which none is taken to be better
         coarse = 0.0
     else:
-        coarse = math.inf if found.step is None else MARGIN * found.step.at(part)
+        coarse = math.inf if found.step is None else MARGIN * found.step.at(part / STUDY_STEP)
     error = (1.0 + geometry) * (1.0 + waves) * (1.0 + coarse) - 1.0 + 2.0 * found.chance
     return {
         "geometry": geometry,
@@ -250,17 +257,17 @@ def predict(
     inertial: float = STEADY,
     law: str = USUAL,
     options: dict | None = None,
-    part: float = HALF,
+    part: float = STANDARD,
 ) -> Advice:
     """Predicted error of the scene's quantity with grains softer by `factor`, at inertial number `inertial`, in steps of `part`
-    of the stable one.
+    of the stability limit, which is estimated (`packing_limit`).
 
     The quantity is that of a packing under the scene's largest pressure. Raises DemlawsError without a pressure, for
     restitution, which is no packing's, or for a law that cannot be softened.
     """
     _check(scene)
     factor, inertial = number(factor, "factor"), number(inertial, "inertial number", "", 0.0, 1.0)
-    part, options = number(part, "part of the stable step", "", 0.0, 1.0), options or {}
+    part, options = number(part, "part of the stability limit", "", 0.0, 2.0), options or {}
     here = numbers_of(scene, law, options, factor, inertial)
 
     def bind(contact):
@@ -279,15 +286,15 @@ def predict(
         steps=_steps(scene, factor, inertial, part),
         part=part,
         scene=soften(scene, factor),
-        dt=part * stable,
+        dt=part / STEP_SAFETY * stable,
     )
 
 
 def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tuple = WAYS) -> Advice | None:
     """The factor, rate and time step of fewest steps whose predicted error is within the scene's tolerance, or None.
 
-    A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the stable step) to choose from. Where
-    the study has not measured the scene's quantity in its process, full modulus at the literature's bound of I.
+    A `rate` of the scene [1/s] is the fastest that is advised. ways: (factor, I, part of the limit) to choose from. Where the
+    study has not measured the scene's quantity in its process, full modulus at the literature's bound of I.
     """
     _check(scene)
     options = options or {}

@@ -20,7 +20,7 @@ COMMANDS = {
     "fit": ("fit", "fit laws to measured points and rank them"),
     "choose": ("choose", "the cheapest law that a scene allows"),
     "soften": ("soften", "softer grains that stay on their branch, for longer steps"),
-    "timestep": ("timestep", "the largest stable step of a snapshot's contacts"),
+    "timestep": ("timestep", "the largest stable time step of a snapshot"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
     "liggghts": ("engine", "the laws inside LIGGGHTS: build, check, export, run"),
     "lammps": ("engine", "the laws inside LAMMPS: build, check, export, run"),

@@ -43,7 +43,9 @@ def run(arguments):
     from demlaws.advice.errors import QUANTITIES
     from demlaws.advice.scene import TEMPLATE, Scene
     from demlaws.files import save_csv
+    from demlaws.materials import DENSITY
     from demlaws.plots import choose as plots_choose
+    from demlaws.timestep import STEP_SAFETY, rayleigh_step
 
     if arguments.template:
         print(TEMPLATE.read_text(encoding="utf-8"), end="")
@@ -107,7 +109,9 @@ def run(arguments):
             f"nothing meets the tolerance {scene.tolerance:g}: the best is {best.describe()} with {best.error:.2g}; "
             "ask for that, or give the reference's quantities (fractal dimension, hardness, yield pressure)"
         )
-    print(f"\nchosen: {best.describe()}, stable step {best.step:.3g} s")
+    rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, m.poisson) for m in scene.materials)
+    print(f"\nchosen: {best.describe()}")
+    print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
     for what, error in best.left_out:
         print(f"  left out: {what}: costs {error:.2g} in {scene.quantity}")
     if advice is not None:

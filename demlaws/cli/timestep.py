@@ -2,7 +2,6 @@
 
 import subprocess
 from pathlib import Path
-from typing import Any, NamedTuple
 
 from demlaws.cli import example
 from demlaws.cli.arguments import density
@@ -95,38 +94,24 @@ def _from_yade(arguments):
     return *arrays, found["rayleigh"], found["dt"]
 
 
-class _Frame(NamedTuple):
-    """Last frame of a dump."""
-
-    step: str
-    lengths: Any  # of the box where it is periodic, inf elsewhere [m]
-    columns: list
-    rows: Any
-
-    def get(self, name):
-        """A column, or None."""
-        return self.rows[:, self.columns.index(name)] if name in self.columns else None
-
-
 def _frame(path, what):
-    """The last frame of a dump of ATOMS or ENTRIES."""
+    """Last frame of a dump of ATOMS or ENTRIES: its step, the periodic lengths of its box (inf: not periodic), its columns."""
     import numpy as np
 
     from demlaws.files import read_text
 
     items = [item.splitlines() for item in read_text(path).split("ITEM: ")[1:]]
-    found = {lines[0].split()[0]: lines for lines in items if lines}
+    frame = {lines[0].split()[0]: lines for lines in items if lines}
     try:
-        step, head, box = found["TIMESTEP"][1].strip(), found[what][0].split()[1:], found["BOX"]
-        rows = np.array([line.split() for line in found[what][1:]], float).reshape(-1, len(head))
-        lengths = [float(b) - float(a) for a, b in (line.split() for line in box[1:4])]
-        count = int(found["NUMBER"][1])
+        names, box = frame[what][0].split()[1:], frame["BOX"]
+        rows = np.array([line.split() for line in frame[what][1:]], float).reshape(int(frame["NUMBER"][1]), len(names))
+        edges = [float(high) - float(low) for low, high in (line.split() for line in box[1:4])]
+        periodic = [word == "pp" for word in box[0].split()[-3:]]
+        return frame["TIMESTEP"][1].strip(), np.where(periodic, edges, np.inf), dict(zip(names, rows.T, strict=True))
     except (KeyError, IndexError, ValueError) as error:
-        raise DemlawsError(f"{path}: no whole frame of {what} in an orthogonal box ({error}); is it a text dump?") from error
-    if len(rows) != count:
-        raise DemlawsError(f"{path}: its last frame has {len(rows)} rows of {count}: the run was stopped while it wrote")
-    periodic = [word == "pp" for word in box[0].split()[-3:]]
-    return _Frame(step, np.where(periodic, lengths, np.inf), head, rows)
+        raise DemlawsError(
+            f"{path}: its end is no complete frame of {what} in an orthogonal box; is it a text dump, and has its run ended?"
+        ) from error
 
 
 def _from_dumps(arguments):
@@ -139,48 +124,38 @@ def _from_dumps(arguments):
         raise DemlawsError(
             "a dump of grains needs CONTACTS, the dump of their contacts, and --law with the contact's quantities"
         )
-    atoms, entries = _frame(arguments.snapshot, "ATOMS"), _frame(arguments.contacts, "ENTRIES")
-    if atoms.step != entries.step:
-        raise DemlawsError(f"{arguments.snapshot} is of step {atoms.step}, {arguments.contacts} of step {entries.step}")
-    centres = [atoms.get(name) for name in ("id", "x", "y", "z")]
-    radius = (
-        atoms.get("radius")
-        if "radius" in atoms.columns
-        else atoms.get("diameter") / 2.0
-        if "diameter" in atoms.columns
-        else None
-    )
-    if radius is None or any(column is None for column in centres):
-        raise DemlawsError(f"{arguments.snapshot}: columns id, x, y, z and radius are needed, it has {' '.join(atoms.columns)}")
-    mass = atoms.get("mass")
-    if mass is None:
-        each = atoms.get("density")
-        mass = (arguments.density if each is None else each) * 4.0 / 3.0 * np.pi * radius**3
-    columns = arguments.columns or LAYOUTS["index" if entries.columns[0] == "index" else "c_"]
-    if not 1 <= min(columns) <= max(columns) <= len(entries.columns):
-        names = " ".join(entries.columns)
-        raise DemlawsError(f"{arguments.contacts} has the columns {names}: name those of id1 id2 fx fy fz with --columns")
-    values = entries.rows[:, np.array(columns) - 1]
-    number = {int(name): place for place, name in enumerate(centres[0])}
+    step, lengths, atoms = _frame(arguments.snapshot, "ATOMS")
+    of_contacts, _, entries = _frame(arguments.contacts, "ENTRIES")
+    if step != of_contacts:
+        raise DemlawsError(f"{arguments.snapshot} is of step {step}, {arguments.contacts} of step {of_contacts}")
+    missing = [name for name in ("id", "x", "y", "z", "radius") if name not in atoms]
+    if missing:
+        raise DemlawsError(f"{arguments.snapshot} lacks the columns {', '.join(missing)}")
+    radius, centres = atoms["radius"], np.stack([atoms[axis] for axis in "xyz"], axis=1)
+    volume = 4.0 / 3.0 * np.pi * radius**3
+    mass = atoms["mass"] if "mass" in atoms else volume * atoms.get("density", arguments.density)
+    columns = arguments.columns or LAYOUTS["index" if "index" in entries else "c_"]
+    if not 1 <= min(columns) <= max(columns) <= len(entries):
+        raise DemlawsError(f"{arguments.contacts} has the columns {' '.join(entries)}: name those needed with --columns")
+    first, second, *force = (list(entries.values())[column - 1] for column in columns)
+    number = {int(name): place for place, name in enumerate(atoms["id"])}
     try:
-        pairs = np.array([[number[int(a)], number[int(b)]] for a, b in values[:, :2]]).reshape(-1, 2)
+        pairs = np.array([(number[int(a)], number[int(b)]) for a, b in zip(first, second, strict=True)]).reshape(-1, 2)
     except KeyError as error:
-        raise DemlawsError(
-            f"{arguments.contacts}: a contact of grain {error}, which {arguments.snapshot} does not have"
-        ) from error
-    between = np.stack(centres[1:], axis=1)[pairs[:, 0]] - np.stack(centres[1:], axis=1)[pairs[:, 1]]
-    between -= np.where(np.isinf(atoms.lengths), 0.0, atoms.lengths) * np.round(between / atoms.lengths)
+        raise DemlawsError(f"{arguments.contacts}: grain {error} is not in {arguments.snapshot}; check --columns") from error
+    between = centres[pairs[:, 0]] - centres[pairs[:, 1]]
+    between -= np.where(np.isinf(lengths), 0.0, lengths) * np.round(between / lengths)
     distance = np.linalg.norm(between, axis=1)
     if np.any(np.abs(distance / radius[pairs].sum(axis=1) - 1.0) > 0.5):
-        raise DemlawsError(f"{arguments.contacts}: grains far apart are in contact; check --columns, or give both of one frame")
+        raise DemlawsError(f"{arguments.contacts}: grains in contact are far apart or one and the same; check --columns")
     normals = between / distance[:, None]
-    force = np.abs(np.sum(normals * values[:, 2:], axis=1))
+    force = np.abs(np.sum(normals * np.stack(force, axis=1), axis=1))
     pairs, normals, force = (array[force > 0.0] for array in (pairs, normals, force))
-    ratio = 1.0 if arguments.poisson is None else 2.0 * (1.0 - arguments.poisson) / (2.0 - arguments.poisson)
-    rayleigh = None
-    if arguments.young is not None and arguments.poisson is not None:
-        each = mass / (4.0 / 3.0 * np.pi * radius**3)
-        rayleigh = min(rayleigh_step(r, d, arguments.young, arguments.poisson) for r, d in {*zip(radius, each, strict=True)})
+    ratio, rayleigh = 1.0, None
+    if arguments.poisson is not None and arguments.young is not None:
+        ratio = 2.0 * (1.0 - arguments.poisson) / (2.0 - arguments.poisson)
+        kinds = set(zip(radius, mass / volume, strict=True))
+        rayleigh = min(rayleigh_step(r, density, arguments.young, arguments.poisson) for r, density in kinds)
     stiffness = _stiffness(arguments, 1.0 / np.sum(1.0 / radius[pairs], axis=1), force) if len(pairs) else force
     return pairs, normals, np.stack([stiffness, ratio * stiffness], axis=1), mass, rayleigh, None
 

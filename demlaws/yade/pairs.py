@@ -28,7 +28,6 @@ _MAP = "height map"
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
-SHEAR = ("elastic", "loading")
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -259,9 +258,9 @@ class Pairs:
     """
 
     def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT):
-        if shear not in SHEAR:
+        if shear not in list(CHOICES):
             raise DemlawsError(
-                f"shear must be {' or '.join(map(repr, SHEAR))}, got {shear!r}: the stiffness used to compute K_t"
+                f"shear must be {' or '.join(map(repr, CHOICES))}, got {shear!r}: the stiffness used to compute K_t"
             )
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from demlaws.advice.modulus import STUDY_STEP
 from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError, EngineStopped
@@ -33,7 +34,7 @@ STRESS = 3.75e5
 DEEP = 0.038  # [m] height of the packing of 150
 DIAMETER = 2.0 * float(np.mean(RADII))
 QUANTILES = tuple(range(5, 100, 5))
-RESTING = 2870  # steps at half the stable step to come to rest under gravity
+RESTING = 2870  # steps at half the unit to come to rest under gravity
 LEAST = 0.2  # of the stress, to which a cycle unloads
 
 STUDIED = (POHRT_POPOV, "hertz")
@@ -52,7 +53,7 @@ class Run(NamedTuple):
     factor: float = 1.0  # by which Young's modulus is divided
     scaled: bool = True  # σ and pressures are scaled along
     inertial: float = 3e-4  # I = rate × diameter × √(density/stress)
-    part: float = 0.5  # of the stable step
+    part: float = 0.5  # time step over `Run.unit`
     copy: int = 0
     cycles: int = 1
     law: str = STUDIED[0]
@@ -72,7 +73,7 @@ class Run(NamedTuple):
 
     @property
     def reference(self) -> "Run":
-        """The process as it is: full modulus, slow, half the stable step, the richest law of the study."""
+        """The process as it is: full modulus, slow, half the unit of time step, the richest law of the study."""
         plain = Run("", "")
         return self._replace(**{n: getattr(plain, n) for n in TRADED})
 
@@ -93,8 +94,9 @@ class Run(NamedTuple):
         return GRANITE.young / self.factor, surface, {}
 
     @property
-    def stable(self) -> float:
-        """Stable step [s]: a smooth grain of the smaller size between stiff contacts, forces up to ten times the mean."""
+    def unit(self) -> float:
+        """Unit of the time step [s]: that of a smooth grain of the smaller size on a fixed contact at ten times the mean force,
+        over √3. It is `modulus.STUDY_STEP` times the stability limit of the packing at its largest stress, so not stable."""
         grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
         mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
         hertz = bind_law(HERTZ, grain.contact(grain))
@@ -118,8 +120,8 @@ class Run(NamedTuple):
         """What an engine is told of this run."""
         young, surface, options = self.softened()
         slower = math.sqrt(self.density)  # all of a heavier grain's motion
-        stable, overlap = slower * self.stable, Softening(self.factor).overlap
-        dt, density = self.part * stable, self.density * (GRANITE.density or DENSITY)
+        unit, overlap = slower * self.unit, Softening(self.factor).overlap
+        dt, density = self.part * unit, self.density * (GRANITE.density or DENSITY)
         rate = self.inertial / (self.size * DIAMETER * math.sqrt(density / self.stress))
         speed = rate * DEEP * self.size
         # some 150 looks at the plate while it goes down
@@ -132,8 +134,8 @@ class Run(NamedTuple):
             "options": options,
             "dt": dt,
             "speed": speed,
-            "settle": RESTING * 0.5 * stable,
-            "hold": 0.25 * RESTING * 0.5 * stable,
+            "settle": RESTING * 0.5 * unit,
+            "hold": 0.25 * RESTING * 0.5 * unit,
             "every": int(np.clip(round(sunk / (150 * speed * dt)), 1, 40)),
             "least": LEAST * self.stress,
             "shake": SHAKEN * self.size * min(RADII),
@@ -230,7 +232,7 @@ TRIED = tuple(
     + [(1.0, rate, 0.5) for rate in (2e-4, 3e-4, 5e-4, 1e-3, 2e-3)]
     + [(10.0, rate, 0.7) for rate in (3e-4, 7e-4, 1.4e-3)]
 )
-"""(factor, I, part of the stable step) with which each of the held-back scenes is run: the fastest of those that meet a
+"""(factor, I, part of the unit of time step) with which each of the held-back scenes is run: the fastest of those that meet a
 tolerance is what advice is held against."""
 SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
 """Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
@@ -617,7 +619,7 @@ def label(run: Run) -> str:
     """A way in words."""
     law = "" if (run.law, run.unloading) == STUDIED else f"{run.law}, {run.unloading}; "
     alone = "" if run.scaled or run.factor == 1.0 else ", σ alone"
-    part = "" if run.part == 0.5 else f", {run.part:g} of the stable step"
+    part = "" if run.part == 0.5 else f", {STUDY_STEP * run.part:.2g} of the stability limit"
     density = "" if run.density == 1.0 else f", density × {run.density:g}"
     return f"{law}E/{run.factor:g}{alone}, I = {run.inertial:g}{part}{density}"
 

@@ -1,4 +1,4 @@
-"""The height maps whose boundary-element solutions stand in asperity_bem.csv (made by tests/benchmarks/asperity_bem.py)."""
+"""Height maps whose boundary-element solutions are in asperity_bem.csv (made by boundary_elements.py)."""
 
 import csv
 import math

@@ -38,10 +38,7 @@ def test_two_spheres_every_law(omega, name, rule):
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
-    wrong, tangent, steps = recorder.worst(name, rule, **find(name).example)
-    assert steps > 300
-    assert wrong <= TOLERANCE
-    assert tangent <= 1e-13
+    assert recorder.exact(name, rule, **find(name).example) > 300
 
 
 @pytest.mark.parametrize(
@@ -89,9 +86,7 @@ def test_flats(omega, flat):
     set_engines(law)
     recorder = Recorder()
     recorder.step(900)
-    wrong, tangent, steps = recorder.worst()
-    assert steps > 100
-    assert wrong <= TOLERANCE and tangent <= 1e-13
+    assert recorder.exact() > 100
     assert omega.bodies[1].state.vel[2] > 0
 
 
@@ -105,8 +100,7 @@ def test_periodic_packing(omega):
     recorder.step(250)
     recorder.lives = {key: rows for key, rows in recorder.lives.items() if key[2] >= born}  # seen from their beginning
     assert len(recorder.lives) > 20
-    wrong, tangent, _ = recorder.worst()
-    assert wrong <= TOLERANCE and tangent <= 1e-13
+    recorder.exact()
 
 
 def test_clumps_on_a_wall(omega):
@@ -125,9 +119,7 @@ def test_clumps_on_a_wall(omega):
     set_engines(law)
     recorder = Recorder()
     recorder.step(2500)
-    wrong, tangent, steps = recorder.worst("rough-plastic", "thornton", yield_pressure=1.66e9)
-    assert steps > 400
-    assert wrong <= TOLERANCE and tangent <= 1e-13
+    assert recorder.exact("rough-plastic", "thornton", yield_pressure=1.66e9) > 400
 
 
 def test_table(omega, tmp_path):
@@ -194,8 +186,7 @@ def test_radii_from_one_to_hundred(omega):
     recorder = Recorder()
     recorder.step(600)
     assert len(recorder.lives) == 4
-    wrong, tangent, _ = recorder.worst()
-    assert wrong <= TOLERANCE and tangent <= 1e-13
+    recorder.exact()
 
 
 def test_pairs_of_materials(omega):
@@ -220,8 +211,7 @@ def test_pairs_of_materials(omega):
         one.lives = {key: rows for key, rows in recorder.lives.items() if key[0] == 2 * n}
         surface = kinds[a].combined(kinds[b])
         law_name = "hertz" if surface.roughness == 0 else "pohrt-popov"
-        wrong, tangent, _ = one.worst(law_name, pair=surface)
-        assert wrong <= TOLERANCE and tangent <= 1e-13, (a, b)
+        one.exact(law_name, pair=surface)
 
 
 def test_material_outside_the_scene_list(omega):
@@ -262,9 +252,8 @@ def test_bodies_come_and_go(omega):
         recorder.step(120 + 40 * wave)
         for body in fresh:
             omega.bodies.erase(body)
-    wrong, tangent, _ = recorder.worst("rough-plastic", "hertz", yield_pressure=1.66e9)
+    recorder.exact("rough-plastic", "hertz", yield_pressure=1.66e9)
     assert len(recorder.lives) == 72
-    assert wrong <= TOLERANCE and tangent <= 1e-13
     assert attachment.context.words[layout.CAPACITY] > 8
 
 
@@ -314,8 +303,7 @@ def test_never_erase(omega):
     parted = [n for n, row in enumerate(rows) if row[0] < 0]
     assert parted and rows[-1][1] > 0
     recorder.lives = {"first touch": rows[: parted[0]], "second touch": rows[parted[-1] + 1 :]}
-    wrong, tangent, _ = recorder.worst()
-    assert wrong <= TOLERANCE and tangent <= 1e-13
+    recorder.exact()
 
 
 @pytest.mark.parametrize(("ratio", "expected"), [(None, 2 * (1 - 0.25) / (2 - 0.25)), (0.5, 0.5)])

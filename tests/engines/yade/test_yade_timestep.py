@@ -75,7 +75,7 @@ def test_energy_is_bounded_at_the_advised_step(omega, kind):
     advised = stable_step(scene, lambda contact: dl.law("hertz", contact))
     exact = limits_of(lattice(kind))
     assert 0.4 * exact < advised < 0.9 * exact
-    assert growth(lattice(kind), advised, 20_000) < 2.0
+    assert growth(lattice(kind), advised, 8_000) < 2.0
     assert growth(lattice(kind), 0.7 * former_step(), 400) > 1e3
     assert growth(lattice(kind), 1.05 * exact, 2_000) > 1e3
 

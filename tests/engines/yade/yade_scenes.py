@@ -154,3 +154,9 @@ class Recorder:
             steps += int(keep.sum())
         assert largest > 0 and math.isfinite(wrong)
         return wrong / largest, tangent, steps
+
+    def exact(self, *arguments, **options):
+        """Assert that force and tangent are the law's to rounding; returns the number of steps."""
+        wrong, tangent, steps = self.worst(*arguments, **options)
+        assert wrong <= 1e-14 and tangent <= 1e-13
+        return steps

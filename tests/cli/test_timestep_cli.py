@@ -1,0 +1,107 @@
+"""`demlaws timestep` on dumps of LIGGGHTS and LAMMPS; saved scenes are read in tests/engines/yade."""
+
+import math
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+from demlaws.cli import main
+
+RADIUS, FORCE, EDGE = 4e-3, 20.0, 4
+GRANITE = ["--law", "hertz", "--young", "60.6GPa", "--poisson", "0.25", "--density", "2680"]
+FRAME = "ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF {what}\n{count}\nITEM: BOX BOUNDS {bounds}\n{box}ITEM: {head}\n{rows}"
+
+
+def frame(step, head, rows, bounds="pp pp pp"):
+    box = f"0 {2 * RADIUS * EDGE!r}\n" * 3
+    text = "".join(" ".join(f"{v:.17g}" for v in row) + " \n" for row in rows)
+    return FRAME.format(step=step, what=head.split()[0], count=len(rows), bounds=bounds, box=box, head=head, rows=text)
+
+
+def dumps(folder, engine, step=7):
+    """A periodic simple cubic lattice with FORCE in each contact, as exported cases dump it: two files."""
+    places = np.array(list(np.ndindex(EDGE, EDGE, EDGE)))
+    number = {tuple(place): n + 1 for n, place in enumerate(places)}
+    grains = [(n, 1, *(2 * RADIUS * (np.array(place) + 0.5)), RADIUS) for place, n in number.items()]
+    contacts = []
+    for place, n in number.items():
+        for axis in np.eye(3, dtype=int):
+            pair, force = (n, number[tuple((place + axis) % EDGE)]), -FORCE * axis
+            if engine == "liggghts":
+                contacts.append((*6 * [0.0], *pair, 0, *force, 0.0))
+            else:
+                contacts.append((len(contacts) + 1, *pair, *force, 0.0))
+    contacts.append((*contacts[0][:-4], 0.0, 0.0, 0.0, 0.0))  # an open contact
+    names = "index c_ids[1] c_ids[2] c_contacts[1] c_contacts[2] c_contacts[3] c_contacts[4]"
+    if engine == "liggghts":
+        names = " ".join(f"c_contacts[{n + 1}]" for n in range(13))
+    paths = folder / "grains.txt", folder / "contacts.txt"
+    old = frame(0, "ATOMS id type x y z radius", grains[:1])
+    paths[0].write_text(old + frame(step, "ATOMS id type x y z radius", grains[::-1]))  # not sorted by id
+    paths[1].write_text(frame(step, f"ENTRIES {names}", contacts))
+    return [str(path) for path in paths]
+
+
+@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+def test_limit_of_a_lattice(tmp_path, capsys, engine):
+    """2/ω with ω² = 2/3 Z 5 r K/m; a law that unloads more stiffly has a smaller one."""
+    files = dumps(tmp_path, engine)
+    assert main(["timestep", *files, *GRANITE]) == 0
+    values = {line[:16].strip(): float(line[16:].split()[0]) for line in capsys.readouterr().out.splitlines()[1:]}
+    law = dl.law("hertz", dl.Contact(RADIUS / 2, 0.5 * dl.Material(60.6e9, 0.25).plane_modulus))
+    mass, stiffness = 4 / 3 * math.pi * RADIUS**3 * 2680, law.stiffness(law.overlap(FORCE))
+    limit = 2.0 / math.sqrt(20 * 1.5 / 1.75 * stiffness / mass)
+    assert values["exact limit"] == pytest.approx(limit, rel=1e-3)
+    assert values["rigorous bound"] == pytest.approx(limit, rel=1e-3)
+    assert values["recommended step"] == pytest.approx(0.8 * limit, rel=1e-3)
+    rayleigh = math.pi * RADIUS * math.sqrt(2680 * 2.5 / 60.6e9) / (0.1631 * 0.25 + 0.8766)
+    assert values["Rayleigh step"] == pytest.approx(rayleigh, rel=1e-3)
+    surface = ["--law", "pohrt-popov", "--sigma", "2.4um", "--fractal-dimension", "2.2", *GRANITE[2:]]
+    exact = []
+    for rule in ("elastic", "hertz"):
+        assert main(["timestep", *files, *surface, "--unloading", rule]) == 0
+        exact.append(float(capsys.readouterr().out.splitlines()[1].split()[2]))
+    assert exact[1] < 0.95 * exact[0]
+
+
+def rewritten(path, change):
+    with open(path) as file:
+        text = file.read()
+    with open(path, "w") as file:
+        file.write(change(text))
+
+
+@pytest.mark.parametrize(
+    ("change", "which", "text"),
+    [
+        (lambda t: t.replace("\n7\n", "\n8\n"), 0, "of step 8"),
+        (lambda t: t[: len(t) // 2], 1, "complete"),
+        (lambda t: t.replace("ENTRIES", "THINGS"), 1, "ENTRIES"),
+        (lambda t: t.replace("radius", "size"), 0, "radius"),
+        (lambda t: "no dump at all", 0, "ATOMS"),
+        (lambda t: t.replace("pp pp pp", "ff ff ff"), 0, "far apart"),
+        (lambda t: t.replace("1 1 17 ", "1 1 999 "), 1, "999"),
+        (lambda t: t.replace("-20", "0"), 1, "no contact"),
+        (lambda t: t.replace("1 1 17 -", "1 1 1 -"), 1, "contacts"),
+    ],
+)
+def test_bad_dumps_are_refused_in_one_line(tmp_path, capsys, change, which, text):
+    files = dumps(tmp_path, "lammps")
+    rewritten(files[which], change)
+    assert main(["timestep", *files, *GRANITE]) == 2
+    message = capsys.readouterr().err
+    assert message.startswith("demlaws: error: ") and message.count("\n") == 1 and text in message
+
+
+def test_what_is_missing_is_named(tmp_path, capsys):
+    files = dumps(tmp_path, "lammps")
+    for arguments, text in (
+        ([files[0]], "CONTACTS"),
+        (files, "--law"),
+        ([*files, *GRANITE, "--columns", "2", "3", "4", "5", "60"], "--columns"),
+        ([str(tmp_path / "none.txt")], "none.txt"),
+        ([*files, "--law", "hertz"], "--modulus"),
+    ):
+        assert main(["timestep", *arguments]) == 2
+        assert text in capsys.readouterr().err
