@@ -268,12 +268,6 @@ def test_imports_go_one_way():
     assert upward == set(UPWARD)
 
 
-def test_the_package_imports_no_study():
-    """Studies are not in the wheel; what the package needs of them is kept in advice/kept.json."""
-    for path in PACKAGE.rglob("*.py"):
-        assert not [one.module for one in imports(path) if one.module.partition(".")[0] == "studies"], path.name
-
-
 def test_no_engine_imports_another():
     engines = {"yade", "liggghts", "lammps"}
     for engine in engines:

@@ -10,7 +10,7 @@ from demlaws.cli.arguments import law_name, output, whole
 from demlaws.files import save_csv
 from demlaws.laws.registry import find
 from studies.costs.costs import available
-from studies.extremes import extremes, stability
+from studies.extremes import extremes, report, stability
 from studies.extremes import figure as pictures
 
 
@@ -63,7 +63,7 @@ def run(arguments):
             print(save_csv(arguments.csv, stability.TITLES, map(stability.csv_row, rows)))
         if inside:
             path = arguments.csv.with_name(f"{arguments.csv.stem}_engines{arguments.csv.suffix}") if rows else arguments.csv
-            print(save_csv(path, extremes.TITLES, map(extremes.csv_row, inside)))
+            print(save_csv(path, report.TITLES, map(report.csv_row, inside)))
     if arguments.figure is not None:
         print(plots.save(pictures.stability_figure(rows, inside), arguments.figure))
     for problem in problems:
@@ -104,13 +104,13 @@ def _engines(arguments, laws, problems):
             for found in extremes.run(engine, laws, arguments.unloading, arguments.quick):
                 progress.update()
                 if isinstance(found, list):
-                    progress.write(extremes.stops_table(engine, found))
-                    problems += extremes.stop_failures(engine, found)
+                    progress.write(report.stops_table(engine, found))
+                    problems += report.stop_failures(engine, found)
                     continue
                 own.append(found)
-                lines = extremes.table(own).split("\n")
+                lines = report.table(own).split("\n")
                 progress.write("\n".join(lines if len(own) == 1 else lines[-1:]))
-        problems += extremes.failures(own)
+        problems += report.failures(own)
         rows += own
     return rows
 

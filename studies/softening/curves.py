@@ -6,7 +6,7 @@ from demlaws.advice.modulus import HALF, MEASURED, STEADY, Numbers, numbers_of
 from demlaws.advice.scene import Scene
 from demlaws.errors import DemlawsError
 from demlaws.materials import GRANITE
-from studies.softening import softening
+from studies.softening import results, study
 
 
 def error_curve(pairs: list) -> list:
@@ -44,12 +44,12 @@ class _Process:
         self.process, self.pressed = process, process == "oedometer"
         self.points = {
             (p.run.factor, p.run.inertial, p.run.part): p
-            for p in softening.points(rows)
+            for p in results.points(rows)
             if (p.run.engine, p.run.process) == ("yade", "cycles" if self.pressed else process)
-            and (p.run.law, p.run.unloading, p.run.density) == (*softening.STUDIED, 1.0)
+            and (p.run.law, p.run.unloading, p.run.density) == (*study.STUDIED, 1.0)
             and (p.run.scaled or p.run.factor == 1.0)
         }
-        self.others = softening.points(rows, others=True) if self.pressed else []
+        self.others = results.points(rows, others=True) if self.pressed else []
         loose = [p for p in self.points.values() if p.run.part == HALF and p.unbalanced is not None]
         self.unbalanced = [(self.place(p.run), p.unbalanced) for p in loose]
 
@@ -71,7 +71,7 @@ class _Process:
                 (rate if factor == 1.0 else soft).append((self.place(p.run), _change(names, p, steady)))
             elif part > HALF and (factor, inertial) == (1.0, STEADY):
                 step.append((part, _change(names, p, plain)))
-        fitted_on = {*softening.scenes("yade", softening.OTHERS), *softening.scenes("yade", softening.FASTER)}
+        fitted_on = {*study.scenes("yade", study.OTHERS), *study.scenes("yade", study.FASTER)}
         for p in self.others:  # the scenes that are held back test the predictions
             if p.run in fitted_on and p.run.scaled and p.run.part == HALF:
                 if p.run.factor > 1.0 and p.run.inertial == STEADY:
@@ -94,7 +94,7 @@ def _change(names, point, other=None):
         return max(abs(point.errors[n]) for n in known)
     return max(
         abs(point.errors[n] - other.errors[n])
-        if n in softening.ABSOLUTE
+        if n in results.ABSOLUTE
         else abs((1.0 + point.errors[n]) / (1.0 + other.errors[n]) - 1.0)
         for n in known
     )

@@ -13,7 +13,8 @@ _LOWEST = 1e-3  # an error below is drawn there: a part of chance
 
 def softening_figure(points):
     """One panel a process and engine: errors with the scatter of chance, modulus factors, σ scaled or alone, rates, front."""
-    from studies.softening.softening import STUDIED, first_quantity, worst
+    from studies.softening.results import first_quantity, worst
+    from studies.softening.study import STUDIED
 
     keys = sorted({(p.run.process, p.run.engine) for p in points}, key=lambda key: (key[0] != "cycles", key))
     fig, axes = figure(columns=min(2, len(keys)), rows=(len(keys) + 1) // 2, width=7.2, height=4.4)
@@ -53,7 +54,7 @@ def softening_figure(points):
 
 
 def _legend(ax, points):
-    from studies.softening.softening import STUDIED
+    from studies.softening.study import STUDIED
 
     handles = []
 

@@ -1,4 +1,4 @@
-"""Runs of `studies.softening.softening` in LIGGGHTS: the oedometer and its cycles, a pour, and shear to the peak."""
+"""Runs of `studies.softening.study` in LIGGGHTS: the oedometer and its cycles, a pour, and shear to the peak."""
 
 from pathlib import Path
 

@@ -13,7 +13,7 @@ from demlaws.errors import DemlawsError
 from demlaws.files import save_csv
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import find
-from studies.softening import softening
+from studies.softening import results, study
 from studies.softening.figure import softening_figure
 from studies.trade import candidates, packings, peers, trade
 from studies.trade import figure as pictures
@@ -35,7 +35,7 @@ def parser():
         **example(
             "  python -m studies.trade --engines --csv trade.csv --figure trade.png\n"
             "  python -m studies.trade --scene yade liggghts lammps --figure scene.png\n"
-            "  python -m studies.trade --softening --figure softening.png            (the kept rows)\n"
+            "  python -m studies.trade --softening --figure study.png            (the kept rows)\n"
             "  python -m studies.trade --softening rows.jsonl --engines yade --quick (missing rows)\n"
             "  python -m studies.trade --law hertz --law pohrt-popov"
         ),
@@ -151,26 +151,26 @@ def _scenes(arguments):
 
 
 def _softening(arguments):
-    path = Path(arguments.softening) if arguments.softening else softening.KEPT
+    path = Path(arguments.softening) if arguments.softening else study.KEPT
     if arguments.softening:
-        unknown = set(arguments.engines or ()) - set(softening.ENGINES)
+        unknown = set(arguments.engines or ()) - set(study.ENGINES)
         if unknown:
-            raise DemlawsError(f"--softening runs in {' and '.join(softening.ENGINES)}, not in {', '.join(sorted(unknown))}")
-        for engine in trade.installed(arguments.engines or softening.ENGINES):
-            runs = softening.plan(engine, arguments.quick)
-            left = softening.missing(runs, softening.load(path))
+            raise DemlawsError(f"--softening runs in {' and '.join(study.ENGINES)}, not in {', '.join(sorted(unknown))}")
+        for engine in trade.installed(arguments.engines or study.ENGINES):
+            runs = study.plan(engine, arguments.quick)
+            left = study.missing(runs, study.load(path))
             print(f"{NAMES[engine]}: {len(runs)} runs, {len(left)} of them to be made")
             with tqdm(total=len(left), desc=engine, leave=False, disable=None) as bar:
-                softening.execute(runs, path, lambda run, bar=bar: bar.update())
-    points = softening.points(softening.load(path))
+                study.execute(runs, path, lambda run, bar=bar: bar.update())
+    points = results.points(study.load(path))
     if not points:
         raise DemlawsError(f"{path} holds no rows of a study: python -m studies.trade --softening FILE makes them")
-    print(softening.table(points))
-    alike = softening.similarity(softening.load(path))
+    print(results.table(points))
+    alike = results.similarity(study.load(path))
     if alike:
-        print(softening.similarity_table(alike) + "\n")
+        print(results.similarity_table(alike) + "\n")
     if arguments.csv is not None:
-        print(save_csv(arguments.csv, softening.TITLES, map(softening.csv_row, points)))
+        print(save_csv(arguments.csv, results.TITLES, map(results.csv_row, points)))
     if arguments.figure is not None:
         print(plots.save(softening_figure(points), arguments.figure))
 

@@ -5,7 +5,7 @@ import statistics
 
 from demlaws.advice.kept import FILE
 from demlaws.files import write_atomically
-from studies.softening import softening
+from studies.softening import study
 from studies.softening.curves import fitted
 
 
@@ -24,7 +24,7 @@ def costs(entries) -> dict:
 
 def keep(entries, path=FILE):
     """Write the file from measured `trade.Entry`s and the kept rows of the softening study; returns its path."""
-    content = {"cost": costs(entries), "curves": fitted(softening.load())}
+    content = {"cost": costs(entries), "curves": fitted(study.load())}
     lines = [
         f'"{part}": {{\n' + ",\n".join(f'"{k}": {json.dumps(v)}' for k, v in content[part].items()) + "}" for part in content
     ]

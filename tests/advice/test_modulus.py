@@ -12,7 +12,7 @@ from demlaws.advice.kept import kept
 from demlaws.advice.scene import Scene, stable_step
 from demlaws.materials import GRANITE
 from demlaws.timestep import STEP_SAFETY
-from studies.softening import softening
+from studies.softening import results, study
 from studies.softening.curves import error_curve, fitted
 
 
@@ -28,20 +28,20 @@ def scene_of(run, **changes):
     return Scene(**{**values, **changes})
 
 
-PACKING = scene_of(softening.Run("yade", "cycles"), tolerance=0.3)
+PACKING = scene_of(study.Run("yade", "cycles"), tolerance=0.3)
 
 
 @pytest.mark.slow
 def test_held_back_scenes_are_bounded():
     """At least 9 of the 10 scenes of other radii, pressures, roughness, factors and rates that the curves do not hold."""
-    found = {p.run: p for p in softening.points(softening.load(), others=True)}
-    runs = [softening.Run("yade", "cycles", **scene) for scene in softening.HELD_BACK]
-    told = set(softening.scenes("yade", softening.OTHERS))
+    found = {p.run: p for p in results.points(study.load(), others=True)}
+    runs = [study.Run("yade", "cycles", **scene) for scene in study.HELD_BACK]
+    told = set(study.scenes("yade", study.OTHERS))
     assert len(runs) == 10 and not set(runs) & told
     bounded = 0
     for run in runs:
         advice = modulus.predict(scene_of(run), run.factor, run.inertial)
-        bounded += (advice.error if run.scaled else advice.left_alone) >= softening.worst(found[run])
+        bounded += (advice.error if run.scaled else advice.left_alone) >= results.worst(found[run])
     assert bounded >= 9
 
 
@@ -50,17 +50,17 @@ TOLERANCES = (0.1, 0.2, 0.3, 0.5)
 
 def time_to_solution(tolerance):
     """Of each held-back packing: (steps of the advised run, of the fastest that met the tolerance, error of the advised)."""
-    rows, cases = softening.load(), []
-    found = {p.run: p for p in softening.points(rows, others=True)}
-    for packing in softening.held_back("yade"):
-        tried = [packing._replace(factor=s, inertial=rate, part=part) for s, rate, part in softening.TRIED]
+    rows, cases = study.load(), []
+    found = {p.run: p for p in results.points(rows, others=True)}
+    for packing in study.held_back("yade"):
+        tried = [packing._replace(factor=s, inertial=rate, part=part) for s, rate, part in study.TRIED]
         scene = scene_of(packing, tolerance=tolerance, process="oedometer")
-        ways = {(s, rate, part * modulus.STUDY_STEP): part for s, rate, part in softening.TRIED}
+        ways = {(s, rate, part * modulus.STUDY_STEP): part for s, rate, part in study.TRIED}
         advice = modulus.advise(scene, ways=tuple(ways))
         part = ways[advice.factor, advice.inertial, advice.part]
         chosen = packing._replace(factor=advice.factor, inertial=advice.inertial, part=part)
-        fastest = min(rows[run]["steps"] for run in tried if softening.worst(found[run]) <= tolerance)
-        cases.append((rows[chosen]["steps"], fastest, softening.worst(found[chosen])))
+        fastest = min(rows[run]["steps"] for run in tried if results.worst(found[run]) <= tolerance)
+        cases.append((rows[chosen]["steps"], fastest, results.worst(found[chosen])))
     return cases
 
 
@@ -68,8 +68,8 @@ def time_to_solution(tolerance):
 def test_time_to_solution_of_held_back_packings():
     """All steps of the process, rest and hold too, at one cost a step: at most 1.3 times those of the fastest of sixteen runs
     that met the tolerance, in at least 9 of 10 packings that no prediction is made from; and the advised run meets it."""
-    told = {*softening.scenes("yade", softening.OTHERS), *softening.scenes("yade", softening.FASTER)}
-    assert len(softening.held_back("yade")) == 10 and not told & set(softening.tried("yade"))
+    told = {*study.scenes("yade", study.OTHERS), *study.scenes("yade", study.FASTER)}
+    assert len(study.held_back("yade")) == 10 and not told & set(study.tried("yade"))
     for tolerance in TOLERANCES:
         cases = time_to_solution(tolerance)
         assert sum(mine <= 1.3 * fastest for mine, fastest, _ in cases) >= 9, (tolerance, cases)
@@ -91,22 +91,22 @@ def test_predictions_grow_with_softness_and_rate():
 
 def test_advice_is_within_the_tolerance_and_the_rate():
     for tolerance in (0.1, 0.3, 0.6):
-        advice = modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=tolerance))
+        advice = modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=tolerance))
         assert advice.error <= tolerance
         others = [modulus.predict(PACKING, s, i) for s in (1.0, 10.0, 100.0) for i in modulus.INERTIAL[::4]]
         assert all(o.steps >= advice.steps * (1.0 - 1e-9) for o in others if o.error <= tolerance)
     assert advice.factor > 1.0
     one, other = advice.scene.contacts(2e-3)[0], dl.soften(PACKING.contacts(2e-3)[0], advice.factor)
     assert one.modulus == pytest.approx(other.modulus) and one.roughness == pytest.approx(other.roughness)
-    slow = modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
+    slow = modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=0.6, rate=0.1))
     assert slow.rate <= 0.1 * (1.0 + 1e-9) < advice.rate
-    assert modulus.advise(scene_of(softening.Run("yade", "cycles"), tolerance=1e-6)) is None
+    assert modulus.advise(scene_of(study.Run("yade", "cycles"), tolerance=1e-6)) is None
 
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 def test_the_step_is_that_of_the_way_back():
     """It was that of elastic unloading: for a law that yields 1.4 times too long."""
-    scene = scene_of(softening.Run("yade", "cycles"), radii=(0.01, 0.03), pressure=(1e5, 2e6))
+    scene = scene_of(study.Run("yade", "cycles"), radii=(0.01, 0.03), pressure=(1e5, 2e6))
     options = {"yield_pressure": 1.66e9, "loading": "pohrt-popov"}
     advice = modulus.predict(scene, 1.0, law="rough-plastic", options=options, part=STEP_SAFETY)
     stable = {
@@ -120,17 +120,17 @@ def test_the_step_is_that_of_the_way_back():
 
 def test_each_process_has_its_own_advice():
     """Pressed to a stress softer grains save nothing; in a pour and in shear they do. A rate that the scene allows bounds I."""
-    pressed = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
+    pressed = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
     assert pressed.factor == 1.0 and pressed.part == STEP_SAFETY and 0.0 < pressed.unbalanced < 0.02
-    slow = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))
+    slow = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))
     assert slow.rate == pytest.approx(0.05) and slow.inertial < pressed.inertial and slow.error < pressed.error
     assert slow.steps == pytest.approx(pressed.steps * pressed.inertial / slow.inertial)
     given = {"tolerance": 0.3, "rate": 0.05}
-    poured = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
+    poured = modulus.advise(scene_of(study.Run("yade", "cycles"), process="pour", quantity="overlap", **given))
     assert poured.factor > 1.0 and poured.steps < 0.6 and "height" in poured.lines()[-1]
-    sheared = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
+    sheared = modulus.advise(scene_of(study.Run("yade", "cycles"), process="shear", quantity="force", tolerance=0.3))
     assert sheared.factor > 1.0 and sheared.what == "peak strength" and sheared.error <= 0.3
-    unknown = modulus.advise(scene_of(softening.Run("yade", "cycles"), process="shear"))  # stiffness: not measured there
+    unknown = modulus.advise(scene_of(study.Run("yade", "cycles"), process="shear"))  # stiffness: not measured there
     assert (unknown.factor, unknown.inertial, unknown.measured) == (1.0, modulus.QUASISTATIC, False)
     assert "literature" in unknown.lines()[-1]
 
@@ -147,11 +147,11 @@ def test_what_is_not_known_is_said():
     with pytest.raises(dl.DemlawsError, match="give the scene its pressure"):
         modulus.advise(Scene(radii=4e-3, materials=GRANITE, force=(1.0, 2.0), quantity="stiffness"))
     with pytest.raises(dl.DemlawsError, match="restitution"):
-        modulus.advise(scene_of(softening.Run("yade", "cycles"), quantity="restitution"))
+        modulus.advise(scene_of(study.Run("yade", "cycles"), quantity="restitution"))
     with pytest.raises(dl.DemlawsError, match="factor"):
         modulus.predict(PACKING, float("nan"))
     with pytest.raises(dl.DemlawsError, match="rate"):
-        scene_of(softening.Run("yade", "cycles"), rate=-1.0)
+        scene_of(study.Run("yade", "cycles"), rate=-1.0)
 
 
 def test_a_curve_between_before_and_beyond_its_points():
@@ -164,4 +164,4 @@ def test_a_curve_between_before_and_beyond_its_points():
 
 
 def test_the_kept_curves_are_those_of_the_kept_rows():
-    assert fitted(softening.load()) == kept()["curves"]
+    assert fitted(study.load()) == kept()["curves"]

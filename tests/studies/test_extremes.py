@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studies.extremes import extremes
+from studies.extremes import extremes, report
 from studies.extremes.stability import GRANITE, Case
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -113,7 +113,7 @@ def test_figure_of_engines_alone(tmp_path):
     rows = [ROW, ROW._replace(engine="LIGGGHTS", packings={"stiff": CALM})]
     path = plots.save(pictures.stability_figure([], rows), tmp_path / "engines.png")
     assert path.read_bytes().startswith(b"\x89PNG")
-    assert all(len(extremes.csv_row(row)) == len(set(extremes.TITLES)) == len(extremes.TITLES) for row in rows)
+    assert all(len(report.csv_row(row)) == len(set(report.TITLES)) == len(report.TITLES) for row in rows)
 
 
 def test_engines_that_are_not_there_are_told(monkeypatch, capsys):
@@ -143,9 +143,9 @@ def test_an_engine_that_ends_early_is_an_error(monkeypatch, tmp_path):
 
 def test_failures_name_what_is_wrong():
     row, good, calm, impacts = ROW, GOOD, CALM, IMPACTS
-    assert extremes.failures([row]) == []
-    assert len(extremes.csv_row(row)) == len(extremes.TITLES)
-    assert len(extremes.table([row]).split("\n")[-1]) <= len(extremes.table([row]).split("\n")[0]) + 2
+    assert report.failures([row]) == []
+    assert len(report.csv_row(row)) == len(report.TITLES)
+    assert len(report.table([row]).split("\n")[-1]) <= len(report.table([row]).split("\n")[0]) + 2
     wrong = [
         row._replace(compared=good._replace(not_finite=3)),
         row._replace(compared=good._replace(to_law=1e-9)),
@@ -158,8 +158,8 @@ def test_failures_name_what_is_wrong():
         row._replace(packings={"soft": calm._replace(drift=0.1)}),
         row._replace(packings={"soft": calm._replace(momentum=1e-6)}),
     ]
-    assert all(len(extremes.failures([one])) == 1 for one in wrong)
-    assert extremes.stop_failures("YADE", [("NaN position", None), ("NaN velocity", "stopped")]) != []
+    assert all(len(report.failures([one])) == 1 for one in wrong)
+    assert report.stop_failures("YADE", [("NaN position", None), ("NaN velocity", "stopped")]) != []
 
 
 def test_masses_give_the_duration():

@@ -8,8 +8,8 @@ import pytest
 from demlaws.advice.soften import Softening
 from demlaws.errors import DemlawsError
 from studies.costs.costs import available
-from studies.softening import softening
-from studies.softening.softening import Run
+from studies.softening import results, study
+from studies.softening.study import Run
 from studies.trade.__main__ import main
 
 
@@ -35,17 +35,17 @@ def _raw(run, stiffness=1e8, shift=0.0, cycles=2):
 def test_a_similar_packing_has_no_error_and_another_has_its_own():
     """Stiffness 10 % larger, stretched by s^(2/3): 10 %, and nothing else; work and settlement are divided by s^(2/3)."""
     one, soft = Run("yade", "cycles", cycles=2), Run("yade", "cycles", factor=10.0, cycles=2)
-    rows = {r: softening.summary(r, _raw(r, 1e8, 1e-6)) for r in (one, one._replace(copy=1), soft)}
+    rows = {r: study.summary(r, _raw(r, 1e8, 1e-6)) for r in (one, one._replace(copy=1), soft)}
     # tangents are taken over the packing's height, which softening lowers: that part of geometry is an error of its own
-    found = {p.run.factor: p for p in softening.points(rows)}
+    found = {p.run.factor: p for p in results.points(rows)}
     assert set(found) == {1.0, 10.0} and found[1.0].copies == 2
-    assert softening.worst(found[1.0]) == 0.0
+    assert results.worst(found[1.0]) == 0.0
     for name in ("low", "loading", "unloading"):
         assert found[10.0].errors[name] == pytest.approx(0.0, abs=0.02)
     assert found[10.0].errors["work"] == pytest.approx(0.0, abs=1e-4)
     assert found[10.0].errors["settlement"] == pytest.approx(0.0, abs=1e-4)
-    rows[soft] = softening.summary(soft, _raw(soft, 1.1e8, 2e-6))
-    found = {p.run.factor: p for p in softening.points(rows)}
+    rows[soft] = study.summary(soft, _raw(soft, 1.1e8, 2e-6))
+    found = {p.run.factor: p for p in results.points(rows)}
     assert found[10.0].errors["loading"] == pytest.approx(0.1, abs=0.02)
     assert found[10.0].errors["work"] == pytest.approx(1 / 1.1 - 1.0, abs=1e-4)
     assert found[10.0].errors["settlement"] == pytest.approx(1.0, abs=1e-3)
@@ -64,14 +64,14 @@ def test_what_an_engine_is_told():
 
 @pytest.mark.parametrize("engine", ["yade", "liggghts"])
 def test_the_plan(engine):
-    runs, quick = softening.plan(engine), softening.plan(engine, quick=True)
+    runs, quick = study.plan(engine), study.plan(engine, quick=True)
     assert len(set(runs)) == len(runs) and len(quick) < len(runs)
     for factor in (1.0, 10.0, 100.0):
         for scaled in {True, factor == 1.0}:
             copies = {r.copy for r in runs if (r.factor, r.scaled, r.process, r.cycles) == (factor, scaled, "cycles", 25)}
             assert copies >= {0, 1, 2}
-    tested = softening.scenes(engine)
-    told = softening.scenes(engine, softening.OTHERS)
+    tested = study.scenes(engine)
+    told = study.scenes(engine, study.OTHERS)
     assert not {r for r in tested if r != r.reference} & set(told)  # held back
     assert all(run.reference in tested for run in tested)
 
@@ -79,49 +79,49 @@ def test_the_plan(engine):
 def test_a_study_goes_on(tmp_path):
     """Rows that are there are not made again; a line that a stop cut off is."""
     path = tmp_path / "rows.jsonl"
-    runs = softening.plan("yade", quick=True)[:2]
-    rows = [json.dumps({"run": r._asdict(), **softening.summary(r, _raw(r))}) for r in runs]
+    runs = study.plan("yade", quick=True)[:2]
+    rows = [json.dumps({"run": r._asdict(), **study.summary(r, _raw(r))}) for r in runs]
     path.write_text(rows[0] + "\n" + rows[1][:100])
-    assert softening.missing(runs, softening.load(path)) == runs[1:]
+    assert study.missing(runs, study.load(path)) == runs[1:]
     path.write_text("\n".join(rows) + "\n")
-    assert softening.missing(runs, softening.load(path)) == []
-    softening.execute(runs, path)  # nothing to do: no engine is started
+    assert study.missing(runs, study.load(path)) == []
+    study.execute(runs, path)  # nothing to do: no engine is started
     assert len(path.read_text().splitlines()) == 2
 
 
 def test_an_end_that_came_too_early_spoils_no_later_row(tmp_path, monkeypatch):
     path = tmp_path / "rows.jsonl"
-    run, other = softening.plan("yade", quick=True)[:2]
-    path.write_text(json.dumps({"run": run._asdict(), **softening.summary(run, _raw(run))})[:80])
-    monkeypatch.setattr(softening, "_in_yade", lambda runs, keep: [keep(r, _raw(r)) for r in runs])
-    softening.execute([run, other], path)
-    assert softening.missing([run, other], softening.load(path)) == []
+    run, other = study.plan("yade", quick=True)[:2]
+    path.write_text(json.dumps({"run": run._asdict(), **study.summary(run, _raw(run))})[:80])
+    monkeypatch.setattr(study, "_in_yade", lambda runs, keep: [keep(r, _raw(r)) for r in runs])
+    study.execute([run, other], path)
+    assert study.missing([run, other], study.load(path)) == []
 
 
 def test_a_file_of_something_else_is_left_alone(tmp_path):
     path = tmp_path / "mine.txt"
     path.write_bytes(bytes(range(256)) * 3)
     with pytest.raises(DemlawsError, match="no file of a study"):
-        softening.execute(softening.plan("yade", quick=True), path)
+        study.execute(study.plan("yade", quick=True), path)
     assert path.read_bytes() == bytes(range(256)) * 3
 
 
 def test_rows_that_failed_are_left_out():
     run = Run("yade", "cycles")
-    rows = {run: softening.summary(run, {"failed": "the plate has not reached its stress"})}
+    rows = {run: study.summary(run, {"failed": "the plate has not reached its stress"})}
     assert rows[run] == {"failed": "the plate has not reached its stress"}
-    assert softening.points(rows) == []
+    assert results.points(rows) == []
 
 
 def test_kept_rows_say_what_the_documents_say():
     """Of the study that demlaws keeps: σ scaled, E/10 errs by some 15 %; σ alone by four times that; chance is far below."""
-    found = softening.points(softening.load())
+    found = results.points(study.load())
     plain = Run("yade", "cycles")
     by = {(p.run.factor, p.run.scaled): p for p in found if p.run._replace(factor=1.0, scaled=True, cycles=1) == plain}
     chance = max(by[1.0, True].chance[n] for n in ("low", "loading", "unloading"))
     assert chance < 0.01
-    assert 0.1 < softening.worst(by[10.0, True]) < 0.2
-    assert softening.worst(by[10.0, False]) > 3.0 * softening.worst(by[10.0, True])
+    assert 0.1 < results.worst(by[10.0, True]) < 0.2
+    assert results.worst(by[10.0, False]) > 3.0 * results.worst(by[10.0, True])
     assert abs(by[10.0, True].errors["exponent"]) < 0.02 < 0.1 < -by[10.0, False].errors["exponent"]
 
 
@@ -132,7 +132,7 @@ def test_the_command(tmp_path, capsys):
     said = capsys.readouterr().out
     assert "E/10, σ alone, I = 0.0003" in said and "chance" in said
     assert figure.read_bytes().startswith(b"\x89PNG")
-    assert len(file.read_text().splitlines()) == 1 + len(softening.points(softening.load()))
+    assert len(file.read_text().splitlines()) == 1 + len(results.points(study.load()))
 
 
 def _is_similar(found, stress):
@@ -148,23 +148,23 @@ def _is_similar(found, stress):
 
 def test_the_kept_similarity_is_what_the_page_says():
     """Within chance at 10 kPa; the deviation falls with overlap over diameter; a packing whose gaps do not scale stays off."""
-    found = softening.similarity(softening.load())
+    found = results.similarity(study.load())
     by = _is_similar(found, 1e4)
     assert by[True, False].deviation["loading"] > 0.1  # not overlap over diameter: gaps
     lattice = sorted((s for s in found if s.run.scatter and s.run.scaled and s.run.stress >= 1e4), key=lambda s: -s.run.depth)
     assert [s.run.stress for s in lattice] == [3.75e5, 1e5, 3e4, 1e4]
     off = [abs(s.deviation["loading"]) for s in lattice]
     assert off == sorted(off, reverse=True) and off[0] < 0.03 and off[0] / lattice[0].run.depth < 6.0
-    text = softening.similarity_table(found)
+    text = results.similarity_table(found)
     assert "lattice, gaps scaled, σ alone, 10 kPa" in text and len(text.splitlines()) == 2 + len(found)
 
 
 def test_a_lattice_and_its_gaps():
     """148 spheres that touch nowhere; gaps, floor and walls too, grow by s^(2/3) for grains softer by s."""
-    one = Run("yade", "cycles", scatter=softening.SCATTER)
+    one = Run("yade", "cycles", scatter=study.SCATTER)
     gaps = []
     for run in (one, one._replace(factor=8.0)):
-        radii, centres, width = softening.lattice(run.short)
+        radii, centres, width = study.lattice(run.short)
         apart = np.linalg.norm(centres[:, None] - centres[None], axis=2) - radii[:, None] - radii[None]
         near = np.triu(apart < 1e-3, 1)
         assert len(radii) == 148 and apart[near].min() > 0.0
@@ -191,10 +191,10 @@ def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tm
     three times the copies' own scatter with σ scaled, and more than thirty times it with σ left alone."""
     if available("yade"):
         pytest.skip(available("yade"))
-    runs = [r for r in softening.similar() if r.stress == 1e4 and r.scatter]
+    runs = [r for r in study.similar() if r.stress == 1e4 and r.scatter]
     assert len(runs) == 15
-    softening.execute(runs, tmp_path / "rows.jsonl")
-    _is_similar(softening.similarity(softening.load(tmp_path / "rows.jsonl")), 1e4)
+    study.execute(runs, tmp_path / "rows.jsonl")
+    _is_similar(results.similarity(study.load(tmp_path / "rows.jsonl")), 1e4)
 
 
 @pytest.mark.yade
@@ -205,13 +205,13 @@ def test_density_and_rate_are_one_knob(tmp_path):
         pytest.skip(available("yade"))
     one = Run("yade", "cycles")
     dense = one._replace(density=100.0)
-    softening.execute([one, dense], tmp_path / "rows.jsonl")
-    _move_alike(softening.load(tmp_path / "rows.jsonl"), one, dense)
+    study.execute([one, dense], tmp_path / "rows.jsonl")
+    _move_alike(study.load(tmp_path / "rows.jsonl"), one, dense)
 
 
 def test_density_and_rate_were_one_knob():
     """The same of the rows that are kept."""
-    rows, one = softening.load(), Run("yade", "cycles")
+    rows, one = study.load(), Run("yade", "cycles")
     for copy in range(3):
         _move_alike(rows, one._replace(copy=copy), one._replace(copy=copy, density=100.0))
 
@@ -230,8 +230,8 @@ def test_softening_keeps_the_exponent_where_sigma_is_scaled(engine, tmp_path):
     if available(engine):
         pytest.skip(available(engine))
     runs = [Run(engine, "cycles", factor=f, scaled=s) for f, s in ((1.0, True), (10.0, True), (10.0, False))]
-    softening.execute(runs, tmp_path / "rows.jsonl")
-    rows = {r: softening.values(r, v) for r, v in softening.load(tmp_path / "rows.jsonl").items()}
+    study.execute(runs, tmp_path / "rows.jsonl")
+    rows = {r: results.values(r, v) for r, v in study.load(tmp_path / "rows.jsonl").items()}
     one, scaled, alone = (rows[r] for r in runs)
     assert abs(scaled["exponent"] - one["exponent"]) < 0.03 < 0.1 < one["exponent"] - alone["exponent"]
     for name in ("low", "loading"):
@@ -247,9 +247,9 @@ def test_shear_in_liggghts_is_that_of_yade(tmp_path):
     if available("liggghts"):
         pytest.skip(available("liggghts"))
     run = Run("liggghts", "shear", stress=1e5, inertial=1e-3, factor=10.0)
-    softening.execute([run], tmp_path / "rows.jsonl")
-    found = softening.load(tmp_path / "rows.jsonl")[run]
-    kept = [v for r, v in softening.load().items() if r._replace(copy=0) == run._replace(engine="yade")]
+    study.execute([run], tmp_path / "rows.jsonl")
+    found = study.load(tmp_path / "rows.jsonl")[run]
+    kept = [v for r, v in study.load().items() if r._replace(copy=0) == run._replace(engine="yade")]
     yade = {name: np.mean([v[name] for v in kept]) for name in ("peak", "dilation", "first_coordination", "coordination")}
     assert len(kept) == 3
     assert found["first_coordination"] == pytest.approx(yade["first_coordination"], rel=0.03)
@@ -272,11 +272,11 @@ def test_a_stop_of_liggghts_is_a_row_that_failed(tmp_path, monkeypatch):
         raise DemlawsError("liggghts not found")
 
     monkeypatch.setattr(liggghts_softening, "cycles", stops)
-    softening.execute(runs, tmp_path / "rows.jsonl")
-    assert [v["failed"] for v in softening.load(tmp_path / "rows.jsonl").values()] == [
+    study.execute(runs, tmp_path / "rows.jsonl")
+    assert [v["failed"] for v in study.load(tmp_path / "rows.jsonl").values()] == [
         "LIGGGHTS stopped (exit 1): ERROR: the walls"
     ] * 2
     monkeypatch.setattr(liggghts_softening, "cycles", misses)
     with pytest.raises(DemlawsError, match="not found"):
-        softening.execute(runs, tmp_path / "others.jsonl")
-    assert not softening.load(tmp_path / "others.jsonl")
+        study.execute(runs, tmp_path / "others.jsonl")
+    assert not study.load(tmp_path / "others.jsonl")

@@ -3,7 +3,7 @@
 import pytest
 
 from demlaws.lammps.run import command
-from studies.extremes import extremes
+from studies.extremes import extremes, report
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -14,7 +14,7 @@ def test_extremes():
     assert [(f.engine, f.law, f.unloading) for f in figures] == [
         ("LAMMPS", law, "hertz") for law in ("pohrt-popov", "rough-plastic")
     ]
-    assert extremes.failures(figures) == []
+    assert report.failures(figures) == []
     assert all(p.contacts > 100 for f in figures for p in f.packings.values())
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.extremes import extremes
+from studies.extremes import extremes, report
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -13,7 +13,7 @@ def test_extremes():
     assert [(f.engine, f.law, f.unloading) for f in figures] == [
         ("LIGGGHTS", law, "hertz") for law in ("pohrt-popov", "rough-plastic")
     ]
-    assert extremes.failures(figures) == []
+    assert report.failures(figures) == []
     assert all(p.contacts > 100 for f in figures for p in f.packings.values())
 
 

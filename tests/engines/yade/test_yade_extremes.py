@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.extremes import extremes
+from studies.extremes import extremes, report
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -16,7 +16,7 @@ def test_extremes(omega, law, unloading):
 
     (case,) = extremes.cases([law], [unloading])
     found = extremes.measure(Yade(), case, quick=True)
-    assert extremes.failures([found]) == []
+    assert report.failures([found]) == []
     assert all(p.contacts > 100 for p in found.packings.values())
 
 
@@ -24,6 +24,6 @@ def test_numbers_that_are_none_stop_and_name_the_body(omega):
     from studies.extremes.yade_extremes import Yade
 
     found = dict(Yade().stops())
-    assert len(found) == 8 and extremes.stop_failures("YADE", found.items()) == []
+    assert len(found) == 8 and report.stop_failures("YADE", found.items()) == []
     for what, message in found.items():
         assert ("body 2 is at" if "alone" in what else "contact ") in message

@@ -1,0 +1,245 @@
+"""Errors of the runs of the study against the process as it is, as points, tables and CSV rows."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.advice.soften import Softening
+from studies.softening.study import DEEP, STRESS, Run, label, similar
+from studies.trade.trade import pareto
+
+FIRST = ("low", "loading", "unloading", "exponent", "coordination", "forces", "work")
+OF_PROCESS = {"cycles": (*FIRST, "settlement"), "pour": ("height", "coordination", "forces"), "shear": ("peak", "coordination")}
+"""Quantities that are compared. low, loading, unloading: tangent stiffness of the packing from a tenth to a fifth of the
+stress, from half to all of it, and after the turn, times s^(2/3); exponent: of stiffness against stress, between the first two
+(a difference); forces: largest difference of the quantiles of force over its mean; work: lost in the first cycle, and
+settlement: from the first peak to the last, both over s^(2/3)."""
+ABSOLUTE = ("exponent", "forces")  # compared by difference
+
+
+def values(run: Run, row: dict) -> dict:
+    """What a row says of the grains as they are: lengths, stiffness and work unstretched."""
+    if "failed" in row:
+        return {}
+    stretch, found = Softening(run.factor).overlap, dict(row)
+    for name, exponent in (
+        ("low", 1),
+        ("loading", 1),
+        ("unloading", 1),
+        ("settlement", -1),
+        ("put_in", -1),
+        ("given_back", -1),
+    ):
+        if name in found:
+            found[name] *= stretch**exponent
+    if "put_in" in found:
+        found["work"] = found["put_in"] - found["given_back"]
+    return found
+
+
+class Point(NamedTuple):
+    """Copies of one way of running a process, against the process as it is."""
+
+    run: Run  # copy 0
+    errors: dict  # quantity → relative error (of `ABSOLUTE`: difference) of the mean over copies
+    chance: dict  # quantity → standard deviation of one copy of the process as it is
+    steps: float  # of loading and unloading once, rest and hold left out, or of all the process
+    seconds: float  # those × what a step costs, measured over all rows of the engine
+    copies: int
+    front: bool = False
+    unbalanced: float | None = None  # largest force that does not balance over the mean force of a contact, while it moves
+
+
+def microseconds(rows: dict, engine: str) -> float:
+    """CPU time of a step [µs], the median over an engine's rows: one cost for all, since the machine is shared."""
+    found = [1e6 * v["seconds"] / v["steps"] for r, v in rows.items() if r.engine == engine and "steps" in v]
+    return float(np.median(found)) if found else math.nan
+
+
+def _first(run):
+    return run._replace(copy=0, cycles=1)
+
+
+def points(rows: dict, others: bool = False) -> list[Point]:
+    """A `Point` of every way that the rows hold, those of the process as it is among them; others: of the other scenes."""
+    groups: dict = {}
+    for run, row in rows.items():
+        if "failed" not in row:
+            groups.setdefault(_first(run), []).append((run, values(run, row)))
+    result = []
+    for first, found in groups.items():
+        plain = Run("", "")
+        other = any(getattr(first, n) != getattr(plain, n) for n in ("size", "rough", "scatter")) or (
+            first.process == "cycles" and first.stress != STRESS
+        )
+        reference = groups.get(_first(first.reference)) if first.process == "cycles" else _base_of(groups, first)
+        if other != others or not reference:
+            continue
+        errors, chance = _compare(first, found, reference)
+        steps = _steps(first)
+        one = found[0][0]._replace(copy=0)
+        cost = 1e-6 * microseconds(rows, first.engine) * steps
+        loose = [v["unbalanced"] for _, v in found if "unbalanced" in v]
+        unbalanced = float(np.mean(loose)) if loose else None
+        result.append(Point(one, errors, chance, steps, cost, len(found), unbalanced=unbalanced))
+    return _with_front(result)
+
+
+def _base_of(groups, run):
+    """Of a pour or a shear the copies at full modulus and the slowest rate that was run."""
+    alike = [r for r in groups if (r.process, r.engine, r.factor, r.part) == (run.process, run.engine, 1.0, 0.5)]
+    return groups[min(alike, key=lambda r: r.inertial)] if alike else None
+
+
+def _compare(run, found, reference):
+    errors, chance = {}, {}
+    for name in OF_PROCESS[run.process]:
+        if name == "forces":
+            mine, base = (np.array([v["quantiles"] for _, v in rows]) for rows in (found, reference))
+            errors[name] = float(np.max(np.abs(mine.mean(0) - base.mean(0))))
+            chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) if len(base) > 1 else math.nan
+            continue
+        longest = max((r.cycles for r, v in found if name in v), default=0)
+        of = [
+            [v[name] for r, v in rows if name in v and (name != "settlement" or r.cycles == longest)]
+            for rows in (found, reference)
+        ]
+        if not of[0] or not of[1]:
+            continue
+        base = float(np.mean(of[1]))
+        scale = 1.0 if name in ABSOLUTE else base
+        errors[name] = (float(np.mean(of[0])) - base) / scale
+        chance[name] = float(np.std(of[1], ddof=1)) / abs(scale) if len(of[1]) > 1 else math.nan
+    return errors, chance
+
+
+def _steps(run):
+    """Steps of the process: of an oedometer those in which the plate moves, once down to the stress and back."""
+    told = run.given()
+    if run.process == "pour":
+        return told["time"] / told["dt"]
+    if run.process == "shear":
+        return told["strain"] * DEEP / told["speed"] / told["dt"]
+    sunk = 0.0047 * DEEP * run.size * (run.stress / STRESS) ** 0.45 * Softening(run.factor).overlap
+    return 1.5 * sunk / told["speed"] / told["dt"]
+
+
+def _judged(point):
+    """Quantities by which a point is judged: the packing's stiffness; of a pour or of shear the first one."""
+    stiff = [n for n in ("low", "loading", "unloading") if n in point.errors]
+    return stiff or [n for n in OF_PROCESS[point.run.process][:1] if n in point.errors]
+
+
+def first_quantity(point: Point) -> str:
+    """The quantity whose error is the largest of those that a point is judged by."""
+    return max(_judged(point), key=lambda n: abs(point.errors[n]), default="")
+
+
+def worst(point: Point) -> float:
+    """Largest error of the packing's stiffness (of a pour: of its height, of shear: of the peak strength)."""
+    return max((abs(point.errors[n]) for n in _judged(point)), default=math.nan)
+
+
+def _with_front(found):
+    marked = list(found)
+    for key in {(p.run.engine, p.run.process) for p in found}:
+        own = [n for n, p in enumerate(found) if (p.run.engine, p.run.process) == key]
+        front = pareto([(found[n].seconds, worst(found[n])) for n in own])
+        for place, n in enumerate(own):
+            marked[n] = found[n]._replace(front=place in front)
+    return marked
+
+
+def table(found: list[Point]) -> str:
+    """The points as text: errors in per cent (exponent and forces: as they are), chance in brackets."""
+    lines = []
+    for key in sorted({(p.run.engine, p.run.process) for p in found}):
+        own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.seconds)
+        names = [n for n in OF_PROCESS[key[1]] if any(n in p.errors for p in own)]
+        head = " ".join(f"{n:>12}" for n in names)
+        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8} {'s':>7}  {head}")
+        for p in own:
+            cells = []
+            for n in names:
+                if n not in p.errors:
+                    cells.append(f"{'-':>12}")
+                elif n in ABSOLUTE:
+                    cells.append(f"{p.errors[n]:+12.3f}")
+                else:
+                    cells.append(f"{100 * p.errors[n]:+11.1f}%")
+            mark = "  *" if p.front else ""
+            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f} {p.seconds:7.2f}  {' '.join(cells)}{mark}")
+        spread = [
+            next((p.chance[n] for p in own if p.chance.get(n) == p.chance.get(n) and n in p.chance), math.nan) for n in names
+        ]
+        cells = [f"{c:12.3f}" if n in ABSOLUTE else f"{100 * c:11.1f}%" for n, c in zip(names, spread, strict=True)]
+        lines.append(f"{'chance (one copy at full modulus)':69}{' '.join(cells)}\n")
+    return "\n".join(lines)
+
+
+class Similar(NamedTuple):
+    """Grains of a tenth of the modulus against those as they are, from starts that differ in chance only."""
+
+    run: Run  # softened, copy 0
+    deviation: dict  # quantity of `FIRST` → relative difference (exponent: difference) of the means over copies
+    chance: dict  # quantity → standard deviation of the difference of two copies, one of each
+
+    @property
+    def worst(self) -> float:
+        """The largest deviation over its chance."""
+        return max(abs(self.deviation[n]) / self.chance[n] for n in self.deviation)
+
+
+def similarity(rows: dict) -> list[Similar]:
+    """A `Similar` of every stress, start and way of `similar` that the rows hold; the quantiles of force are left out."""
+    groups: dict = {}
+    for run in similar():
+        if run in rows and "failed" not in rows[run]:
+            groups.setdefault(run._replace(copy=0), []).append(values(run, rows[run]))
+    found = []
+    for run, soft in groups.items():
+        hard = groups.get(run.reference)
+        if run.factor == 1.0 or not hard or min(len(soft), len(hard)) < 2:
+            continue
+        deviation, chance = {}, {}
+        for name in FIRST:
+            if name == "forces":
+                continue
+            mine, base = (np.array([v[name] for v in copies]) for copies in (soft, hard))
+            scale = 1.0 if name in ABSOLUTE else float(base.mean())
+            deviation[name] = (float(mine.mean()) - float(base.mean())) / scale
+            chance[name] = math.hypot(np.std(mine, ddof=1), np.std(base, ddof=1)) / abs(scale)
+        found.append(Similar(run, deviation, chance))
+    return found
+
+
+def similarity_table(found: list[Similar]) -> str:
+    """As text: deviation ± chance, in per cent (exponent: as it is)."""
+    names = [n for n in FIRST if n != "forces"]
+    lines = [f"E/10 against E, chance behind ±\n{'':44}{'overlap/d':>10}  {' '.join(f'{n:>15}' for n in names)}"]
+    for one in sorted(found, key=lambda s: (s.run.scatter == 0.0, not s.run.scaled, -s.run.stress)):
+        cells = []
+        for n in names:
+            d, c = one.deviation[n], one.chance[n]
+            cells.append(f"{f'{d:+.3f} ± {c:.3f}' if n in ABSOLUTE else f'{100 * d:+.1f} ± {100 * c:.1f} %':>15}")
+        start = "lattice, gaps scaled" if one.run.scatter else "packing, gaps as they are"
+        way = f"{start}, σ {'scaled' if one.run.scaled else 'alone'}, {one.run.stress / 1e3:g} kPa"
+        lines.append(f"{way:44}{one.run.depth:10.2g}  {' '.join(cells)}")
+    return "\n".join(lines)
+
+
+COMPARED = tuple(dict.fromkeys(name for names in OF_PROCESS.values() for name in names))
+TITLES = (
+    *Run._fields,
+    *("kappa", "steps", "seconds", "copies", "front"),
+    *(f"{name}_error" for name in COMPARED),
+    *(f"{name}_chance" for name in COMPARED),
+)
+
+
+def csv_row(point: Point) -> tuple:
+    """One line of the CSV file: the values that TITLES names."""
+    figures = (point.errors.get(n, math.nan) for n in COMPARED), (point.chance.get(n, math.nan) for n in COMPARED)
+    about = (point.run.kappa, point.steps, point.seconds, point.copies, point.front)
+    return (*point.run, *about, *figures[0], *figures[1])
