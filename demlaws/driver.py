@@ -42,14 +42,10 @@ def _kinetic(mass, speed):
     return kinetic
 
 
-def _count(steps):
-    return whole(steps, "steps")
-
-
 def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
-    """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps a branch: a `Path`.
+    """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps per branch: a `Path`.
 
-    Overlaps below 0 part the bodies: the contact that closes next is a new one.
+    Overlaps below 0 separate the bodies; the next contact is a virgin one.
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> path = dl.driver.displacement_controlled(law, [2e-6, 0.0], steps=2)
@@ -58,12 +54,13 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     """
     corners = [0.0, *_points(turning_points, "m")]
     _checked(law)
-    branches = [np.linspace(a, b, _count(steps) + 1)[1:] for a, b in itertools.pairwise(corners)]
+    steps = whole(steps, "steps")
+    branches = [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise(corners)]
     return law.follow(np.concatenate([[0.0], *branches]))
 
 
 def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
-    """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps a branch: a `Path`.
+    """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps per branch: a `Path`.
 
     On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
 
@@ -76,7 +73,7 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
     _checked(law)
     if min(corners) < 0.0:
         raise DemlawsError(f"force {min(corners):g} N: a contact without adhesion carries no tension; turn at 0 N or above")
-    steps = _count(steps)
+    steps = whole(steps, "steps")
     state, largest, overlaps = law.new_state(1), 0.0, [np.zeros(1)]
     for start, end in itertools.pairwise(corners):
         forces = np.linspace(start, end, steps + 1)[1:]
@@ -125,7 +122,7 @@ def impact_loop(rule, p, state, mass, speed, dt, phase, limit, record):
 
 
 class Impact(NamedTuple):
-    """Result of `impact`, SI units; arrays with one entry a step."""
+    """Result of `impact`, SI units; arrays with one entry per step."""
 
     rebound_speed: float
     restitution: float

@@ -125,7 +125,7 @@ STRINGS = {
     "lazy.py": "the lazy public names",
     "yade/__init__.py": "the lazy public names",
     "cli/__init__.py": "the table of commands",
-    "yade/public.py": "a command that YADE runs in __main__",
+    "laws/registry.py": "the table of laws: a law is imported when it is needed",
     "yade/scene.py": "a command that YADE runs in __main__",
 }
 """Files that may import a module of the package by string, and why."""
@@ -137,20 +137,11 @@ def test_modules_are_imported_by_statement():
     for path in PACKAGE.rglob("*.py"):
         ours = [i for i in imports(path, "demlaws") if i.by_string and i.module.startswith(("demlaws", "*"))]
         found |= {path.relative_to(PACKAGE).as_posix()} if ours else set()
-    assert found <= {*STRINGS, *STRINGS_LEFT}
-
-
-# Not yet removed: each row goes with the change that removes the circle or the import.
-CIRCLES_LEFT = ({"demlaws.laws.registry", "demlaws.laws.rough_plastic", "demlaws.laws.thornton_ning"},)
-STRINGS_LEFT = (
-    "cli/engine.py",
-    "laws/registry.py",
-)
+    assert found == set(STRINGS)
 
 
 def test_no_import_circles():
-    found = circles(import_graph(PACKAGE, lazy={*STRINGS, *STRINGS_LEFT} - {"laws/registry.py"}))
-    assert not [sorted(circle) for circle in found if not any(circle <= known for known in CIRCLES_LEFT)]
+    assert not [sorted(circle) for circle in circles(import_graph(PACKAGE, lazy=STRINGS))]
 
 
 @pytest.mark.parametrize(
@@ -213,7 +204,7 @@ def test_only_the_shell_knows_plots_and_engines():
         assert not at_import & heavy, f"{where} imports {at_import & heavy} when it is imported"
 
 
-FLOORS = (
+LAYERS = (
     "errors lazy",
     "core files units",
     "contact criterion points soundness",
@@ -256,7 +247,7 @@ def units_used(path):
 
 
 def test_imports_go_one_way():
-    layer = {unit: number for number, units in enumerate(FLOORS) for unit in units.split()}
+    layer = {unit: number for number, units in enumerate(LAYERS) for unit in units.split()}
     present = {path.stem for path in PACKAGE.glob("*.py")} | {path.parent.name for path in PACKAGE.glob("*/*.py")}
     assert set(layer) == present, "each top-level module and folder needs a layer"
     upward = set()
@@ -276,6 +267,7 @@ def test_no_engine_imports_another():
 
 
 def test_studies_import_the_package_and_not_the_reverse():
+    """Studies are not in the wheel; the package keeps the fitted curves and costs that it needs in advice/kept.json."""
     for path in PACKAGE.rglob("*.py"):
         assert not [one.module for one in imports(path) if one.module.split(".")[0] in ("studies", "tests")], path.name
     for path in (PROJECT / "studies").rglob("*.py"):

@@ -52,15 +52,15 @@ class Plan(NamedTuple):
     curve: Law | None = None  # along which contacts unload by the rule "table"
 
     @property
-    def way_back(self):
-        """What laws take as `unloading`."""
+    def unload_by(self):
+        """Rule or curve, as `dl.law` takes them for `unloading`."""
         return self.unloading if self.curve is None else self.curve
 
     def bind(self, contact, max_force=None):
         """The law on a contact, or an array of contacts."""
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", ValidityWarning)
-            law = bind_law(self.name, contact, rebound(self.way_back, contact), **dict(self.options))
+            law = bind_law(self.name, contact, rebound(self.unload_by, contact), **dict(self.options))
             return law.tabulate(self.rtol, max_force) if self.evaluation == "table" else law
 
 
@@ -74,7 +74,7 @@ class Choice:
     ns: float  # per contact and evaluation, kept from `make trade`; on another machine the ratios are similar
     step_factor: float  # time step over the reference's
     step: float  # safe time step of the scene [s], `stable_step`
-    state_bytes: int  # a contact
+    state_bytes: int  # per contact
     table_rows: int
     left_out: tuple  # (what, error that it costs)
     meets: bool
@@ -86,7 +86,7 @@ class Choice:
 
     @property
     def cost(self) -> float:
-        """ns a contact and reference time step: a law that allows longer steps is evaluated less often."""
+        """ns per contact and reference time step: a law that allows longer steps is evaluated less often."""
         return self.ns / self.step_factor
 
     def tables(self) -> dict[tuple[int, int], Table]:
@@ -110,7 +110,7 @@ class Choice:
             folder,
             self.name,
             self.scene.grains(),
-            self.plan.way_back,
+            self.plan.unload_by,
             dict(self.plan.options),
             load=self.max_force / 1.5,
             **options,
@@ -127,12 +127,12 @@ class Choice:
 
     @property
     def reference(self) -> "Plan":
-        """The plan that errors are held against."""
+        """The plan that errors are relative to."""
         return self.judge.reference
 
     @property
     def max_force(self) -> float:
-        """Largest force [N] of the scene, and half as much again: where a table ends."""
+        """1.5 times the largest force [N] of the scene: where a table ends."""
         return self.judge.max_force
 
     def describe(self) -> str:
@@ -146,8 +146,8 @@ class Choice:
         dt = self.step if dt is None else dt
         plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
         options = "".join(f", {k}={v!r}" for k, v in plain)
-        way_back = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
-        unloading = "" if self.unloading == "elastic" else f", unloading={way_back}"
+        unload_by = "curve" if self.plan.curve is not None else f'"{self.unloading}"'  # curve: the scene's, a law or a table
+        unloading = "" if self.unloading == "elastic" else f", unloading={unload_by}"
         if self.scene.engine == "yade":
             source = f'"{self.name}"'
             if self.evaluation == "table":
@@ -380,7 +380,7 @@ def _left_out(judge, plan):
 def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choices:
     """Candidates for a `Scene`, ranked: those that meet its tolerance first, the cheapest of them first (`Choices`).
 
-    Each `Choice` has the predicted bound and mean of the error, measured ns a contact, time-step factor, state bytes, what
+    Each `Choice` has the predicted bound and mean of the error, kept ns per contact, time-step factor, state bytes, what
     it leaves out at which error, and the law itself. progress: wraps the list of candidates, as tqdm does. Raises
     DemlawsError where the scene's quantities do not suffice.
 

@@ -1,4 +1,4 @@
-"""A `Scene`: what a simulation's contacts go through, and contacts and loads that stand for them."""
+"""A `Scene`: the grains and loads of a simulation, and samples of its contacts."""
 
 import contextlib
 import itertools
@@ -31,7 +31,7 @@ TEMPLATE = Path(__file__).with_name("template.toml")
 
 @dataclass(frozen=True)
 class Scene:
-    """What a simulation's contacts go through. SI units.
+    """Grains and loads of a simulation. SI units.
 
     radii: radius of the grains, or the smallest and largest; materials, surfaces: one for all grains, or lists of equal
     length, one entry a kind of grain; force: (smallest, largest) normal force that matters [N]; pressure: (smallest,
@@ -95,7 +95,7 @@ class Scene:
         surfaces = _all_of(self.surfaces, Surface, "surfaces")
         kinds = max(len(materials), len(surfaces))
         if {len(materials), len(surfaces)} - {1, kinds} or not kinds:
-            raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one a kind of grain")
+            raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one per kind of grain")
         object.__setattr__(self, "materials", materials * (kinds // len(materials)))
         object.__setattr__(self, "surfaces", surfaces * (kinds // len(surfaces)))
         for label, unit in (("force", "N"), ("pressure", "Pa")):
@@ -121,10 +121,10 @@ class Scene:
             if not isinstance(getattr(self, label), str) or getattr(self, label) not in known:
                 raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, known))}")
         if self.unloading is not None:
-            self._know_unloading()
+            self._check_unloading()
 
-    def _know_unloading(self):
-        """The rule's name, or the law or table that a path stands for."""
+    def _check_unloading(self):
+        """Replace `unloading` by a rule's name, or by the law or table of a path."""
         if not isinstance(self.unloading, str | os.PathLike | Law):
             raise DemlawsError(f"unloading = {self.unloading!r:.60}: give a rule's name, a law, a table, or a table's path")
         rule, curve = rule_and_curve(self.unloading)
@@ -156,7 +156,7 @@ class Scene:
         return self.cyclic or self.quantity == "restitution"
 
     def contacts(self, radius: float | np.ndarray) -> list[Contact]:
-        """One Contact a pair of kinds of grain, all of effective radius `radius` [m] (a number or an array)."""
+        """One Contact per pair of kinds of grain, all of effective radius `radius` [m] (a number or an array)."""
         kinds = list(zip(self.materials, self.surfaces, strict=True))
         pairs = []
         for (m1, s1), (m2, s2) in itertools.combinations_with_replacement(kinds, 2):
@@ -203,7 +203,7 @@ class Scene:
         return math.pi * (4.0 * np.asarray(radius)) ** 2 * pressure / ((1.0 - self.porosity) * self.coordination)
 
     def force_range(self, contact: Contact) -> tuple:
-        """Smallest and largest normal force [N] that matter, one a contact."""
+        """Smallest and largest normal force [N] that matter, one entry per contact."""
         ranges = []
         one = np.ones(np.shape(contact.radius))
         if self.force is not None:
@@ -337,7 +337,7 @@ def stable_step(scene, bind):
 
 
 def samples(scene, points=_POINTS, random=None):
-    """One Sample a pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
+    """One Sample per pair of kinds of grain: a grid over radii and loads, or random ones (`random`: a numpy Generator)."""
     result = []
     # of sizes that come in classes each pair has a sample, so that each may have a table
     spans = [(r, r) for r in scene.pair_radii()] or [scene.effective_radii()]

@@ -75,31 +75,9 @@ def run(arguments):
     for note in choices.notes:
         print(f"note: {note}")
     if arguments.csv is not None:
-        rows = [
-            (
-                c.describe(),
-                c.error,
-                c.mean_error,
-                c.ns,
-                c.step_factor,
-                c.step,
-                c.state_bytes,
-                c.table_rows,
-                c.meets,
-            )
-            for c in choices
-        ]
-        titles = (
-            "choice",
-            "error",
-            "mean_error",
-            "ns",
-            "step_factor",
-            "step_s",
-            "state_bytes",
-            "table_rows",
-            "meets",
-        )
+        fields = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
+        titles = ("choice", *(f"{name}_s" if name == "step" else name for name in fields))
+        rows = ((c.describe(), *(getattr(c, name) for name in fields)) for c in choices)
         print(save_csv(arguments.csv, titles, rows))
     if arguments.figure is not None:
         print(plots.save(plots_choose.choices_figure(choices), arguments.figure))
@@ -115,7 +93,7 @@ def run(arguments):
     for what, error in best.left_out:
         print(f"  left out: {what}: costs {error:.2g} in {scene.quantity}")
     if advice is not None:
-        print(f"softer grains, {'which all this is of' if arguments.soften else 'with --soften'}:")
+        print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
         print("\n".join(advice.lines()))
     table = arguments.out or Path("law.tbl")
     print(best.script(table, advice.dt if arguments.soften else None))

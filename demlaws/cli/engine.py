@@ -1,7 +1,6 @@
 """`demlaws liggghts` and `demlaws lammps`: build | check | export | run."""
 
 import argparse
-import importlib
 
 from demlaws.cli import example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
@@ -40,7 +39,9 @@ def _register(subparsers, name, engine, more=""):
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART")
 
     def part(part_name):
-        return getattr(importlib.import_module(f"demlaws.{name}.{part_name}"), part_name)
+        from demlaws import lammps, liggghts
+
+        return getattr({"liggghts": liggghts, "lammps": lammps}[name], part_name)
 
     def build(arguments):
         print(part("build")(portable=arguments.portable, force=arguments.force))

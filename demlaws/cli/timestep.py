@@ -60,14 +60,15 @@ def run(arguments):
     free = np.isfinite(masses)
     mean = np.sum(free[pairs]) / np.sum(free)
     print(f"{len(pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
-    print(f"exact limit       {limits.exact:.4g} s  2/ω_max with shear and rotation, contacts as they are")
+    which = "between grains; walls are not in the dump" if dt is None else "as they are"
+    print(f"exact limit       {limits.exact:.4g} s  2/ω_max with shear and rotation, contacts {which}")
     print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} of the exact limit")
     if rayleigh is not None:
         print(f"Rayleigh step     {rayleigh:.4g} s  {rayleigh / limits.exact:.2f} of the exact limit, for comparison")
     print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} of the exact limit; less if loads still grow")
     if dt is not None:
         unstable = ": unstable" if dt > limits.exact else ""
-        print(f"the scene's step  {dt:.4g} s  {dt / limits.exact:.2f} of the exact limit{unstable}")
+        print(f"the scene's step  {dt:.4g} s  {dt / limits.exact:.3g} of the exact limit{unstable}")
 
 
 def _from_yade(arguments):

@@ -6,6 +6,7 @@ on-disk cache valid from one process to the next. The names of these types go in
 each is unique in the package; a type from elsewhere is given a name of its own.
 """
 
+import inspect
 import itertools
 
 from numba import types
@@ -20,10 +21,26 @@ _GENERIC = set()  # names of the functions that kernels may be bound to
 _KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name of a generic function: kernel}
 
 
-def generic(function):
-    """Mark a function as one that is resolved by the types of its arguments."""
-    _GENERIC.add(function.__name__)
-    return function
+def generic(otherwise=None):
+    """Decorator of a function that is generic: compiled code that calls it calls the kernel bound to its first argument's type.
+
+    otherwise: gives, for the types of the arguments, the function that is compiled where no kernel is bound.
+    """
+
+    def decorate(function):
+        name, arguments = function.__name__, ", ".join(inspect.signature(function).parameters)
+        _GENERIC.add(name)
+
+        @overload(function, jit_options=INLINED_KERNEL, strict=False)
+        def choose(*kinds):
+            kernel = kernel_of(kinds[0], name)
+            if kernel is None:
+                return None if otherwise is None else otherwise(*kinds)
+            return generate.function(arguments, [f"return kernel({arguments})"], {"kernel": kernel})
+
+        return function
+
+    return decorate
 
 
 def bind(cls, **functions):
@@ -58,18 +75,12 @@ def kernel_of(argument, name):
     return _KERNELS.get(cls, {}).get(name)
 
 
-@generic
+@generic()
 def scale(shape, radius, modulus, roughness):
     """Params of one contact: the law's `shape`, with R [m], E* [Pa] and σ [m] of the contact."""
 
 
-@overload(scale, jit_options=INLINED_KERNEL)
-def _scale(shape, radius, modulus, roughness):
-    kernel = kernel_of(shape, "scale")
-    return lambda shape, radius, modulus, roughness: kernel(shape, radius, modulus, roughness)
-
-
-@generic
+@generic()
 def virgin(p, overlap):
     """First loading at overlap > 0 [m]: force P [N], tangent stiffness K [N/m], δ_H(P) [m], a²/R [m].
 
@@ -78,104 +89,46 @@ def virgin(p, overlap):
     """
 
 
-@overload(virgin, jit_options=INLINED_KERNEL)
-def _virgin(p, overlap):
-    kernel = kernel_of(p, "virgin")
-    return lambda p, overlap: kernel(p, overlap)
-
-
-@generic
+@generic()
 def inverse(p, force):
     """Overlap [m] at which first loading carries `force` > 0 [N]."""
 
 
-@overload(inverse, jit_options=INLINED_KERNEL)
-def _inverse(p, force):
-    kernel = kernel_of(p, "inverse")
-    return lambda p, force: kernel(p, force)
-
-
-@generic
+@generic(lambda *_: lambda p, force, equivalent: inverse(p, force))
 def recover(p, force, equivalent):
     """As `inverse`, from both the force > 0 [N] and its Hertz-equivalent overlap [m], and perhaps rough: one step of Newton's
     method with `virgin` makes it exact. A law that binds nothing has its `inverse` called."""
 
 
-@overload(recover, jit_options=INLINED_KERNEL)
-def _recover(p, force, equivalent):
-    kernel = kernel_of(p, "recover")
-    if kernel is None:
-        return lambda p, force, equivalent: inverse(p, force)
-    return lambda p, force, equivalent: kernel(p, force, equivalent)
-
-
-@generic
+@generic(lambda *_: lambda p: (p, p, 1.0))
 def parts(p):
     """Params of first loading and of the given unloading curve, and the factor from a Hertz-equivalent overlap of the one
     to that of the other at equal force. A law without such a curve goes back along its own."""
 
 
-@overload(parts, jit_options=INLINED_KERNEL)
-def _parts(p):
-    kernel = kernel_of(p, "parts")
-    return (lambda p: (p, p, 1.0)) if kernel is None else (lambda p: kernel(p))
-
-
-@generic
+@generic()
 def energy(p, overlap):
     """Work [J] of first loading from 0 to overlap > 0 [m]."""
 
 
-@overload(energy, jit_options=INLINED_KERNEL)
-def _energy(p, overlap):
-    kernel = kernel_of(p, "energy")
-    return lambda p, overlap: kernel(p, overlap)
-
-
-@generic
+@generic()
 def step(rule, p, overlap, state):
     """Force, tangent stiffness and new state of a contact at `overlap` [m]; pure: `state` is a tuple of floats."""
 
 
-@overload(step, jit_options=INLINED_KERNEL)
-def _step(rule, p, overlap, state):
-    kernel = kernel_of(rule, "step")
-    return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
-
-
-@generic
+@generic()
 def stored_and_dissipated(rule, p, overlap, state):
     """Energy [J] that a contact at `overlap` [m] can still return, and what it has dissipated since it was made."""
 
 
-@overload(stored_and_dissipated, jit_options=INLINED_KERNEL)
-def _stored_and_dissipated(rule, p, overlap, state):
-    kernel = kernel_of(rule, "stored_and_dissipated")
-    return lambda rule, p, overlap, state: kernel(rule, p, overlap, state)
-
-
-@generic
+@generic()
 def unloaded(rule, p, force, state):
     """Overlap [m] at which the contact, below its maximum overlap, carries `force` ≥ 0 [N]."""
 
 
-@overload(unloaded, jit_options=INLINED_KERNEL)
-def _unloaded(rule, p, force, state):
-    kernel = kernel_of(rule, "unloaded")
-    return lambda rule, p, force, state: kernel(rule, p, force, state)
-
-
-@generic
+@generic(lambda *_: lambda rule, p, overlap, area: area)
 def contact_area(rule, p, overlap, area):
     """a²/R [m] on first loading, from which a rule has the radius that it unloads with; one that binds none takes `area`."""
-
-
-@overload(contact_area, jit_options=INLINED_KERNEL)
-def _contact_area(rule, p, overlap, area):
-    kernel = kernel_of(rule, "contact_area")
-    if kernel is None:
-        return lambda rule, p, overlap, area: area
-    return lambda rule, p, overlap, area: kernel(rule, p, overlap, area)
 
 
 class _Source:
@@ -219,20 +172,15 @@ class _Source:
         return [f"{target}[i] = {value}"] if isinstance(kind, types.Array) and kind.ndim == 1 else []
 
 
-@generic
-def fix_tables(params):
-    """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
-
-
-@overload(fix_tables, jit_options=INLINED_KERNEL)
-def _fix_tables(params):
-    kernel = kernel_of(params, "fix_tables")
-    if kernel is not None:
-        return lambda params: kernel(params)
+def _fix_parts(params):
     source = _Source()
     source.names |= {"read_only": read_only, "fix_tables": fix_tables}
-    text = source.fix_parts(params, "params")
-    return generate.function("params", [f"return {text}"], source.names)
+    return generate.function("params", [f"return {source.fix_parts(params, 'params')}"], source.names)
+
+
+@generic(_fix_parts)
+def fix_tables(params):
+    """Params whose tables are plain pointers, for use in a loop during which `params` stays alive."""
 
 
 def fix_to_recover(params):

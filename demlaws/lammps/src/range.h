@@ -22,10 +22,9 @@ struct Excess {
 struct Range {
   Excess deep, beyond; // than SMALL_OVERLAP; the last row
   bool used;           // there is a table
-  bool tangent_told;   // what `shear tangent` does to energy
   bool thin_told;      // that the box is thin
   long long checked;   // the step in which positions were looked at
-  Range() : deep(), beyond(), used(false), tangent_told(false), thin_told(false), checked(-1) {}
+  Range() : deep(), beyond(), used(false), thin_told(false), checked(-1) {}
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;

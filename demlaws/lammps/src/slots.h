@@ -20,8 +20,9 @@ struct Patch {
 class Slots {
 public:
   // Counts the places that hold `patches[...].name`; with `write` the function's address goes there.
-  static void visit(Patch *patches, bool write) {
+  static void visit(std::vector<Patch> &patches, bool write) {
     Visit visit = {patches, write};
+    for (Patch &patch : patches) patch.slots = 0;
     dl_iterate_phdr(&Slots::object, &visit);
   }
   // What was there before comes back.
@@ -32,7 +33,7 @@ public:
 
 private:
   struct Visit {
-    Patch *patches;
+    std::vector<Patch> &patches;
     bool write;
   };
   struct Written {
@@ -100,10 +101,10 @@ private:
         if ((kind != kinds[0] && kind != kinds[1] && kind != kinds[2]) || one.r_addend) continue;
         const char *const name = strings + symbols[ELF64_R_SYM(one.r_info)].st_name;
         if (name[0] != '_' || name[1] != 'Z') continue;
-        for (Patch *p = visit.patches; p->name; p++)
-          if (!strcmp(name, p->name)) {
-            if (visit.write) write(object, object->dlpi_addr + one.r_offset, p->function);
-            p->slots++;
+        for (Patch &patch : visit.patches)
+          if (!strcmp(name, patch.name)) {
+            if (visit.write) write(object, object->dlpi_addr + one.r_offset, patch.function);
+            patch.slots++;
           }
       }
     return 0;

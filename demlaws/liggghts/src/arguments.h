@@ -25,7 +25,7 @@ public:
         i += 3;
       } else if (word == "shear") {
         if (i + 1 >= count || !shear_from_name(arguments[i + 1], line.shear))
-          refuse("'shear' must be tangent, elastic, loading or slip" +
+          refuse("'shear' must be elastic, loading or slip" +
                  (i + 1 < count ? std::string(", got '") + arguments[i + 1] + "'" : std::string()));
         line.given.insert(word);
         i++;

@@ -17,53 +17,18 @@ template <class MODEL> Walls::IGranularWall *make_wall(LAMMPS *lmp, FixWallGran 
   return new WallStyle<MODEL>(lmp, parent, hash);
 }
 
-// LIGGGHTS's sub-models by kind, with the ids of its headers (TANGENTIAL_MODEL(..., 4) and so on), and whether
-// demlaws/table goes with them. A combination's number has six bits a kind, in the order of Kind.
-enum Kind { NORMAL, TANGENTIAL, COHESION, ROLLING, SURFACE };
-struct SubModel {
-  Kind kind;
-  int id;
-  bool works;
-  const char *name;
-};
-static const SubModel SUB_MODELS[] = {
-    {TANGENTIAL, TANGENTIAL_OFF, true, "tangential off"},
-    {TANGENTIAL, TANGENTIAL_NO_HISTORY, true, "tangential no_history"},
-    {TANGENTIAL, TANGENTIAL_HISTORY, true, "tangential history"},
-    {TANGENTIAL, TANGENTIAL_DEMLAWS, true, "tangential demlaws"},
-    {TANGENTIAL, 4, false, "tangential tan_luding"},
-    {COHESION, COHESION_OFF, true, "cohesion off"},
-    {COHESION, 1, false, "cohesion sjkr"},
-    {COHESION, 2, false, "cohesion sjkr2"},
-    {COHESION, 7, false, "cohesion washino/capillary/viscous"},
-    {COHESION, 8, false, "cohesion easo/capillary/viscous"},
-    {ROLLING, ROLLING_OFF, true, "rolling_friction off"},
-    {ROLLING, ROLLING_CDT, true, "rolling_friction cdt"},
-    {ROLLING, ROLLING_EPSD, true, "rolling_friction epsd"},
-    {ROLLING, ROLLING_EPSD2, true, "rolling_friction epsd2"},
-    {ROLLING, 4, false, "rolling_friction epsd3"},
-    {ROLLING, 6, false, "rolling_friction luding"},
-    {SURFACE, SURFACE_DEFAULT, true, "surface default"},
-    {SURFACE, 2, false, "surface multicontact"},
-    {SURFACE, 5, false, "surface superquadric"},
-};
-
-// Names the sub-models of a combination that demlaws/table does not go with, and those that it does.
-static void refuse(LAMMPS *lmp, int64_t hash) {
-  std::string without, with;
-  for (const SubModel &model : SUB_MODELS) {
-    if (model.works) with += (with.empty() ? "" : ", ") + std::string(model.name);
-    else if (((hash >> 6 * model.kind) & 63) == model.id)
-      without += (without.empty() ? "" : ", ") + std::string(model.name);
-  }
-  lmp->error->all(FLERR, ("model demlaws/table does not work with " + without + "; it has " + with).c_str());
+// Any other combination of sub-models: LIGGGHTS itself would call it an unknown normal model.
+static void refuse(LAMMPS *lmp) {
+  lmp->error->all(
+      FLERR, "model demlaws/table works with tangential off, no_history, history, demlaws; rolling_friction off, cdt, "
+             "epsd, epsd2; cohesion off; surface default: leave the other sub-model out");
 }
-static PairStyles::IGranularPairStyle *refuse_pair_style(LAMMPS *lmp, PairGran *, const int64_t hash) {
-  refuse(lmp, hash);
+static PairStyles::IGranularPairStyle *refuse_pair_style(LAMMPS *lmp, PairGran *, const int64_t) {
+  refuse(lmp);
   return NULL;
 }
-static Walls::IGranularWall *refuse_wall(LAMMPS *lmp, FixWallGran *, const int64_t hash) {
-  refuse(lmp, hash);
+static Walls::IGranularWall *refuse_wall(LAMMPS *lmp, FixWallGran *, const int64_t) {
+  refuse(lmp);
   return NULL;
 }
 
@@ -80,26 +45,28 @@ struct Registration {
     add<TANGENTIAL, ROLLING_EPSD>();
     add<TANGENTIAL, ROLLING_EPSD2>();
   }
-  // All combinations with a sub-model that demlaws/table does not go with, kind after kind.
-  static void add_refused(int kind, int64_t hash, bool works) {
-    if (kind > SURFACE) {
-      if (works) return;
-      PairStyles::Factory::instance().addStyle("gran", hash, &refuse_pair_style);
-      Walls::Factory::instance().addStyle("gran", hash, &refuse_wall);
-      return;
-    }
-    for (const SubModel &model : SUB_MODELS)
-      if (model.kind == kind) add_refused(kind + 1, hash | (int64_t)model.id << 6 * kind, works && model.works);
+  // The stock ids go up to 4 for tangential models, 8 for cohesion, 6 for rolling friction and 5 for surfaces.
+  static void add_refused() {
+    for (int tangential : {0, 1, 2, 3, 4, TANGENTIAL_DEMLAWS + 0})
+      for (int cohesion = 0; cohesion <= 8; cohesion++)
+        for (int rolling = 0; rolling <= 6; rolling++)
+          for (int surface = 0; surface <= 5; surface++) {
+            const bool shears = tangential <= TANGENTIAL_HISTORY || tangential == TANGENTIAL_DEMLAWS;
+            if (shears && cohesion == COHESION_OFF && rolling <= ROLLING_EPSD2 && surface == SURFACE_DEFAULT) continue;
+            const int64_t hash = Utils::generate_gran_hashcode(DEMLAWS_TABLE, tangential, cohesion, rolling, surface);
+            PairStyles::Factory::instance().addStyle("gran", hash, &refuse_pair_style);
+            Walls::Factory::instance().addStyle("gran", hash, &refuse_wall);
+          }
   }
   Registration() {
     setvbuf(stdout, NULL, _IOLBF, BUFSIZ); // or the reason of an MPI_Abort is lost where the output goes to a pipe
     ContactModels::Factory::instance().addNormalModel("demlaws/table", DEMLAWS_TABLE);
     ContactModels::Factory::instance().addTangentialModel("demlaws", TANGENTIAL_DEMLAWS);
+    add_refused();
     add_rolling<TANGENTIAL_OFF>();
     add_rolling<TANGENTIAL_NO_HISTORY>();
     add_rolling<TANGENTIAL_HISTORY>();
     add_rolling<TANGENTIAL_DEMLAWS>();
-    add_refused(TANGENTIAL, DEMLAWS_TABLE, true);
   }
 };
 static Registration registration;

@@ -92,7 +92,8 @@ private:
 // contacts where delete_atoms gives the particles new numbers. The plugin makes it; there is one.
 class FixEnergy : public Fix {
 public:
-  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)), told_(false), page_(-1), one_(-1) {
+  FixEnergy(LAMMPS *lmp, int narg, char **arg)
+      : Fix(lmp, narg, arg), instance_(Instance::of(lmp)), told_(false), page_(-1), one_(-1) {
     restart_global = 1;
     instance_->ledger.taken = 0.;
   }
@@ -138,8 +139,8 @@ private:
   bool told_;
   int page_, one_; // sizes in the run before
 
-  // After `neigh_modify page` or `one` LIGGGHTS makes new neighbour lists at the start of every run, not of the next one
-  // only, and contacts lose their history.
+  // After `neigh_modify page` or `one` LIGGGHTS makes new neighbour lists at the start of every run, not of the next
+  // one only, and contacts lose their history.
   void keep_neighbour_lists() {
     if (page_ == neighbor->pgsize) neighbor->old_pgsize = page_;
     if (one_ == neighbor->oneatom) neighbor->old_oneatom = one_;

@@ -41,7 +41,8 @@ struct PairSettings {
   bool use_roughness, extrapolate;
   double radius_tolerance, springs;
   Shear shear; // what K_t goes by
-  PairSettings() : use_roughness(false), extrapolate(false), radius_tolerance(0.01), springs(12.), shear(ELASTIC_SHEAR) {}
+  PairSettings()
+      : use_roughness(false), extrapolate(false), radius_tolerance(0.01), springs(12.), shear(ELASTIC_SHEAR) {}
 };
 
 // Holds the wall contacts of the last step, for what they store.

@@ -19,10 +19,9 @@ static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "d
 
 struct TypePair {
   Pair pair;
-  double damping;            // -2 sqrt(5/6) beta
-  double tangential;         // kt / K = 4 G* / E*
-  double tangential_damping; // gamma_t / gamma_n, or 0
-  double radius;             // > 0: the only radius the table is valid for
+  double damping;                       // -2 sqrt(5/6) beta
+  double tangential;                    // kt / K = 4 G* / E*
+  double tangential_damping;            // gamma_t / gamma_n, or 0
   std::shared_ptr<SpringCurve> springs; // of partial slip
 };
 
@@ -122,8 +121,6 @@ public:
       instance_->pair = own_;
     }
     settle();
-    if (given_.count("shear") && own_.shear == demlaws::TANGENT_SHEAR && state_size_ > 0 && comm->me == 0)
-      error->warning(FLERR, demlaws::TANGENT_CREATES_ENERGY);
     reserved_ = now_.files.empty() ? demlaws::MOST_STATE : state_size_;
     for (int i = 0; i < reserved_; i++) {
       const int at = setup->add_history_value(demlaws::STATE_NAMES[i], "0"); // the same seen from either particle
@@ -205,8 +202,7 @@ public:
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    if (type.radius > 0. && !(fabs(radius - type.radius) <= now_.radius_tolerance * type.radius))
-      refuse_radius(data, radius, type);
+    if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
@@ -261,7 +257,9 @@ public:
 
   // For the tangential model: K_t / K, and the springs of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
-  double shear_ratio(const SurfacesCloseData &data) const { return pairs_[data.itype * types_ + data.jtype].tangential; }
+  double shear_ratio(const SurfacesCloseData &data) const {
+    return pairs_[data.itype * types_ + data.jtype].tangential;
+  }
   demlaws::Compression compression(const SurfacesIntersectData &data) const {
     const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
     const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
@@ -331,39 +329,16 @@ private:
       if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive").c_str());
     }
     const double E = effective_modulus_[i][j] / force->nktv2p;
-    const bool collapses = table.collapses();
     try {
-      type.pair = demlaws::Pair(table, E, collapses ? sigma : 0.);
+      type.pair = demlaws::Pair::checked(table, E / units_.pressure, sigma);
     } catch (const std::exception &problem) {
       error->all(FLERR, (who.str() + problem.what()).c_str());
     }
-    if (type.pair.length > 0.) {
-      type.pair.length *= units_.length;
-      type.pair.inverse_length = 1. / type.pair.length;
-    }
-    type.pair.metre = units_.length;
-    type.pair.pascal = units_.pressure;
-    type.radius = 0.;
-    if (!collapses) {
-      type.radius = units_.length * table.of_contact("radius", 0.);
-      const double made_for = table.of_contact("modulus", 0.), pascals = E / units_.pressure;
-      if (!(type.radius > 0.) || !(made_for > 0.))
-        error->all(FLERR, (who.str() + table.path() + " says 'collapses: no' but has no radius and modulus").c_str());
-      if (fabs(pascals - made_for) > 1e-6 * made_for) {
-        who << table.path() << " holds for the effective modulus " << made_for << " Pa only, the case has " << pascals
-            << " Pa; make a table of this pair";
-        error->all(FLERR, who.str().c_str());
-      }
-      if (now_.use_roughness) {
-        who << table.path() << " holds for its own roughness only: law " << table.text("law")
-            << " does not collapse; use 'surfaceRoughness off'";
-        error->all(FLERR, who.str().c_str());
-      }
-    }
+    type.pair.in_units(E, units_.length, units_.pressure);
     if (now_.shear == demlaws::SLIP_SHEAR) {
       if (!demlaws::has_springs(type.pair.rule))
-        error->all(FLERR, (who.str() + "'shear slip' needs elastic, hertz, thornton or table unloading, " + table.path() +
-                           " has " + table.text("unloading"))
+        error->all(FLERR, (who.str() + "'shear slip' needs elastic, hertz, thornton or table unloading, " +
+                           table.path() + " has " + table.text("unloading"))
                               .c_str());
       type.springs.reset(
           new demlaws::SpringCurve(type.pair.rule == demlaws::GIVEN ? table.unloading_curve() : table.loading_curve()));
@@ -426,8 +401,8 @@ private:
     std::ostringstream what;
     place(what, data);
     what << "contact radius " << radius / units_.length << " m, but law " << type.pair.table->text("law")
-         << " does not collapse and " << type.pair.table->path() << " holds for " << type.radius / units_.length
-         << " m (radius_tolerance " << now_.radius_tolerance
+         << " does not collapse and " << type.pair.table->path() << " holds for "
+         << type.pair.only_radius / units_.length << " m (radius_tolerance " << now_.radius_tolerance
          << "); make a table of this pair of types or widen the tolerance";
     error->one(FLERR, what.str().c_str());
   }

@@ -53,7 +53,8 @@ public:
       error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'shear' was known: "
                         "define it below the pair_style line");
     PairGran *const pair = static_cast<PairGran *>(force->pair_match("gran", 0));
-    if (pair && !wall_ && pair->dnum() > neighbor->pgsize / neighbor->oneatom) { // a page must hold one particle's history
+    if (pair && !wall_ &&
+        pair->dnum() > neighbor->pgsize / neighbor->oneatom) { // a page must hold one particle's history
       std::ostringstream what;
       what << "tangential model demlaws: a contact keeps " << pair->dnum() << " values, LIGGGHTS has room for "
            << neighbor->pgsize / neighbor->oneatom << ": say 'neigh_modify page " << pair->dnum() * neighbor->oneatom
@@ -115,9 +116,7 @@ public:
 
 private:
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::STRETCH_SIZE; }
-  demlaws::Stretch &stretch(double *history) const {
-    return *reinterpret_cast<demlaws::Stretch *>(history + offset_);
-  }
+  demlaws::Stretch &stretch(double *history) const { return *reinterpret_cast<demlaws::Stretch *>(history + offset_); }
   void slip(const SurfacesIntersectData &data, bool keep, double limit, const double *displacement, double *force,
             double &lost, double &energy, bool &slides) const {
     double copy[2 + 3 * demlaws::SpringRow::MOST];

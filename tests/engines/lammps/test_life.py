@@ -15,8 +15,9 @@ from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, error_of, modulus, moves_of,
 
 import demlaws as dl
 import demlaws.lammps as lm
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.lammps.build import PLUGIN
+from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import HEAD, command, executable
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -105,17 +106,12 @@ def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, fol
         ("granular_abi.h", "double r, rsq, rinv", "double rsq, r, rinv", "laid out in another way"),
         (
             "granular_abi.h",
-            "  virtual bool touch();\n",
-            "  virtual bool other() { return 0; }\n  virtual bool touch();\n",
+            "    virtual bool touch()",
+            "    virtual bool other() { return 0; }\n    virtual bool touch()",
             "another way",
         ),
         ("granular_abi.h", "double damp, Emod, poiss", "double Emod, damp, poiss", "laid out in another way"),
-        (
-            "granular_abi.h",
-            "int calculate_svector, nsvector;",
-            "int nsvector, calculate_svector;",
-            "laid out in another way",
-        ),
+        ("granular_abi.h", "int calculate_svector, nsvector;", "int nsvector, calculate_svector;", "laid out in another way"),
         ("stock.h", "16ComputePairLocal13compute_localEv", "16ComputePairLocal13compute_nobodyEv", "has no function"),
         ("stock.h", "12PairGranular10init_styleEv", "12PairGranular9compute_xEv", "has no function"),
     ],
@@ -141,6 +137,22 @@ def test_a_lammps_that_does_not_fit_is_left_alone(folder, monkeypatch, file, old
     assert "demlaws cannot be added to this LAMMPS" in both and why in both and "nothing of it was changed" in both
     if "PLUGIN" in lm.versions().packages:  # a preloaded one is asked, and says the same as LAMMPS's error
         assert "Illegal model type demlaws/table" in both
+
+
+@pytest.mark.slow  # compiles a plugin
+def test_a_contact_type_that_the_plugin_does_not_know_is_refused(folder, granite_pair, monkeypatch):
+    """LAMMPS's development has a fourth type; here the third, region walls, is made unknown."""
+    shutil.copytree(PLUGIN.sources, folder / "src")
+    text = (folder / "src" / "granular_abi.h").read_text()
+    assert "WALL_REGION = 2 }" in text
+    (folder / "src" / "granular_abi.h").write_text(text.replace("WALL_REGION = 2 }", "WALL_REGION = 1 }"))
+    law = dl.law("hertz", granite_pair)
+    assert follow(law, WALL, wall="region", every=100)[0]["force"].max() > 0
+    monkeypatch.setattr(PLUGIN, "sources", folder / "src")
+    monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
+    assert follow(law, WALL, wall="plane", every=100)[0]["force"].max() > 0
+    with pytest.raises(EngineStopped, match="contacts of type 2"):
+        follow(law, WALL, wall="region", every=100)
 
 
 # --- pairs of particles, computed by the plugin itself

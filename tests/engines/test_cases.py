@@ -1,0 +1,72 @@
+"""Every case of liggghts_inputs and lammps_inputs, at its quick size, with its own check."""
+
+import sys
+from pathlib import Path
+
+import pytest
+from examples import shared
+
+ROOT = Path(__file__).parents[2]
+CASES = [(path.parts[-3].split("_")[0], path.parent.name) for path in sorted(ROOT.glob("l*_inputs/*/run.py"))]
+LONG = ("ballast", "compression", "energy", "impact", "migration", "packing")
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
+@pytest.fixture
+def common(engine, monkeypatch):
+    monkeypatch.syspath_prepend(str(ROOT / f"{engine}_inputs"))
+    monkeypatch.delitem(sys.modules, "common", raising=False)
+    import common
+
+    yield common
+    sys.modules.pop("common", None)
+
+
+def simulate_and_check(common, engine, case, folder, ranks=1, check=None, **options):
+    case = ROOT / f"{engine}_inputs" / case
+    folder = common.copy_inputs(case / "run.py", folder)
+    common.load(case / "run.py").simulate(folder, ranks, quick=True, **options)
+    for what, value, limit in common.load(case / "check.py").check(folder, **(check or {})):
+        assert value <= limit, f"{what}: {value:.3g}, allowed {limit:g}"
+
+
+def test_the_readme_names_every_case():
+    assert len(CASES) == 18
+    assert not [case for engine, case in CASES if case not in (ROOT / f"{engine}_inputs" / "README.md").read_text()]
+
+
+@pytest.mark.parametrize("engine, case", shared(CASES, lambda case: case[1] not in LONG))
+def test_case(common, engine, case, tmp_path):
+    simulate_and_check(common, engine, case, tmp_path, 2 if case in ("energy", "migration", "packing") else 1)
+
+
+RULES = ("elastic", "table", "thornton")
+OTHER = [
+    *(("liggghts", case, rule) for case in ("walls", "restart", "migration", "energy") for rule in RULES),
+    *(("lammps", case, rule) for case in ("restart", "energy") for rule in RULES),
+    ("liggghts", "two_spheres", "table"),
+    ("liggghts", "two_spheres", "thornton"),
+]
+
+
+@pytest.mark.parametrize("engine, case, unloading", shared(OTHER, lambda one: one[1] == "restart" and one[2] == "thornton"))
+def test_case_with_other_unloading(common, engine, case, unloading, tmp_path):
+    """On two ranks the sphere of `energy` slides from one to the other in its first contact."""
+    ranks = 2 if case in ("energy", "migration") else 1
+    simulate_and_check(common, engine, case, tmp_path, ranks, {"unloading": unloading}, unloading=unloading)
+
+
+@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+def test_fine_table_in_the_engine(common, engine, tmp_path):
+    simulate_and_check(common, engine, "two_spheres", tmp_path, check={"limit": 1e-8}, rtol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_the_impact_is_that_of_python(common, engine):
+    """LAMMPS's leg of the four-way comparison; YADE's and LIGGGHTS's are in test_four_way.py."""
+    rows = common.load(ROOT / "lammps_inputs" / "impact" / "four_way.py").compare(others=False)
+    assert len(rows) == 3
+    for name, unloading, where, _, _, force, speed in rows:
+        assert where == "LAMMPS" and max(force, speed) <= 1e-9, (name, unloading, force, speed)
