@@ -35,7 +35,7 @@ def stock_models(grains, restitution=0.5, friction=0.5):
     def words(one, other):
         young, poisson = joined(one.material, other.material)
         text = f"hertz/material {young:.12g} {restitution:.12g} {poisson:.12g}"
-        return f"{text} tangential mindlin NULL 1 {friction:g} damping coeff_restitution"
+        return f"{text} tangential mindlin_rescale/force NULL 1 {friction:g} damping coeff_restitution"
 
     count = len(grains)
     pairs = [f"pair_coeff {i + 1} {j + 1} {words(grains[i], grains[j])}" for i in range(count) for j in range(i, count)]
@@ -57,7 +57,7 @@ def models(case, folder, wall_friction=None, tangential_damping=1.0):
             text += f" roughness {math.sqrt(2.0) * tables.roughness[one - 1]:.12g}"
         if other is not None and (other.young, other.poisson) != (mine.young, mine.poisson):
             text += f" against {other.young:.12g} {other.poisson:g}"
-        return f"{text} tangential mindlin NULL {tangential_damping:g} {friction:g} damping demlaws/tangent"
+        return f"{text} tangential mindlin_rescale/force NULL {tangential_damping:g} {friction:g} damping demlaws/tangent"
 
     wall_friction = case.friction if wall_friction is None else wall_friction
     pairs = {(i, j): file for (i, j), file in tables.pairs.items() if i == j or not tables.single}

@@ -98,7 +98,7 @@ class _Model(NamedTuple):
     """What a case says of its contact model."""
 
     name: str
-    words: str  # behind `tangential history`, for pairs and walls
+    words: str  # behind `tangential ...`, for pairs and walls
     roughness: list | None  # Sq of each type [m], where the table is for all of them
     young: list  # [Pa] of each type
     fit: StockFit | None = None
@@ -163,6 +163,7 @@ def _render(case, model):
         "friction": f"{types} {_matrix(case.friction, types)}",
         "more": _more_properties(model, types),
         "model": model.name,
+        "tangential": "history" if model.fit else "demlaws",
         "words": f" {model.words}" if model.words else "",
         "step": f"{step:g}",
         "steps": steps,
@@ -246,7 +247,7 @@ fix             p1 all property/global youngsModulus peratomtype {young}
 fix             p2 all property/global poissonsRatio peratomtype {poisson}
 fix             p3 all property/global coefficientRestitution peratomtypepair {restitution}
 fix             p4 all property/global coefficientFriction peratomtypepair {friction}
-{more}pair_style      gran model {model} tangential history{words}
+{more}pair_style      gran model {model} tangential {tangential}{words}
 pair_coeff      * *
 timestep        {step}
 
@@ -255,11 +256,11 @@ compute         contacts all pair/gran/local pos id force_normal delta history
 fix             gravity all gravity {gravity:g} vector 0 0 -1
 # a drag that brings single grains, which roll without resistance, to rest; without it for anything that moves
 fix             drag all viscous {drag}
-fix             floor all wall/gran model {model} tangential history primitive type {types} zplane 0.0{words}
-fix             left all wall/gran model {model} tangential history primitive type {types} xplane 0.0{words}
-fix             right all wall/gran model {model} tangential history primitive type {types} xplane {side:g}{words}
-fix             front all wall/gran model {model} tangential history primitive type {types} yplane 0.0{words}
-fix             rear all wall/gran model {model} tangential history primitive type {types} yplane {side:g}{words}
+fix             floor all wall/gran model {model} tangential {tangential} primitive type {types} zplane 0.0{words}
+fix             left all wall/gran model {model} tangential {tangential} primitive type {types} xplane 0.0{words}
+fix             right all wall/gran model {model} tangential {tangential} primitive type {types} xplane {side:g}{words}
+fix             front all wall/gran model {model} tangential {tangential} primitive type {types} yplane 0.0{words}
+fix             rear all wall/gran model {model} tangential {tangential} primitive type {types} yplane {side:g}{words}
 
 {templates}fix             sizes all particledistribution/discrete/numberbased 86028121 {mixture}
 fix             insert all insert/pack seed 86028157 distributiontemplate sizes vel constant 0 0 -0.2 &

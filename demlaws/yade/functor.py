@@ -182,7 +182,8 @@ def _take_up(functor, bridge, stacklevel):
                 warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
     if binding.attachment is None and bridge == "auto":
         warnings.warn(
-            f"the native bridge is not available ({binding.reason}); the public-API way acts, at some ten times the cost",
+            f"the native bridge is not available ({binding.reason}); the public-API way acts, at some ten times the "
+            "cost, for a law in O.engines: one that is assigned to a dispatcher's functors would be YADE's own Mindlin law",
             BridgeWarning,
             stacklevel=stacklevel,
         )
