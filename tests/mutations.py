@@ -304,15 +304,21 @@ MUTATIONS = (
         tests=EXACT,
     ),
     _m(
-        "shear limiter exponent 1/3",
-        "*.py",
-        "max(unload, 1.0) ** <<(1.0 / 3.0) -> 0.34>>",
-        tests=EXACT,
+        "shear force kept where the stiffness rises",
+        "core/slip.py",
+        "u, v = u * (held / top), v * (held / <<top -> (1.02 * top)>>)",
+        tests="test_partial_slip.py",
     ),
     _m(
-        "YADE shear limiter exponent 1/3",
+        "friction of a spring",
+        "core/slip.py",
+        "friction * compression[k] * <<scale -> (1.02 * scale)>> / ratio",
+        tests="test_partial_slip.py",
+    ),
+    _m(
+        "YADE share of the shear force",
         "yade/*.py",
-        "fall * (<<cbrt(more) -> more ** 0.34>> if more > 1.0",
+        "return <<now / old -> 0.98 * now / old>> if now < old",
         tests="test_yade_shear.py",
     ),
     _m(
