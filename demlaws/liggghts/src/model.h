@@ -42,6 +42,7 @@ public:
     normal.postSettings(h, this);
   }
   void connectToProperties(PropertyRegistry &p) {
+    if (TANGENTIAL == TANGENTIAL_HISTORY) normal.warn_of_history();
     surface.connectToProperties(p);
     normal.connectToProperties(p);
     tangential.connectToProperties(p);

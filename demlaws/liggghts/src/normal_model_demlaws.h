@@ -255,6 +255,16 @@ public:
   }
   demlaws::Instance &instance() const { return *instance_; }
 
+  // Once in each process, where the tangential model is `history`.
+  void warn_of_history() {
+    static bool warned = false;
+    if (!warned && comm->me == 0)
+      error->warning(FLERR, "tangential history creates energy where the stiffness rises while a contact is sheared: a "
+                            "closed box of rough spheres doubled its energy in 30 ms; use 'tangential demlaws' "
+                            "(docs/shear.md)");
+    warned = true;
+  }
+
   // For the tangential model: K_t / K, and the springs of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const {
