@@ -1,10 +1,10 @@
-"""The laws inside YADE: `Law2_ScGeom_MindlinPhys_Demlaws`, put where a script has Law2_ScGeom_MindlinPhys_Mindlin.
+"""The laws inside YADE: `Law2_ScGeom_MindlinPhys_Demlaws`, in place of Law2_ScGeom_MindlinPhys_Mindlin.
 
     from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 
-Importing this package does not import YADE; asking it for one of its names does, and installs what it puts in place of YADE's
-own entry points (`patches`). Start scripts with `demlaws yade run SCRIPT`, or with plain `yade SCRIPT` where this package is
-installed for YADE's Python.
+Importing this package does not import YADE; importing one of its names does, and replaces some entry points of YADE
+(`patches`). Start scripts with `demlaws yade run SCRIPT`, or with plain `yade SCRIPT` where this package is installed for
+YADE's Python.
 """
 
 import importlib

@@ -10,12 +10,12 @@ from demlaws.errors import DemlawsError
 def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after=(), newton=None, verlet=0.1, timestep=None):
     """A whole engine list for spheres, facets, walls and boxes: `O.engines = engines(law)`.
 
-    geometries, bounds: functors in place of the usual ones; physics: an Ip2_FrictMat_FrictMat_MindlinPhys, for damping;
-    before, after: engines before and behind the contacts (forces, boundaries); newton: a NewtonIntegrator (no damping);
-    verlet: `InsertionSortCollider.verletDist` in units of the smallest radius; timestep: a share, up to 1, of the critical step
-    for GlobalStiffnessTimeStepper, None to leave `O.dt` to you. The stepper's step stays below this share of 4 PWaveTimeStep()
-    of the bodies, also of those that come later: the contacts' stiffness now says nothing of what it is in the next step, and
-    4 r √(ρ/E) is less than a sphere stands whose contacts have grown to 0.3 R, four a side, whatever the law.
+    geometries, bounds: functors in place of the usual ones; physics: an Ip2_FrictMat_FrictMat_MindlinPhys, for damping; before,
+    after: engines before and behind the contacts (forces, boundaries); newton: a NewtonIntegrator (default: no damping);
+    verlet: `InsertionSortCollider.verletDist` in units of the smallest radius; timestep: the part, up to 1, of the critical
+    step for a GlobalStiffnessTimeStepper, None for a constant `O.dt`. The stepper's step stays below this part of 4
+    PWaveTimeStep() of the bodies, later ones included: the present stiffness of a contact is no bound for the next step, and 4
+    r √(ρ/E) is stable for a sphere with four contacts per side that have grown to 0.3 R, under every law.
     """
     if not isinstance(law, yade.LawFunctor):
         raise DemlawsError(f"engines(law): give the law functor, Law2_ScGeom_MindlinPhys_Demlaws(…), got {law!r}")

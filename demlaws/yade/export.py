@@ -1,4 +1,4 @@
-"""Contacts for ParaView: what VTKRecorder cannot know of them, since it asks YADE's own classes only."""
+"""Contacts for ParaView, with quantities that VTKRecorder does not have, since it reads YADE's own classes only."""
 
 import numpy as np
 import yade

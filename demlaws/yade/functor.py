@@ -20,11 +20,11 @@ O = yade.O  # noqa: E741  YADE's name
 
 
 class BridgeWarning(UserWarning):
-    """The native bridge cannot act here, and the public-API way does; or this YADE has not been tested."""
+    """The law acts through the public API, since the native bridge is not available; or this YADE has not been tested."""
 
 
 class TimeStepWarning(UserWarning):
-    """A time stepper of the engine list may take steps that the law does not stand."""
+    """A time stepper of the engine list had no bound that is stable for the law."""
 
 
 class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
@@ -132,15 +132,15 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         return self.totals().stored
 
     def restitution(self, first, second, speed, en=None):
-        """Rebound over impact speed of two bodies (`O.bodies[n]`) that meet head-on at `speed` [m/s], under this law and the
-        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`: a law that dissipates rebounds with less than `en`. Masses are
-        the bodies' own: a fixed one does not give way, a clump's member counts by its own mass, not by the clump's."""
+        """Rebound over impact speed of two bodies (`O.bodies[n]`) that collide head-on at `speed` [m/s], under this law and the
+        damping of `Ip2_FrictMat_FrictMat_MindlinPhys(en=en)`; below `en` if the law dissipates. Masses are those of the bodies:
+        that of a fixed one is infinite, that of a clump's member its own."""
         from demlaws.yade.restitution import restitution
 
         return restitution(self.binding.pairs, self.binding.ratio, first, second, speed, en)
 
     def en_for(self, restitution, first, second, speed):
-        """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys with which these bodies rebound with this restitution at this speed."""
+        """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys that gives these bodies this restitution at this speed."""
         from demlaws.yade.restitution import en_for
 
         return en_for(self.binding.pairs, self.binding.ratio, first, second, speed, restitution)

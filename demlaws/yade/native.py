@@ -1,17 +1,16 @@
 """The native bridge: our law as the `go` of a native Law2_ScGeom_MindlinPhys_Mindlin. All that depends on YADE's binary.
 
-YADE is C++; Debian ships no headers, and a Python subclass of a functor is never asked. So a functor object gets a
-private copy of the table of virtual functions that holds `go`, with `go` replaced by compiled code (`kernel.act`) that
-writes our force as Mindlin's coefficients kno and kso and then calls the native `go`. Every other functor keeps the
-original table, YADE's memory outside this one pointer stays as it was.
+YADE is C++; Debian ships no headers, and YADE never calls the `go` of a Python subclass. So a functor object gets a private
+copy of its table of virtual functions, with `go` replaced by compiled code (`kernel.act`) that writes our force as Mindlin's
+coefficients kno and kso and then calls the native `go`. Every other functor keeps the original table, and the rest of YADE's
+memory is unchanged.
 
-What is assumed is checked here, against exported symbols, against the layout rules of the Itanium C++ ABI, and against
-objects made for the purpose (a number written through the API is found at exactly one place of three objects, written
-there, and read back through the API). Whatever does not fit raises `BridgeUnavailable`, and nothing has been patched.
+All assumptions are checked here: against exported symbols, against the layout rules of the Itanium C++ ABI, and on objects
+made for this check (a number written through the API is found at exactly one place of three objects, is written there, and
+reads back through the API). If one does not hold, `BridgeUnavailable` is raised and nothing has been patched.
 
-Why not a preloaded shared object that interposes `go`: measured, it is no faster (the indirect call costs nothing either
-way), it needs a compiler or a shipped binary, a launcher, and it would act on every Mindlin functor of the process,
-those that are meant to be native among them. It would survive `O.load` by itself; here a guard re-attaches.
+A preloaded shared object that interposes `go` is no faster, needs a compiler or a binary and a launcher, and acts on every
+Mindlin functor of the process. It would survive `O.load`; here a guard attaches the law again.
 """
 
 import ctypes
@@ -32,10 +31,10 @@ LAW = "Law2_ScGeom_MindlinPhys_Mindlin"
 GO = f"_ZN4yade{len(LAW)}{LAW}2goERN5boost10shared_ptrINS_5IGeomEEERNS2_INS_5IPhysEEEPNS_11InteractionE"
 TABLE = f"_ZTVN4yade{len(LAW)}{LAW}E"
 BODY_BY_ID = "_ZN4yade4Body4byIdEiPNS_5SceneE"
-LARGEST_OBJECT = 4096  # bytes; a larger block means that malloc was asked about something that it did not hand out
-COPIED = 64  # words of a virtual table that are copied; Mindlin's holds 8
+LARGEST_OBJECT = 4096  # bytes; a larger block was not allocated by malloc
+COPIED = 64  # words of a virtual table that are copied; Mindlin's has 8
 
-_forever = []  # what native code may still point at is never freed
+_forever = []  # never freed, since native code may still point there
 
 
 class BridgeUnavailable(DemlawsError):
@@ -302,7 +301,7 @@ _attachments = {}  # address of a patched table of virtual functions → Attachm
 
 
 def acting(functor):
-    """The `Attachment` by which a functor acts, or None: what counts is where it points, not its name."""
+    """The `Attachment` to which a functor points, or None."""
     offset, _, _ = layout().slot
     return _attachments.get(ctypes.c_uint64.from_address(_window(functor)[0] + offset).value)
 
@@ -367,17 +366,17 @@ class Attachment:
             self.renew(4 * capacity) if 8 * contacts() > capacity else self._empty()
 
     def patch(self, functor):
-        """Make `functor` act by this law. It must be an untouched Mindlin functor, or one that acts by a law of ours."""
+        """Make `functor` act by this law: an unchanged Mindlin functor, or one that acts by a law of ours."""
         offset, _, _ = self.layout.slot if acting(functor) is not None else self.layout.find_slot(functor)
         ctypes.c_uint64.from_address(address(functor) + offset).value = self.table.ctypes.data + 16
 
     def release(self, functor):
-        """Give a patched functor its native table back: only for measurements, since the native law then acts."""
+        """Restore the native table of a functor: only for measurements, since the native law then acts."""
         if self.acts_in(functor):
             offset, _, _ = self.layout.slot
             ctypes.c_uint64.from_address(address(functor) + offset).value = self.native_table
 
     def acts_in(self, functor):
-        """Whether this law is what `functor` calls."""
+        """Whether `functor` calls this law."""
         offset, _, _ = self.layout.slot
         return ctypes.c_uint64.from_address(_window(functor)[0] + offset).value == self.table.ctypes.data + 16

@@ -23,7 +23,7 @@ def _overlaps(deepest):
 
 
 def _deepest(pairs, row, wanted):
-    """The wanted overlap [m], or as much of it as the law serves (a table ends)."""
+    """The wanted overlap [m], halved until the law has a force there (a table ends)."""
     while wanted > 0.0:
         trial = row.copy()
         trial["overlap"] = wanted
