@@ -80,22 +80,21 @@ def test_cycles_of_force_accumulate_plastic_overlap():
 
 
 @pytest.mark.parametrize(
-    ("call", "text"),
+    "call",
     [
-        (lambda law: driver.displacement_controlled(law, []), "at least one"),
-        (lambda law: driver.displacement_controlled(law, [np.nan]), "finite numbers in m"),
-        (lambda law: driver.displacement_controlled(law, [1e-6], steps=0), "steps = 0"),
-        (lambda law: driver.displacement_controlled(law, [1e-6], steps=2.5), "steps = 2.5"),
-        (lambda law: driver.force_controlled(law, [10.0, -1.0]), "carries no tension"),
-        (lambda law: driver.force_controlled(law, [np.inf]), "finite numbers in N"),
-        (lambda law: driver.impact(law, -1.0, 1.0), "mass = -1 kg"),
-        (lambda law: driver.impact(law, 1.0, 0.0), "speed = 0 m/s"),
-        (lambda law: driver.impact(law, 1.0, 1.0, steps_per_contact=1), "steps_per_contact = 1"),
-        (lambda law: driver.impact(law, 1e6, 1e6), "speed = 1e[+]06 m/s"),
+        lambda law: driver.displacement_controlled(law, []),
+        lambda law: driver.displacement_controlled(law, [np.nan]),
+        *(lambda law, n=n: driver.displacement_controlled(law, [1e-6], steps=n) for n in (0, 2.5)),
+        lambda law: driver.force_controlled(law, [10.0, -1.0]),
+        lambda law: driver.force_controlled(law, [np.inf]),
+        lambda law: driver.impact(law, -1.0, 1.0),
+        lambda law: driver.impact(law, 1.0, 0.0),
+        lambda law: driver.impact(law, 1.0, 1.0, steps_per_contact=1),
+        lambda law: driver.impact(law, 1e6, 1e6),
     ],
 )
-def test_bad_calls(call, text):
-    with pytest.raises(dl.DemlawsError, match=text):
+def test_bad_calls(call):
+    with pytest.raises(dl.DemlawsError):
         call(make("pohrt-popov", "hertz"))
 
 

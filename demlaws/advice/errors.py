@@ -32,29 +32,29 @@ class Sample(NamedTuple):
 class Loaded:
     """A law on a sample, loaded to the peak forces."""
 
-    def __init__(self, law, sample, storage=np.float64):
-        self.law, self.sample, self.storage = law, sample, storage
+    def __init__(self, law, sample):
+        self.law, self.sample = law, sample
         self.top = self.overlap_of(sample.peak)
 
     def overlap_of(self, force):
-        """Overlap [m] of first loading at each force [N], in the storage that is measured."""
-        return np.atleast_1d(self.law.overlap(force)).astype(self.storage)
+        """Overlap [m] of first loading at each force [N]."""
+        return np.atleast_1d(self.law.overlap(force))
 
     def state_at(self, top):
         """State, force [N] and stiffness [N/m] after first loading to each overlap `top` [m]."""
-        state = self.law.new_state(top.size, self.storage)
-        force, stiffness = self.law.evaluate(top.astype(self.storage), state)
+        state = self.law.new_state(top.size)
+        force, stiffness = self.law.evaluate(top, state)
         return state, np.asarray(force, float), np.asarray(stiffness, float)
 
     def unloaded(self, state, force):
         """Overlap at `force` after the peak."""
         overlap = np.empty(np.size(force))
         unloaded_loop(self.law.rule, self.law.params, force, state.arrays, overlap)
-        return overlap if self.law.state_size else overlap.astype(self.storage)
+        return overlap
 
     def again(self, overlap, state):
         """Force and stiffness at `overlap` after the peak."""
-        force, stiffness = self.law.evaluate(np.asarray(overlap).astype(self.storage), state.copy())
+        force, stiffness = self.law.evaluate(np.asarray(overlap), state.copy())
         return np.asarray(force, float), np.asarray(stiffness, float)
 
     def energies(self, top):
@@ -84,11 +84,11 @@ class Loaded:
         return np.where(np.abs(step) < 1e-9, overlap, np.nan)
 
 
-def error_of(law, reference, sample, quantity, unloads, storage=np.float64):
+def error_of(law, reference, sample, quantity, unloads):
     """Error of `law` against `reference` for each contact of `sample`, as `QUANTITIES` define it."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore", ValidityWarning)
-        exact, given = Loaded(reference, sample), Loaded(law, sample, storage)
+        exact, given = Loaded(reference, sample), Loaded(law, sample)
         return _MEASURES[quantity](exact, given, sample, unloads)
 
 

@@ -7,8 +7,6 @@ from demlaws.plots import colour, figure
 from demlaws.plots.choose import number, numbered_key
 from studies.trade.candidates import NAMES
 
-_MARKERS = {"closed form": "o", "float32": "^", "table": "s", "lazy": "x"}
-
 
 def _laws_panel(ax, entries, floor):
     """Closed forms alone, one marker a law and rule, numbered: error against the richest law over cost; all entries' front."""
@@ -28,21 +26,17 @@ def _laws_panel(ax, entries, floor):
 
 
 def _evaluations_panel(ax, entries):
-    """Tables, single precision and lazy refresh: error against the own closed form over cost relative to it."""
+    """Tables: error against the own closed form over cost relative to it."""
     lowest = 1e-16
     closed = {e[:2]: e.ns for e in entries if e.evaluation == "closed form"}
     shown = [e for e in entries if e.evaluation != "closed form" and e[:2] in closed]
     for e in shown:
-        edge = {} if e.evaluation == "lazy" else {"mec": "white", "mew": 0.4}
         place = e.ns / closed[e[:2]], max(e.own["force"], lowest)
-        ax.plot(*place, _MARKERS[e.evaluation], color=colour(e.law), ms=5, alpha=0.8, **edge)
+        ax.plot(*place, "s", color=colour(e.law), ms=5, alpha=0.8, mec="white", mew=0.4)
     ax.axvline(1.0, color="k", lw=0.8, ls=":")
     ax.set(xscale="log", yscale="log", xlabel="cost over that of the law's closed form", ylabel="largest error of force")
     _limited(ax, [e.ns / closed[e[:2]] for e in shown])
-    ax.set(title="what an evaluation costs and errs, against the closed form")
-    for name, marker in _MARKERS.items():
-        if name != "closed form":
-            ax.plot([], [], marker, color="#666666", label=name, ms=4)
+    ax.set(title="what tables cost and err, against the closed form")
     for law in registry():
         if any(e.law == law for e in shown):
             ax.plot([], [], "-", color=colour(law), label=law)

@@ -18,12 +18,12 @@ class Batch(NamedTuple):
     start: State  # the state before the step; put back before each round
 
     @classmethod
-    def of(cls, law, peak, overlap, storage=np.float64):
-        """Contacts that were at `peak` [m] and are now at `overlap` [m], kept as `storage`."""
-        state = law.new_state(peak.size, storage)
+    def of(cls, law, peak, overlap):
+        """Contacts that were at `peak` [m] and are now at `overlap` [m]."""
+        state = law.new_state(peak.size)
         if law.state_size:
-            law.evaluate(peak.astype(storage), state)
-        return cls(law, overlap.astype(storage), state)
+            law.evaluate(peak, state)
+        return cls(law, overlap, state)
 
 
 def nanoseconds(batches, rounds=7):

@@ -6,16 +6,12 @@ Costs are ns a contact of batches whose rounds are interleaved, with a copy kern
 """
 
 import math
-import time
 import warnings
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws.advice.errors import Sample, error_of
-from demlaws.core import dispatch
-from demlaws.core.dispatch import gather, scatter
-from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -33,9 +29,6 @@ LOADS = (0.1, 2000.0)
 RICHEST = (candidates.RICHEST.law, candidates.RICHEST.unloading, dict(candidates.RICHEST.options))
 COMPARED = ("force", "stiffness", "energy", "restitution")
 RTOLS = (1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7)
-LAZY = (1e-4, 1e-3, 1e-2)
-MOVE = 1e-4
-"""Relative change of an overlap from step to step in the scene that lazy refresh is measured on: a quasi-static packing."""
 
 
 class Entry(NamedTuple):
@@ -43,13 +36,12 @@ class Entry(NamedTuple):
 
     law: str
     unloading: str
-    evaluation: str  # "closed form", "float32", "table", "lazy"
-    detail: str  # bits an octave, or the tolerance of the lazy refresh
+    evaluation: str  # "closed form" or "table"
+    detail: str  # bits per octave
     ns: float
     over_copy: float
     state_bytes: int
     rows: int
-    refreshed: float  # share of contacts that are evaluated in a step
     own: dict  # quantity → largest error against the closed form of the same law and rule
     richest: dict  # quantity → largest error against RICHEST
     front: bool = False
@@ -64,27 +56,6 @@ class StepEntry(NamedTuple):
     ns: float  # a contact and impact: steps × ns of the law
 
 
-@loop
-def lazy_loop(rule, params, overlap, state, seen, tolerance, force, stiffness):
-    """Evaluate only contacts whose overlap moved by more than `tolerance` of itself since; the others follow their tangent."""
-    fresh = 0
-    for i in range(overlap.size):
-        moved = overlap[i] - seen[0][i]
-        if overlap[i] <= 0.0 or abs(moved) > tolerance * seen[0][i]:
-            new_force, new_stiffness, new_state = dispatch.step(rule, gather(params, i), overlap[i], gather(state, i))
-            scatter(state, i, new_state)
-            seen[0][i] = overlap[i]
-            seen[1][i] = new_force
-            seen[2][i] = new_stiffness
-            force[i] = new_force
-            stiffness[i] = new_stiffness
-            fresh += 1
-        else:
-            force[i] = seen[1][i] + seen[2][i] * moved
-            stiffness[i] = seen[2][i]
-    return fresh
-
-
 def _sample(count, random=None):
     share = np.linspace(0.0, 1.0, count) if random is None else random.random(count)
     peak = LOADS[0] * (LOADS[1] / LOADS[0]) ** share
@@ -95,46 +66,17 @@ def _bind(name, unloading, options=None):
     return bind_law(name, GRANITE, unloading, **(registry()[name].example if options is None else options))
 
 
-def _batch(law, count, storage=np.float64):
+def _batch(law, count):
     random = np.random.default_rng(1)
     sample = _sample(count, random)
     top = np.asarray(law.overlap(sample.peak))
     now = top * np.where(random.random(count) < 0.3, 1.0, random.uniform(0.3, 1.0, count))
-    return Batch.of(law, top, now, storage)
+    return Batch.of(law, top, now)
 
 
-def _errors(law, reference, storage=np.float64, points=1500):
+def _errors(law, reference, points=1500):
     sample = _sample(points)
-    return {q: float(error_of(law, reference, sample, q, True, storage).max()) for q in COMPARED}
-
-
-def _lazy(law, tolerance, count, steps=40):
-    """ns a contact and step, share refreshed, largest error of force and stiffness, over steps that move by MOVE."""
-    random = np.random.default_rng(2)
-    peak = _sample(count, random).peak
-    top = np.asarray(law.overlap(peak))
-    state, full = law.new_state(count), law.new_state(count)
-    seen = np.zeros(count), np.zeros(count), np.zeros(count)
-    force, stiffness = np.empty(count), np.empty(count)
-    out = np.empty(count), np.empty(count)
-    overlap = top.copy()
-    best, whole, fresh, worst, worst_stiffness = math.inf, math.inf, [], 0.0, 0.0
-    direction = np.where(random.random(count) < 0.5, 1.0, -1.0)
-    for step in range(steps):
-        start = time.perf_counter()
-        refreshed = lazy_loop(law.rule, law.params, overlap, state.arrays, seen, tolerance, force, stiffness)
-        middle = time.perf_counter()
-        law.evaluate(overlap, full, out)
-        end = time.perf_counter()
-        if step > 1:  # the first compiles, and makes every contact
-            best, whole = min(best, middle - start), min(whole, end - middle)
-            fresh.append(refreshed / count)
-            worst = max(worst, float(np.max(np.abs(force - out[0]) / peak)))
-            worst_stiffness = max(worst_stiffness, float(np.max(np.abs(stiffness / out[1] - 1.0))))
-        turn = random.random(count) < 0.05
-        direction = np.where(turn, -direction, direction)
-        overlap = overlap * (1.0 + MOVE * direction * random.random(count) * 2.0)
-    return best / count * 1e9, whole / count * 1e9, float(np.mean(fresh)), worst, worst_stiffness
+    return {q: float(error_of(law, reference, sample, q, True).max()) for q in COMPARED}
 
 
 def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
@@ -155,8 +97,7 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
                     continue
         made, batches = {}, {}
         for (name, rule), law in progress(list(bound.items())):
-            made[name, rule, "closed form", ""] = law, np.float64
-            made[name, rule, "float32", ""] = law, np.float32
+            made[name, rule, "closed form", ""] = law
             seen = set()
             for rtol in RTOLS:
                 try:
@@ -166,47 +107,24 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
                 bits = table.rows.bits
                 if bits not in seen:
                     seen.add(bits)
-                    made[name, rule, "table", f"{bits} bits"] = table, np.float64
-        for key, (law, storage) in made.items():
-            batches[key] = _batch(law, count, storage)
+                    made[name, rule, "table", f"{bits} bits"] = table
+        for key, law in made.items():
+            batches[key] = _batch(law, count)
         cost, floor = nanoseconds(batches, rounds)
         entries = []
-        for key, (law, storage) in progress(list(made.items())):
+        for key, law in progress(list(made.items())):
             exact = bound[key[:2]]
             entries.append(
                 Entry(
                     *key,
                     cost[key],
                     cost[key] / floor,
-                    law.state_size * np.dtype(storage).itemsize,
+                    8 * law.state_size,
                     law.nodes.u.size if key[2] == "table" else 0,
-                    1.0,
-                    _errors(law, exact, storage),
-                    _errors(law, richest, storage),
+                    _errors(law, exact),
+                    _errors(law, richest),
                 )
             )
-        for (name, rule), law in progress(list(bound.items())):
-            base = next(e for e in entries if e[:3] == (name, rule, "closed form"))
-            for tolerance in LAZY:
-                ns, whole, fresh, force, stiffness = _lazy(law, tolerance, count)
-                own = {"force": force, "stiffness": stiffness, "energy": math.nan, "restitution": math.nan}
-                both = {q: base.richest[q] + own[q] for q in COMPARED}
-                scaled = ns / whole * base.ns  # a ratio within the same steps, on the scale of the other entries
-                entries.append(
-                    Entry(
-                        name,
-                        rule,
-                        "lazy",
-                        f"{tolerance:g}",
-                        scaled,
-                        scaled / floor,
-                        law.state_size * 8 + 24,
-                        0,
-                        fresh,
-                        own,
-                        both,
-                    )
-                )
     return _mark_front(entries), floor
 
 
@@ -316,15 +234,15 @@ def table(entries, floor):
     own, richest = "error against its own closed form", f"error against {RICHEST[0]}"
     names = " ".join(f"{q:>11}" for q in COMPARED)
     lines = [
-        f"{'':51} {'':>9} {'×':>8} {'state':>6} {'':>6} {'re-':>6}   {own:^47}   {richest:^47}",
-        f"{'law':16} {'unloading':10} {'evaluation':12} {'':>9} {'ns':>9} {'copy':>8} {'bytes':>6} {'rows':>6} {'fresh':>6}"
+        f"{'':51} {'':>9} {'×':>8} {'state':>6} {'':>6}   {own:^47}   {richest:^47}",
+        f"{'law':16} {'unloading':10} {'evaluation':12} {'':>9} {'ns':>9} {'copy':>8} {'bytes':>6} {'rows':>6}"
         f"   {names}   {names}",
     ]
     for e in entries:
         errors = "   ".join(" ".join(f"{_number(values[q]):>11}" for q in COMPARED) for values in (e.own, e.richest))
         lines.append(
             f"{e.law:16} {e.unloading:10} {e.evaluation:12} {e.detail:>9} {e.ns:9.2f} {e.over_copy:8.2f} {e.state_bytes:6d} "
-            f"{e.rows or '-':>6} {e.refreshed:6.2f}   {errors}{'  *' if e.front else ''}"
+            f"{e.rows or '-':>6}   {errors}{'  *' if e.front else ''}"
         )
     lines.append(f"* on the Pareto front of cost and force error against {RICHEST[0]}; copy kernel {floor:.2f} ns")
     return "\n".join(lines)
@@ -355,7 +273,7 @@ def steps_table(entries):
 
 
 TITLES = (
-    *Entry._fields[:9],
+    *Entry._fields[:8],
     *(f"own_{q}" for q in COMPARED),
     *(f"richest_{q}" for q in COMPARED),
     "pareto_front",
@@ -364,4 +282,4 @@ TITLES = (
 
 def csv_row(e):
     """One line of the CSV file: the values that TITLES names."""
-    return (*e[:9], *(e.own[q] for q in COMPARED), *(e.richest[q] for q in COMPARED), e.front)
+    return (*e[:8], *(e.own[q] for q in COMPARED), *(e.richest[q] for q in COMPARED), e.front)

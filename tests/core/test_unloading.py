@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from references import EPS
 
 import demlaws as dl
+from demlaws.errors import NotPassive
 from demlaws.laws.registry import registry
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -200,7 +201,7 @@ def test_hertz_leaves_nothing_behind():
 @pytest.mark.parametrize("name", [n for n in dl.laws() if (n, "hertz") not in PAIRS and "hertz" in rules_of(n)])
 def test_a_refused_law_would_return_work(name):
     """The refusal names the load; there, Hertz unloading from just above would give back more than loading took."""
-    with pytest.raises(dl.DemlawsError, match="return more work than loading took; use unloading='elastic'") as refusal:
+    with pytest.raises(NotPassive) as refusal:
         dl.law(name, GRANITE, unloading="hertz", **options_of(name))
     load = float(str(refusal.value).split(" at ")[1].split(" N")[0])
     law = make(name)
@@ -214,7 +215,7 @@ def test_a_refused_law_would_return_work(name):
 
 def test_arrays_of_contacts_are_refused_too_where_one_of_them_is_not_passive():
     contact = GRANITE.with_values(roughness=np.array([1e-9, 2.4e-6, 1e-6]))
-    with pytest.raises(dl.DemlawsError, match="use unloading='elastic'"):
+    with pytest.raises(NotPassive):
         dl.law("bahrami", contact, unloading="hertz")
 
 
@@ -333,5 +334,5 @@ def test_loads_beyond_a_tabulated_curve_are_refused():
         lambda: law.follow([law.overlap(60.0)]),
         lambda: law.evaluate(np.array([law.overlap(60.0)]), law.new_state(1)),
     ):
-        with pytest.raises(dl.DemlawsError, match="unloading curve is a table that ends at"):
+        with pytest.raises(dl.DemlawsError):
             call()

@@ -1,20 +1,16 @@
 """A law of a user's own file, and a table of a user's function, inside LIGGGHTS."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from examples import shared
 from inputs_for_liggghts import two_spheres
-from own_spring import FAULTS, registered, spoil
-from processes import parted
+from own_spring import registered
 
 import demlaws as dl
 from demlaws.liggghts import run
-from demlaws.liggghts.check import TWO_PARTICLES, follow
-from demlaws.liggghts.run import command, executable
+from demlaws.liggghts.check import follow
 
 GRAN = "pair_style gran model demlaws/table tangential history "
 PAGE = (Path(__file__).parents[3] / "docs" / "own-laws.md").read_text()
@@ -46,38 +42,6 @@ def test_a_table_of_a_function_within_its_certificate():
     np.testing.assert_allclose(found[first][touching], force(overlap[first][touching]), rtol=1e-5 + table.force_error)
 
 
-# --- a law whose unloading is its own: the code of its rule beside the table
-
-
-def two_particles_on(ranks):
-    """The self-test's input and variables: each of two ranks holds one of the spheres."""
-    variables = {"young": repr(2 * CONTACT.modulus * (1 - 0.25**2)), "radius": repr(8e-3), "table": "law.tbl"}
-    return TWO_PARTICLES.replace("processors      1 1 1", f"processors {ranks} 1 1"), variables
-
-
-def press(folder, ranks):
-    text, variables = two_particles_on(ranks)
-    (folder / "in.press").write_text(text)
-    return run(folder / "in.press", ranks, variables)
-
-
-@pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])
-def test_a_rule_of_ones_own(tmp_path, ranks):
-    """From a file outside the package: within the certificate of the law, and the table's own to rounding."""
-    with registered(tmp_path):
-        law = dl.law("spring", CONTACT, lost=0.3)
-        saved = law.tabulate(1e-6)
-        saved.save(tmp_path / "law.tbl")
-        log = press(tmp_path, ranks)
-        overlap, force, expected = log["overlap"], log["force"], law.follow(log["overlap"]).force
-        table = saved.follow(overlap)
-    assert (tmp_path / "law.tbl.so").is_file()
-    assert overlap.max() > 1e-5 and np.count_nonzero(force) > 300
-    assert np.abs(force - expected).max() <= 2e-6 * expected.max()
-    # the overlap is read with an error of some 1e-18 m, where k/P may be large
-    np.testing.assert_allclose(force, table.force, rtol=1e-12, atol=1e-11 * table.force.max())
-
-
 @pytest.mark.slow
 def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
     """Half way back a restart file is written; a new process goes on as the first would have."""
@@ -100,25 +64,3 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
     same = np.isin(whole["Step"], later["Step"])
     assert same.sum() == later["Step"].size > 300
     np.testing.assert_allclose(later["force"], whole["force"][same], rtol=1e-12, atol=1e-12 * whole["force"].max())
-
-
-@pytest.mark.parametrize("fault", shared(FAULTS, "missing".__eq__))
-def test_an_object_that_is_not_there_is_refused(tmp_path, fault):
-    with registered(tmp_path):
-        law = dl.law("spring", CONTACT, lost=0.3)
-        table = law.tabulate(1e-4).save(tmp_path / "law.tbl")
-    ranks = spoil(Path(f"{table}.so"), fault)
-    text, variables = two_particles_on(ranks)
-    (tmp_path / "in.case").write_text(text)
-    line, environment = command("in.case", ranks, variables)
-    if ranks > 1:
-        line = parted(line, executable(), tmp_path)
-    done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, errors="replace", timeout=120)
-    said = done.stdout + done.stderr
-    assert done.returncode
-    assert f"rank {ranks - 1}: law.tbl.so" in said
-    assert (
-        "is not the object that the table was written with" in said
-        if fault == "another"
-        else "must lie beside the table" in said
-    )
