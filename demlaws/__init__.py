@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from demlaws.advice.fit import fit as fit
     from demlaws.advice.scene import Scene as Scene
     from demlaws.advice.soften import soften as soften
+    from demlaws.checks.law import check_law as check_law
     from demlaws.contact import Contact as Contact
     from demlaws.contact import Material as Material
     from demlaws.contact import Surface as Surface
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from demlaws.laws.registry import load_laws as load_laws
     from demlaws.laws.registry import register as register
     from demlaws.make import law as law
-    from demlaws.measure.lawcheck import check_law as check_law
     from demlaws.timestep import timestep as timestep
 
 __version__ = "0.2.0"
@@ -41,7 +41,7 @@ _HOMES = {
     "Surface": "demlaws.contact",
     "Table": "demlaws.law",
     "ValidityWarning": "demlaws.errors",
-    "check_law": "demlaws.measure.lawcheck",
+    "check_law": "demlaws.checks.law",
     "choose": "demlaws.advice.choose",
     "define": "demlaws.defined",
     "driver": "demlaws.driver",

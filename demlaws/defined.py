@@ -11,12 +11,13 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
+from demlaws.core import generate
 from demlaws.core.cache import digest_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option
+from demlaws.laws.definition import Definition, Option, grouped
 from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
@@ -42,7 +43,7 @@ def define(
     energy(p, overlap) → ∫P dδ [J] are solved for and integrated where they are not given, which batches never need. p has
     `radius` R [m], `modulus` E* [Pa], `roughness` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5], the fields that `needs`
     names, and the options. options: name → default, or (default, unit, meaning); None: it must be given. facts: any field of
-    `Definition`, for instance equation, source, description, limits, kinks, fitted, free, colour.
+    `Definition` or of its `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits, kinks, free, colour.
 
     One curve serves one contact unless facts say collapses=True with length="radius" or "roughness". Raises DemlawsError.
 
@@ -67,6 +68,7 @@ def define(
         raise DemlawsError(
             f"law {name!r}: options {', '.join(map(repr, described))}: {clash or 'one of them'} cannot be a name"
         )
+    facts = grouped(facts)
     if unknown := sorted(facts.keys() - set(Definition._fields) | ({"prepare", "options"} & facts.keys())):
         raise DemlawsError(f"law {name!r}: a Definition has no field {', '.join(unknown)} to be given here")
     extra = (*[n for n in needs if n in _OF_CONTACT], *described)
@@ -110,9 +112,9 @@ def _types(name, functions, extra):
     for cls in (shape_type, params_type):
         globals()[cls.__qualname__] = cls  # where pickle and the machine code on disk look for it
     force, stiffness, overlap, energy = (f if f is None or hasattr(f, "py_func") else kernel(f) for f in functions)
-    text = ", ".join(f"float(shape.{n})" for n in extra)
-    made = {"Params": params_type, "hertz_coefficient": hertz_coefficient}
-    exec(f"def scale(shape, R, E, s): return Params(hertz_coefficient(R, E), R, E, s, {text})", made)
+    values = ", ".join(f"float(shape.{n})" for n in extra)
+    names = {"Params": params_type, "hertz_coefficient": hertz_coefficient}
+    scale = generate.function("shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, s, {values})"], names)
 
     @kernel
     def virgin(p, overlap):
@@ -120,7 +122,7 @@ def _types(name, functions, extra):
         equivalent = hertz_overlap(p, load)
         return load, stiffness(p, overlap), equivalent, equivalent
 
-    bind(shape_type, scale=kernel(made["scale"]))
+    bind(shape_type, scale=kernel(scale))
     bind(params_type, virgin=virgin, inverse=overlap or _searched(force, stiffness), energy=energy or _integrated(force))
     return shape_type
 

@@ -12,10 +12,11 @@ from demlaws.core.dispatch import gather, stored_and_dissipated
 from demlaws.core.loops import energy_loop
 from demlaws.core.numba_compat import loop
 from demlaws.core.params import loading_part
-from demlaws.core.shear import DEFAULT
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
 from demlaws.response import Path
+from demlaws.shear import Sheared as Sheared
+from demlaws.shear import sheared as sheared
 from demlaws.units import number, real, whole
 
 
@@ -87,49 +88,6 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
         largest = 0.0 if parted else max(largest, float(forces.max()))
         overlaps.append(branch)
     return law.follow(np.concatenate(overlaps))
-
-
-class Sheared(NamedTuple):
-    """What one contact does under normal and tangential displacement: arrays with one entry per point, SI units.
-
-    work is what tangential displacement has put in since the path began [J], stored is F_t²/(2 K_t).
-    """
-
-    overlap: np.ndarray
-    displacement: np.ndarray
-    force: np.ndarray
-    shear_stiffness: np.ndarray
-    shear_force: np.ndarray
-    work: np.ndarray
-    stored: np.ndarray
-
-
-def sheared(law: Law, overlap: ArrayLike, displacement: ArrayLike, ratio: float, shear: str = DEFAULT) -> Sheared:
-    """One contact along a path of overlaps and tangential displacements [m] without sliding: a `Sheared`.
-
-    As engines that add up shear forces do it (YADE): at each point the force grows by K_t of that point times the
-    displacement since the last one. ratio and shear are those of `law.shear_stiffness`. Where K_t falls by more than that of
-    smooth spheres on the same path of forces, the shear force falls with it, so that no closed path returns more than theirs
-    (docs/shear.md).
-    """
-    depth, along = _points(overlap, "m"), _points(displacement, "m")
-    if depth.shape != along.shape:
-        raise DemlawsError(f"{depth.size} overlaps and {along.size} displacements: give one displacement for each overlap")
-    path = _checked(law).follow(depth)
-    stiffness = np.atleast_1d(law.shear_stiffness(depth, ratio, shear))
-    forces, work = np.zeros(depth.size), np.zeros(depth.size)
-    for n in range(1, depth.size):
-        kept = forces[n - 1]
-        if depth[n] <= 0.0:
-            kept = 0.0
-        elif stiffness[n] < stiffness[n - 1] * (1.0 - 1e-11):
-            unload = path.force[n - 1] / path.force[n] if path.force[n] > 0.0 else math.inf
-            kept *= min(stiffness[n] / stiffness[n - 1] * max(unload, 1.0) ** (1.0 / 3.0), 1.0) if stiffness[n] else 0.0
-        step = along[n] - along[n - 1]
-        forces[n] = kept + stiffness[n] * step
-        work[n] = work[n - 1] + 0.5 * (kept + forces[n]) * step
-    stored = np.divide(forces**2, 2.0 * stiffness, out=np.zeros(depth.size), where=stiffness > 0.0)
-    return Sheared(depth, along, path.force, stiffness, forces, work, stored)
 
 
 @loop

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.unloading import GIVEN
+from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, join, read_if_path
@@ -46,6 +46,8 @@ def rule_and_curve(unloading: Any) -> tuple[str, Law | None]:
     unloading = read_if_path(unloading)
     if isinstance(unloading, Law):
         return GIVEN, unloading
+    if isinstance(unloading, str) and unloading in RULES and unloading != GIVEN:
+        return unloading, None
     known = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
     if not isinstance(unloading, str) or unloading not in known or unloading == GIVEN:
         why = (

@@ -171,5 +171,5 @@ def advise(contact, load, yield_pressure=None, mu=None):
         ratio = float(np.max(pressure_ratio(contact, load, mu)))
         yields, state = ratio > YIELD_RATIO, f"p(0)/H_m = {ratio:.2f}"
     conditions = Conditions(contact, alpha, float(pressure_drop(alpha)), yields, state)
-    advice = {name: definition.advise(conditions) for name, definition in registry().items()}
+    advice = {name: definition.advice.advise(conditions) for name, definition in registry().items()}
     return [Advice(name, bool(fits), reason) for name, (fits, reason) in advice.items()]

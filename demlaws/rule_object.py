@@ -20,6 +20,7 @@ from numba.extending import intrinsic
 
 from demlaws.core.dispatch import bind, scale, step, stored_and_dissipated
 from demlaws.core.fastmath import kernel
+from demlaws.core.generate import function
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.shear import unloading_stiffness
 from demlaws.errors import DemlawsError
@@ -103,20 +104,18 @@ def _functions(shape, tag, size):
     names = {"scale": scale, "step": step, "energies": stored_and_dissipated, "unloading_stiffness": unloading_stiffness}
     names |= {"SHAPE": shape, "TAG": tag, "NativeParams": NativeParams, "hertz_coefficient": hertz_coefficient}
     state = "".join(f"state[{n}], " for n in range(size))
-    kept = "".join(f"    state[{n}] = new[{n}]\n" for n in range(size))
-    head = "    p = NativeParams(hertz_coefficient(R, E), scale(SHAPE, R, E, s), engine)\n"
-    exec(
-        f"def step_(engine, R, E, s, overlap, state, out):\n{head}"
-        f"    force, stiffness, new = step(TAG, p, overlap, ({state}))\n"
-        f"    out[0] = force\n    out[1] = stiffness\n"
-        f"    out[2] = unloading_stiffness(TAG, p, overlap, force, stiffness, new)\n{kept}"
-        f"def energies_(engine, R, E, s, overlap, state, out):\n{head}"
-        f"    out[0], out[1] = energies(TAG, p, overlap, ({state}))\n",
-        names,
-    )
+    head = "p = NativeParams(hertz_coefficient(R, E), scale(SHAPE, R, E, s), engine)"
+    contact = [
+        head,
+        f"force, stiffness, new = step(TAG, p, overlap, ({state}))",
+        "out[0], out[1], out[2] = force, stiffness, unloading_stiffness(TAG, p, overlap, force, stiffness, new)",
+        *(f"state[{n}] = new[{n}]" for n in range(size)),
+    ]
+    energies = [head, f"out[0], out[1] = energies(TAG, p, overlap, ({state}))"]
+    signature, arguments = types.void(*_CONTACT, _DOUBLES, _DOUBLES), "engine, R, E, s, overlap, state, out"
     return {
-        "demlaws_rule_contact": (types.void(*_CONTACT, _DOUBLES, _DOUBLES), names["step_"]),
-        "demlaws_rule_energies": (types.void(*_CONTACT, _DOUBLES, _DOUBLES), names["energies_"]),
+        "demlaws_rule_contact": (signature, function(arguments, contact, names)),
+        "demlaws_rule_energies": (signature, function(arguments, energies, names)),
     }
 
 

@@ -1,7 +1,7 @@
 """Whether a curve of first loading is one that engines can use: finite, rising, continuous, its derivative and inverse right.
 
 What is wrong is said once, with the overlap [m] and the value, before any engine sees it: of a user's own law when it is
-bound to a contact, of a function when it becomes a table. `demlaws.measure.lawcheck` measures the rest.
+bound to a contact, of a function when it becomes a table. `demlaws.checks.law` measures the rest.
 """
 
 import math

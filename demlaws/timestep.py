@@ -73,18 +73,21 @@ def packing_limit(
 ) -> float:
     """Estimate of the limit [s] of a packing: 0.5 to 1 times the exact limit in lattices and random packings (tests).
 
-    2/ω with ω² = 2/3 (Z + 4) ((1 + 1/s)/2)² max(1 + 2 K_t/K, 5 K_t/K) K/m. stiffness, mass: K [N/m] and the lighter grain's m
-    [kg] of the contact with the largest K/m; coordination: Z, the mean number of contacts per grain; shear_ratio: K_t/K;
-    size_ratio: s, the mean radius over the smallest one (1 is always safe; small grains have fewer contacts than others).
+    2/ω with ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2 K_t/K), (Z + 2.5) 5 K_t/K) K/m. stiffness, mass: K [N/m] and the lighter
+    grain's m [kg] of the contact with the largest K/m; coordination: Z, the mean number of contacts of grains that have any;
+    shear_ratio: K_t/K; size_ratio: s, the mean radius over the smallest one (1 is the safe choice: small grains have fewer
+    contacts than others).
 
-    With Z in place of Z + 4 and s = 1 this is the bound of this module for a grain with contacts in all directions alike and
-    with equal neighbours; it is exact in simple and body-centred cubic lattices. The 4 is for the grain with the most contacts,
-    and the dependence on s is a fit to random packings.
+    With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all directions
+    alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for motion, the
+    second for rotation. The numbers added to Z, for grains with more contacts than the mean or with contacts along one line,
+    and the dependence on s are fitted to random packings.
     """
     stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
-    contacts = number(coordination, "coordination", "", 0.0, 100.0, allow_low=True) + 4.0
-    smaller = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
-    return 2.0 / math.sqrt(2.0 / 3.0 * contacts * smaller**2 * max(1.0 + 2.0 * ratio, 5.0 * ratio) * stiffness / mass)
+    mean = number(coordination, "coordination", "", 0.0, 100.0, allow_low=True)
+    sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
+    moving, rolling = (mean + 4.0) * (1.0 + 2.0 * ratio), (mean + 2.5) * 5.0 * ratio
+    return 2.0 / math.sqrt(2.0 / 3.0 * sizes * max(moving, rolling) * stiffness / mass)
 
 
 def shear_ratio(material1: Material, material2: Material) -> float:
@@ -129,7 +132,7 @@ def timestep(
 
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s in a packing")
-    7.54e-06 s in a packing
+    8.18e-06 s in a packing
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0, other_mass=0.01, shear_ratio=0.0):.3g} s for two of them")
     3.08e-05 s for two of them
     """

@@ -17,7 +17,7 @@ SPRING = """
     from demlaws.core.fastmath import kernel, sqrt
     from demlaws.core.hertz import hertz_coefficient, hertz_overlap
     from demlaws.core.unloading import Rule, own_rule
-    from demlaws.laws.definition import Definition, Option
+    from demlaws.laws.definition import Definition, Drawing, Option
 
     class SpringShape(NamedTuple):
         stiffness: float
@@ -99,7 +99,7 @@ SPRING = """
         unloading=("elastic", "slack"),
         rules=(SLACK,),
         default_unloading="slack",
-        label="spring",
+        drawing=Drawing("spring"),
         options={"stiffness": Option("N/m", "above 0", "k"), "lost": Option("", "0 to 1", "share that stays")},
     ))
 """

@@ -29,7 +29,8 @@ class Packing(NamedTuple):
 
     @property
     def coordination(self):
-        return 2.0 * len(self.pairs) / len(self.radius)
+        """Mean number of contacts of the grains that have some."""
+        return 2.0 * len(self.pairs) / len(np.unique(self.pairs))
 
     @property
     def mass(self):
@@ -57,10 +58,10 @@ def lattice(kind, cells=4):
     return Packing(pairs[touching], normals[touching], overlap[touching], radius)
 
 
-def random_packing(size_ratio, share, seed, count=150, steps=1200):
-    """Spheres with radii from 1 to `size_ratio`, relaxed as elastic spheres at the volume fraction `share`."""
+def random_packing(size_ratio, share, seed, two_sizes=False, count=150, steps=1200):
+    """Elastic spheres, relaxed at the volume fraction `share`: radii from 1 to `size_ratio`, or half of each of these."""
     random = np.random.default_rng(seed)
-    radius = random.uniform(1.0, size_ratio, count)
+    radius = np.repeat([1.0, size_ratio], count // 2) if two_sizes else random.uniform(1.0, size_ratio, count)
     edge = (np.sum(4 / 3 * np.pi * radius**3) / share) ** (1 / 3)
     centres, velocity = random.uniform(0.0, edge, (count, 3)), np.zeros((count, 3))
     for _ in range(steps):

@@ -217,7 +217,7 @@ LAYERS = (
     "driver make shear timestep",
     "engines grains",
     "checks yade liggghts lammps",
-    "measure advice",
+    "advice",
     "plots",
     "granite",
     "cli",
@@ -225,7 +225,6 @@ LAYERS = (
 )
 """Layers of the package, the lowest first: a module imports from its own layer and those below."""
 UPWARD = {
-    ("measure/lawcheck.py", "granite"): "the contact of a granite test",
     ("criterion.py", "solvers"): "a curve of the criterion is Greenwood & Tripp's solution, solved when it is asked for",
     ("curves/saved.py", "__init__"): "the version",
     ("engines.py", "__init__"): "the version",

@@ -17,10 +17,10 @@ from references import EPS
 
 import demlaws as dl
 from demlaws.batch import in_threads
+from demlaws.checks import law as lawcheck
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
 from demlaws.make import example
-from demlaws.measure import lawcheck
 from demlaws.surface import HeightMap
 from demlaws.unloading import largest_stiffness_ratio
 

@@ -64,10 +64,14 @@ def test_rayleigh_and_shear_ratio():
 
 @functools.cache
 def packing(kind):
-    return lattice(kind) if kind in CELLS else random_packing(*map(float, kind.split()[:2]), seed=int(kind.split()[2]))
+    if kind in CELLS:
+        return lattice(kind)
+    size_ratio, share, seed, *two_sizes = kind.split()
+    return random_packing(float(size_ratio), float(share), int(seed), bool(two_sizes))
 
 
 RANDOM = [f"{sizes} {share} {seed}" for sizes in (1, 1.5, 2, 3, 4) for share, seed in ((0.65, 1), (0.7, 2))]
+RANDOM += ["1.4 0.65 3 two", "2 0.66 4 two", "3 0.66 5 two"]
 
 
 @pytest.mark.parametrize("kind", [*CELLS, *RANDOM])

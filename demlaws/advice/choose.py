@@ -105,7 +105,7 @@ class Choice:
 
         engine, export = ("lammps", to_lammps) if self.scene.engine == "lammps" else ("liggghts", to_liggghts)
         own = self.evaluation != "table"  # a law that the engine has itself
-        options = {"stock": find(self.name).native[engine]} if own else {"rtol": self.plan.rtol}
+        options = {"stock": find(self.name).advice.native[engine]} if own else {"rtol": self.plan.rtol}
         return export(
             folder,
             self.name,
@@ -197,8 +197,10 @@ class Choices(list):
 
 def _determined(contact):
     """Laws that the contact's quantities determine and that choices are made of, the richest first."""
-    known = [d for d in registry().values() if (d.rank or d.candidate) and (d.smooth or contact.roughness > 0.0)]
-    return sorted((d for d in known if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.rank)
+    known = [
+        d for d in registry().values() if (d.advice.rank or d.advice.candidate) and (d.advice.smooth or contact.roughness > 0.0)
+    ]
+    return sorted((d for d in known if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
 
 
 def _smallest_load(scene):
@@ -231,7 +233,7 @@ def reference_plan(scene):
         definition = find(scene.reference)
     else:
         rough = contact.with_values(roughness=max(c.roughness for c in scene.contacts(scene.effective_radii()[0])))
-        ranked = [d for d in _determined(rough) if d.rank]
+        ranked = [d for d in _determined(rough) if d.advice.rank]
         for definition in ranked:
             reached = _reaches(definition, scene, {})
             if reached is not None or definition is ranked[-1]:
@@ -261,13 +263,13 @@ def plans(scene, reference):
     if (before := _before_yield(reference)) is not None:
         candidates.append(before)
     for definition in _determined(scene.contacts(scene.effective_radii()[0])[0]):
-        if definition.candidate:
+        if definition.advice.candidate:
             candidates.append((definition, ()))
     found = [reference]
     for definition, options in candidates:
         rules = definition.unloading if scene.unloads else definition.unloading[:1]
         found += [Plan(definition.name, options, rule, "closed form") for rule in rules]
-        if reference.curve is not None and not definition.smooth:
+        if reference.curve is not None and not definition.advice.smooth:
             found.append(Plan(definition.name, options, GIVEN, "closed form", curve=reference.curve))
     return list(dict.fromkeys(found))
 
@@ -364,7 +366,7 @@ def _left_out(judge, plan):
         stage("unloading history", unloading="elastic", curve=None)
         now = stages[-1][1]
     if (now.name, now.options) != (plan.name, plan.options):
-        what = "roughness" if find(plan.name).smooth else f"{now.name} replaced by {plan.name}"
+        what = "roughness" if find(plan.name).advice.smooth else f"{now.name} replaced by {plan.name}"
         stage(what, name=plan.name, options=plan.options, unloading=plan.unloading, curve=plan.curve)
     if plan.evaluation != "closed form":
         stage("table in place of the closed form", evaluation=plan.evaluation, rtol=plan.rtol)
@@ -463,13 +465,13 @@ def _label(plan):
 
 def _runs_in(plan, engine):
     """LIGGGHTS and LAMMPS compute tables, and what they have a model of their own for; Python and YADE any law."""
-    return engine in ("python", "yade") or plan.evaluation == "table" or engine in find(plan.name).native
+    return engine in ("python", "yade") or plan.evaluation == "table" or engine in find(plan.name).advice.native
 
 
 def _table_for(judge, plan, closed_error):
     """The smallest table of a plan that still meets the tolerance (of one that does not: the one that adds a tenth)."""
     definition = find(plan.name)
-    if definition.closed_form_is_cheapest:
+    if definition.advice.closed_form_is_cheapest:
         return None
     target = judge.scene.tolerance if closed_error < judge.scene.tolerance else 1.1 * closed_error
     for rtol in _TABLE_STEPS:

@@ -45,7 +45,7 @@ def parameters():
     return {
         **OF_CONTACT,
         COMPLIANCE: _COMPLIANCE,
-        **{name: one for definition in registry().values() for name, one in definition.fitted.items()},
+        **{name: one for definition in registry().values() for name, one in definition.fitting.parameters.items()},
     }
 
 
@@ -190,7 +190,7 @@ class _Model:
     def __init__(self, name, contact, unloading, free, options):
         self.definition = find(name)
         self.unloading, self.free = unloading, tuple(free)
-        self.parameters = {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **self.definition.fitted}
+        self.parameters = {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **self.definition.fitting.parameters}
         fill = {}
         for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
@@ -198,10 +198,10 @@ class _Model:
                     raise DemlawsError(f"{name} needs the contact's {field}: give it, or let it be fitted")
                 fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
-        unseen = {n: one for n, one in self.definition.fitted.items() if one.unloading and n not in free}
+        unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}
         self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()} | dict(options)
         self.family = None
-        if set(self.definition.family) & set(free):
+        if set(self.definition.fitting.family) & set(free):
             self._solve_family()
 
     def _solve_family(self):
@@ -325,7 +325,9 @@ def fit(
     for name in names:
         definition = find(name)
         varied = [
-            n for n in (definition.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in definition.fitted
+            n
+            for n in (definition.fitting.free if free is None else free)
+            if n in ("modulus", COMPLIANCE) or n in definition.fitting.parameters
         ]
         if force.size < len(varied) + 4:
             raise DemlawsError(
@@ -359,7 +361,7 @@ def fit(
 
 def _on_unloading(definition, name):
     """Whether a quantity shows on unloading only."""
-    return name in definition.fitted and definition.fitted[name].unloading
+    return name in definition.fitting.parameters and definition.fitting.parameters[name].unloading
 
 
 def _texts(given, name):
@@ -381,7 +383,7 @@ def _checked_options(options):
 
 
 def _default_laws():
-    return [name for name, definition in registry().items() if definition.from_tests and not definition.needs_map]
+    return [name for name, definition in registry().items() if definition.fitting.identifiable and not definition.needs_map]
 
 
 def _suspicions(best, one, contact, displacement):

@@ -108,8 +108,8 @@ class Softening:
     def options(self, law: str, options: Mapping) -> dict:
         """Options of law `law` for the softened contacts; those of the law before yield among them."""
         definition = find(law)
-        if definition.rigid:
-            raise DemlawsError(f"law {law!r} cannot be softened: {definition.rigid}")
+        if definition.advice.rigid:
+            raise DemlawsError(f"law {law!r} cannot be softened: {definition.advice.rigid}")
         if definition.before_yield is not None:
             before, rest = definition.before_yield(**options)
             inner = self.options(before.name, rest)

@@ -33,7 +33,7 @@ def run(arguments):
     if arguments.check and arguments.name is None:
         raise DemlawsError("--check is of one law: demlaws laws NAME --check")
     if arguments.check:
-        from demlaws.measure.lawcheck import check_law
+        from demlaws.checks.law import check_law
 
         found = check_law(arguments.name)
         print(found)

@@ -16,10 +16,14 @@ import numba
 from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic, overload
-from numba.np.arrayobj import populate_array  # noqa: F401  used by yade/memory.py
 
 from demlaws.core import cache, notice
 from demlaws.errors import DemlawsError
+
+try:
+    from numba.np.arrayobj import populate_array
+except ImportError:  # of a release that has moved it: YADE's bridge, which alone uses it, then refuses tables
+    populate_array = None
 
 if numba.config.DISABLE_JIT:
     raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")

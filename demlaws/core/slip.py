@@ -106,6 +106,33 @@ def compress(curve, share, top, compression):
     return carried
 
 
+@kernel
+def slip_step(top, held, share, force, ratio, friction, du, dv, compression, carried, stretch):
+    """A step of a row of springs: both shear forces [N], and work and stored energy [J].
+
+    top, held: stiffness [N/m] with which the contact would unload, now and before the step; share: that of one spring;
+    du, dv: displacement [m]; compression, carried: from `compress`; stretch: (2, springs), updated.
+    """
+    first, second, work, stored = 0.0, 0.0, 0.0, 0.0
+    scale = force / carried if carried > 0.0 else 0.0
+    for k in range(stretch.shape[1]):
+        part, part_before = min(max(top / share - k, 0.0), 1.0), min(max(held / share - k, 0.0), 1.0)
+        if part == 0.0:
+            stretch[0, k] = stretch[1, k] = 0.0
+            continue
+        u, v = stretch[0, k], stretch[1, k]
+        if part > part_before:
+            u, v = u * (part_before / part), v * (part_before / part)
+        stiffness = ratio * share * part
+        before_u, before_v, u, v = stretched(u, v, du, dv, friction * compression[k] * scale / ratio)
+        work += 0.5 * stiffness * ((before_u + u) * du + (before_v + v) * dv)
+        stretch[0, k], stretch[1, k] = u, v
+        first += stiffness * u
+        second += stiffness * v
+        stored += 0.5 * stiffness * (u * u + v * v)
+    return first, second, work, stored
+
+
 @loop
 def slip_loop(rule, p, overlap, along, across, ratio, friction, largest, state, stretch, curve, results):
     """`one_spring_loop` with a row of springs, by the stiffness with which the contact would unload.
@@ -113,39 +140,22 @@ def slip_loop(rule, p, overlap, along, across, ratio, friction, largest, state, 
     largest: stiffness [N/m] that the springs share equally, not below that of the contact at any point of the path. stretch:
     (2, springs) zeros. curve: (2, SAMPLES) for the unloading curve.
     """
-    springs = stretch.shape[1]
-    share = largest / springs
+    share = largest / stretch.shape[1]
     held, work = 0.0, 0.0
-    compression = np.empty(springs)
+    compression = np.empty(stretch.shape[1])
     for n in range(overlap.size):
         force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
         top = max(unloading_stiffness(rule, p, overlap[n], force, tangent, new), 0.0) if overlap[n] > 0.0 else 0.0
-        scale = 0.0
+        carried = 0.0
         if top > 0.0:
             read_unloading_curve(rule, p, overlap[n], new, top, curve)
             carried = compress(curve, share, top, compression)
-            scale = force / carried if carried > 0.0 else 0.0
         du = along[n] - along[n - 1] if n > 0 else 0.0
         dv = across[n] - across[n - 1] if n > 0 else 0.0
-        first, second, stored = 0.0, 0.0, 0.0
-        for k in range(springs):
-            part, part_before = min(max(top / share - k, 0.0), 1.0), min(max(held / share - k, 0.0), 1.0)
-            if part == 0.0:
-                stretch[0, k] = stretch[1, k] = 0.0
-                continue
-            u, v = stretch[0, k], stretch[1, k]
-            if part > part_before:
-                u, v = u * (part_before / part), v * (part_before / part)
-            stiffness = ratio * share * part
-            limit = friction * compression[k] * scale / ratio
-            before_u, before_v, u, v = stretched(u, v, du, dv, limit)
-            work += 0.5 * stiffness * ((before_u + u) * du + (before_v + v) * dv)
-            stretch[0, k], stretch[1, k] = u, v
-            first += stiffness * u
-            second += stiffness * v
-            stored += 0.5 * stiffness * (u * u + v * v)
+        first, second, done, stored = slip_step(top, held, share, force, ratio, friction, du, dv, compression, carried, stretch)
         held = top
+        work += done
         results[0, n], results[1, n] = force, top
         results[2, n], results[3, n] = first, second
         results[4, n], results[5, n] = work, stored

@@ -81,6 +81,8 @@ RULES = {
 _OWN = {}  # name → the rule of a law or of a family of laws
 _OF_TAG = {}  # type of tag → rule; a file that runs twice makes types of one name twice, and laws of either live on
 
+OF_THE_PACKAGE = ("linear", "eepa", "etsion")
+"""Names of rules of the package's laws, whose files may not have been imported when a user's rule is made."""
 LARGEST_STATE = 3
 """Numbers that a contact may remember: what every engine keeps room for."""
 
@@ -95,7 +97,11 @@ def own_rule(rule: Rule) -> Rule:
     (imported and loaded, or a copy of it) is no other.
     """
     other = _OWN.get(rule.name)
-    if rule.name in RULES or (other is not None and not _same(type(other.tag), type(rule.tag))):
+    if (
+        rule.name in RULES
+        or (rule.name in OF_THE_PACKAGE and not type(rule.tag).__module__.startswith("demlaws.laws."))
+        or (other is not None and not _same(type(other.tag), type(rule.tag)))
+    ):
         raise TypeError(f"there is another unloading rule {rule.name!r}: give this one a name of its own")
     if len(rule.state) > LARGEST_STATE:
         raise TypeError(f"rule {rule.name!r} remembers {len(rule.state)} numbers, engines keep {LARGEST_STATE}")

@@ -152,7 +152,7 @@ def _rule(file, path):
     """`Rule` of a file; a user-defined rule is that of the law, which must be registered here as when it was written."""
     values = file.values
     if "rule" not in values:
-        return text.rules()[values["unloading"]]
+        return text.rule_named(values["unloading"])
     definition = registry().get(values["law"])
     rule = None if definition is None else definition.offered().get(values["rule"])
     if rule is None:

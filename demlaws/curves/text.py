@@ -86,8 +86,13 @@ def rules():
     return RULES | {rule.name: rule for rule in own}
 
 
+def rule_named(name):
+    """The rule of this name, or None; laws are loaded only where it is not a general rule."""
+    return RULES.get(name) or rules().get(name)
+
+
 def _rule(text):
-    return _one_of(*rules(), OWN)(text)
+    return text if text in RULES else _one_of(*rules(), OWN)(text)
 
 
 def _mark(text):
@@ -255,7 +260,7 @@ def parse(data, name):
     keys = [*of_curve, *SHARED]
     if any(key.name in header for key in _YIELD):
         keys += _YIELD
-    rule = rules().get(header.get("unloading"))
+    rule = rule_named(header.get("unloading"))
     # the second number of each rule is a growth, which may be 0
     keys += [Key(name, _not_negative if n == 1 else _positive) for n, name in enumerate(rule.keys if rule else ())]
     if header.get("unloading") == OWN:

@@ -166,7 +166,7 @@ def bind(name, test, unloading=None):
 
 def laws_for_tests():
     """Names of the laws that the tests' published quantities suffice for (a height map is not published)."""
-    return [name for name, definition in registry().items() if definition.from_tests and not definition.needs_map]
+    return [name for name, definition in registry().items() if definition.fitting.identifiable and not definition.needs_map]
 
 
 class Run(NamedTuple):

@@ -102,7 +102,7 @@ def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     stock, grains = case.stock, case.grains
-    if stock is not None and stock != find(case.law).native.get("lammps"):
+    if stock is not None and stock != find(case.law).advice.native.get("lammps"):
         raise DemlawsError(f"stock = {stock!r} with law {case.law!r}: LAMMPS has only law 'hertz' of its own, as stock='hertz'")
     lines = stock_models(grains, case.restitution, case.friction) if stock else models(case, folder)
     types, radii, centres, (side, height) = loose(grains, case.count)

@@ -17,7 +17,7 @@ from demlaws.core.grid import Nodes, grid, shape_from_nodes
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Limit, Option, bulk_yield, plastic_asperities
+from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
@@ -294,9 +294,6 @@ LAW = Definition(
         "plastic_ratio": 160.0,
     },
     example_curve={"curve": "reloading", "load": 100.0},
-    advise=plastic_asperities,
-    label="asperities",
-    colour="#e377c2",
     options={
         "surface": Option(
             "", "a HeightMap or a file", "height map of the rough body, or of the gap between two; needed", _softened
@@ -308,4 +305,6 @@ LAW = Definition(
         "plastic_factor": Option("", "above 0", "c_h: fully plastic pressure over hardness; without: aluminium's 0.71"),
         "plastic_ratio": Option("", "above 0", "c_A: 2 ω2/ω1 of a sphere; without: aluminium's 160"),
     },
+    advice=Advice(advise=plastic_asperities),
+    drawing=Drawing(label="asperities", colour="#e377c2"),
 )

@@ -8,7 +8,7 @@ import numpy as np
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import HARDNESS, ROUGHNESS, Definition, Limit, Option, plastic_asperities
+from demlaws.laws.definition import HARDNESS, ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, Option, plastic_asperities
 from demlaws.units import number
 
 _JOINT = 0.47
@@ -183,12 +183,10 @@ LAW = Definition(
     collapses=False,
     implicit=True,
     needs=("hardness",),
-    advise=plastic_asperities,
-    fitted={"roughness": ROUGHNESS, "hardness": HARDNESS},
-    free=("roughness",),
-    label="Bahrami",
-    colour="#9467bd",
     options={
         "constant": Option("", "1.5 to 1.7", "of the published correlation; the default makes it continuous (printed: 1.605)"),
     },
+    fitting=Fitting(parameters={"roughness": ROUGHNESS, "hardness": HARDNESS}, free=("roughness",)),
+    advice=Advice(advise=plastic_asperities),
+    drawing=Drawing(label="Bahrami", colour="#9467bd"),
 )

@@ -15,7 +15,19 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import LENGTH, PRESSURE, Definition, Limit, Option, Parameter, elastic_bulk, power_of
+from demlaws.laws.definition import (
+    LENGTH,
+    PRESSURE,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Limit,
+    Option,
+    Parameter,
+    elastic_bulk,
+    power_of,
+)
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE_YIELD_PRESSURE
 from demlaws.units import number
@@ -155,30 +167,29 @@ LAW = Definition(
     kinks=_kinks,
     bulk=_bulk,
     length="radius",
-    from_tests=False,
     collapses=False,
     example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2},
     exact=_exact,
-    advise=_advise,
     unloading=("elastic", "thornton"),
     refused={
         "hertz": "a crushed tip is wider, and at some contacts Hertz's curve of the old radius returns more work than it took; "
         "the law's own way is 'thornton'"
     },
     default_unloading="thornton",
-    fitted={
-        "strength": Parameter(
-            "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.array([0.02, 0.1]), option=True
-        ),
-        "angle": Parameter("rad", True, lambda c: (0.02, 1.57), lambda c: [0.5, 1.3], option=True),
-    },
-    free=("strength", "angle"),
-    smooth=True,
-    label="CDM",
-    colour="#5254a3",
-    line="-.",
     options={
         "strength": Option("Pa", "above 0", "σ_max, peak pressure at which the tip crushes; needed", PRESSURE),
         "angle": Option("rad", "0 to π/2", "α of the cone that it becomes: blunt near π/2; needed", _angle_softens),
     },
+    fitting=Fitting(
+        identifiable=False,
+        parameters={
+            "strength": Parameter(
+                "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.array([0.02, 0.1]), option=True
+            ),
+            "angle": Parameter("rad", True, lambda c: (0.02, 1.57), lambda c: [0.5, 1.3], option=True),
+        },
+        free=("strength", "angle"),
+    ),
+    advice=Advice(advise=_advise, smooth=True),
+    drawing=Drawing(label="CDM", colour="#5254a3", line="-."),
 )

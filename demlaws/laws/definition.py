@@ -55,7 +55,7 @@ def always(**options: Any) -> bool:
 
 
 class Conditions(NamedTuple):
-    """What a contact meets up to a load: that from which a law says whether its physics fits (`Definition.advise`)."""
+    """What a contact meets up to a load: that from which a law says whether its physics fits (`Advice.advise`)."""
 
     contact: Contact
     roughness_parameter: float  # largest α
@@ -112,7 +112,7 @@ ROUGHNESS = Parameter(
 DIMENSION = Parameter("", False, lambda c: (2.0, 3.0), lambda c: [c.fractal_dimension or 2.25, 2.1, 2.5, 2.8])
 HARDNESS = Parameter("Pa", True, lambda c: (1e-3 * c.modulus, 10 * c.modulus), lambda c: [c.hardness or 0.2 * c.modulus])
 OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": DIMENSION, "hardness": HARDNESS}
-"""The contact's own quantities; a law names those that it depends on, and adds its options, in `Definition.fitted`."""
+"""The contact's own quantities; a law names those that it depends on, and adds its options, in `Fitting.parameters`."""
 
 
 class Option(NamedTuple):
@@ -174,6 +174,46 @@ SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
 SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where contacts differ")
 
 
+class Fitting(NamedTuple):
+    """What fits a law to measured points."""
+
+    parameters: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
+    free: tuple = ()  # those that a fit varies by default
+    family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
+    identifiable: bool = True  # whether tests on single contacts, as the granite ones, determine its parameters
+
+
+class Advice(NamedTuple):
+    """What `choose`, `regime` and `soften` know of a law."""
+
+    advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
+    rank: int = 0  # `choose` takes the law of highest rank that a scene's quantities determine as its reference; 0: never
+    smooth: bool = False  # of a smooth contact: it leaves roughness out
+    candidate: bool = False  # `choose` tries it in place of its reference
+    branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
+    closed_form_is_cheapest: bool = False  # no table costs less
+    native: dict = {}  # noqa: RUF012  engine → its own model that is this law
+    rigid: str = ""  # why its contacts cannot be softened: a length of the law that does not scale (`demlaws.soften`)
+
+
+class Drawing(NamedTuple):
+    """How figures show a law."""
+
+    label: str = ""  # short name in figures' text
+    colour: str = "#888888"
+    line: str = "-"
+
+
+def grouped(facts: dict[str, Any]) -> dict[str, Any]:
+    """Facts of a law with those of `Fitting`, `Advice` and `Drawing` as these records; "fitted" means `Fitting.parameters`."""
+    facts = {("parameters" if name == "fitted" else name): value for name, value in facts.items()}
+    for name, kind in {"fitting": Fitting, "advice": Advice, "drawing": Drawing}.items():
+        values = {field: facts.pop(field) for field in kind._fields if field in facts}
+        if values:
+            facts[name] = kind(**values)
+    return facts
+
+
 class Definition(NamedTuple):
     """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to.
 
@@ -195,7 +235,6 @@ class Definition(NamedTuple):
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
     implicit: bool = False  # force is the root of an equation, not a closed form
     solved: bool = False  # the curve comes from a solver and is a table from the start
-    from_tests: bool = True  # whether tests on single contacts, as the granite ones, tell its parameters
     needs_map: bool = False  # made from a height map, not from a roughness
     needs: tuple = ()  # names of Contact fields that must be given
     before_yield: Callable | None = None  # **options → (Definition, options) of the law that holds before the bulk yields
@@ -203,28 +242,15 @@ class Definition(NamedTuple):
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
     exact: Callable | None = None  # contact, overlap, **options → force and stiffness in numpy.longdouble (`extended`)
-    # --- what advice and measurements do with it
-    advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
     rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rule's `keys`, no units
     default_unloading: str = "elastic"  # the rule where a user names none
     refused: dict = {}  # noqa: RUF012  general rule that the law does not take → what to do instead
-    fitted: dict = {}  # noqa: RUF012  quantity that the law depends on, beside the modulus → Parameter
-    free: tuple = ()  # those that a fit varies unless it is told otherwise
-    family: tuple = ()  # quantities on which the solved curve depends: a fit that varies one solves a family of curves first
-    rank: int = 0  # `choose` takes the law of highest rank that a scene's quantities determine as its reference; 0: never
-    smooth: bool = False  # of a smooth contact: it leaves roughness out
     hertzian: bool = False  # the curve is Hertz's: a power law without a length of its own
-    candidate: bool = False  # `choose` tries it in place of its reference
-    branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
-    closed_form_is_cheapest: bool = False  # no table costs less
-    native: dict = {}  # noqa: RUF012  engine → its own model that is this law
-    rigid: str = ""  # why its contacts cannot be softened: a length of the law that does not scale (`demlaws.soften`)
-    # --- how figures show it
-    label: str = ""  # short name in figures' text
-    colour: str = "#888888"
-    line: str = "-"
+    fitting: Fitting = Fitting()
+    advice: Advice = Advice()
+    drawing: Drawing = Drawing()
 
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""

@@ -11,7 +11,7 @@ from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits, plastic_from_the_start
 from demlaws.laws.extended import extended, from_hertz
 from demlaws.units import number
 
@@ -195,25 +195,26 @@ LAW = Definition(
     description="powder: plastic from the first load",
     limits=no_limits,
     length="radius",
-    from_tests=False,
     example={"stiffness_ratio": 3.0},
     example_curve={"softness": 4.0},
     exact=_exact,
-    advise=plastic_from_the_start,
     unloading=("elastic", "eepa"),
     rules=(EEPA,),
     rule_numbers=_numbers,
     default_unloading="eepa",
     refused=_ONLY_OWN,
-    fitted={
-        "softness": Parameter("", True, lambda c: (1e-4, 100.0), lambda c: [0.5, 0.05], option=True),
-        "stiffness_ratio": Parameter("", True, lambda c: (1.0, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
-    },
-    free=("softness", "stiffness_ratio"),
-    label="EEPA",
-    colour="#01665e",
     options={
         "stiffness_ratio": Option("", "from 1", "k2/k1; needed"),
         "softness": Option("", "0 to 1000", "k1 over Hertz's (4/3) E* √R"),
     },
+    fitting=Fitting(
+        identifiable=False,
+        parameters={
+            "softness": Parameter("", True, lambda c: (1e-4, 100.0), lambda c: [0.5, 0.05], option=True),
+            "stiffness_ratio": Parameter("", True, lambda c: (1.0, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+        },
+        free=("softness", "stiffness_ratio"),
+    ),
+    advice=Advice(advise=plastic_from_the_start),
+    drawing=Drawing(label="EEPA", colour="#01665e"),
 )

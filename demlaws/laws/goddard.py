@@ -9,7 +9,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, Parameter, slope_softens
+from demlaws.laws.definition import Definition, Drawing, Fitting, Option, Parameter, slope_softens
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
 from demlaws.units import number
@@ -98,11 +98,12 @@ LAW = Definition(
     example={"slope": 0.035},
     example_curve={"slope": 0.03},
     exact=_exact,
-    fitted={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},
-    free=("slope",),
-    label="Goddard",
-    colour="#8c564b",
     options={
         "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed", slope_softens),
     },
+    fitting=Fitting(
+        parameters={"slope": Parameter("rad", True, lambda c: (1e-4, 0.9), lambda c: [0.003, 0.01, 0.03, 0.1], option=True)},
+        free=("slope",),
+    ),
+    drawing=Drawing(label="Goddard", colour="#8c564b"),
 )

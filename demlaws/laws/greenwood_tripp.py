@@ -3,7 +3,7 @@
 import math
 
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Limit, Option, Parameter, always
+from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Drawing, Fitting, Limit, Option, Parameter, always
 from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
 from demlaws.units import number
 
@@ -44,11 +44,6 @@ LAW = Definition(
     implicit=True,
     solved=True,
     example={"mu": MU},
-    fitted={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
-    free=("roughness",),
-    label="Greenwood-Tripp",
-    colour="#17becf",
-    line=":",
     options={
         "mu": Option("", "0.05 to 1e5", f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"),
         "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu", -2 / 3),
@@ -56,4 +51,9 @@ LAW = Definition(
         "seating_load": SEATING,
         "rtol": SOLUTION,
     },
+    fitting=Fitting(
+        parameters={"roughness": ROUGHNESS, "mu": Parameter("", True, lambda c: (0.05, 1e3), lambda c: [MU], option=True)},
+        free=("roughness",),
+    ),
+    drawing=Drawing(label="Greenwood-Tripp", colour="#17becf", line=":"),
 )

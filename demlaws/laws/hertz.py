@@ -5,7 +5,7 @@ from typing import NamedTuple
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import Definition, elastic_bulk
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, elastic_bulk
 from demlaws.laws.extended import extended, from_hertz
 
 
@@ -66,16 +66,16 @@ LAW = Definition(
     description="smooth elastic spheres",
     length="radius",
     exact=_exact,
-    advise=_advise,
     unloading=("elastic",),  # which is Hertz's
-    free=("modulus",),
-    rank=1,
-    smooth=True,
     hertzian=True,
-    candidate=True,
-    closed_form_is_cheapest=True,
-    native={"yade": "hertz", "liggghts": "hertz", "lammps": "hertz"},
-    label="Hertz",
-    colour="#222222",
-    line="--",
+    fitting=Fitting(free=("modulus",)),
+    advice=Advice(
+        advise=_advise,
+        rank=1,
+        smooth=True,
+        candidate=True,
+        closed_form_is_cheapest=True,
+        native={"yade": "hertz", "liggghts": "hertz", "lammps": "hertz"},
+    ),
+    drawing=Drawing(label="Hertz", colour="#222222", line="--"),
 )

@@ -17,7 +17,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, no_limits
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits
 from demlaws.laws.etsion import ETSION, NOT_THORNTON
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION, advise_smooth
@@ -188,22 +188,20 @@ LAW = Definition(
     limits=no_limits,
     kinks=_kinks,
     length="radius",
-    from_tests=False,
-    rigid="its hardness goes with a/R and S_y/E*, which softer contacts change; take kogut-etsion or thornton-ning",
     collapses=False,
     example={"yield_strength": 1.0375e9},
     exact=_exact,
-    advise=advise_smooth,
     unloading=("elastic", "etsion"),
     rules=(ETSION,),
     rule_numbers=_numbers,
     default_unloading="etsion",
     refused=NOT_THORNTON,
-    fitted={"yield_strength": STRENGTH},
-    free=("yield_strength",),
-    smooth=True,
-    label="Jackson-Green",
-    colour="#de77ae",
-    line="-.",
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
+    fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
+    advice=Advice(
+        rigid="its hardness goes with a/R and S_y/E*, which softer contacts change; take kogut-etsion or thornton-ning",
+        advise=advise_smooth,
+        smooth=True,
+    ),
+    drawing=Drawing(label="Jackson-Green", colour="#de77ae", line="-."),
 )

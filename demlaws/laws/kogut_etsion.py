@@ -21,7 +21,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, kernel, log2, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import PRESSURE, Definition, Limit, Option, Parameter
+from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Limit, Option, Parameter
 from demlaws.laws.etsion import ETSION, NOT_THORNTON
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.units import number
@@ -174,21 +174,16 @@ LAW = Definition(
     limits=_limits,
     kinks=_kinks,
     length="radius",
-    from_tests=False,
     collapses=False,
     example={"yield_strength": 1.0375e9},
     exact=_exact,
-    advise=advise_smooth,
     unloading=("elastic", "etsion"),
     rules=(ETSION,),
     rule_numbers=_numbers,
     default_unloading="etsion",
     refused=NOT_THORNTON,
-    fitted={"yield_strength": STRENGTH},
-    free=("yield_strength",),
-    smooth=True,
-    label="Kogut-Etsion",
-    colour="#4d9221",
-    line="--",
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
+    fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
+    advice=Advice(advise=advise_smooth, smooth=True),
+    drawing=Drawing(label="Kogut-Etsion", colour="#4d9221", line="--"),
 )

@@ -12,7 +12,18 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import LENGTH, STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.definition import (
+    LENGTH,
+    STIFFNESS,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Option,
+    Parameter,
+    no_limits,
+    plastic_from_the_start,
+)
 from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
 from demlaws.units import number
@@ -68,34 +79,35 @@ LAW = Definition(
     limits=no_limits,
     kinks=_kinks,
     length="radius",
-    from_tests=False,
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},
     example_curve={"loading_stiffness": 1.5e7},
     exact=_exact,
-    advise=plastic_from_the_start,
     unloading=("elastic", "linear"),
     rules=(LINEAR,),
     rule_numbers=numbers,
     default_unloading="linear",
     refused=ONLY_STRAIGHT,
-    fitted={
-        "loading_stiffness": Parameter(
-            "N/m",
-            True,
-            lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
-            lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
-            option=True,
-        ),
-        "stiffness_ratio": Parameter("", True, lambda c: (1.001, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
-        "plasticity_depth": Parameter("", True, lambda c: (1e-6, 0.5), lambda c: [1e-3], option=True, unloading=True),
-    },
-    free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
-    label="Luding",
-    colour="#c51b7d",
     options={
         "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
         "stiffness_ratio": Option("", "above 1", "k̂2/k1, of the stiffest unloading; needed"),
         "plasticity_depth": Option("", "0 to 1", "φ_f, largest plastic overlap over 2R; needed", LENGTH),
     },
+    fitting=Fitting(
+        identifiable=False,
+        parameters={
+            "loading_stiffness": Parameter(
+                "N/m",
+                True,
+                lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
+                lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
+                option=True,
+            ),
+            "stiffness_ratio": Parameter("", True, lambda c: (1.001, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+            "plasticity_depth": Parameter("", True, lambda c: (1e-6, 0.5), lambda c: [1e-3], option=True, unloading=True),
+        },
+        free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
+    ),
+    advice=Advice(advise=plastic_from_the_start),
+    drawing=Drawing(label="Luding", colour="#c51b7d"),
 )

@@ -8,7 +8,18 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, power, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, ROUGHNESS, Definition, Limit, Option, bulk_yield, elastic_bulk
+from demlaws.laws.definition import (
+    DIMENSION,
+    ROUGHNESS,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Limit,
+    Option,
+    bulk_yield,
+    elastic_bulk,
+)
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov_branches import HertzBranchShape, PowerBranchShape
 
@@ -149,15 +160,17 @@ LAW = Definition(
     kinks=_kinks,
     needs=("fractal_dimension",),
     exact=_exact,
-    advise=_advise,
-    fitted={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION},
-    free=("roughness", "fractal_dimension"),
-    rank=4,
-    candidate=True,
-    branches={"power": "Hertz stiffness above the threshold", "hertz": "power law below the threshold"},
-    label="Pohrt-Popov",
-    colour="#d62728",
     options={
         "branch": Option("", "both, power or hertz", "side of the threshold that is kept, for scenes that never leave it"),
     },
+    fitting=Fitting(
+        parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
+    ),
+    advice=Advice(
+        advise=_advise,
+        rank=4,
+        candidate=True,
+        branches={"power": "Hertz stiffness above the threshold", "hertz": "power law below the threshold"},
+    ),
+    drawing=Drawing(label="Pohrt-Popov", colour="#d62728"),
 )

@@ -34,13 +34,21 @@ _loaded: set[str] = set()  # files
 _looked = [False]  # whether entry points and VARIABLE have been followed
 
 
-def _built_in() -> dict[str, Definition]:
-    definitions = [importlib.import_module(f"demlaws.laws.{module}").LAW for module in MODULES]
-    return {definition.name: definition for definition in definitions}
+_BUILT_IN = {module.replace("_", "-"): module for module in MODULES}
+"""Name of a law of the package → its module, which is imported when the law is needed."""
+
+
+def _built_in(name: str) -> Definition:
+    return importlib.import_module(f"demlaws.laws.{_BUILT_IN[name]}").LAW
 
 
 def registry() -> dict[str, Definition]:
     """Name → Definition of every law, in the order in which figures and tables show them; registered ones last."""
+    return {**{name: _built_in(name) for name in _BUILT_IN}, **_registered()}
+
+
+def _registered() -> dict[str, Definition]:
+    """Laws that users registered, those of files and of installed packages included."""
     if not _looked[0]:
         _looked[0] = True  # a file of laws that makes one of them comes by here, too
         try:
@@ -50,7 +58,7 @@ def registry() -> dict[str, Definition]:
         except BaseException:
             _looked[0] = False
             raise
-    return {**_built_in(), **_own}
+    return _own
 
 
 def laws() -> list[str]:
@@ -59,14 +67,16 @@ def laws() -> list[str]:
     >>> dl.laws()[:3]
     ['hertz', 'rms', 'pohrt-popov']
     """
-    return list(registry())
+    return [*_BUILT_IN, *_registered()]
 
 
 def find(name: str) -> Definition:
     """The law of this name, or an error that lists the names."""
-    known = registry()
+    if isinstance(name, str) and name in _BUILT_IN:
+        return _built_in(name)
+    known = _registered()
     if not isinstance(name, str) or name not in known:
-        raise DemlawsError(f"unknown law {name!r}: the laws are {', '.join(known)}")
+        raise DemlawsError(f"unknown law {name!r}: the laws are {', '.join(laws())}")
     return known[name]
 
 
@@ -106,12 +116,15 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
             f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
             "with replace=True"
         )
-    taken = {d.rank: d.name for d in (*_built_in().values(), *_own.values()) if d.rank and d.name != name}
-    if definition.rank in taken:
-        raise DemlawsError(f"law {name!r}: rank {definition.rank} is that of {taken[definition.rank]!r}: give another, or 0")
-    if not definition.label:
-        definition = definition._replace(label=name)
-    if name not in _own or any(a is not b for a, b in zip(_own[name], definition, strict=True)):
+    others = (*map(_built_in, _BUILT_IN), *_own.values()) if definition.advice.rank else ()
+    taken = {d.advice.rank: d.name for d in others if d.advice.rank and d.name != name}
+    if definition.advice.rank in taken:
+        raise DemlawsError(
+            f"law {name!r}: rank {definition.advice.rank} is that of {taken[definition.advice.rank]!r}: give another, or 0"
+        )
+    if not definition.drawing.label:
+        definition = definition._replace(drawing=definition.drawing._replace(label=name))
+    if _own.get(name) != definition:
         _own[name] = definition
     _homes[name] = home
     with contextlib.suppress(OSError):
@@ -147,7 +160,7 @@ def _check(definition: Any) -> None:
     if not isinstance(definition, Definition):
         raise DemlawsError(f"register takes a demlaws.Definition, got {definition!r:.60}")
     name = definition.name
-    if isinstance(name, str) and name in _built_in():
+    if isinstance(name, str) and name in _BUILT_IN:
         raise DemlawsError(f"law {name!r} is one of demlaws's own: give yours another name")
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*", name) or name in RULES:
         known = f"no rule's ({', '.join(RULES)})"
@@ -158,9 +171,10 @@ def _check(definition: Any) -> None:
         text = getattr(definition, field)
         if not isinstance(text, str) or not text.isprintable():
             raise DemlawsError(f"law {name!r}: {field} must be one line of text, got {text!r:.60}")
-    for field in ("prepare", "limits", "kinks", "seated", "advise"):
-        if not callable(getattr(definition, field)):
-            raise DemlawsError(f"law {name!r}: {field} must be a function, got {getattr(definition, field)!r:.60}")
+    functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks", "seated")}
+    for field, function in (functions | {"advise": definition.advice.advise}).items():
+        if not callable(function):
+            raise DemlawsError(f"law {name!r}: {field} must be a function, got {function!r:.60}")
     if definition.length not in ("roughness", "radius"):
         raise DemlawsError(f"law {name!r}: length must be 'roughness' or 'radius', got {definition.length!r:.60}")
     known_fields = ("roughness", "fractal_dimension", "hardness")
@@ -171,7 +185,7 @@ def _check(definition: Any) -> None:
     offered = definition.offered()
     if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in offered]:
         raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(offered)}")
-    if wrong := sorted({*definition.free} - {"modulus", *definition.fitted}):
+    if wrong := sorted({*definition.fitting.free} - {"modulus", *definition.fitting.parameters}):
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
 
 
@@ -184,7 +198,7 @@ def mark(definition: Definition) -> str:
 
 def _reduced(definition: Definition) -> tuple:
     """Pickled by name: it holds functions that have none, and a law that comes back is to be the same law."""
-    if definition.name in registry():
+    if definition.name in _BUILT_IN or definition.name in _registered():
         return _of_name, (definition.name, mark(definition))
     return Definition, tuple(definition)  # of a table whose law is not here
 

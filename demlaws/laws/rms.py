@@ -8,7 +8,7 @@ import numpy as np
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel, sqrt
 from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import ROUGHNESS, Definition, Limit, bulk_yield, elastic_bulk
+from demlaws.laws.definition import ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_bulk
 from demlaws.laws.extended import extended, from_hertz
 
 
@@ -137,11 +137,7 @@ LAW = Definition(
     description="rough metal surfaces, fitted",
     limits=_limits,
     exact=_exact,
-    advise=_advise,
-    fitted={"roughness": ROUGHNESS},
-    free=("roughness",),
-    rank=2,
-    candidate=True,
-    label="RMS",
-    colour="#1f77b4",
+    fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
+    advice=Advice(advise=_advise, rank=2, candidate=True),
+    drawing=Drawing(label="RMS", colour="#1f77b4"),
 )

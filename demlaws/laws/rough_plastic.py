@@ -10,7 +10,18 @@ from demlaws.core.fastmath import bits, from_bits, kernel
 from demlaws.core.hertz import hertz_overlap
 from demlaws.criterion import hertz_pressure
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import DIMENSION, PRESSURE, ROUGHNESS, STIFFNESS, Definition, Option, Parameter
+from demlaws.laws.definition import (
+    DIMENSION,
+    PRESSURE,
+    ROUGHNESS,
+    STIFFNESS,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Option,
+    Parameter,
+)
 from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.units import number
@@ -230,19 +241,7 @@ LAW = Definition(
     before_yield=_before_yield,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     exact=_exact,
-    advise=_advise,
     unloading=("elastic", "hertz", "thornton"),
-    fitted={
-        "roughness": ROUGHNESS,
-        "fractal_dimension": DIMENSION,
-        "yield_pressure": Parameter(
-            "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.geomspace(0.01, 0.3, 6), option=True
-        ),
-    },
-    free=("roughness", "fractal_dimension", "yield_pressure"),
-    label="rough-plastic",
-    colour="#ff7f0e",
-    line="-.",
     options={
         "yield_pressure": Option("Pa", "above 0", "contact pressure p_y at which the bulk yields; needed", PRESSURE),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
@@ -251,4 +250,20 @@ LAW = Definition(
         "post_yield_pressure": Option("Pa", "above 0", "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
         "yield_stiffness": Option("N/m", "above 0", "K_y of one contact, in place of post_yield_pressure", STIFFNESS),
     },
+    fitting=Fitting(
+        parameters={
+            "roughness": ROUGHNESS,
+            "fractal_dimension": DIMENSION,
+            "yield_pressure": Parameter(
+                "Pa",
+                True,
+                lambda c: (1e-4 * c.modulus, c.modulus),
+                lambda c: c.modulus * np.geomspace(0.01, 0.3, 6),
+                option=True,
+            ),
+        },
+        free=("roughness", "fractal_dimension", "yield_pressure"),
+    ),
+    advice=Advice(advise=_advise),
+    drawing=Drawing(label="rough-plastic", colour="#ff7f0e", line="-."),
 )

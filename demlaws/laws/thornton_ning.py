@@ -9,7 +9,7 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import PRESSURE, Definition, Option, Parameter, no_limits
+from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
@@ -84,19 +84,8 @@ LAW = Definition(
     collapses=False,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     exact=_exact,
-    advise=_advise,
     unloading=("elastic", "hertz", "thornton"),
     default_unloading="thornton",
-    fitted={
-        "yield_pressure": Parameter(
-            "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.geomspace(0.01, 0.3, 4), option=True
-        )
-    },
-    free=("yield_pressure",),
-    smooth=True,
-    label="Thornton-Ning",
-    colour="#bcbd22",
-    line="--",
     options={
         "yield_pressure": Option(
             "Pa",
@@ -105,4 +94,18 @@ LAW = Definition(
             PRESSURE,
         ),
     },
+    fitting=Fitting(
+        parameters={
+            "yield_pressure": Parameter(
+                "Pa",
+                True,
+                lambda c: (1e-4 * c.modulus, c.modulus),
+                lambda c: c.modulus * np.geomspace(0.01, 0.3, 4),
+                option=True,
+            )
+        },
+        free=("yield_pressure",),
+    ),
+    advice=Advice(advise=_advise, smooth=True),
+    drawing=Drawing(label="Thornton-Ning", colour="#bcbd22", line="--"),
 )

@@ -12,7 +12,17 @@ from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import kernel
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import STIFFNESS, Definition, Option, Parameter, no_limits, plastic_from_the_start
+from demlaws.laws.definition import (
+    STIFFNESS,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Option,
+    Parameter,
+    no_limits,
+    plastic_from_the_start,
+)
 from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
 from demlaws.units import number
@@ -63,33 +73,34 @@ LAW = Definition(
     description="straight branches, plastic",
     limits=no_limits,
     length="radius",
-    from_tests=False,
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0},
     example_curve={"loading_stiffness": 6e6},
     exact=_exact,
-    advise=plastic_from_the_start,
     unloading=("elastic", "linear"),
     rules=(LINEAR,),
     rule_numbers=numbers,
     default_unloading="linear",
     refused=ONLY_STRAIGHT,
-    fitted={
-        "loading_stiffness": Parameter(
-            "N/m",
-            True,
-            lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
-            lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
-            option=True,
-        ),
-        "stiffness_ratio": Parameter("", True, lambda c: (1.0, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
-    },
-    free=("loading_stiffness", "stiffness_ratio"),
-    label="Walton-Braun",
-    colour="#7b3294",
     options={
         "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
         "stiffness_ratio": Option("", "from 1", "k2/k1; this or growth is needed"),
         "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio", STIFFNESS),
     },
+    fitting=Fitting(
+        identifiable=False,
+        parameters={
+            "loading_stiffness": Parameter(
+                "N/m",
+                True,
+                lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
+                lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
+                option=True,
+            ),
+            "stiffness_ratio": Parameter("", True, lambda c: (1.0, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+        },
+        free=("loading_stiffness", "stiffness_ratio"),
+    ),
+    advice=Advice(advise=plastic_from_the_start),
+    drawing=Drawing(label="Walton-Braun", colour="#7b3294"),
 )

@@ -4,7 +4,19 @@ import math
 
 import numpy as np
 
-from demlaws.laws.definition import HARDNESS, ROUGHNESS, SEATING, SOLUTION, Definition, Limit, always, plastic_asperities
+from demlaws.laws.definition import (
+    HARDNESS,
+    ROUGHNESS,
+    SEATING,
+    SOLUTION,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Limit,
+    always,
+    plastic_asperities,
+)
 from demlaws.laws.family import SEATING_LOAD, SMOOTH, CurveNumber, prepare
 
 _MODEL = "yip-venart"
@@ -48,15 +60,15 @@ LAW = Definition(
     implicit=True,
     solved=True,
     needs=("hardness",),
-    advise=plastic_asperities,
-    fitted={"roughness": ROUGHNESS, "hardness": HARDNESS},
-    free=("roughness",),
-    family=("roughness", "modulus", "hardness"),
-    rank=3,
-    label="Yip-Venart",
-    colour="#2ca02c",
     options={
         "seating_load": SEATING,
         "rtol": SOLUTION,
     },
+    fitting=Fitting(
+        parameters={"roughness": ROUGHNESS, "hardness": HARDNESS},
+        free=("roughness",),
+        family=("roughness", "modulus", "hardness"),
+    ),
+    advice=Advice(advise=plastic_asperities, rank=3),
+    drawing=Drawing(label="Yip-Venart", colour="#2ca02c"),
 )

@@ -8,23 +8,23 @@ import numpy as np
 
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import Drawing
 from demlaws.laws.registry import registry
 
 
 def colour(law):
     """A law's colour; grey for what is none of ours."""
-    return registry()[law].colour if law in registry() else Definition._field_defaults["colour"]
+    return registry()[law].drawing.colour if law in registry() else Drawing().colour
 
 
 def line(law):
     """A law's line style."""
-    return registry()[law].line if law in registry() else "-"
+    return registry()[law].drawing.line if law in registry() else "-"
 
 
 def __getattr__(name):
     if name == "COLOURS":  # law → colour
-        return {law: definition.colour for law, definition in registry().items()}
+        return {law: definition.drawing.colour for law, definition in registry().items()}
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

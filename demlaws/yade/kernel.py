@@ -12,7 +12,7 @@ from numba import literal_unroll, types
 from numba.extending import overload
 
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
-from demlaws.core.fastmath import cbrt, from_bits
+from demlaws.core.fastmath import from_bits
 from demlaws.core.hertz import hertz_coefficient
 from demlaws.core.numba_compat import INLINED, callback, kernel, loop
 from demlaws.core.params import clamped_roughness
@@ -101,19 +101,14 @@ def coefficients(force, shear, overlap, ratio):
 
 
 @kernel
-def kept_share(kno, kso, overlap, old_kno, old_kso, old_overlap):
-    """The share of a shear force that stays when K_t falls by more than it does under Mindlin's law on the same path of forces.
+def kept_share(kso, overlap, old_kso, old_overlap):
+    """Share of the shear force that stays: where K_t = kso √δ falls, the part of the contact that opens takes its force along.
 
-    Mindlin's law adds K_t du, so that what is stored, F²/(2 K_t), grows when K_t falls; smooth spheres have K_t ∝ P^(1/3). The
-    share lets it grow by the factor (P_old/P)^(1/3) at most, and not at all where P does not fall. [our derivation]
+    What is stored, F²/(2 K_t), then never grows without work (docs/shear.md). [our derivation]
     """
-    cubed = kso * kso * kso * old_kno  # K_t³/P is kso³/kno
-    old = old_kso * old_kso * old_kso * kno
-    if cubed >= old * (1.0 - SLACK):  # rounding is no fall
-        return 1.0
-    fall = kso * math.sqrt(overlap) / (old_kso * math.sqrt(old_overlap)) if old_overlap > 0.0 else 1.0
-    more = old_kno * old_overlap * math.sqrt(old_overlap) / (kno * overlap * math.sqrt(overlap)) if kno > 0.0 else 0.0
-    return min(fall * (cbrt(more) if more > 1.0 else 1.0), 1.0)
+    old = old_kso * math.sqrt(old_overlap)
+    now = kso * math.sqrt(overlap)
+    return now / old if now < old * (1.0 - SLACK) else 1.0  # rounding is no fall
 
 
 @kernel
@@ -311,20 +306,11 @@ def end_contact(kind, rule, context, history, state):
 
 
 @kernel
-def limit_shear(context, phys, kno, kso, overlap):
-    """Reduce the shear force to the share that `kept_share` allows."""
-    # K_t = kso √δ has not fallen where neither has
-    fallen = kso < load_double(phys + word(context, at.KSO)) * (1.0 - SLACK)
-    if fallen or overlap < load_double(phys + word(context, at.SPARE) + 16):
-        lessen_shear(context, phys, kno, kso, overlap)
-
-
-@numba.njit(error_model="numpy", nogil=True)
-def lessen_shear(context, phys, kno, kso, overlap):
-    """Of a contact whose K_t may have fallen; phys is as the last step left it."""
-    old_kno, old_kso = load_double(phys + word(context, at.KNO)), load_double(phys + word(context, at.KSO))
-    share = kept_share(kno, kso, overlap, old_kno, old_kso, load_double(phys + word(context, at.SPARE) + 16))
-    if share < 1.0:
+def lessen_shear(context, phys, kso, overlap):
+    """Reduce the shear force to the share that `kept_share` allows; phys is as the last step left it."""
+    old_kso, old_overlap = load_double(phys + word(context, at.KSO)), load_double(phys + word(context, at.SPARE) + 16)
+    if kso < old_kso * (1.0 - SLACK) or overlap < old_overlap:  # else K_t has not fallen
+        share = kept_share(kso, overlap, old_kso, old_overlap)
         place = phys + word(context, at.SHEAR_FORCE)
         for axis in range(3):
             store_double(place + 8 * axis, share * load_double(place + 8 * axis))
@@ -369,7 +355,7 @@ def act(kind, params_kind, shear, rule, context, this, geom_pointer, phys_pointe
             force = 0.0
     if overlap > 0.0:
         kno, kso = coefficients(force, sideways, overlap, load_double(phys + word(context, at.SPARE)))
-        limit_shear(context, phys, kno, kso, overlap)
+        lessen_shear(context, phys, kso, overlap)
         store_double(phys + word(context, at.KNO), kno)
         store_double(phys + word(context, at.KSO), kso)
     else:

@@ -76,7 +76,7 @@ def step(binding):
     overlaps = rows["overlap"].tolist()
     for (_, phys, _), overlap, (kno, kso, _) in zip(held.objects, overlaps, answer.tolist(), strict=True):
         if overlap > 0.0:
-            share = kernel.kept_share(kno, kso, overlap, phys.kno, phys.kso, phys.prevU[2])
+            share = kernel.kept_share(kso, overlap, phys.kso, phys.prevU[2])
             if share < 1.0:
                 phys.shearElastic = share * phys.shearElastic
             phys.kno = kno

@@ -107,7 +107,10 @@ def draw_law(law, folder):
 
     fig, (left, right) = plots.figure(columns=2, width=5.0, height=3.6)
     hertz = example("hertz", law.contact)
-    for one, colour, label in ((hertz, "0.6", "Hertz"), (law, plots.colour(law.name), law.definition.label or law.name)):
+    for one, colour, label in (
+        (hertz, "0.6", "Hertz"),
+        (law, plots.colour(law.name), law.definition.drawing.label or law.name),
+    ):
         overlap = np.asarray(quietly(one.overlap, LOADS))
         stiffness = np.asarray(quietly(one.stiffness, overlap))
         shown = (overlap > 0) & (stiffness > 0)  # below a seating load there is no curve
@@ -154,7 +157,7 @@ def draw_rule(name, shown_by, folder):
 def cautions(definition, law):
     """Sentences: when the law is not the one to take."""
     said = []
-    if definition.smooth:
+    if definition.advice.smooth:
         said.append("It leaves roughness out: a rough contact at low load is far softer.")
     if definition.needs:
         said.append(f"It cannot be made without the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")

@@ -89,7 +89,7 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
             if definition.needs_map or (laws and name not in laws):
                 continue
             # along another curve: of laws that choices are made of
-            given = (GIVEN,) if definition.candidate and not definition.smooth else ()
+            given = (GIVEN,) if definition.advice.candidate and not definition.advice.smooth else ()
             for rule in (*definition.unloading, *given):
                 try:
                     bound[name, rule] = example(name, GRANITE, rule)

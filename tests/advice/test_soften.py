@@ -12,11 +12,11 @@ import demlaws as dl
 from demlaws.advice.soften import EXPONENTS, Softening
 from demlaws.core.unloading import GIVEN
 from demlaws.grains import Case, Grain
-from demlaws.laws.definition import Option
+from demlaws.laws.definition import Advice, Option
 from demlaws.laws.registry import find, registry
 from demlaws.timestep import timestep
 
-SOFTENED = [name for name, definition in registry().items() if not definition.rigid]
+SOFTENED = [name for name, definition in registry().items() if not definition.advice.rigid]
 EXACT = 8.0
 """A factor whose cube root and its square are powers of two: scaling by it rounds nothing."""
 
@@ -187,7 +187,7 @@ def test_what_cannot_be_softened(monkeypatch):
         dl.soften(dl.Table.from_function(lambda d: 3e9 * d**1.5, GRANITE, name="mine", rtol=1e-2), 10.0)
     law = make("goddard")
     definition = law.definition
-    rigid = definition._replace(rigid="its gap of 1 nm is no length of the surface")
+    rigid = definition._replace(advice=Advice(rigid="its gap of 1 nm is no length of the surface"))
     monkeypatch.setattr("demlaws.advice.soften.find", lambda name: rigid)
     with pytest.raises(dl.DemlawsError):
         dl.soften(law, 10.0)

@@ -28,11 +28,11 @@ def test_facts_agree_with_one_another(name):
     assert set(definition.unloading) <= set(definition.offered())
     assert definition.default_unloading in definition.unloading
     assert not set(definition.refused) & set(definition.offered())
-    assert set(definition.free) <= {"modulus", *definition.fitted}
-    assert set(definition.family) <= set(OF_CONTACT)
-    assert re.fullmatch(r"#[0-9a-f]{6}", definition.colour)
-    assert definition.label
-    for parameter, one in definition.fitted.items():
+    assert set(definition.fitting.free) <= {"modulus", *definition.fitting.parameters}
+    assert set(definition.fitting.family) <= set(OF_CONTACT)
+    assert re.fullmatch(r"#[0-9a-f]{6}", definition.drawing.colour)
+    assert definition.drawing.label
+    for parameter, one in definition.fitting.parameters.items():
         low, high = one.bounds(GRANITE)
         assert all(low <= start <= high for start in np.atleast_1d(one.starts(GRANITE)))
         assert one.option == (parameter not in OF_CONTACT)
@@ -51,8 +51,8 @@ def test_an_offered_rule_is_taken_or_not_passive(name):
 
 def test_colours_and_ranks_differ():
     definitions = registry().values()
-    assert len({d.colour for d in definitions}) == len(definitions)
-    ranks = [d.rank for d in definitions if d.rank]
+    assert len({d.drawing.colour for d in definitions}) == len(definitions)
+    ranks = [d.advice.rank for d in definitions if d.advice.rank]
     assert len(set(ranks)) == len(ranks) >= 4
 
 
@@ -61,7 +61,7 @@ def test_kernels_follow_the_exact_equation(name):
     """Force and stiffness against the law's equation in extended precision; a branch of it, too."""
     definition, contact = find(name), GRANITE
     overlap = contact.roughness * np.geomspace(1e-4, 30.0, 200)
-    for options in ({}, *({"branch": branch} for branch in definition.branches)):
+    for options in ({}, *({"branch": branch} for branch in definition.advice.branches)):
         law = dl.law(name, contact, **definition.example, **options)
         overlap = overlap[overlap > max([k for k in law.kinks() if "branch" in options], default=0.0)]
         overlap = overlap[np.all([np.abs(overlap / k - 1) > 1e-6 for k in [*law.kinks(), 1.0]], axis=0)]

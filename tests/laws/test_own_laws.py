@@ -15,7 +15,7 @@ import demlaws as dl
 from demlaws.core.cache import digest_of
 from demlaws.core.fastmath import kernel
 from demlaws.laws import registry
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import Advice, Definition, Fitting
 
 POWER = """
 import demlaws as dl
@@ -82,7 +82,7 @@ def test_a_law_of_ones_own_is_a_law(tmp_path):
 def test_a_fit_finds_its_option():
     parameter = dl.Parameter("", False, lambda c: (1.1, 3.0), lambda c: [1.5, 2.0], option=True)
     law = dl.define("power", lambda p, d: 3e9 * d**p.n, lambda p, d: 3e9 * p.n * d ** (p.n - 1), options={"n": 1.7})
-    dl.register(law._replace(fitted={"n": parameter}, free=("n",)))
+    dl.register(law._replace(fitting=Fitting({"n": parameter}, free=("n",))))
     force = np.geomspace(0.5, 80, 40)
     points = np.stack([(force / 3e9) ** (1 / 1.83) + 2e-6, force], axis=1)
     (found,) = dl.fit(points, GRANITE, laws=["power"])
@@ -99,7 +99,7 @@ def test_what_can_be_fitted_follows_the_registry():
     points = np.stack([(force / 3e9) ** (1 / 1.7), force], axis=1)
     with pytest.raises(dl.DemlawsError, match=r"cannot fit bend: what can be fitted is .*roughness"):
         dl.fit(points, GRANITE, laws="hertz", free=["bend"])
-    dl.register(law._replace(fitted={"bend": own}, free=("bend",)))
+    dl.register(law._replace(fitting=Fitting({"bend": own}, free=("bend",))))
     assert "bend" in module.PARAMETERS
     found = dl.fit(points, GRANITE, laws="power", free=["bend"], unloading=["elastic", "hertz"])
     assert sorted(f.unloading for f in found) == ["elastic", "hertz"]
@@ -119,7 +119,7 @@ def test_names_that_are_taken(tmp_path):
     assert dl.register(law, replace=True) is registry.find("power")
     assert dl.register(law) is dl.register(law) is registry.find("power")
     with pytest.raises(dl.DemlawsError, match="rank 2 is that of 'rms'"):
-        dl.register(law._replace(name="other", rank=2))
+        dl.register(law._replace(name="other", advice=Advice(rank=2)))
 
 
 def test_a_reloaded_module_replaces_its_laws(tmp_path):
@@ -424,7 +424,7 @@ def test_a_pair_that_is_not_passive_is_refused():
         ({"length": "diameter"}, "length must be 'roughness' or 'radius'"),
         ({"needs": ("colour",)}, "needs 'colour'"),
         ({"unloading": ("hertz",)}, "the first rule must be 'elastic'"),
-        ({"free": ("n",)}, "free names n"),
+        ({"fitting": Fitting(free=("n",))}, "free names n"),
     ],
 )
 def test_definitions_that_are_refused(changes, said):
@@ -470,7 +470,7 @@ def test_the_check_of_a_law():
     found = dl.check_law("power", rules=("elastic", "hertz"), paths=200)
     assert found.passed and not found.failures
     text = str(found)
-    assert "power: all as it must be" in text and "hertz unloading: paths of 200 that return work" in text
+    assert "power: all checks passed" in text and "hertz unloading: paths of 200 that return work" in text
     with pytest.raises(dl.DemlawsError, match="unknown law 'nobody'"):
         dl.check_law("nobody")
 

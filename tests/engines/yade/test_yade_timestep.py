@@ -62,9 +62,11 @@ def growth(omega, dt, steps):
 
     start, largest = yade.utils.kineticEnergy(), 0.0
     omega.dt = dt
-    for _ in range(20):
-        omega.run(steps // 20, True)
+    for _ in range(steps // 20):
+        omega.run(20, True)
         largest = max(largest, yade.utils.kineticEnergy())
+        if not largest < 1e4 * start:  # grains that fly apart take long
+            break
     return largest / start
 
 
@@ -75,7 +77,7 @@ def test_energy_is_bounded_at_the_advised_step(omega, kind):
     advised = stable_step(scene, lambda contact: dl.law("hertz", contact))
     exact = limits_of(lattice(kind))
     assert 0.4 * exact < advised < 0.9 * exact
-    assert growth(lattice(kind), advised, 8_000) < 2.0
+    assert growth(lattice(kind), advised, 5_000) < 2.0
     assert growth(lattice(kind), 0.7 * former_step(), 400) > 1e3
     assert growth(lattice(kind), 1.05 * exact, 2_000) > 1e3
 

@@ -1,0 +1,46 @@
+"""Pictures of shear: loops of partial slip, and oblique impacts compared with measurements."""
+
+import itertools
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.plots import figure
+from demlaws.shear import sheared
+from studies.shear.gas import CONTACT
+from studies.shear.oblique import ANGLE, MEASURED, MODELS, impact
+
+RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
+LABELS = {"displacement kept": "displacement kept", "force kept": "force kept", "elastic": "elastic (default)", "slip": "slip"}
+COLOURS = {"displacement kept": "#999999", "force kept": "#c49a6c", "elastic": "#1f77b4", "slip": "#d62728"}
+
+
+def draw():
+    """Shear force over displacement at constant overlap, and tangential restitution over the angle of impact."""
+    fig, (left, right) = figure(columns=2, width=5.0, height=3.8)
+    law = dl.law("pohrt-popov", CONTACT, unloading="hertz")
+    overlap = law.overlap(LOAD)
+    corners = np.array([0.0, 1.0, -1.0, 1.0])
+    for share, shade in ((0.4, 0.35), (0.7, 0.6), (0.95, 1.0)):
+        sliding = FRICTION * dl.law("hertz", CONTACT).overlap(LOAD) / RATIO
+        along = share * sliding * np.concatenate([np.linspace(a, b, 200) for a, b in itertools.pairwise(corners)])
+        path = sheared(law, np.full(along.size, overlap), along, RATIO, "slip", FRICTION, 200)
+        left.plot(along * 1e9, path.shear_force, color=COLOURS["slip"], alpha=shade)
+    path = sheared(law, np.full(along.size, overlap), along, RATIO, "elastic", FRICTION)
+    left.plot(along * 1e9, path.shear_force, color=COLOURS["elastic"], lw=1)
+    left.axhline(FRICTION * LOAD, color="k", lw=0.8, ls=":")
+    left.annotate("Coulomb's limit", (0.03, FRICTION * LOAD), xycoords=("axes fraction", "data"), va="bottom", fontsize=8)
+    left.annotate("slip, three amplitudes", (0.62, 0.32), xycoords="axes fraction", color=COLOURS["slip"], fontsize=9)
+    left.annotate("elastic", (0.62, 0.25), xycoords="axes fraction", color=COLOURS["elastic"], fontsize=9)
+    left.set(xlabel="tangential displacement (nm)", ylabel="shear force (N)", title="granite, 10 N, μ = 0.5")
+    angles = np.linspace(1.0, 62.0, 60)
+    for model in MODELS:
+        right.plot(angles, [impact(angle, model, steps=1500, springs=32).tangential for angle in angles], color=COLOURS[model])
+    right.plot(ANGLE, MEASURED, "ko", ms=5)
+    places = {"displacement kept": (6, 0.985), "force kept": (6.5, 0.935), "elastic": (8, 0.865), "slip": (1.5, 0.665)}
+    for model, (x, y) in places.items():
+        right.annotate(LABELS[model], (x, y), color=COLOURS[model], fontsize=9)
+    right.annotate("measured", (42, 0.74), fontsize=9)
+    right.set(xlabel="angle from the normal (degrees)", ylabel="tangential restitution", ylim=(0.55, 1.03))
+    right.set(title="5 mm alumina spheres on glass (Kharaz et al. 2001)")
+    return fig

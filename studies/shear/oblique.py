@@ -1,0 +1,112 @@
+"""Oblique impacts of a sphere on a plate, compared with those that Kharaz, Gorham & Salman (2001) measured.
+
+Kharaz, Gorham & Salman, Powder Technology 120 (2001) 281: aluminium oxide spheres of 5 mm on thick soda-lime glass at 3.9 m/s.
+Properties as in Chung & Ooi (2011), test 5. The normal contact is elastic Hertz; the measured normal restitution is 0.98.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+import demlaws as dl
+from demlaws.core.dispatch import step
+from demlaws.core.numba_compat import loop
+from demlaws.core.slip import SAMPLES, compress, read_unloading_curve, slip_step
+
+ANGLE = np.array([1.84, 3.7, 9.5, 20.0, 30.1, 39.4, 49.7, 60.0])
+"""Angles of impact from the normal [degrees]."""
+MEASURED = np.array([0.793, 0.745, 0.673, 0.597, 0.688, 0.771, 0.848, 0.901])
+"""Tangential velocity of the centre after the impact over before it, as measured."""
+RADIUS, DENSITY, SPEED, FRICTION = 2.5e-3, 4000.0, 3.9, 0.092
+SPHERE, PLATE = dl.Material(young=380e9, poisson=0.23), dl.Material(young=70e9, poisson=0.25)
+MODELS = {
+    "displacement kept": "LIGGGHTS history, LAMMPS mindlin: Q = K_t s",
+    "force kept": "YADE's Hertz-Mindlin: dQ = K_t ds, Q kept while K_t falls",
+    "elastic": "demlaws: dQ = K_t ds, Q falls with K_t",
+    "slip": "demlaws: partial slip",
+}
+
+
+class Impact(NamedTuple):
+    """What an impact leaves."""
+
+    tangential: float  # velocity of the centre after over before
+    spin: float  # surface velocity of the spin after, ω R, over the tangential velocity before
+    energy: float  # tangential and rotational energy after over before
+
+
+@loop
+def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, springs, largest):
+    """Velocity Verlet from touch to separation: tangential velocity of the centre and ω R afterwards [m/s].
+
+    model: 0 displacement kept, 1 force kept, 2 force that falls with K_t, 3 springs.
+    """
+    overlap, approach, velocity, spin = 0.0, normal, sideways, 0.0
+    force, shear, held, stretch = 0.0, 0.0, 0.0, 0.0
+    row, curve, compression = np.zeros((2, springs)), np.empty((2, SAMPLES)), np.empty(springs)
+    for _ in range(10_000_000):
+        approach -= 0.5 * dt * force / mass
+        velocity -= 0.5 * dt * shear / mass
+        spin += 0.5 * dt * shear / (0.4 * mass)
+        overlap += dt * approach
+        moved = dt * (velocity - spin)
+        if overlap <= 0.0:
+            break
+        force, stiffness, _ = step(rule, p, overlap, ())
+        if model == 3:
+            read_unloading_curve(rule, p, overlap, (), stiffness, curve)
+            carried = compress(curve, largest / springs, stiffness, compression)
+            shear = slip_step(
+                stiffness, held, largest / springs, force, ratio, friction, moved, 0.0, compression, carried, row
+            )[0]
+        else:
+            if model == 2 and stiffness < held:
+                shear *= stiffness / held
+            stretch += moved
+            shear = ratio * stiffness * stretch if model == 0 else shear + ratio * stiffness * moved
+            if abs(shear) > friction * force:
+                shear = math.copysign(friction * force, shear)
+                stretch = shear / (ratio * stiffness)
+        held = stiffness
+        approach -= 0.5 * dt * force / mass
+        velocity -= 0.5 * dt * shear / mass
+        spin += 0.5 * dt * shear / (0.4 * mass)
+    return velocity, spin
+
+
+def impact(angle, model, friction=FRICTION, steps=4000, springs=64):
+    """`Impact` at an angle from the normal [degrees] with one of MODELS."""
+    pair = dl.Contact.between(SPHERE, PLATE, radius1=RADIUS, radius2=math.inf)
+    law = dl.law("hertz", pair)
+    mass = DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3
+    normal, sideways = SPEED * math.cos(math.radians(angle)), SPEED * math.sin(math.radians(angle))
+    # 1/G* = (2 - ν1)/G1 + (2 - ν2)/G2, K_t/K = 4 G*/E*
+    compliance = sum((2.0 - m.poisson) * 2.0 * (1.0 + m.poisson) / m.young for m in (SPHERE, PLATE))
+    ratio = 4.0 / (compliance * pair.modulus)
+    peak, duration = dl.driver.elastic_contact(law, mass, normal)
+    largest = 1.01 * float(law.stiffness(peak))
+    velocity, spin = oblique_loop(
+        law.rule,
+        law.params,
+        mass,
+        normal,
+        sideways,
+        ratio,
+        friction,
+        duration / steps,
+        list(MODELS).index(model),
+        springs,
+        largest,
+    )
+    return Impact(velocity / sideways, spin / sideways, (velocity**2 + 0.4 * spin**2) / sideways**2)
+
+
+def table():
+    """Model → tangential restitution at each of ANGLE."""
+    return {model: np.array([impact(angle, model).tangential for angle in ANGLE]) for model in MODELS}
+
+
+def misfit(values):
+    """Root mean square of the difference from MEASURED."""
+    return float(np.sqrt(np.mean((values - MEASURED) ** 2)))
