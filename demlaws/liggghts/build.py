@@ -84,7 +84,14 @@ class _Plugin(Plugin):
     sources = Path(__file__).parent / "src"
     packages = f"{PACKAGES} (no compiler? `demlaws liggghts export --stock`)"
     # Vectorisation of the short loops over x, y, z reads in one piece what was just written in three: the processor waits.
-    flags = ("-std=c++11", "-O3", "-fno-tree-vectorize", "-fno-tree-slp-vectorize", "-fno-math-errno", "-fno-trapping-math")
+    flags: tuple = (
+        "-std=c++11",
+        "-O3",
+        "-fno-tree-vectorize",
+        "-fno-tree-slp-vectorize",
+        "-fno-math-errno",
+        "-fno-trapping-math",
+    )
     flags += ("-ffp-contract=fast", "-fPIC", "-shared", "-w", "-DOMPI_SKIP_MPICXX")
 
     def includes(self):

@@ -210,7 +210,6 @@ class Figures(NamedTuple):
     safe_steps: float  # steps per contact from which on the gain stays below 1e-4
     step_ratio: tuple  # dl.timestep over the measured stable step: smallest and largest over contacts
     refused: bool  # NaN and infinite overlaps raise, leave the state and the other contacts alone
-    float32: float  # largest error of force in float32 storage, over the largest force so far
 
 
 def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
@@ -260,7 +259,6 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
             safe_steps(gains),
             (min(ratios), max(ratios)),
             _refuses(singles[0]),
-            _float32(singles[0]),
         )
 
 
@@ -430,21 +428,6 @@ def _refuses(law):
     return True
 
 
-def _float32(law):
-    """Largest error of force in float32 storage over a load, unload, reload sequence."""
-    radius = float(law.contact.radius)
-    random = np.random.default_rng(0)
-    top = radius * 10.0 ** random.uniform(-8.0, -1.5, 20_000)
-    worst, states = 0.0, (law.new_state(top.size), law.new_state(top.size, np.float32))
-    peak = None
-    for share in (1.0, random.uniform(0.5, 1.0, top.size), 1.0):
-        exact, _ = law.evaluate(top * share, states[0])
-        found, _ = law.evaluate((top * share).astype(np.float32), states[1])
-        peak = exact if peak is None else peak
-        worst = max(worst, float(np.max(np.abs(found - exact)[peak > 0] / peak[peak > 0])))
-    return worst
-
-
 # --- output
 
 
@@ -465,11 +448,11 @@ def table(rows):
     head = (
         f"{'law':16}{'unloading':10}{'evaluation':12}{'paths':>9}{'not':>5}{'returns':>8}{'most':>9}"
         f"{'force error (ε)':>18}{'ratchet':>8}{'kink':>6}{'reload':>7}{'broken':>7}{'gain at':>9}{'safe':>7}"
-        f"{'step / limit':>14}{'NaN':>5}{'float32':>9}"
+        f"{'step / limit':>14}{'NaN':>5}"
     )
     under = (
         f"{'':38}{'':>9}{'fin.':>5}{'work':>8}{'returned':>9}{'<1e-3 to 1 above':>18}{'':>8}{'(ε)':>6}{'(ε)':>7}"
-        f"{'differ':>7}{'50 steps':>9}{'steps':>7}{'':>14}{'':>5}{'error':>9}"
+        f"{'differ':>7}{'50 steps':>9}{'steps':>7}{'':>14}{'':>5}"
     )
     lines = [head, under]
     for r in rows:
@@ -478,7 +461,7 @@ def table(rows):
             f"{r.law:16}{r.unloading:10}{r.evaluation:12}{r.paths:9d}{r.not_finite + r.falling:5d}{r.returned:8d}"
             f"{r.worst_return:9.1e}{_decades(r.rounding):>18}{r.ratcheting:8.0e}{r.kink:6.2g}"
             f"{r.reload:7.2g}{r.broken:7d}{r.gains.get(50, math.nan):9.1e}{safe:>7}"
-            f"{f'{r.step_ratio[0]:.3f}-{r.step_ratio[1]:.3f}':>14}{'ok' if r.refused else 'NO':>5}{r.float32:9.1e}"
+            f"{f'{r.step_ratio[0]:.3f}-{r.step_ratio[1]:.3f}':>14}{'ok' if r.refused else 'NO':>5}"
         )
     return "\n".join(lines)
 
@@ -495,7 +478,6 @@ TITLES = (
     "step_over_limit_smallest",
     "step_over_limit_largest",
     "refused",
-    "float32_error",
 )
 
 
@@ -514,7 +496,6 @@ def csv_row(r):
         r.safe_steps,
         *r.step_ratio,
         r.refused,
-        r.float32,
     )
 
 
