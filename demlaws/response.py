@@ -333,4 +333,5 @@ class Response:
 
 
 def as_given(array):
+    """A number for an array without dimensions, else the array."""
     return float(array) if array.ndim == 0 else array
