@@ -64,7 +64,7 @@ class Law(Response):
     # --- parts
 
     @property
-    def unloading(self) -> str:
+    def unloading(self) -> str:  # type: ignore[override]
         """Name of the unloading rule."""
         return self.unloads.rule.name
 
@@ -164,7 +164,7 @@ def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unl
         raise DemlawsError(
             f"unloading {GIVEN!r} needs its curve: give a law or a table, unloading=dl.law(...) or dl.Table.load(...)"
         )
-    return Unloading(definition.rule(unloading))
+    return Unloading(definition.rule(unloading))  # type: ignore[arg-type]
 
 
 def read_if_path(unloading: Any) -> Any:

@@ -218,12 +218,12 @@ def from_contacts(
         raise DemlawsError(f"pairs must name two different bodies from 0 to {len(masses) - 1}")
     if normals.shape != (len(pairs), 3) or not np.allclose(np.sum(normals**2, axis=1), 1.0, atol=1e-3):
         raise DemlawsError(f"normals must be {len(pairs)} unit vectors, got an array of shape {normals.shape}")
-    springs = [np.broadcast_to(np.asarray(k, float), len(pairs)) for k in (stiffness, shear_stiffness)]
-    if not all(np.all(np.isfinite(k) & (k >= 0.0)) for k in springs) or not springs[0].any():
+    normal, sideways = (np.broadcast_to(np.asarray(k, float), len(pairs)) for k in (stiffness, shear_stiffness))
+    if not all(np.all(np.isfinite(k) & (k >= 0.0)) for k in (normal, sideways)) or not normal.any():
         raise DemlawsError("stiffnesses must be finite, not negative, and not all zero")
     if not np.all(masses > 0.0) or np.all(np.isinf(masses[pairs])):
         raise DemlawsError("masses must be positive, and some body must be free (mass below inf)")
-    rows = _springs(pairs, normals, *springs, 1.0 / np.sqrt(masses))
+    rows = _springs(pairs, normals, normal, sideways, 1.0 / np.sqrt(masses))
     squares = _largest_eigenvalue(rows, pairs, len(masses)), _bound(rows, pairs, len(masses))
     return Limits(*(2.0 / math.sqrt(square) for square in squares))
 

@@ -304,7 +304,8 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
         return predict(scene, 1.0, min(QUASISTATIC, highest), law, options)
-    best, fewest, at = None, math.inf, {}
+    best, fewest = None, math.inf
+    at: dict[float, Numbers | None] = {}
     for factor, fastest, part in ways:
         inertial = min(fastest, highest)
         steps = _steps(scene, factor, inertial, part)

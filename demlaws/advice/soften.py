@@ -199,7 +199,7 @@ class Softening:
             rows = []
             for one in (law, softened, left):
                 overlap = float(one.overlap(force))
-                rows.append(At(overlap, float(one.stiffness(overlap)), overlap / one.contact.radius))
+                rows.append(At(overlap, float(one.stiffness(overlap)), overlap / float(one.contact.radius)))
         return Report(self, force, softened, *rows)
 
 

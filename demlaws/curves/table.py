@@ -316,7 +316,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
     params = loading_part(bind_params(curve.shape, one))
     kinks = [k / length for k in curve.kinks(one_of(bind_params(curve.shape, contact), index))]
     source = Source(_curve_of(params), length, params.hertz_coefficient, kinks, definition.solved)
-    found = _smallest_table(
+    shape, nodes, certificate = _smallest_table(
         source,
         one,
         lengths,
@@ -326,15 +326,15 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         bulk=lambda highest: curve.bulk(params, length, highest),
         straight=curve.starts_from_force,
     )
-    return TableCurve(definition, curve.options, *found, rtol, contact, curve.collapses)
+    return TableCurve(definition, curve.options, shape, nodes, certificate, rtol, contact, curve.collapses)
 
 
 def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: float) -> TableCurve:
     """The table of a curve of a user's function or points (`curves.given`, `curves.points`)."""
     rtol = tolerance(rtol)
     rough = definition.length == "roughness"
-    length = contact.roughness if rough else contact.radius
-    coefficient = 4.0 * contact.modulus * math.sqrt(contact.radius) / 3.0
+    length = float(contact.roughness if rough else contact.radius)
+    coefficient = 4.0 * float(contact.modulus) * math.sqrt(contact.radius) / 3.0
     source = Source(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
     largest = curve.largest / length * (1.0 - 1e-12)
     smallest = source.lowest(rtol, largest)
@@ -345,8 +345,8 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
             f"{definition.name}: towards overlap 0 the force goes as δ^{exponent:.4g} (at overlap {smallest * length:.3g} m it "
             f"is {start:.3g} N), and the stiffness grows without bound: it must go as δ or a higher power"
         )
-    found = _smallest_table(source, contact, (float(rough), float(not rough)), rtol, definition.name, lambda bits: largest)
-    return TableCurve(definition, {}, *found, rtol, contact, definition.collapses)
+    shape, nodes, certificate = _smallest_table(source, contact, (float(rough), float(not rough)), rtol, definition.name, lambda bits: largest)
+    return TableCurve(definition, {}, shape, nodes, certificate, rtol, contact, definition.collapses)
 
 
 def tolerance(rtol: Any) -> float:

@@ -207,7 +207,8 @@ class Drawing(NamedTuple):
 def grouped(facts: dict[str, Any]) -> dict[str, Any]:
     """Facts of a law with those of `Fitting`, `Advice` and `Drawing` as these records; "fitted" means `Fitting.parameters`."""
     facts = {("parameters" if name == "fitted" else name): value for name, value in facts.items()}
-    for name, kind in {"fitting": Fitting, "advice": Advice, "drawing": Drawing}.items():
+    kinds: dict[str, Any] = {"fitting": Fitting, "advice": Advice, "drawing": Drawing}
+    for name, kind in kinds.items():
         values = {field: facts.pop(field) for field in kind._fields if field in facts}
         if values:
             facts[name] = kind(**values)

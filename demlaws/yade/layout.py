@@ -31,10 +31,11 @@ WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = 1, 
 """Kinds of faults."""
 
 # A contact outside YADE's objects: its history as in MindlinPhys, and the law's response.
-CONTACT = np.dtype([(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus", "state0", "state1", "state2")])
+_CONTACT = ("overlap", "ratio", "tag", "radius", "modulus", "state0", "state1", "state2")
+CONTACT = np.dtype([(name, "f8") for name in _CONTACT])
 RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent")])
 ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
-STATE_OFFSET = CONTACT.fields["state0"][1]
+STATE_OFFSET = 8 * _CONTACT.index("state0")
 
 # A contact's history in MindlinPhys.momentBend, momentTwist (6 doubles, which Mindlin's law without moments ignores):
 # pair number + 1 (0: not seen yet), radius R [m], modulus E* [Pa], then up to three state values of the unloading rule;
