@@ -244,3 +244,10 @@ class Contact:
         return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * real(force, "force", "N", array=True) ** 2)) ** (
             1 / 3
         )
+
+
+def as_contact(value: Any) -> Contact:
+    """The value, or a DemlawsError where it is not a `Contact`."""
+    if not isinstance(value, Contact):
+        raise DemlawsError(f"contact must be a demlaws.Contact, got {value!r:.60}")
+    return value

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, as_contact
 from demlaws.core.grid import Nodes
 from demlaws.core.params import bind_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
@@ -115,7 +115,7 @@ class Law(Response):
 
     def bound_to(self, contact: Contact) -> "Law":
         """The same law and options for another contact (or array of contacts), elastic."""
-        return Law(contact, ClosedForm(self.definition, contact, self.options))
+        return Law(as_contact(contact), ClosedForm(self.definition, contact, self.options))
 
     def for_unloading(self, contact: Contact) -> "Law":
         """This law as the unloading curve of a law for another contact."""

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError
@@ -32,8 +32,7 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     demlaws.errors.NotPassive: law 'bahrami' cannot take 'hertz' unloading: ...
     """
     definition = find(name)
-    if not isinstance(contact, Contact):
-        raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
+    as_contact(contact)
     for field in definition.needs:
         if getattr(contact, field) is None:
             raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import as_contact
 from demlaws.criterion import (
     BAND,
     FIT_LIMIT,
@@ -90,12 +90,6 @@ class Regime(NamedTuple):
         )
 
 
-def _contact(contact):
-    if not isinstance(contact, Contact):
-        raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
-    return contact
-
-
 def assess(contact, load, mu=None, yield_pressure=None):
     """The `Regime` of one contact under `load` [N].
 
@@ -104,7 +98,7 @@ def assess(contact, load, mu=None, yield_pressure=None):
     (Thornton's: the smooth Hertz p0 of the load at which yield was seen); the bulk then yields where p0 reaches it, whatever
     the hardness says. Raises DemlawsError without either, or for a load that is not positive.
     """
-    if _contact(contact).size is not None:
+    if as_contact(contact).size is not None:
         raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_load")
     load = number(load, "load", "N")
     p0, alpha = float(hertz_pressure(contact, load)), float(contact.roughness_parameter(load))
@@ -138,7 +132,7 @@ def pressure_map(contact, loads, roughnesses):
     """p(0)/H_m over `loads` [N] (columns) and `roughnesses` [m] (rows); `contact` gives the rest."""
     loads = np.atleast_1d(checked_loads(real(loads, "loads", "N", array=True)))
     roughnesses = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
-    _contact(contact)
+    as_contact(contact)
     alpha = roughnesses[:, None] * contact.with_values(roughness=1e-9).roughness_parameter(loads)[None, :] / 1e-9
     return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / hardness_of(contact)
 
@@ -159,7 +153,7 @@ def advise(contact, load, yield_pressure=None, mu=None):
     (hertz); each says itself what it fits (`Definition.advise`). yield_pressure, mu: as for `assess`. Without a hardness or a
     yield pressure the bulk cannot be judged, which the reason then says.
     """
-    _contact(contact)
+    as_contact(contact)
     load = number(load, "load", "N")
     alpha = float(np.max(contact.roughness_parameter(load)))
     if yield_pressure is not None:

@@ -10,7 +10,7 @@ from demlaws.core.shear import CHOICES, DEFAULT
 from demlaws.core.slip import SAMPLES, one_spring_loop, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law
-from demlaws.units import number, real, whole
+from demlaws.units import number, real, unmasked, whole
 
 SLIP = "slip"
 """Name of the choice with partial slip, beside those of `CHOICES`."""
@@ -93,7 +93,12 @@ def sheared(
     array([0.546, 2.503, 4.341])
     """
     depth = np.atleast_1d(real(overlap, "overlap", "m", array=True))
-    along = np.asarray(displacement, float)
+    if not isinstance(law, Law):
+        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
+    try:
+        along = np.asarray(unmasked(displacement), float)
+    except (TypeError, ValueError):
+        raise DemlawsError(f"displacement must be numbers in m, got {displacement!r:.60}") from None
     plane = np.stack([along, np.zeros(along.shape)], -1) if along.ndim == 1 else along
     if plane.ndim != 2 or plane.shape != (depth.size, 2):
         raise DemlawsError(

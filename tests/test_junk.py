@@ -4,6 +4,7 @@ The functions are found by their names, their arguments in their signatures; a n
 an entry in GOOD only for an argument of a new name.
 """
 
+import functools
 import inspect
 import math
 import warnings
@@ -13,7 +14,7 @@ import pytest
 from examples import shared
 
 import demlaws as dl
-from demlaws import granite, regime, surface
+from demlaws import granite, regime, shear, surface
 from demlaws.laws.registry import registry
 from demlaws.make import rebound
 
@@ -163,7 +164,7 @@ def functions():
             and name not in {"Law", "Table"} | RECORDS
         ):
             yield name, thing
-    for module in (dl.driver, regime, surface):
+    for module in (dl.driver, regime, shear, surface):
         for name, thing in vars(module).items():
             if name in LEFT_OUT:
                 continue
@@ -172,7 +173,12 @@ def functions():
     for owner in (LAW, TABLE, PAIR, dl.Surface(1e-6), MAP, LAW.new_state(2)):
         for name in dir(type(owner)):
             static = inspect.getattr_static(type(owner), name)
-            if not name.startswith("_") and name not in LEFT_OUT and inspect.isroutine(static):
+            if (
+                not name.startswith("_")
+                and name not in LEFT_OUT
+                and inspect.isroutine(static)
+                and not isinstance(static, functools.cached_property)
+            ):
                 yield f"{type(owner).__name__}.{name}", getattr(owner, name)
     yield "rebound", rebound
 

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, as_contact
 from demlaws.core.curve import BulkYield, TableShape
 from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, quick_to_invert, shape_from_nodes
 from demlaws.core.loops import inverse_loop
@@ -104,8 +104,7 @@ class TableCurve:
 
     def bound_to(self, contact: Contact, surface_matters: bool = True) -> Contact:
         """The contact, with what this curve was made for, to which the same curve applies; DemlawsError where it does not."""
-        if not isinstance(contact, Contact):
-            raise DemlawsError(f"contact must be a demlaws.Contact, got {contact!r:.60}")
+        as_contact(contact)
         if not self.collapses:
             raise DemlawsError(
                 f"the table of {self.definition.name!r} holds for the contact it was made for only: make one for this contact"
@@ -345,7 +344,9 @@ def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: f
             f"{definition.name}: towards overlap 0 the force goes as δ^{exponent:.4g} (at overlap {smallest * length:.3g} m it "
             f"is {start:.3g} N), and the stiffness grows without bound: it must go as δ or a higher power"
         )
-    shape, nodes, certificate = _smallest_table(source, contact, (float(rough), float(not rough)), rtol, definition.name, lambda bits: largest)
+    shape, nodes, certificate = _smallest_table(
+        source, contact, (float(rough), float(not rough)), rtol, definition.name, lambda bits: largest
+    )
     return TableCurve(definition, {}, shape, nodes, certificate, rtol, contact, definition.collapses)
 
 

@@ -84,7 +84,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     assert main(["table", "--law", "pohrt-popov", *CONTACT, *options]) == 0
     one, other = Table.load(both), Table.load(again)
     assert one.unloading == other.unloading == "table"
-    assert one.unloading_law.made_for.roughness == other.unloading_law.made_for.roughness == 0.5e-6
+    assert one.unloading_law.curve.made_for.roughness == other.unloading_law.curve.made_for.roughness == 0.5e-6
     path = [1e-5, 9e-6, 8e-6]
     assert one.follow(path).force == pytest.approx(other.follow(path).force, rel=1e-4)
     forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6", "--forces", "9", "0"]

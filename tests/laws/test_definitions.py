@@ -112,7 +112,6 @@ def _comparisons(path):
 OURS = [
     "advice",
     "core",
-    "measure",
     "plots",
     "curves",
     "driver.py",
@@ -120,7 +119,9 @@ OURS = [
     "make.py",
     "unloading.py",
     "regime.py",
-    "granite.py",
+    "granite",
+    "shear.py",
+    "timestep.py",
 ]
 
 
