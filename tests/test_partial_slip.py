@@ -131,8 +131,9 @@ def test_springs_converge_under_oblique_cycles(name, unloading):
 def test_the_force_falls_with_the_stiffness_and_is_kept_where_it_rises():
     law, overlap, sliding = hertz()
     depth = overlap * np.array([1.0, 1.0, 0.25, 1.0])
-    path = sheared(law, depth, np.array([0.0, 0.1, 0.1, 0.1]) * sliding, RATIO)
-    np.testing.assert_allclose(path.shear_force[1:] / path.shear_force[1], [1.0, 0.5, 0.5], rtol=1e-12)
+    path = sheared(law, depth, np.outer([0.0, 0.1, 0.1, 0.1], [1.0, 0.5]) * sliding, RATIO)
+    for along in path.shear_force.T:
+        np.testing.assert_allclose(along[1:] / along[1], [1.0, 0.5, 0.5], rtol=1e-12)
     np.testing.assert_allclose(path.stored[1:] / path.stored[1], [1.0, 0.5, 0.25], rtol=1e-12)
 
 
