@@ -100,7 +100,7 @@ def compress(curve, share, top, compression):
                 low = end
             if low < high:
                 j += 1
-        compression[count] = total / width
+        compression[count] = max(total / width, 0.0)  # of a sliver, rounding could be negative
         carried += total
         count += 1
     return carried
@@ -117,7 +117,7 @@ def slip_step(top, held, share, force, ratio, friction, du, dv, compression, car
     scale = force / carried if carried > 0.0 else 0.0
     for k in range(stretch.shape[1]):
         part, part_before = min(max(top / share - k, 0.0), 1.0), min(max(held / share - k, 0.0), 1.0)
-        if part == 0.0:
+        if k * share >= top or part == 0.0:  # the first as in `compress`: rounding may let the second pass
             stretch[0, k] = stretch[1, k] = 0.0
             continue
         u, v = stretch[0, k], stretch[1, k]

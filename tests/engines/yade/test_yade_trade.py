@@ -18,9 +18,9 @@ def test_scene():
     said = []
     rough, shaken, hertz, native = packings.run("yade", packings.QUICK, wanted, said.append)
     assert len(said) == 4
-    # Hertz by the bridge is YADE's: the same law from the same state
+    # Hertz by the bridge is YADE's from the same state, but for the shear force where contacts open (docs/shear.md)
     same = packings.errors(hertz, native)
-    assert abs(same.height) < 1e-9
+    assert abs(same.height) < 1e-7
     assert max(abs(same.low), abs(same.loading)) < 0.01
     # chance is less than what the law makes
     chance, law = packings.errors(shaken, rough), packings.errors(hertz, rough)
