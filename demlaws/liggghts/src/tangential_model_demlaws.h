@@ -126,7 +126,11 @@ private:
     const double ratio = normal_->shear_ratio(data), stiffness = data.kt / ratio;
     force[0] = force[1] = force[2] = lost = energy = 0.;
     slides = false;
-    if (!(stiffness > 0.)) return; // an overlap that carries no force
+    if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
+      lost = row.energy(ratio);
+      if (keep) std::fill(kept, kept + size(), 0.);
+      return;
+    }
     lost = row.step(stiffness, ratio, limit, normal_->compression(data), data.en, displacement, force);
     energy = wall_ ? row.energy(ratio) : 0.;
     slides = vectorMag3DSquared(force) >= limit * limit * (1. - 1e-9);

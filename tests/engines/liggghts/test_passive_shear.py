@@ -97,6 +97,21 @@ def test_force_along_a_path_is_pythons(tmp_path, name, shear):
     np.testing.assert_allclose(found, path.shear_force, atol=tolerance * 0.5 * path.force.max())
 
 
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+def test_a_contact_that_carried_no_force_has_lost_its_shear(tmp_path, shear):
+    """Press, slide, lift off below the plastic overlap without parting, press again: no shear force is left."""
+    law = save(tmp_path, "rough")
+    plastic = law.follow([5.9e-6]).plastic_overlap[-1]
+    assert plastic > 1e-6
+    up = round((5.9e-6 - 0.5 * plastic) / 2e-9)
+    moves = [(-0.2, 0, 3000), (0, 0.02, 500), (0.2, 0, up), (-0.2, 0, up)]
+    style = f"pair_style gran model demlaws/table tangential demlaws table law.tbl shear {shear}"
+    log = simulate(tmp_path, two_spheres(style, moves, every=10))
+    sheared_force, left = np.abs(log["side"]).max(), log["side"][-1]
+    assert log["overlap"].min() < 0.6 * plastic and log["force"][-1] > 1.0
+    assert abs(left - log["force"][-1] * 1e-7 / DIAMETER) < 1e-3 * sheared_force
+
+
 @pytest.mark.parametrize(
     ("name", "shear", "friction", "poisson"),
     [
