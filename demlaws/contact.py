@@ -7,45 +7,52 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.errors import DemlawsError
+from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radius
+from demlaws.errors import DemlawsError, did_you_mean, refuse_unknown_keywords, warn
 from demlaws.units import real
 
+_OPTIONAL = ("fractal_dimension", "hardness", "density", "edge_radius")
 LOWEST_HARDNESS = 1e-6
 """Hardness over effective modulus below which one of them is in another unit: 1e-4 of sodium is the softest solid's."""
 
 
-def _check(
-    owner: Any,
-    name: str,
-    unit: str,
-    remedy: str,
-    *,
-    low: float = 0.0,
-    high: float = math.inf,
-    allow_low: bool = False,
-    scalar: bool = True,
-    needed: bool = True,
-) -> None:
-    """Turn a field into a float (or, where allowed, a float array) and refuse what is out of range."""
-    value = getattr(owner, name)
-    if value is None and not needed:
-        return
-    array = real(value, name, unit, array=not scalar)
-    bad = ~((array >= low) if allow_low else (array > low)) | (array > high) | ~np.isfinite(array)
-    if np.any(bad):
-        first = array if array.ndim == 0 else array[np.argmax(bad)]
-        where = "" if array.ndim == 0 else f" (entry {int(np.argmax(bad))})"
-        raise DemlawsError(f"{name} = {float(first):g} {unit}".rstrip() + f"{where}: {remedy}")
-    object.__setattr__(owner, name, float(array) if array.ndim == 0 else array)
+def _check(owner: Any, *names: str, scalar: bool = True) -> None:
+    """Turn fields into floats (or, where allowed, float arrays) and refuse what is not admissible; None stays."""
+    for name in names:
+        value = getattr(owner, name)
+        if value is None and name in _OPTIONAL:
+            continue
+        array = real(value, name, RANGES[name].unit, array=not scalar)
+        bad = np.flatnonzero(outside(name, array))
+        if bad.size:
+            where = f" (entry {bad[0]})" if array.ndim else ""
+            text = judge(**{name: float(array.flat[bad[0]])})[0].text
+            raise DemlawsError(text.replace(":", f"{where}:", 1))
+        object.__setattr__(owner, name, float(array) if array.ndim == 0 else array)
 
 
 @dataclass(frozen=True)
 class Material:
-    """An elastic solid. Each quantity a number in SI units, or text with a unit: "60.6GPa".
+    """An elastic solid. Quantities are numbers in SI units, or text with a unit ("60.6GPa").
 
-    young: Young's modulus E [Pa]; poisson: ν, above -1 and up to 0.5; hardness: indentation hardness H_m [Pa], needed
-    by laws with plastic asperities; density [kg/m³], needed where mass matters.
+    Parameters
+    ----------
+    young : float or str
+        Young's modulus E [Pa].
+    poisson : float
+        Poisson's ratio ν, above -1 and at most 0.5.
+    hardness : float or str, optional
+        Indentation hardness H_m [Pa], required by laws with plastic asperities.
+    density : float or str, optional
+        Density [kg/m³], required where mass matters.
 
+    Raises
+    ------
+    DemlawsError
+        If a value is not admissible.
+
+    Examples
+    --------
     >>> granite = dl.Material(young="60.6GPa", poisson=0.25, hardness=6.266e9)
     >>> granite.young, round(granite.plane_modulus / 1e9, 2)
     (60600000000.0, 64.64)
@@ -57,10 +64,7 @@ class Material:
     density: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, "young", "Pa", "Young's modulus must be positive")
-        _check(self, "poisson", "", "Poisson's ratio must be above -1 and at most 0.5", low=-1.0, high=0.5)
-        _check(self, "hardness", "Pa", "hardness must be positive (a Vickers number in kgf/mm² times 9.807e6)", needed=False)
-        _check(self, "density", "kg/m³", "density must be positive", needed=False)
+        _check(self, "young", "poisson", "hardness", "density")
 
     @property
     def plane_modulus(self) -> float:
@@ -70,8 +74,26 @@ class Material:
 
 @dataclass(frozen=True)
 class Surface:
-    """A measured surface: rms roughness Sq [m] (0: smooth), fractal dimension in [2, 3], hardness [Pa]; or text: "2.4um".
+    """A measured surface of one body. Quantities are numbers in SI units, or text with a unit ("2.4um").
 
+    Parameters
+    ----------
+    roughness : float or str
+        Rms roughness Sq of this surface [m]; 0 is smooth.
+    fractal_dimension : float, optional
+        Fractal dimension Df, 2 to 3; Hurst exponent H = 3 - Df.
+    hardness : float or str, optional
+        Hardness of the surface [Pa], if it differs from that of the material.
+    edge_radius : float or str, optional
+        Radius of the edges of a grain [m], for polyhedra and level sets in YADE (docs/how-to/angular-grains.md).
+
+    Raises
+    ------
+    DemlawsError
+        If a value is not admissible.
+
+    Examples
+    --------
     >>> rough, smooth = dl.Surface("3um", 2.2, 6e9), dl.Surface(4e-6, 2.4, 5e9)
     >>> joined = rough.combined(smooth)
     >>> round(joined.roughness * 1e6, 9), round(joined.fractal_dimension, 9), joined.hardness
@@ -81,11 +103,10 @@ class Surface:
     roughness: float = 0.0
     fractal_dimension: float | None = None
     hardness: float | None = None
+    edge_radius: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, "roughness", "m", "rms roughness Sq cannot be negative", allow_low=True)
-        _check_dimension(self)
-        _check(self, "hardness", "Pa", "hardness must be positive", needed=False)
+        _check(self, "roughness", "fractal_dimension", "hardness", "edge_radius")
 
     def combined(self, other: "Surface") -> "Surface":
         """The surface that, against a smooth flat, stands for this one against `other`.
@@ -103,20 +124,30 @@ class Surface:
         )
 
 
-def _check_dimension(owner: Any) -> None:
-    remedy = "the fractal dimension of a surface lies in [2, 3] (Hurst exponent H = 3 - Df)"
-    _check(owner, "fractal_dimension", "", remedy, low=2.0, high=3.0, allow_low=True, needed=False)
-
-
 @dataclass(frozen=True)
 class Contact:
-    """One contact, or an array of contacts that share a law.
+    """One contact of two bodies, or an array of contacts that share a law, by its effective quantities.
 
-    radius: effective radius R [m], 1/R = 1/R1 + 1/R2; modulus: effective modulus E* [Pa],
-    1/E* = (1-ν1²)/E1 + (1-ν2²)/E2; roughness: combined rms roughness σ = √(Sq1² + Sq2²) [m]; each a number, text with a unit
-    ("4.35mm") or a 1-D array with one entry a contact. fractal_dimension Df in [2, 3] and hardness H_m [Pa] are shared by
-    all of them.
+    Parameters
+    ----------
+    radius : float, str or ndarray, shape (n,)
+        Effective radius R [m], 1/R = 1/R1 + 1/R2: half the radius for two equal spheres.
+    modulus : float, str or ndarray, shape (n,)
+        Effective modulus E* [Pa], 1/E* = (1-ν1²)/E1 + (1-ν2²)/E2.
+    roughness : float, str or ndarray, shape (n,)
+        Combined rms roughness σ = √(Sq1² + Sq2²) [m]; 0 is smooth.
+    fractal_dimension : float, optional
+        Fractal dimension Df, 2 to 3, of all contacts.
+    hardness : float or str, optional
+        Hardness H_m of the softer body [Pa], of all contacts.
 
+    Raises
+    ------
+    DemlawsError
+        If a value is not admissible, or if arrays differ in length.
+
+    Examples
+    --------
     >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
     >>> pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1=1.56e-6, roughness2=1.84e-6)
     >>> print(f"R = {pair.radius * 1e3:.3f} mm, E* = {pair.modulus / 1e9:.2f} GPa, σ = {pair.roughness * 1e6:.3f} µm")
@@ -132,27 +163,24 @@ class Contact:
     hardness: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self, "radius", "m", "the effective radius must be positive (two flats have no Hertz contact)", scalar=False)
-        _check(self, "modulus", "Pa", "the effective modulus E* must be positive", scalar=False)
-        remedy = "rms roughness cannot be negative"
-        _check(self, "roughness", "m", remedy, allow_low=True, scalar=False)
-        _check_dimension(self)
-        _check(self, "hardness", "Pa", "hardness must be positive", needed=False)
+        _check(self, "radius", "modulus", "roughness", scalar=False)
+        _check(self, "fractal_dimension", "hardness")
         try:
             np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in ("radius", "modulus", "roughness")))
         except ValueError:
             sizes = {name: np.size(getattr(self, name)) for name in ("radius", "modulus", "roughness")}
-            raise DemlawsError(f"one entry a contact is needed, got {sizes}; give arrays of one length") from None
+            raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
         if self.hardness is not None and np.any(self.hardness < LOWEST_HARDNESS * np.asarray(self.modulus)):
             share = self.hardness / float(np.max(self.modulus))
             raise DemlawsError(
                 f"hardness = {self.hardness:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
                 '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)'
             )
-        rougher = np.asarray(self.roughness > np.asarray(self.radius))
-        if np.any(rougher):
-            worst = float(np.broadcast_to(self.roughness, rougher.shape)[rougher].max() if rougher.ndim else self.roughness)
-            raise DemlawsError(f"roughness = {worst:g} m exceeds the effective radius: check the units (σ is usually µm, R mm)")
+        # the relatively roughest contact and the largest one
+        radius, roughness = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.roughness))
+        for place in {int(np.argmax(roughness / radius)), int(np.argmax(radius))} if radius.size else ():
+            for text in refuse(radius=float(radius[place]), roughness=float(roughness[place])):
+                warn(text)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Contact):
@@ -165,45 +193,73 @@ class Contact:
         material1: Material,
         material2: Material,
         *,
-        radius1: float | np.ndarray,
-        radius2: float | np.ndarray = math.inf,
-        roughness1: float | np.ndarray = 0.0,
-        roughness2: float | np.ndarray = 0.0,
+        radius1: Any,
+        radius2: Any = math.inf,
+        roughness1: Any = 0.0,
+        roughness2: Any = 0.0,
         fractal_dimension: float | None = None,
         hardness: float | None = None,
     ) -> "Contact":
-        """Contact of two spheres of `radius1` and `radius2` [m] (inf: a flat).
+        """Contact of two bodies by their materials, radii and surfaces.
 
-        The hardness is the softer material's unless it is given. Radii and roughnesses may be arrays.
+        Parameters
+        ----------
+        material1, material2 : Material
+            Materials of both bodies.
+        radius1, radius2 : float, str or ndarray
+            Radii of the spheres [m]; inf is a flat.
+        roughness1, roughness2 : float, str or ndarray
+            Rms roughness Sq of each surface [m].
+        fractal_dimension : float, optional
+            Fractal dimension Df, 2 to 3.
+        hardness : float or str, optional
+            Hardness [Pa]; default: that of the softer material.
+
+        Returns
+        -------
+        Contact
+            With the effective quantities.
+
+        Raises
+        ------
+        DemlawsError
+            If a value is not admissible, or if both bodies are flats.
         """
         for name, material in (("material1", material1), ("material2", material2)):
             if not isinstance(material, Material):
                 raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
+        refuse_plain_radius("radius1", radius1)
+        refuse_plain_radius("radius2", radius2)
         given = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
         values = {name: real(value, name, "m", array=True) for name, value in given.items()}
         for name, value in values.items():
             if name.startswith("radius") and not np.all(value > 0):
                 raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")
             if not np.all(value >= 0):
-                raise DemlawsError(f"{name} = {value} m: rms roughness Sq cannot be negative")
+                raise DemlawsError(f"{name} = {value} m: {RANGES['roughness'].remedy}")
         try:
             np.broadcast_shapes(*(value.shape for value in values.values()))
         except ValueError:
             sizes = {name: value.size for name, value in values.items()}
-            raise DemlawsError(f"one entry a contact is needed, got {sizes}; give arrays of one length") from None
+            raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
         radius1, radius2, roughness1, roughness2 = values.values()
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")
         hardnesses = [m.hardness for m in (material1, material2) if m.hardness is not None]
         if hardness is None and hardnesses:
             hardness = min(hardnesses)
-        return cls(
-            radius=1.0 / (1.0 / radius1 + 1.0 / radius2),
-            modulus=1.0 / (1.0 / material1.plane_modulus + 1.0 / material2.plane_modulus),
-            roughness=np.hypot(roughness1, roughness2),
-            fractal_dimension=fractal_dimension,
-            hardness=hardness,
-        )
+        combined = {
+            "radius": 1.0 / (1.0 / radius1 + 1.0 / radius2),
+            "modulus": 1.0 / (1.0 / material1.plane_modulus + 1.0 / material2.plane_modulus),
+            "roughness": np.hypot(roughness1, roughness2),
+        }
+        try:
+            return cls(**combined, fractal_dimension=fractal_dimension, hardness=hardness)
+        except DemlawsError as error:
+            if any(value.ndim for value in values.values()):
+                raise
+            bodies = ", ".join(f"{name} = {value:g} m" for name, value in values.items())
+            raise DemlawsError(f"{error} (effective radius and combined roughness of {bodies})") from None
 
     @property
     def size(self) -> int | None:
@@ -214,7 +270,7 @@ class Contact:
     @property
     def is_smooth(self) -> bool | np.ndarray:
         """Whether the roughness is at most SMOOTHEST times the radius: no effect in double precision; one entry per contact."""
-        from demlaws.core.params import SMOOTHEST
+        from demlaws.core.loops import SMOOTHEST
 
         smooth = np.asarray(self.roughness) <= SMOOTHEST * np.asarray(self.radius)
         return bool(smooth) if smooth.ndim == 0 else smooth
@@ -231,7 +287,8 @@ class Contact:
         unknown = changes.keys() - {field.name for field in fields(self)}
         if unknown:
             known = ", ".join(field.name for field in fields(self))
-            raise DemlawsError(f"a contact has no {', '.join(sorted(unknown))}: its fields are {known}")
+            wrong = sorted(unknown)[0]
+            raise DemlawsError(f"a contact has no {wrong!r}{did_you_mean(wrong, known.split(', '))} Its fields are {known}")
         return replace(self, **changes)
 
     def as_dict(self) -> dict:
@@ -246,8 +303,12 @@ class Contact:
         )
 
 
+for _class in (Material, Surface, Contact):
+    refuse_unknown_keywords(_class)
+
+
 def as_contact(value: Any) -> Contact:
-    """The value, or a DemlawsError where it is not a `Contact`."""
+    """The value, or a DemlawsError if it is not a `Contact`."""
     if not isinstance(value, Contact):
         raise DemlawsError(f"contact must be a demlaws.Contact, got {value!r:.60}")
     return value

@@ -50,7 +50,7 @@ def pressure_drop(roughness_parameter):
 
 def central_pressure(roughness_parameter, mu):
     """p(0)/p0 by Greenwood & Tripp's own solution at α and μ = (8/3) η σ √(2Rβ): numbers, or arrays of α."""
-    from demlaws.solvers.axisymmetric import solve_greenwood_tripp
+    from demlaws.solvers.axisymmetric import ELASTIC_LAYER, solve
 
     alpha = np.atleast_1d(real(roughness_parameter, "roughness_parameter", array=True))
     if not np.all(alpha >= 0.0):
@@ -58,7 +58,7 @@ def central_pressure(roughness_parameter, mu):
     force = 4.0 / 3.0 * np.maximum(alpha, 1e-4) ** -1.5  # at α = 1e-4 the ratio is 1 within 1e-3
     order = np.argsort(force)
     found = np.empty(alpha.size)
-    found[order] = solve_greenwood_tripp(number(mu, "mu"), force.ravel()[order]).central_pressure
+    found[order] = solve(ELASTIC_LAYER, number(mu, "mu"), force.ravel()[order]).central_pressure
     return _plain(found.reshape(np.shape(roughness_parameter)))
 
 
@@ -79,25 +79,28 @@ def transition_load(contact, ratio=YIELD_RATIO, mu=None):
     """Load [N] at which p(0)/H_m reaches `ratio`; below it only asperities deform.
 
     p(0) rises with the load at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
-    one such load. One number, or one entry a contact. mu: see `central_pressure`; of one contact, to 1e-5.
+    one such load. One number, or one entry per contact. mu: see `central_pressure`; of one contact, to 1e-5.
     """
     hardness, ratio = hardness_of(contact), number(ratio, "ratio")
     if mu is not None:
         return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_one(contact), ratio))
-    smooth = math.pi**3 * contact.radius**2 * (ratio * hardness) ** 3 / (6.0 * contact.modulus**2)
-    low = np.log(np.asarray(smooth, float))
-    high = low + 1.0
-    while np.any(pressure_ratio(contact, np.exp(high)) < ratio):
-        high = np.where(pressure_ratio(contact, np.exp(high)) < ratio, 2.0 * high - low + 1.0, high)
-        if np.any(high > 600.0):
+    log = np.log(math.pi**3 * np.square(contact.radius) * (ratio * hardness) ** 3 / (6.0 * np.square(contact.modulus)))
+    scale = contact.roughness_parameter(1.0)  # α = scale / P^(2/3)
+    # Newton's method in ln P from the smooth contact: ln p(0) is concave, its slope 1/3 to 0.733, so that no step is too long
+    for _ in range(100):
+        drop = pressure_drop(scale * np.exp(-2.0 / 3.0 * log))
+        with np.errstate(divide="ignore"):
+            exponent = np.minimum(-np.log1p(-np.minimum(drop, 1.0 - 1e-16)), 700.0)
+        value = np.log(hertz_pressure(contact, np.exp(log)) * drop / (ratio * hardness))
+        step = value / (1.0 / 3.0 + 0.4 * exponent / np.expm1(exponent))
+        log = log - step
+        if np.any(log > 600.0):
             raise DemlawsError(
                 f"no load below 1e260 N brings p(0)/H_m to {ratio:g}: check roughness, radius and hardness units"
             )
-    for _ in range(80):
-        middle = 0.5 * (low + high)
-        below = pressure_ratio(contact, np.exp(middle)) < ratio
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    return _plain(np.exp(0.5 * (low + high)))
+        if np.max(np.abs(step)) < 1e-14:
+            break
+    return _plain(np.exp(log))
 
 
 def lowest_transition_load(contact):

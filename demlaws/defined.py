@@ -11,11 +11,9 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core import generate
 from demlaws.core.cache import digest_of
-from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.dispatch import bind, function_of_text, scalar
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Option, grouped
 from demlaws.units import number
@@ -37,16 +35,44 @@ def define(
     options: dict[str, Any] | None = None,
     **facts: Any,
 ) -> Definition:
-    """`Definition` of a law from functions that numba can compile, each of one contact `p` and one number.
+    """Definition of a law from functions that numba can compile.
 
-    force(p, overlap) → P [N] and stiffness(p, overlap) → K = dP/dδ [N/m] at overlap > 0 [m]; overlap(p, force) → δ [m] and
-    energy(p, overlap) → ∫P dδ [J] are solved for and integrated where they are not given, which batches never need. p has
-    `radius` R [m], `modulus` E* [Pa], `roughness` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5], the fields that `needs`
-    names, and the options. options: name → default, or (default, unit, meaning); None: it must be given. facts: any field of
-    `Definition` or of its `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits, kinks, free, colour.
+    Parameters
+    ----------
+    name : str
+        Name of the law.
+    force : callable
+        force(p, overlap) → P [N] at overlap > 0 [m], for one contact `p` and one number.
+    stiffness : callable
+        stiffness(p, overlap) → K = dP/dδ [N/m].
+    overlap : callable, optional
+        overlap(p, force) → δ [m]. Default: solved for.
+    energy : callable, optional
+        energy(p, overlap) → ∫P dδ [J]. Default: integrated.
+    options : dict, optional
+        Name → default, or (default, unit, meaning); None for a required option.
+    **facts
+        Fields of `Definition` or of its `Fitting`, `Advice` and `Drawing`, for instance equation, source, limits, kinks,
+        free, colour.
 
-    One curve serves one contact unless facts say collapses=True with length="radius" or "roughness". Raises DemlawsError.
+    Returns
+    -------
+    Definition
+        For `demlaws.register`.
 
+    Raises
+    ------
+    DemlawsError
+        For functions or fields that are not valid.
+
+    Notes
+    -----
+    `p` has the fields `radius` R [m], `modulus` E* [Pa], `roughness` σ [m], `hertz_coefficient` (4/3) E* √R [N/m^1.5],
+    those of `needs`, and the options. One curve is valid for one contact, unless collapses=True with length="radius" or
+    "roughness".
+
+    Examples
+    --------
     >>> def force(p, overlap):
     ...     return p.factor * overlap**1.7
     >>> def stiffness(p, overlap):
@@ -88,7 +114,7 @@ def define(
     prepare.mark = shape_type.__qualname__  # type: ignore[attr-defined]
     first = inspect.Parameter("contact", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     prepare.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
-    fallback = {"equation": "", "source": "", "description": "a law of its user's", "collapses": False, "length": "radius"}
+    fallback = {"equation": "", "source": "", "description": "user-defined law", "collapses": False, "length": "radius"}
     said = {n: option for n, (_, option) in described.items()}
     return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=said)
 
@@ -111,10 +137,10 @@ def _types(name, functions, extra):
     )
     for cls in (shape_type, params_type):
         globals()[cls.__qualname__] = cls  # where pickle and the machine code on disk look for it
-    force, stiffness, overlap, energy = (f if f is None or hasattr(f, "py_func") else kernel(f) for f in functions)
+    force, stiffness, overlap, energy = (None if f is None else _of_numbers(f) for f in functions)
     values = ", ".join(f"float(shape.{n})" for n in extra)
     names = {"Params": params_type, "hertz_coefficient": hertz_coefficient}
-    scale = generate.function("shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, s, {values})"], names)
+    scale = function_of_text("shape, R, E, s", [f"return Params(hertz_coefficient(R, E), R, E, s, {values})"], names)
 
     @kernel
     def virgin(p, overlap):
@@ -125,6 +151,17 @@ def _types(name, functions, extra):
     bind(shape_type, scale=kernel(scale))
     bind(params_type, virgin=virgin, inverse=overlap or _searched(force, stiffness), energy=energy or _integrated(force))
     return shape_type
+
+
+def _of_numbers(function):
+    """A user's function compiled, its value a number also where numpy gives an array without dimensions (np.where)."""
+    inner = function if hasattr(function, "py_func") else kernel(function)
+
+    @kernel
+    def outer(p, value):
+        return scalar(inner(p, value))
+
+    return outer
 
 
 def _searched(force, stiffness):

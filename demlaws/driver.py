@@ -9,12 +9,11 @@ from numpy.typing import ArrayLike
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, stored_and_dissipated
-from demlaws.core.loops import energy_loop
+from demlaws.core.loops import energy_loop, loading_part
 from demlaws.core.numba_compat import loop
-from demlaws.core.params import loading_part
 from demlaws.errors import DemlawsError
-from demlaws.law import Law
-from demlaws.response import Path
+from demlaws.law import Law, as_law
+from demlaws.path import Path
 from demlaws.shear import Sheared as Sheared
 from demlaws.shear import sheared as sheared
 from demlaws.units import number, real, whole
@@ -27,12 +26,6 @@ def _points(turning_points, unit):
     return points
 
 
-def _checked(law):
-    if not isinstance(law, Law):
-        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
-    return law
-
-
 def _kinetic(mass, speed):
     kinetic = 0.5 * mass * speed * speed
     if not 1e-200 < kinetic < math.inf:
@@ -43,34 +36,74 @@ def _kinetic(mass, speed):
 
 
 def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
-    """Overlap [m] driven from 0 through `turning_points`, `steps` equal steps per branch: a `Path`.
+    """Drive the overlap of one contact from 0 through turning points.
 
-    Overlaps below 0 separate the bodies; the next contact is a virgin one.
+    Parameters
+    ----------
+    law : Law
+        Law of one contact.
+    turning_points : array_like
+        Overlaps [m], or text with units. Below 0 the bodies are separated, and the next contact is a virgin one.
+    steps : int
+        Equal steps per branch.
 
+    Returns
+    -------
+    Path
+        Response at every step.
+
+    Raises
+    ------
+    DemlawsError
+        For turning points that are not finite or out of the range of the law.
+
+    Examples
+    --------
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> path = dl.driver.displacement_controlled(law, [2e-6, 0.0], steps=2)
     >>> (path.overlap * 1e6).round(3), path.force.round(3)
     (array([0., 1., 2., 1., 0.]), array([0.   , 2.698, 7.632, 2.698, 0.   ]))
     """
     corners = [0.0, *_points(turning_points, "m")]
-    _checked(law)
+    as_law(law)
     steps = whole(steps, "steps")
     branches = [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise(corners)]
     return law.follow(np.concatenate([[0.0], *branches]))
 
 
 def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
-    """Force [N] driven from 0 through `turning_points` (none below 0), `steps` equal steps per branch: a `Path`.
+    """Drive the force of one contact from 0 through turning points.
 
-    On a branch below the largest force so far the overlap follows the unloading curve, above it the loading curve.
+    Below the largest force so far the overlap follows the unloading curve, above it the loading curve.
 
+    Parameters
+    ----------
+    law : Law
+        Law of one contact.
+    turning_points : array_like
+        Forces [N], at least 0, or text with units.
+    steps : int
+        Equal steps per branch.
+
+    Returns
+    -------
+    Path
+        Response at every step.
+
+    Raises
+    ------
+    DemlawsError
+        For negative forces, or forces out of the range of the law.
+
+    Examples
+    --------
     >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
     >>> path = dl.driver.force_controlled(dl.law("pohrt-popov", pair, unloading="hertz"), [50.0, 0.0])
     >>> bool(path.plastic_overlap[-1] > 0.0), bool(abs(path.work[-1] - path.dissipated[-1]) < 1e-15)
     (True, True)
     """
     corners = [0.0, *_points(turning_points, "N")]
-    _checked(law)
+    as_law(law)
     if min(corners) < 0.0:
         raise DemlawsError(f"force {min(corners):g} N: a contact without adhesion carries no tension; turn at 0 N or above")
     steps = whole(steps, "steps")
@@ -133,7 +166,7 @@ class Impact(NamedTuple):
     kinetic_before: float
     kinetic_after: float
     dissipated: float
-    energy_error: float  # (kinetic_after + dissipated - kinetic_before)/kinetic_before: what the integration made or lost
+    energy_error: float  # (kinetic_after + dissipated - kinetic_before)/kinetic_before: error of the integration
     time: np.ndarray
     overlap: np.ndarray
     speed: np.ndarray
@@ -141,17 +174,42 @@ class Impact(NamedTuple):
 
 
 def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -> Impact:
-    """A body of `mass` [kg] (of two: m1 m2/(m1 + m2)) meets the contact at `speed` [m/s]; nothing but the law damps it.
+    """Impact of a body on the contact, without other damping than that of the law.
 
-    Velocity Verlet with a step of 1/steps_per_contact of the elastic loading and unloading time.
+    Parameters
+    ----------
+    law : Law
+        Law of one contact.
+    mass : float
+        Mass of the body [kg]; of two bodies m1 m2/(m1 + m2).
+    speed : float
+        Speed of approach [m/s].
+    steps_per_contact : int
+        Steps per elastic loading and unloading.
 
+    Returns
+    -------
+    Impact
+        Rebound speed, restitution, peak values, energies and the history.
+
+    Raises
+    ------
+    DemlawsError
+        For values that are not positive, or an overlap out of the range of the law.
+
+    Notes
+    -----
+    Integrated by velocity Verlet.
+
+    Examples
+    --------
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> round(dl.driver.impact(law, mass=0.01, speed=0.1).restitution, 6)
     1.0
     """
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
     count = number(steps_per_contact, "steps_per_contact", "", 3, 10_000_000, allow_low=True)
-    p, kinetic = _checked(law).single_params(), _kinetic(mass, speed)
+    p, kinetic = as_law(law).single_params(), _kinetic(mass, speed)
     peak, duration = elastic_contact(law, mass, speed)
     dt = duration / count
     state = law.new_state(1).arrays
@@ -191,7 +249,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     from scipy.optimize import brentq
 
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")
-    params, kinetic = _checked(law).single_params(), _kinetic(mass, speed)
+    params, kinetic = as_law(law).single_params(), _kinetic(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
         values = np.atleast_1d(np.asarray(overlaps, float))

@@ -3,6 +3,8 @@
 Importing needs the standard library only: LAMMPS asks for the plugin at every start, and wheels are built without numpy.
 """
 
+import contextlib
+import fcntl
 import functools
 import hashlib
 import os
@@ -154,29 +156,46 @@ class Plugin:
                 f"compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here use --portable"
             ) from missing
         if force or not library.is_file():
-            _compile(command, library, self.packages)
+            _compile(command, library, self.packages, force)
         return library
 
 
-def _compile(command, library, packages):
-    """Compile to a temporary file beside `library`, then rename: no other process sees half of it."""
+@contextlib.contextmanager
+def _locked(folder):
+    """Hold the lock of a folder. A file system without locks gives none: the rename in `_compile` is safe without it."""
+    descriptor = os.open(folder, os.O_RDONLY)
     try:
-        library.parent.mkdir(parents=True, exist_ok=True)
-        descriptor, temporary = tempfile.mkstemp(prefix=".new.", suffix=".tmp", dir=library.parent)
-    except OSError as error:
-        raise DemlawsError(
-            f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"
-        ) from error
-    os.close(descriptor)
-    try:
+        with contextlib.suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(descriptor)
+
+
+def _compile(command, library, packages, force):
+    """Compile to a temporary file beside `library`, then rename: no other process sees half of it.
+
+    Of processes that start together one compiles; the others wait for its result, unless `force`.
+    """
+    with contextlib.ExitStack() as stack:
+        try:
+            library.parent.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(_locked(library.parent))
+            descriptor, temporary = tempfile.mkstemp(prefix=".new.", suffix=".tmp", dir=library.parent)
+        except OSError as error:
+            raise DemlawsError(
+                f"cannot write to the cache {library.parent}: {error.strerror}; set DEMLAWS_CACHE to a folder you may write to"
+            ) from error
+        os.close(descriptor)
+        stack.callback(Path(temporary).unlink, missing_ok=True)
+        if library.is_file() and not force:
+            return
         result = subprocess.run([*command, "-o", temporary], capture_output=True, text=True)
         if result.returncode:
             message = "\n".join((result.stderr or result.stdout).strip().splitlines()[:12])
             raise DemlawsError(f"the plugin did not compile ({packages}):\n{message}")
         os.chmod(temporary, 0o755)
         os.replace(temporary, library)
-    finally:
-        Path(temporary).unlink(missing_ok=True)
 
 
 class Engine:
@@ -251,13 +270,13 @@ class Engine:
         if not (Path(folder) / script).is_file():
             raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws {self.name.lower()} export` writes one")
         line, environment = self.command(script, ranks, variables, log, plugin, portable, arguments)
+        written = Path(folder) / log
+        before = _stamp(written)  # a log of an earlier run is not read
         status, lines = _run(line, folder, environment, echo, timeout)
-        if not any(text.startswith(f"{self.name} (") for text in lines) and (Path(folder) / log).is_file():  # -screen none
-            lines += log_lines(Path(folder) / log)
+        if not any(text.startswith(f"{self.name} (") for text in lines) and _stamp(written) != before:  # -screen none
+            lines += log_lines(written)
         if status:
-            errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
-            reason = _message(lines[errors[-1] :]) if errors else "".join(lines[-8:]).strip()
-            raise EngineStopped(f"{self.name} stopped (exit {status}): {reason}")
+            raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, lines, script)}")
         return thermo(lines, self.begins, self.column)  # not of the log file: the input may have named another
 
     def read_log(self, path):
@@ -314,6 +333,38 @@ def _run(command, folder, environment, echo=False, timeout=None):
             process.kill()
             raise
     return process.returncode, lines
+
+
+def _stamp(path):
+    """What changes when a file is written: None for an absent file."""
+    try:
+        found = os.stat(path)
+    except OSError:
+        return None
+    return found.st_ino, found.st_size, found.st_mtime_ns
+
+
+_SIGNALS = {
+    4: "illegal instruction",
+    6: "abort",
+    7: "bus error",
+    8: "arithmetic exception",
+    9: "killed",
+    11: "segmentation fault",
+}
+
+
+def _reason(status, lines, script):
+    """Why an engine stopped: its own error, else its last lines without the stack that MPI prints after a crash."""
+    errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
+    if errors:
+        return _message(lines[errors[-1] :])
+    crash = _SIGNALS.get(-status if status < 0 else status - 128)
+    text = [line.strip() for line in lines if line.strip() and not re.match(r"\[[^]]*:\d+\]|-{20}|mpirun |Primary job", line)]
+    last = " | ".join(text[-3:])
+    if crash is None:
+        return last or f"it printed no message; run {script} with -echo both, which shows the last line that it read"
+    return f"{crash}; last output: {last or 'none'}; run {script} with -echo both, which shows the last line that it read"
 
 
 def _message(lines):
@@ -380,7 +431,7 @@ def _numbers(words):
 
 
 def thermo(lines, begins, column=str):
-    """Columns of all thermo tables of LIGGGHTS or LAMMPS: dict name → array; empty where there are none.
+    """Columns of all thermo tables of LIGGGHTS or LAMMPS: dict name → array; empty without tables.
 
     A table stands between a line that begins with `begins` and the line "Loop time" of a run; its first line names the
     columns, which may be numbers themselves (LIGGGHTS heads c_1 by 1); column: from such a word to the name of the column.

@@ -65,13 +65,18 @@ def write_together(*files):
     return path
 
 
-def save_csv(path, titles, rows):
-    """Write a CSV file; returns its path."""
+def csv_text(titles, rows):
+    """Text of a CSV file; numbers with nine digits."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(titles)
     writer.writerows([[f"{v:.9g}" if isinstance(v, float) else v for v in row] for row in rows])
-    return write_atomically(path, text.getvalue())
+    return text.getvalue()
+
+
+def save_csv(path, titles, rows):
+    """Write a CSV file; returns its path."""
+    return write_atomically(path, csv_text(titles, rows))
 
 
 def _waiting(path, data):

@@ -61,7 +61,7 @@ class HeightMap:
         return f"HeightMap({columns} x {rows} pixels, {width * 1e6:.4g} x {height * 1e6:.4g} µm, Sq = {self.sq * 1e6:.4g} µm)"
 
     def record(self):
-        """What a table's file says of the map it came from: enough to recognise the map, not to rebuild it."""
+        """Record of the map in a table's file: enough to recognise the map, not to rebuild it."""
         import zlib
 
         return {"height map": repr(self), "crc32": f"{zlib.crc32(self.heights.tobytes()):08x}"}
@@ -81,7 +81,7 @@ class HeightMap:
 
     @classmethod
     def from_portable(cls, values):
-        """A map from what `portable` made of it; DemlawsError where that is spoilt."""
+        """A map from the output of `portable`; DemlawsError if that is corrupt."""
         import base64
         import zlib
 

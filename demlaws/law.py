@@ -3,27 +3,29 @@
 import dataclasses
 import functools
 import os
+import warnings
 from collections.abc import Callable
 from pathlib import Path as File
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact, as_contact
 from demlaws.core.grid import Nodes
-from demlaws.core.params import bind_params, loading_part, one_of
+from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
-from demlaws.curves.points import Knots
-from demlaws.curves.table import Rows, TableCurve, tabulate, tolerance
-from demlaws.errors import DemlawsError
+from demlaws.curves.table import Rows, TableCurve
+from demlaws.errors import DemlawsError, warn
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_own
 from demlaws.response import Response, as_given
-from demlaws.soundness import refuse_unsound_rule
 from demlaws.units import number
 from demlaws.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
+
+if TYPE_CHECKING:
+    from demlaws.curves.points import Knots
 
 
 class Law(Response):
@@ -51,6 +53,8 @@ class Law(Response):
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params = bind_params(self.shape, contact)
         if unloading.rule.curve == "law" and unloading.beside is None and is_own(self.definition):
+            from demlaws.soundness import refuse_unsound_rule
+
             refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
         self._limits = None
         self._end = None
@@ -60,6 +64,21 @@ class Law(Response):
         options = "".join(f", {k}={v!r}" for k, v in self.options.items())
         unloading = self.unloading if self.unloading_law is None else self.unloading_law
         return f"demlaws.law({self.name!r}, {self.contact!r}, unloading={unloading!r}{options})"
+
+    def __eq__(self, other: object) -> bool:
+        """Whether both have the same curve, unloading rule, options and contact."""
+        if not isinstance(other, Law):
+            return NotImplemented
+        same_kind = type(self) is type(other) and self.definition is other.definition
+        return (
+            same_kind
+            and self.unloading == other.unloading
+            and self.contact == other.contact
+            and equal_params(self.params, other.params)
+        )
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.unloading))
 
     # --- parts
 
@@ -128,6 +147,8 @@ class Law(Response):
         power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness; without
         `max_force` it ends at a tenth of a radius ten times as large.
         """
+        from demlaws.curves.tabulate import tabulate, tolerance
+
         tolerance(rtol)
         if self.contact.size is not None and not self.collapses:
             raise DemlawsError(
@@ -137,7 +158,14 @@ class Law(Response):
         if max_force is not None:
             largest = self.overlap(np.broadcast_to(number(max_force, "max_force", "N"), self.contact.size or ()))
         curve = tabulate(self.contact, self.curve, rtol, largest)
-        return Table(self.contact, curve, curve.with_unloading(self.contact, self.unloads))
+        return Table(self.contact, curve, _adapted(self.unloads, self.contact, curve))
+
+
+def as_law(value: Any) -> Law:
+    """The value, or a DemlawsError if it is not a law."""
+    if not isinstance(value, Law):
+        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {value!r:.60}")
+    return value
 
 
 # --- composition
@@ -150,9 +178,18 @@ def composed(contact: Contact, curve: ClosedForm | TableCurve, unloading: Unload
 
 def join(contact: Contact, curve: ClosedForm | TableCurve, unloading: "str | os.PathLike | Law") -> Law:
     """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
-    law = composed(contact, curve, curve.with_unloading(contact, resolve(unloading, curve.definition)))
+    law = composed(contact, curve, _adapted(resolve(unloading, curve.definition), contact, curve))
     refuse_unless_passive(law)
     return law
+
+
+def _adapted(unloading, contact, curve):
+    """The unloading in the form that a curve of first loading is joined with."""
+    if curve.tabulated and unloading.curve is not None:
+        from demlaws.curves.tabulate import rescaled
+
+        return unloading._replace(curve=rescaled(curve, contact, unloading), contact=contact)
+    return curve.with_unloading(contact, unloading)
 
 
 def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unloading:
@@ -216,7 +253,7 @@ class Table(Law):
         return self.curve.rows
 
     @property
-    def knots(self) -> Knots | None:
+    def knots(self) -> "Knots | None":
         """`Knots` of a table made of points."""
         return self.curve.knots
 
@@ -270,10 +307,12 @@ class Table(Law):
     def save(self, path: str | os.PathLike) -> File:
         """Write the table as text with its certificate, its unloading curve below it; see `Table.load`.
 
-        The code of a user-defined rule is written, too, beside the file: PATH.so (takes g++); both files or none.
+        The code of a user-defined rule is written, too, beside the file: PATH.so (takes g++); both files or none. A warning
+        names the content of a file that is replaced, unless it is a table of the same law and contact.
         """
         from demlaws.files import as_path, write_atomically, write_together
 
+        _name_what_is_lost(as_path(path), self)
         data = self._compose()[0]
         if self._native_rule is None:
             return write_atomically(path, data)
@@ -352,7 +391,7 @@ class Table(Law):
         unloading: Any = "elastic",
         uncertainty: ArrayLike | None = None,
         residual: float | None = None,
-        knots: int = 24,
+        knots: int | None = None,
         scales_with: str | None = None,
         rtol: float = 1e-3,
         name: str = "points",
@@ -360,9 +399,10 @@ class Table(Law):
     ) -> "Table":
         """`Table` of a rising curve through measured points: overlaps [m] and forces [N] of first loading, in any order.
 
-        Up to `knots` points are interpolated as they are, more are averaged (`MeasuredCurve`); `table.knots` has the
-        knots with the standard uncertainty of their force, from `uncertainty` [N] (one, or one per point) or from the scatter,
-        and what was smoothed; `rtol` is the table's distance from that curve. unloading: a rule, a law, a `Table`, or
+        Points are smoothed by generalised cross-validation (`MeasuredCurve`); with `knots` they are interpolated, averaged
+        to so many where there are more. `table.knots` has points of it with the standard uncertainty of their force, from
+        `uncertainty` [N] (one, or one per point) or from the scatter, and the smoothing; `rtol` is the table's distance from
+        that curve. unloading: a rule, a law, a `Table`, or
         (overlaps, forces) measured after the largest force, whose curve past their foot δp (`residual` [m]; else found,
         `residual_overlap`) the contact then unloads along from any largest force. Below the first point the curve is a
         power law. The table holds for `contact` only, see `from_function`.
@@ -385,3 +425,19 @@ class Table(Law):
         law = join(contact, curve, cls(contact, unloading))
         along = law.unloads.curve.with_errors_of(unloading)
         return cls(contact, curve, law.unloads._replace(curve=along))
+
+
+def _name_what_is_lost(path, table):
+    """Warn where a file that is to be replaced is not a table of this law and contact."""
+    if not path.is_file():
+        return
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            old = Table.load(path)
+    except DemlawsError:
+        warn(f"{path} was not a readable table and is replaced by a table of law {table.name!r}", UserWarning)
+        return
+    if (old.name, old.unloading, old.contact) != (table.name, table.unloading, table.contact):
+        held = f"law {old.name!r}, {old.unloading} unloading, {old.contact}"
+        warn(f"{path} held a table of {held}; it is replaced by law {table.name!r}, {table.unloading} unloading", UserWarning)

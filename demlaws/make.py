@@ -8,21 +8,40 @@ import numpy as np
 from demlaws.contact import Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.law import Law, join, read_if_path
 from demlaws.laws.registry import find, registry
 
 
 def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None = None, **options: Any) -> Law:
-    """Bind law `name` to `contact` and join it with a rule `unloading`: "elastic", "hertz", "thornton", or a curve.
+    """Bind a law to a contact and join it with an unloading rule.
 
-    A law of the literature that unloads in a way of its own brings that as a rule of its own (`demlaws laws NAME`) and has it
-    where no `unloading` is named; the others are elastic then.
+    Parameters
+    ----------
+    name : str
+        Name of the law; `demlaws.laws()` lists them.
+    contact : Contact
+        One contact, or an array of contacts.
+    unloading : str, Law or path, optional
+        Unloading rule: "elastic", "hertz", "thornton", a rule of this law (`demlaws laws NAME`), or a curve: a law, a
+        `Table` or the path of a saved table, along which the contact unloads through its largest overlap. The contact of
+        that curve is this one, or one in a constant ratio to it. Default: the default rule of the law, else "elastic".
+    **options : float or str
+        Options of the law, for instance ``yield_pressure=1.66e9``; `demlaws laws NAME` lists them.
 
-    A curve is a law, a `Table` or the path of a saved table: the contact then unloads along that law's curve of first
-    loading through its largest overlap (rule "table"). Its contact is this one, or one in a constant ratio to it.
-    Raises DemlawsError for an unknown name, option or missing quantity, and where the pair is not passive.
+    Returns
+    -------
+    Law
+        The bound law.
 
+    Raises
+    ------
+    DemlawsError
+        For an unknown name or option, a missing quantity, or a pair of law and rule that would create energy
+        (`NotPassive`).
+
+    Examples
+    --------
     >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
     >>> law = dl.law("pohrt-popov", pair, unloading="hertz")
     >>> law.force(1e-6) < dl.law("hertz", pair).force(1e-6)
@@ -49,10 +68,9 @@ def rule_and_curve(unloading: Any) -> tuple[str, Law | None]:
         return unloading, None
     known = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
     if not isinstance(unloading, str) or unloading not in known or unloading == GIVEN:
-        why = (
-            "needs its curve: give a law or a table" if unloading == GIVEN else f"is unknown: the rules are {', '.join(known)}"
-        )
-        raise DemlawsError(f"unloading rule {unloading!r:.60} {why}")
+        why = f" is unknown{did_you_mean(unloading, known)} The rules are {', '.join(known)}"
+        why = " needs its curve: give a law or a table" if isinstance(unloading, str) and unloading == GIVEN else why
+        raise DemlawsError(f"unloading rule {unloading!r:.60}{why}")
     return unloading, None
 
 
@@ -68,7 +86,7 @@ def rebound(unloading, contact):
 
 
 def unloading_of_case(name):
-    """The rule of an engine's case where none is named: the law's own where it has one, else Hertz's."""
+    """Default rule of an engine's case: that of the law if it has one, else Hertz's."""
     own = find(name).default_unloading
     return "hertz" if own == "elastic" else own
 

@@ -11,9 +11,11 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.files import read_text
+from demlaws.units import LARGEST_OVERLAP, unmasked
 
 UNLOADED = 0.02
 """Part of the largest force so far by which the force must fall to count as unloading, rather than as noise."""
+NOISE_WIDTHS = 3.0  # standard deviations of the load cell below which a force may be no contact
 
 
 class Fit(NamedTuple):
@@ -55,7 +57,7 @@ class Points(NamedTuple):
         return self.displacement[keep], self.force[keep]
 
     def zero(self, laws, force=0.1):
-        """Displacement [m] that the measurement has at `force` [N] of first loading, and the law that says so, or None.
+        """Displacement [m] that the measurement has at `force` [N] of first loading, and the law used for it, or None.
 
         Between two points it is interpolated. Points that begin above that force are placed by the law that fits best.
         """
@@ -113,7 +115,7 @@ class Points(NamedTuple):
                 f"{self.source}: {np.count_nonzero(keep)} points of first loading above {force:g} N; 4 are needed"
             )
         ours, theirs = bound.overlap(measured[keep]), displacement[keep]
-        # scatter of single points about their neighbours: what is common to neighbours is no noise
+        # scatter of single points about their neighbours: deviations common to neighbours are not noise
         noise = float(np.std(np.diff(theirs - ours, 2))) / math.sqrt(6.0)
         gained = float(ours[-1] - ours[0])
         return float(theirs[-1] - theirs[0]) / gained, math.sqrt(2.0) * noise / gained
@@ -233,7 +235,7 @@ def _split(line, mark):
 
 
 def _find(titles, column):
-    """Places of the titles that name the column; one that says nothing else ("force (N)") stands for all."""
+    """Places of the titles that name the column; a title without further words ("force (N)") stands for all."""
     words = _COLUMNS[column][0]
     found = [i for i, title in enumerate(titles) if any(word in title.lower() for word in words)]
     alone = [i for i in found if _UNIT.sub("", titles[i].strip()).strip(' /"').lower() in words]
@@ -282,7 +284,7 @@ def read_points(path):
     """Measured points from a text file: a line of titles with units, then numbers.
 
     Columns are split by commas, semicolons, tabs or blanks; unless by commas, decimal commas are read. Lines that begin
-    with #, % or // are comments (the titles may stand in one); further columns are left aside. Of several that may be the
+    with #, % or // are comments (the titles may be in one); further columns are left aside. Of several that may be the
     force or the displacement the one named so alone is taken. Raises DemlawsError that names the file and the line.
     """
     path = Path(path)
@@ -314,3 +316,55 @@ def read_points(path):
         raise DemlawsError(f"{path}: {len(values)} points; at least 3 are needed")
     displacement, force = np.array(values).T
     return Points(displacement, force, path.name)
+
+
+# --- points of a contact that a law is to follow
+
+
+def columns_of(points):
+    """Displacement and force of (n, 2) values or `Points`."""
+    if hasattr(points, "displacement"):
+        points = np.column_stack([unmasked(points.displacement), unmasked(points.force)])
+    try:
+        array = np.asarray(unmasked(points), dtype=float)
+    except (TypeError, ValueError):
+        raise DemlawsError("points must be numbers: an array of shape (n, 2), displacement in m and force in N") from None
+    if array.ndim != 2 or array.shape[1] != 2:
+        raise DemlawsError(f"points have shape {array.shape}: give (n, 2), displacement in m and force in N")
+    if not np.all(np.isfinite(array)):
+        raise DemlawsError("points contain NaN or infinite values: remove those rows")
+    return array.T
+
+
+def refuse_other_units(displacement, force, contact, compliance):
+    """Refuse points in contact that no law can follow: in other units, with exchanged columns or the other sign.
+
+    compliance: the largest of the apparatus [m/N]."""
+    travel, most = np.ptp(displacement), LARGEST_OVERLAP * contact.radius + compliance * np.ptp(force)
+    if travel > most:
+        raise DemlawsError(
+            f"points in contact lie {travel:.3g} m apart, more than the effective radius R = {contact.radius:g} m, beyond "
+            "which laws are undefined: give displacement in m, first, and force in N, without points from before contact"
+        )
+    if travel > 0.0 and np.ptp(force) > 0.0 and np.corrcoef(displacement, force)[0, 1] < -0.5:
+        raise DemlawsError("the displacement falls where the force rises: count the approach of the bodies as positive, in m")
+
+
+def in_contact(force, noise):
+    """Mask of the points in contact, and name and reason for `Ranking.skipped` if points were left out.
+
+    Negative forces give the noise of the load cell [N], unless it is known. A single point from before contact, positive by
+    chance, tilts the whole fit: below three standard deviations, and on first loading before the last such point, all go.
+    """
+    negative = force[force < 0.0]
+    source = "given" if noise > 0.0 else f"from {negative.size} negative forces"
+    if noise == 0.0 and negative.size >= 3:
+        noise = float(np.sqrt(np.mean(negative**2)))
+    keep = force > NOISE_WIDTHS * noise
+    if noise > 0.0 and np.any(keep):
+        first = int(np.argmax(force > 0.1 * np.max(force)))
+        keep[: np.max(np.flatnonzero(~keep[:first]), initial=-1) + 1] = False
+    reason = "they carry no force: any displacement before contact fits them"
+    if noise > 0.0:
+        reason = f"they may be no contact: before it or below {NOISE_WIDTHS:g} times the load cell's {noise:.2g} N ({source})"
+    return keep, {} if np.all(keep) else {f"{int(np.sum(~keep))} points": reason}

@@ -5,12 +5,11 @@ The criterion itself is in `criterion`; here are its answer for one contact (`as
 """
 
 import math
-import warnings
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import as_contact
+from demlaws.contact import Contact, as_contact
 from demlaws.criterion import (
     BAND,
     FIT_LIMIT,
@@ -26,7 +25,7 @@ from demlaws.criterion import (
     transition_load,
     transition_roughness,
 )
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, warn
 from demlaws.laws.definition import Conditions
 from demlaws.laws.registry import registry
 from demlaws.units import number, real
@@ -50,6 +49,10 @@ __all__ = [
 ]
 
 
+FIRST = 0.01
+"""Share of the load from which on a law must fit a contact (`advise`): roughness matters most at small loads."""
+
+
 class Regime(NamedTuple):
     """The criterion at one load. Pressures in Pa, loads in N, roughness in m."""
 
@@ -57,7 +60,7 @@ class Regime(NamedTuple):
     roughness_parameter: float  # α
     hertz_pressure: float  # p0
     central_pressure: float  # p(0)
-    ratio: float  # p(0)/H_m; with a measured yield pressure p0/p_y, which is to be held against 1
+    ratio: float  # p(0)/H_m; with a measured yield pressure p0/p_y, to be compared with 1
     deforms: str  # "asperities", "both" or "bulk"
     transition_load: float  # load at which p(0)/H_m = 0.6
     transition_roughness: float  # roughness at which it is, at this load; 0 where even a smooth bulk stays elastic
@@ -90,13 +93,38 @@ class Regime(NamedTuple):
         )
 
 
-def assess(contact, load, mu=None, yield_pressure=None):
-    """The `Regime` of one contact under `load` [N].
+def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure: float | str | None = None) -> Regime:
+    """The criterion of Jamari & Schipper at one load: whether asperities or the bulk deform.
 
-    mu: Greenwood & Tripp's μ of the surface, as the 2006 paper does it: p(0) then comes from their solution, else from the
-    paper's closed fit, which warns (ValidityWarning) for α above 10. yield_pressure: a measured limit pressure p_y [Pa]
-    (Thornton's: the smooth Hertz p0 of the load at which yield was seen); the bulk then yields where p0 reaches it, whatever
-    the hardness says. Raises DemlawsError without either, or for a load that is not positive.
+    Parameters
+    ----------
+    contact : Contact
+        One contact.
+    load : float or str
+        Load [N].
+    mu : float, optional
+        Greenwood & Tripp's μ of the surface: p(0) then comes from their solution, as in the 2006 paper. Default: the closed
+        fit, with a warning for α above 10.
+    yield_pressure : float or str, optional
+        Measured limit pressure p_y [Pa] (the smooth Hertz p0 of the load at which yield was seen). The bulk then yields
+        where p0 reaches it, independent of the hardness.
+
+    Returns
+    -------
+    Regime
+        Pressures, ratio and transition load.
+
+    Raises
+    ------
+    DemlawsError
+        Without hardness and yield pressure, or for a load that is not positive.
+
+    Examples
+    --------
+    >>> pair = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, hardness=6.266e9)
+    >>> regime = dl.regime.assess(pair, "10N")
+    >>> regime.deforms, round(regime.ratio, 3)
+    ('asperities', 0.036)
     """
     if as_contact(contact).size is not None:
         raise DemlawsError("assess takes one contact; this one is an array: use pressure_ratio and transition_load")
@@ -110,11 +138,7 @@ def assess(contact, load, mu=None, yield_pressure=None):
         return Regime(load, alpha, p0, p0 * float(pressure_drop(alpha)), ratio, deforms, yields, 0.0, mu, limit)
     ratio = pressure_ratio(contact, load, mu)
     if mu is None and alpha > FIT_LIMIT:
-        warnings.warn(
-            f"α = {alpha:.3g}: above {FIT_LIMIT:g} the closed fit of p(0)/p0 is 1.5 to 2 times too high; give μ",
-            ValidityWarning,
-            stacklevel=2,
-        )
+        warn(f"α = {alpha:.3g}: above {FIT_LIMIT:g} the closed fit of p(0)/p0 is 1.5 to 2 times too high; give μ")
     return Regime(
         load=load,
         roughness_parameter=alpha,
@@ -128,34 +152,56 @@ def assess(contact, load, mu=None, yield_pressure=None):
     )
 
 
-def pressure_map(contact, loads, roughnesses):
+def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
     """p(0)/H_m over `loads` [N] (columns) and `roughnesses` [m] (rows); `contact` gives the rest."""
     loads = np.atleast_1d(checked_loads(real(loads, "loads", "N", array=True)))
     roughnesses = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
     as_contact(contact)
-    alpha = roughnesses[:, None] * contact.with_values(roughness=1e-9).roughness_parameter(loads)[None, :] / 1e-9
+    alpha = roughnesses[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(loads))[None, :] / 1e-9
     return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / hardness_of(contact)
 
 
 class Advice(NamedTuple):
-    """Whether a law's physics fits a contact up to a load, and why."""
+    """Whether a law applies to a contact up to a load, and why."""
 
     law: str
     fits: bool
     reason: str
 
 
-def advise(contact, load, yield_pressure=None, mu=None):
-    """For each law, whether its physics fits this contact from first touch up to `load` [N], with the reason.
+def advise(contact: Contact, load: Any, yield_pressure: Any = None, mu: float | None = None) -> list[Advice]:
+    """Which laws apply to a contact from first touch up to a load.
 
-    The laws differ in what deforms: elastic asperities on an elastic bulk (rms, pohrt-popov, greenwood-tripp), plastic
-    asperities on an elastic bulk (bahrami, yip-venart, asperity), a yielding bulk (rough-plastic), or no roughness
-    (hertz); each says itself what it fits (`Definition.advise`). yield_pressure, mu: as for `assess`. Without a hardness or a
-    yield pressure the bulk cannot be judged, which the reason then says.
+    Parameters
+    ----------
+    contact : Contact
+        One contact.
+    load : float or str
+        Load [N].
+    yield_pressure : float or str, optional
+        As in `assess`.
+    mu : float, optional
+        As in `assess`.
+
+    Returns
+    -------
+    list of Advice
+        One per law, with the reason.
+
+    Raises
+    ------
+    DemlawsError
+        For a load that is not positive.
+
+    Notes
+    -----
+    Laws differ in the part that deforms: elastic asperities on an elastic bulk (rms, pohrt-popov, greenwood-tripp), plastic
+    asperities on an elastic bulk (bahrami, yip-venart, asperity), a yielding bulk (rough-plastic), or no roughness (hertz).
+    Without hardness and yield pressure the bulk is not judged, and the reason states it.
     """
     as_contact(contact)
     load = number(load, "load", "N")
-    alpha = float(np.max(contact.roughness_parameter(load)))
+    alpha = float(np.max(contact.roughness_parameter(FIRST * load)))
     if yield_pressure is not None:
         ratio = float(np.max(hertz_pressure(contact, load))) / number(yield_pressure, "yield_pressure", "Pa")
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"

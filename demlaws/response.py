@@ -1,41 +1,52 @@
-"""What contacts respond to overlaps: forces, stiffnesses, energies, paths and batches of a bound law."""
+"""Response of contacts to overlaps: forces, stiffnesses, energies, paths and batches of a bound law."""
 
 import math
-import warnings
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from demlaws.batch import PIECE, State, in_threads, writable
 from demlaws.contact import Contact
-from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, energy_loop, follow_loop, inverse_loop, unloaded_loop
-from demlaws.core.params import first_loading, loading_part, map_leaves
+from demlaws.core.loops import (
+    FINITE,
+    UNBOUNDED,
+    batch_loop,
+    energy_loop,
+    first_loading,
+    follow_loop,
+    inverse_loop,
+    loading_part,
+    map_leaves,
+    unloaded_loop,
+)
 from demlaws.core.shear import CHOICES, DEFAULT, shear_loop
-from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, unmasked
+from demlaws.errors import DemlawsError, LargeOverlap, warn
+from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, check_overlaps, number, real, unmasked
+
+if TYPE_CHECKING:
+    from demlaws.batch import State
+    from demlaws.path import Path
 
 
-class Path(NamedTuple):
-    """What one contact does along a path: arrays with one entry an overlap, SI units.
+class Breach(NamedTuple):
+    """A force [N] outside a limit of a law's source.
 
-    plastic_overlap is NaN where a law's own rule remembers no quantity of that name. stored and dissipated [J] are the
-    contact's: where the path goes on from a state, what was done to it before since it last closed is in them, too.
+    >>> granite = dl.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22, hardness=6.266e9)
+    >>> dl.law("hertz", granite).breaches(1.0, 1e4)[0].range
+    'above 4.98e+03 N'
     """
 
-    overlap: np.ndarray
-    force: np.ndarray
-    stiffness: np.ndarray
-    maximum_overlap: np.ndarray
-    plastic_overlap: np.ndarray
-    stored: np.ndarray
-    dissipated: np.ndarray
+    value: float
+    bound: float
+    reason: str
 
     @property
-    def work(self) -> np.ndarray:
-        """Work done on the contact [J], ∫P dδ, exact between the points of the path: from virgin, or from where a contact whose
-        state was given last closed; of a part of a path take the difference of two entries."""
-        return self.stored + self.dissipated
+    def range(self) -> str:
+        """The side of the bound, in words."""
+        return f"{'above' if self.value > self.bound else 'below'} {self.bound:.3g} N"
+
+    def __str__(self):
+        return f"{self.value:.4g} N, {self.range}: {self.reason}"
 
 
 class Response:
@@ -57,9 +68,36 @@ class Response:
     _limits: Any
     _end: Any
 
+    def plot(self, ax: Any = None, **style: Any) -> Any:
+        """Draw force against overlap; returns matplotlib's axes.
+
+        Parameters
+        ----------
+        ax : matplotlib.axes.Axes, optional
+            Axes to draw on; default: those of a new figure, which notebooks show.
+        **style
+            For a law `overlap`, its largest overlap [m], and `unload_at`, the force [N] at which it is unloaded; other
+            keywords go to `Axes.plot`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            Its figure is written by `ax.figure.savefig(...)`.
+
+        Raises
+        ------
+        DemlawsError
+            Without matplotlib.
+        """
+        from demlaws import plots
+
+        return plots.plot(self, ax, **style)
+
     # --- first loading
 
     def _shaped(self, value, name, unit):
+        if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
+            value = real(value, name, unit, array=True)
         try:
             array = np.asarray(unmasked(value))
             if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
@@ -96,15 +134,15 @@ class Response:
         end = self._largest_unloading_force()
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
-    def force(self, overlap: ArrayLike) -> float | np.ndarray:
-        """Force P [N] of first loading at `overlap` δ [m]; 0 at δ ≤ 0."""
+    def force(self, overlap: ArrayLike) -> Any:
+        """Force P [N] of first loading at `overlap` δ [m] or text ("1um"); 0 at δ ≤ 0. A number for a number."""
         return as_given(self._both(overlap)[0])
 
-    def stiffness(self, overlap: ArrayLike) -> float | np.ndarray:
+    def stiffness(self, overlap: ArrayLike) -> Any:
         """Tangent stiffness K = dP/dδ [N/m] of first loading at `overlap` [m]; 0 at δ ≤ 0."""
         return as_given(self._both(overlap)[1])
 
-    def overlap(self, force: ArrayLike) -> float | np.ndarray:
+    def overlap(self, force: ArrayLike) -> Any:
         """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
@@ -118,7 +156,7 @@ class Response:
     def _force_out_of_range(self, force):
         return f"force up to {force:g} N has no finite overlap"
 
-    def energy(self, overlap: ArrayLike) -> float | np.ndarray:
+    def energy(self, overlap: ArrayLike) -> Any:
         """Work ∫P dδ [J] of first loading to `overlap` [m]."""
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
@@ -128,27 +166,31 @@ class Response:
 
     # --- history
 
-    def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> State:
+    def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> "State":
         """State of n virgin contacts (n: the contact's own size, or 1), kept as float64 or float32."""
+        from demlaws.batch import State
+
         return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
 
     def evaluate(
         self,
-        overlap: np.ndarray,
-        state: State | None = None,
+        overlap: ArrayLike,
+        state: "State | None" = None,
         out: tuple[np.ndarray, np.ndarray] | None = None,
         parallel: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Force [N] and tangent stiffness [N/m] of a batch of contacts; `state` is updated in place.
 
-        overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry a contact; state: what
-        `new_state` returned (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
-        spares the time that new memory takes; parallel=True: one thread a core where there are more than 131,072 contacts,
-        since fewer take longer so. The overlaps are looked at in the loop only. One that is NaN, infinite, beyond the
+        overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry per contact; state: from
+        `new_state` (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
+        spares the time that new memory takes; parallel=True: one thread per core for more than 131,072 contacts,
+        since fewer would take longer. The overlaps are checked in the loop only. One that is NaN, infinite, beyond the
         contact's effective radius or beyond a table's range raises DemlawsError after it: that contact's force is not
         finite, its history is as it was; all others are good. Overlaps
         beyond a tenth of the radius give one warning.
         """
+        from demlaws.batch import PIECE, in_threads, writable
+
         if type(overlap) is not np.ndarray:
             overlap = np.asarray(unmasked(overlap))
         if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
@@ -219,6 +261,8 @@ class Response:
 
     def _arrays_of(self, state, n):
         """The arrays of a batch's state, checked."""
+        from demlaws.batch import State
+
         if state is not None and not isinstance(state, State):
             raise DemlawsError(f"state must be what law.new_state({n}) returns, got {state!r}")
         names = () if state is None else state.names
@@ -246,7 +290,7 @@ class Response:
         text = check_overlaps(overlap, self.contact.radius)
         if text is not None and "large overlap" not in self._warned:
             self._warned.add("large overlap")
-            warnings.warn(f"{self.name}: {text}", LargeOverlap, stacklevel=4)
+            warn(f"{self.name}: {text}", LargeOverlap)
 
     def single_params(self) -> tuple:
         """Params of the one contact; DemlawsError where the law holds an array of contacts."""
@@ -254,7 +298,7 @@ class Response:
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
 
-    def follow(self, overlap: ArrayLike, state: State | None = None) -> Path:
+    def follow(self, overlap: ArrayLike, state: "State | None" = None) -> "Path":
         """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
         self.single_params()
         values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
@@ -273,10 +317,12 @@ class Response:
         known = dict(zip(self.state_names, history, strict=True))
         maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
         plastic = known.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
+        from demlaws.path import Path
+
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)
 
     def shear_stiffness(
-        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: State | None = None
+        self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: "State | None" = None
     ) -> float | np.ndarray:
         """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
 
@@ -285,7 +331,9 @@ class Response:
         loading at the force carried now (docs/shear.md).
         """
         if shear not in CHOICES:
-            raise DemlawsError(f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: which stiffness K_t goes by")
+            raise DemlawsError(
+                f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: the normal stiffness used to compute K_t"
+            )
         ratio = number(ratio, "ratio")
         self.single_params()
         values, shape = self._shaped(overlap, "overlap", "m")
@@ -300,7 +348,7 @@ class Response:
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
 
-    def unloading_overlap(self, force: ArrayLike, state: State) -> float | np.ndarray:
+    def unloading_overlap(self, force: ArrayLike, state: "State") -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
@@ -316,20 +364,23 @@ class Response:
             self._limits = self.definition.limits(self.contact, **self.options)
         return self._limits
 
+    def breaches(self, smallest: float, largest: float) -> list[Breach]:
+        """Limits of the law that forces from `smallest` to `largest` [N] pass, the one passed by the largest factor first."""
+        smallest, largest = float(real(smallest, "smallest", "N")), float(real(largest, "largest", "N"))
+        found = []
+        for limit in self.limits():
+            if largest > limit.maximum_force:
+                found.append((largest / max(limit.maximum_force, 1e-300), Breach(largest, limit.maximum_force, limit.reason)))
+            elif smallest < limit.minimum_force:
+                found.append((limit.minimum_force / max(smallest, 1e-300), Breach(smallest, limit.minimum_force, limit.reason)))
+        return [breach for _, breach in sorted(found, key=lambda one: -one[0])]
+
     def _advise(self, force):
         touching = force[force > 0.0] if np.ndim(force) else force
-        largest, smallest = float(np.max(touching, initial=0.0)), float(np.min(touching, initial=math.inf))
-        for limit in self.limits():
-            if limit.reason in self._warned:
-                continue
-            if largest > limit.maximum_force:
-                range_left = f"above {limit.maximum_force:.3g} N"
-            elif smallest < limit.minimum_force:
-                range_left = f"below {limit.minimum_force:.3g} N"
-            else:
-                continue
-            self._warned.add(limit.reason)
-            warnings.warn(f"{self.name} {range_left}: {limit.reason}", ValidityWarning, stacklevel=3)
+        for breach in self.breaches(float(np.min(touching, initial=math.inf)), float(np.max(touching, initial=0.0))):
+            if breach.reason not in self._warned:
+                self._warned.add(breach.reason)
+                warn(f"{self.name} {breach.range}: {breach.reason}")
 
 
 def as_given(array):

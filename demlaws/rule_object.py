@@ -18,10 +18,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from demlaws.core.dispatch import bind, scale, step, stored_and_dissipated
-from demlaws.core.fastmath import kernel
-from demlaws.core.generate import function
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.dispatch import bind, function_of_text, scale, step, stored_and_dissipated
+from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.shear import unloading_stiffness
 from demlaws.errors import DemlawsError
 
@@ -114,8 +112,8 @@ def _functions(shape, tag, size):
     energies = [head, f"out[0], out[1] = energies(TAG, p, overlap, ({state}))"]
     signature, arguments = types.void(*_CONTACT, _DOUBLES, _DOUBLES), "engine, R, E, s, overlap, state, out"
     return {
-        "demlaws_rule_contact": (signature, function(arguments, contact, names)),
-        "demlaws_rule_energies": (signature, function(arguments, energies, names)),
+        "demlaws_rule_contact": (signature, function_of_text(arguments, contact, names)),
+        "demlaws_rule_energies": (signature, function_of_text(arguments, energies, names)),
     }
 
 
@@ -133,7 +131,7 @@ def _linked(objects):
     """Shared object of object files; DemlawsError where it would need more than the C library."""
     compiler = os.environ.get("CXX", "g++")
     if not shutil.which(compiler):
-        raise DemlawsError(f"a rule of one's own is linked by {compiler!r}, which was not found: sudo apt install g++")
+        raise DemlawsError(f"a user-defined rule is linked by {compiler!r}, which was not found: sudo apt install g++")
     with tempfile.TemporaryDirectory() as folder:
         files = []
         for name, data in objects.items():

@@ -6,14 +6,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from demlaws.core.shear import CHOICES, DEFAULT
+from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.slip import SAMPLES, one_spring_loop, slip_loop
 from demlaws.errors import DemlawsError
-from demlaws.law import Law
+from demlaws.law import Law, as_law
 from demlaws.units import number, real, unmasked, whole
-
-SLIP = "slip"
-"""Name of the choice with partial slip, beside those of `CHOICES`."""
 
 
 class Sheared(NamedTuple):
@@ -93,8 +90,7 @@ def sheared(
     array([0.546, 2.503, 4.341])
     """
     depth = np.atleast_1d(real(overlap, "overlap", "m", array=True))
-    if not isinstance(law, Law):
-        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
+    as_law(law)
     try:
         along = np.asarray(unmasked(displacement), float)
     except (TypeError, ValueError):

@@ -1,7 +1,7 @@
 """Whether a curve of first loading is one that engines can use: finite, rising, continuous, its derivative and inverse right.
 
-What is wrong is said once, with the overlap [m] and the value, before any engine sees it: of a user's own law when it is
-bound to a contact, of a function when it becomes a table. `demlaws.checks.law` measures the rest.
+One error names the fault, the overlap [m] and the value before any engine uses the law: for user-defined laws when they are
+bound to a contact, for a function when it becomes a table. `demlaws.checks.law` measures the rest.
 """
 
 import math
@@ -13,16 +13,15 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import energy, inverse, kernels_of, virgin
-from demlaws.core.loops import follow_loop
+from demlaws.core.loops import bind_params, first_loading, follow_loop, one_of
 from demlaws.core.numba_compat import loop
-from demlaws.core.params import bind_params, first_loading, one_of
 from demlaws.errors import DemlawsError
 
 LOWEST, HIGHEST = 1e-9, 0.1
-"""Overlaps over the radius that are looked at."""
+"""Range of the overlaps over the radius that are checked."""
 _POINTS = 240
 _DENSE = 200_000
-"""Overlaps at which the values alone are looked at: what is narrower than 1e-4 of its overlap may pass."""
+"""Overlaps at which only the values are checked: a feature narrower than 1e-4 of its overlap may pass."""
 _SEATED = 0.05
 """K δ/P at the lowest overlap below which a force does not go to 0 with the overlap."""
 _RETURN = 1e-3
@@ -33,7 +32,7 @@ DERIVATIVE = 1e-4
 INVERSE, ENERGY, EQUIVALENT = 1e-7, 1e-4, 1e-7
 _passed = Counter()  # law → contacts on which it was found sound
 _FULLY = 30
-"""Contacts on which a law is looked at in full in a process; then only for values that are not finite, negative or falling:
+"""Contacts on which a law is fully checked in a process; then only for values that are not finite, negative or falling:
 a fit binds it thousands of times."""
 _NEEDED = {"Shape": ("scale",), "Params": ("virgin", "inverse", "energy")}
 
@@ -195,7 +194,7 @@ def fault(params, radius: float, fully: bool = True) -> str | None:
 
 
 def refuse_unsound(definition, shape, contact, options) -> None:
-    """Raise DemlawsError where a law is no law on this contact: one fault, with its overlap and value."""
+    """Raise DemlawsError for an inadmissible law on this contact: one fault, with its overlap and value."""
     name = f"law {definition.name!r}"
     _refuse_unbound(name, "Shape", type(shape))
     try:
@@ -209,7 +208,7 @@ def refuse_unsound(definition, shape, contact, options) -> None:
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
             one, fully = one_of(params, index), _passed[definition.name] < _FULLY
             text = fault(one, radius, fully)
-            if text is None and fully and not definition.seated(**options):
+            if text is None and fully:
                 text = _fault_of_seat(one, LOWEST * radius)
             if text is not None:
                 given = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
@@ -223,12 +222,12 @@ def refuse_unsound(definition, shape, contact, options) -> None:
 
 
 def _fault_of_seat(params, overlap):
-    """A force that does not go to 0 with the overlap, though the law does not say so; or None."""
+    """A force that does not go to 0 with the overlap, or None."""
     (force,), (stiffness,) = values_of(params, np.array([overlap]))[:2]
     if force > 0.0 and stiffness * overlap < _SEATED * force:
         return (
             f"at overlap {overlap:.6g} m the force is {force:.6g} N and the stiffness {stiffness:.6g} N/m: the force must go "
-            "to 0 with the overlap (a law that starts from a seating load says so: Definition.seated)"
+            "to 0 with the overlap"
         )
     return None
 
@@ -263,7 +262,7 @@ def refuse_unsound_rule(name, rule, params, radius) -> None:
 
 
 def _fault_of_rule(rule, params, top, steps=400):
-    """What is wrong on a path from a virgin contact to the overlap `top`, half way back, up again, off, and up once more."""
+    """Fault on a path from a virgin contact to the overlap `top`, half unloading, reloading, separation and loading again."""
     rise = np.linspace(0.0, 1.0, steps + 1)[1:]
     back = np.linspace(1.0, 0.5, steps + 1)[1:]
     off = np.linspace(1.0, 0.0, 2 * steps + 1)[1:]
@@ -294,7 +293,7 @@ def _fault_of_rule(rule, params, top, steps=400):
     pieces = 0.5 * np.diff(path, prepend=0.0) * (force + np.concatenate([[0.0], force[:-1]]))
     work = np.cumsum(pieces)[:parted]
     held = float(work[steps - 1])
-    for begin, end, what in ((steps, 3 * steps + 1, "half way back and up again"), (0, parted - 1, "up and back to 0")):
+    for begin, end, what in ((steps, 3 * steps + 1, "half unloaded and reloaded"), (0, parted - 1, "up and back to 0")):
         gained = float(work[end] - (work[begin] if begin else 0.0))
         if gained < -_RETURN * held:
             return f"loaded to overlap {top:.6g} m and {what}, it returns {-gained:.6g} J more than it took ({held:.6g} J)"
@@ -303,7 +302,7 @@ def _fault_of_rule(rule, params, top, steps=400):
     if np.any(wrong):
         k = int(np.argmax(wrong))
         return (
-            f"at overlap {path[k]:.6g} m (point {k} of its path) it says {stored[k]:.6g} J stored and {lost[k]:.6g} J "
+            f"at overlap {path[k]:.6g} m (point {k} of its path) the rule gives {stored[k]:.6g} J stored and {lost[k]:.6g} J "
             f"dissipated, ∫P dδ is {work[k]:.6g} J"
         )
     return None
@@ -317,21 +316,18 @@ def _refuse_unbound(name, kind, cls):
         )
 
 
-_TELLING = (
-    "Unknown attribute",
-    "Untyped global",
-    "NameError",
-    "No implementation of function Function(<built-in",
-    "Cannot unify",
-)
+_TELLING = ("Unknown attribute", "Untyped global", "NameError", "No implementation of function", "Cannot unify")
 
 
 def _first_line(error):
-    """Of numba's pages the line that says what is wrong, without its colours."""
+    """The line of numba's message that states the fault, without colours."""
     text = re.sub(r"\x1b\[\d*m", "", str(error))
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     telling = [line for line in lines if line.startswith(_TELLING)]
-    return (telling or lines or [type(error).__name__])[0][:200]
+    text = (telling[-1:] or lines or [type(error).__name__])[0][:200]
+    if helper := re.match(r"Untyped global name '(\w+)': .*<class 'function'>", text):
+        return f"{helper[1]} is a plain Python function: put @numba.njit before it"
+    return text
 
 
 def refuse_unless_collapses(law, contact) -> None:
@@ -339,7 +335,7 @@ def refuse_unless_collapses(law, contact) -> None:
     definition = law.definition
     if contact.size is not None:
         return
-    rough = definition.length == "roughness" and contact.roughness > 0.0
+    rough = definition.length == "roughness" and not contact.is_smooth
     length = contact.roughness if rough else contact.radius
     u = np.geomspace(1e-6, 0.05 * contact.radius / length, 60)
 

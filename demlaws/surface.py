@@ -5,7 +5,10 @@ surface = heights.surface()                       # a demlaws.Surface: Sq and fr
 """
 
 import math
+import os
 import re
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +22,7 @@ __all__ = ["UNITS", "HeightMap", "box_correction", "length", "read", "self_affin
 _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
 
 
-def read(path, pixel=None, unit="m"):
+def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightMap:
     """Read a height map.
 
     .npy, .csv, .txt, .tsv, .asc: heights in `unit`, pixel size `pixel` (a number in m, "0.8um", or a pair for x and y); ESRI
@@ -27,6 +30,13 @@ def read(path, pixel=None, unit="m"):
     be split by commas, semicolons, tabs or blanks; an empty cell, NaN, ***, Bad … is a missing pixel.
     Any other suffix is an instrument's file and goes through SurfaceTopography (pip install "demlaws[surfaces]").
     Raises DemlawsError that names the file and, in text, the line.
+
+    >>> import tempfile, pathlib
+    >>> heights = dl.surface.self_affine(64, pixel=1e-6, hurst=0.8, roughness=2e-6, seed=1)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     same = dl.surface.read(dl.surface.write(pathlib.Path(folder, "map.asc"), heights))
+    >>> same.shape, round(same.sq * 1e6, 6)
+    ((64, 64), 2.0)
     """
     path = as_path(path)
     if not path.is_file():
@@ -98,7 +108,7 @@ def _read_text(path):
     for name, written, held in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
         if written in esri and units.real(esri[written], f"{path}: {written}") != held:
             raise DemlawsError(
-                f"{path}: its header says {esri[written]} {name}, but there are {held}, one row a line: is it cut short?"
+                f"{path}: its header states {esri[written]} {name}, but there are {held}, one row per line: is it truncated?"
             )
     if "nodata_value" in esri:
         heights[heights == float(units.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan
@@ -168,7 +178,7 @@ def _read_instrument(path, pixels):
     return HeightMap(heights, *pixels)
 
 
-def write(path, heights):
+def write(path: str | os.PathLike, heights: HeightMap) -> Path:
     """Write a map, heights in m: .npy, .csv, or .asc (an ESRI grid, which holds the pixel size)."""
     import io
 
@@ -182,15 +192,15 @@ def write(path, heights):
         return write_atomically(path, buffer.getvalue())
     if suffix not in (".csv", ".asc"):
         raise DemlawsError(f"cannot write {path}: the suffixes are .npy, .csv and .asc")
-    buffer = io.StringIO()
+    text = io.StringIO()
     values = heights.heights
     if suffix == ".asc":
         rows, columns = heights.shape
-        buffer.write(f"ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\n")
-        square = math.isclose(heights.pixel_x, heights.pixel_y, rel_tol=1e-12)
+        text.write(f"ncols {columns}\nnrows {rows}\nxllcorner 0\nyllcorner 0\n")
+        square = math.isclose(heights.pixel_x, heights.pixel_x if heights.pixel_y is None else heights.pixel_y, rel_tol=1e-12)
         # GDAL's keywords where pixels are not square
-        buffer.write(f"cellsize {heights.pixel_x!r}\n" if square else f"dx {heights.pixel_x!r}\ndy {heights.pixel_y!r}\n")
-        buffer.write("NODATA_value -9999\n")
+        text.write(f"cellsize {heights.pixel_x!r}\n" if square else f"dx {heights.pixel_x!r}\ndy {heights.pixel_y!r}\n")
+        text.write("NODATA_value -9999\n")
         values = np.where(np.isnan(values), -9999.0, values)
-    np.savetxt(buffer, values, fmt="%.9g", delimiter="," if suffix == ".csv" else " ")
-    return write_atomically(path, buffer.getvalue())
+    np.savetxt(text, values, fmt="%.9g", delimiter="," if suffix == ".csv" else " ")
+    return write_atomically(path, text.getvalue())

@@ -25,9 +25,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Material
-from demlaws.core.params import first_loading
+from demlaws.core.loops import first_loading
 from demlaws.errors import DemlawsError
-from demlaws.law import Law
+from demlaws.law import Law, as_law
 from demlaws.units import number
 
 STEP_SAFETY = 0.8
@@ -39,7 +39,7 @@ unloading curve of another law): an oscillation about such a kink is in resonanc
 and slower as the step falls but do not end. Where unloading is stiffer than loading, energy is lost, and no window was found
 (docs/plastic-laws.md)."""
 COORDINATION = 6.0
-"""Mean number of contacts per grain where none is given."""
+"""Default mean number of contacts per grain."""
 
 
 def _mass(value, name):
@@ -121,15 +121,39 @@ def timestep(
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
 ) -> float:
-    """Safe step [s] for velocity Verlet with contacts of this law up to `max_force` [N]; mass [kg]: the lighter body's.
+    """Stable time step of velocity Verlet with contacts of a law.
 
-    0.8 of the limit (`STEP_SAFETY`; where the tangent falls on the way to max_force and nothing is lost, 0.56,
-    `SOFTENING_SAFETY`), with the stiffest tangent of loading and of unloading. Without other_mass the limit is `packing_limit`,
-    because most grains have several contacts, and a step for one of them is unstable in a packing. With other_mass it is
-    `pair_limit`: two free bodies, or (inf) one body on a fixed wall, and nothing else. shear_ratio: K_t/K, 0 without friction;
-    coordination and size_ratio as in `packing_limit`. Give the law of the contact that has the largest stiffness over mass,
-    as a rule that of the smallest grain with a large one.
+    Parameters
+    ----------
+    law : Law
+        Law of the contact with the largest stiffness over mass, usually of the smallest grain with a large one.
+    mass : float
+        Mass of the lighter body [kg].
+    max_force : float
+        Largest contact force [N].
+    other_mass : float, optional
+        Mass of the other body of an isolated pair [kg]; inf for a fixed wall. Default: a packing, whose grains have several
+        contacts.
+    coordination : float
+        Mean number of contacts per grain, of a packing.
+    shear_ratio : float
+        K_t/K; 0 without friction.
+    size_ratio : float
+        As in `packing_limit`.
 
+    Returns
+    -------
+    float
+        Step [s]: 0.8 (`STEP_SAFETY`) of the limit with the stiffest tangent of loading and unloading, or 0.56
+        (`SOFTENING_SAFETY`) if a lossless curve becomes softer on the way to `max_force`.
+
+    Raises
+    ------
+    DemlawsError
+        For values that are not positive, or a force out of the range of the law.
+
+    Examples
+    --------
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
     >>> print(f"{dl.timestep(law, mass=0.01, max_force=100.0):.3g} s in a packing")
     8.18e-06 s in a packing
@@ -150,8 +174,7 @@ def timestep(
 def stiffest(law: Law, max_force: float) -> float:
     """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
     force = number(max_force, "max_force", "N")
-    if not isinstance(law, Law):
-        raise DemlawsError(f"law must be a demlaws law or table (dl.law, dl.Table.load), got {law!r:.60}")
+    as_law(law)
     law.single_params()
     end = float(law.overlap(force))
     overlap = np.concatenate([end * np.geomspace(1e-9, 1.0, 400), [end], *_beside_kinks(law, end)])

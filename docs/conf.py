@@ -1,4 +1,4 @@
-"""The site: `make docs`. What is made from the package is written to docs/made first (making/pages.py)."""
+"""The site: `make docs`. Generated pages are written to docs/made first (making/pages.py)."""
 
 import datetime
 import platform
@@ -25,7 +25,7 @@ html_show_sphinx = False
 html_static_path = ["making/static"]
 html_css_files = ["site.css"]
 html_theme_options = {"footer_icons": []}
-exclude_patterns = ["making", "README.md", "paper.md", "results/*"]
+exclude_patterns = ["making", "gallery", "README.md", "paper.md", "results/*"]
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence"]
 suppress_warnings = ["misc.highlighting_failure", "myst.header"]
@@ -41,18 +41,20 @@ BUILT = f"{datetime.date.today().isoformat()}, demlaws {version}, Python {platfo
 
 
 def source_read(app, name, source):
-    """Lists of pages that are known when the site is built, and links to files that the site shows elsewhere."""
+    """Insert lists of pages and rewrite links to files that are elsewhere on the site."""
     text = source[0]
     for key, listed in LISTS.items():
-        text = text.replace(f"{{{{{key}}}}}", "\n".join(f"/{page}" for page in listed))
+        text = text.replace(f"{{{{{key}}}}}", "\n".join(listed if key == "SYMBOLS" else (f"/{page}" for page in listed)))
     text = text.replace("{{BUILT}}", BUILT)
     if not name.startswith("made/"):
         text = pages.relinked(text, f"docs/{name}.md", f"{name}.md")
+    if name.startswith("tutorials/") and name != "tutorials/index":
+        text += f"\n\nDownload: {{download}}`this page as a notebook <../made/notebooks/{name.partition('/')[2]}.ipynb>`.\n"
     source[0] = text
 
 
 def outdated(app, env, added, changed, removed):
-    """Pages that list others are read anew: what they list may have come since."""
+    """Index pages are always read again, since new pages may exist."""
     return [name for name in env.found_docs if name == "index" or name.endswith("/index")]
 
 

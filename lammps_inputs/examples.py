@@ -4,7 +4,7 @@
 
 FOLDER holds files of LAMMPS's sources, which are not part of demlaws: from examples/granular in.chute, in.pour.drum,
 in.pour.flatwall, in.triaxial.compaction.12 with spheres12.data; from unittest/granular/tests dem02-hertzmaterial-*.yaml and
-dem03-hertzmaterial-*.yaml. What is there is run twice: with its normal models as hertz/material, and as a table of Hertz's
+dem03-hertzmaterial-*.yaml. Each one is run twice: with its normal models as hertz/material, and as a table of Hertz's
 law; kinetic energies must agree as long as rounding has not grown. Rolling and twisting models keep a history whose sign
 stock LAMMPS turns whenever a pair changes its order; demlaws does not, so an example with such models is run as it is, and
 once more without them, and only that is judged. Grains that overlap by more than their effective radius, as soft ones

@@ -3,8 +3,8 @@
 python tutorials.py [FOLDER] [--steps 2000] [--only chute_wear packing] [--out out]
 
 FOLDER: the tutorials (default: those of Debian's package liggghts-doc, or of one unpacked with `dpkg -x liggghts-doc*.deb F`:
-F). Inputs are copied and changed in these places only: the model, hooke or hertz, of pair_style and walls; no dumps, whose
-thousands of files nobody looks at here; with --steps N no run is longer than N steps.
+F). Inputs are copied and changed in these places only: the model, hooke or hertz, of pair_style and walls; no dumps, which are
+thousands of files; with --steps N no run is longer than N steps.
 Three ways: LIGGGHTS's hertz; Hertz as a table, which must be the same; and a rough law with a history (Pohrt-Popov, Hertz
 unloading, σ = 10 µm).
 """
@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 import demlaws as dl
+from demlaws.convert import convert
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import build, run
 
@@ -64,17 +65,18 @@ def tables(text, folder):
 
 
 def changed(text, way, longest=None):
-    """The input with another contact model, without dumps."""
-    model, table = ("hertz", None) if way == "stock hertz" else ("demlaws/table", f"{way.split()[0]}.tbl")
+    """The input with another contact model, without dumps. Shear is stock's, so that Hertz as a table is stock hertz."""
+    if way == "stock hertz":
+        text = re.sub(r"\bmodel\s+hooke\b", "model hertz", text)
+    else:
+        table = f"{way.split()[0]}.tbl"
+        text = convert(text, "liggghts", table).text.replace("tangential demlaws", "tangential history")
+        text = text.replace(f"table {table}", f"table {table} extrapolation on")
     lines = []
     for line in text.replace("&\r\n", "&\n").splitlines():
         code = line.split("#")[0].rstrip()
         if code.startswith("dump"):
             continue
-        if re.search(r"\bmodel\s+(hertz|hooke)\b", code):
-            code = re.sub(r"\bmodel\s+(hertz|hooke)\b", f"model {model}", code)
-            if table and code.startswith("pair_style"):
-                code += f" table {table} extrapolation on"
         if longest and code.split()[:1] == ["run"]:
             code = f"run {_shortened(lines, code.split(), longest)}"
         lines.append(code)

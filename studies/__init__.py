@@ -1,1 +1,1 @@
-"""Studies: what was measured once with demlaws, and is no part of the package. See README.md."""
+"""Measurements with demlaws that are not part of the package. See README.md."""

@@ -1,7 +1,6 @@
 """Example contacts and laws. Tests iterate over the registry: a law is tested by existing."""
 
 import functools
-import inspect
 import itertools
 import warnings
 from typing import NamedTuple
@@ -29,8 +28,6 @@ def options_of(name, contact=GRANITE):
     strengths = {"strength": 0.265 * contact.hardness, "yield_strength": 0.265 / 1.6 * contact.hardness}
     strengths["loading_stiffness"] = 0.02134 * contact.modulus * contact.radius
     options |= {name: value for name, value in strengths.items() if name in options and contact is not GRANITE}
-    if contact is SOFT and "seating_load" in inspect.signature(registry()[name].prepare).parameters:
-        options["seating_load"] = 1e-7
     return options
 
 

@@ -4,8 +4,7 @@ import math
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import cbrt, kernel, power, sqrt
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.fastmath import cbrt, hertz_coefficient, kernel, power, sqrt
 from demlaws.curves.closed import ClosedForm
 from demlaws.law import Law
 from demlaws.laws.definition import Definition

@@ -4,6 +4,7 @@
     python tests/mutations.py                           # all mutations: some twenty minutes on one core
     python tests/mutations.py --only rms --only E*      # those whose names contain one of these texts
     python tests/mutations.py --jobs 2 --out mutations.txt
+    python tests/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?
     python tests/mutations.py --list                    # the mutations, after a check that each matches its source
 
 mutations.txt lists them. Most are 2 % of a coefficient, an exponent or a factor; the last group changes logic. Each names a
@@ -190,6 +191,7 @@ def run(mutations, jobs, write):
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--only", action="append", metavar="TEXT", help="mutations whose name contains TEXT; may be repeated")
+    parser.add_argument("--tests", metavar="ARGUMENTS", help="test files and options of pytest in place of each mutation's own")
     parser.add_argument("--jobs", type=int, default=1, help="mutations tried at the same time (default: 1)")
     parser.add_argument("--out", metavar="FILE", help="also write the table to FILE")
     parser.add_argument("--list", action="store_true", help="list the mutations and check that each can be made")
@@ -199,6 +201,8 @@ def main(arguments=None):
         for m in read_mutations(Path(__file__).with_suffix(".txt"))
         if not options.only or any(text in m.name for text in options.only)
     ]
+    if options.tests:
+        chosen = [mutation._replace(tests=options.tests) for mutation in chosen]
     problems = [problem for problem in map(problem_of, chosen) if problem]
     if problems or not chosen:
         print("\n".join(problems) or "no mutation has such a name", file=sys.stderr)

@@ -15,7 +15,7 @@ SPRING = """
     import demlaws as dl
     from demlaws.core.dispatch import bind, energy, parts, virgin
     from demlaws.core.fastmath import kernel, sqrt
-    from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+    from demlaws.core.fastmath import hertz_coefficient, hertz_overlap
     from demlaws.core.unloading import Rule, own_rule
     from demlaws.laws.definition import Definition, Drawing, Option
 

@@ -3,7 +3,7 @@
 A number is marked by a comment behind it, which no reader sees:
 
     is 57.5 N<!-- check: granite.threshold 0.05 --> by the paper's own equations
-    1.3–4.1 µm<!-- check: granite.seating 0.05 --> a decade
+    1.2–4.1 µm<!-- check: granite.seating 0.05 --> per decade
 
 The name stands for one value or for several, in which case the mark speaks of as many numbers before it; the tolerance is
 absolute, or with % relative to the number stated. `python tests/readme_check.py --list` prints names, values and commands.
@@ -51,18 +51,18 @@ def _threshold():
 
 
 def _seating():
-    """Shift [µm] of the absolute overlap a decade of the seating load, smallest and largest of the rough tests and laws."""
+    """Shift [µm] of the absolute overlap per decade of the seating load, smallest and largest of the rough tests and laws."""
     from demlaws import granite, laws
     from demlaws.laws.registry import registry
     from demlaws.make import law
 
     shifts = []
     for name in laws():
-        if not registry()[name].seated() or registry()[name].needs_map:
+        if "seating_share" not in registry()[name].options:
             continue
         for test in granite.ROUGH_SPHERES:
             contact = granite.find_test(test).contact
-            overlaps = [float(law(name, contact, seating_load=load).overlap(10.0)) for load in (0.002, 0.02, 0.2)]
+            overlaps = [float(law(name, contact, seating_share=s).overlap(10.0)) for s in (0.00025, 0.0025, 0.025)]
             shifts += [1e6 * (first - second) for first, second in itertools.pairwise(overlaps)]
     return min(shifts), max(shifts)
 
@@ -118,7 +118,7 @@ def checks():
     """Name → `Check`."""
     found = {
         "granite.threshold": Check(_threshold, "demlaws granite --figures 5"),
-        "granite.seating": Check(_seating, "demlaws curve --law yip-venart --option seating_load=0.002"),
+        "granite.seating": Check(_seating, "demlaws curve --law yip-venart --option seating_share=0.00025"),
         "granite.plastic-slopes": Check(_plastic_slopes, "demlaws granite --test RFC10"),
         "regime.solved": Check(lambda: _regime("solved"), "python -m studies.jamari"),
         "regime.fitted": Check(lambda: _regime("fitted"), "python -m studies.jamari"),

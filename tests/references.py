@@ -464,6 +464,13 @@ class KogutEtsion(Reference):
         residual = mpf(maximum) - 3 * force / (4 * self.modulus * a)
         return Hertz(4 * self.modulus * a**3 / (3 * force), self.modulus).force(max(mpf(0), mpf(overlap) - residual))
 
+    def unloading_of_finite_elements(self, maximum, overlap):
+        """δ_res/δmax = 1.02 (1 - ((ω + 5.9)/6.9)^-0.54) for 1 ≤ ω ≤ 145, R_p = (3F/(4 E*))²/(δmax - δ_res)³."""
+        w = min(max(mpf(maximum) / self.critical, mpf(1)), mpf(145))
+        residual = mpf(maximum) * mpf("1.02") * (1 - ((w + mpf("5.9")) / mpf("6.9")) ** mpf("-0.54"))
+        radius = (3 * self.force(maximum) / (4 * self.modulus)) ** 2 / (mpf(maximum) - residual) ** 3
+        return Hertz(radius, self.modulus).force(max(mpf(0), mpf(overlap) - residual))
+
 
 class JacksonGreen(KogutEtsion):
     """P/P_c = exp(-ω^(5/12)/4) ω^1.5 + (4 H_G/(C S_y)) (1 - exp(-ω^(5/9)/25)) ω, where that is less than Hertz's ω^1.5."""

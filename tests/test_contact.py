@@ -40,7 +40,7 @@ def test_flat_and_array_of_radii():
     np.testing.assert_allclose(many.radius, [2 / 3e3, 1e-3, 4 / 3e3])
 
 
-@given(st.floats(1e-6, 10), st.floats(1e-6, 10), st.floats(0, 1e-7), st.floats(0, 1e-7))
+@given(st.floats(1e-5, 1), st.floats(1e-5, 1), st.floats(0, 1e-7), st.floats(0, 1e-7))
 def test_between_is_symmetric(radius1, radius2, roughness1, roughness2):
     other = dl.Material(young=200e9, poisson=0.3, hardness=2e9)
     a = dl.Contact.between(GRANITE, other, radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
@@ -64,6 +64,13 @@ def test_surface_combined():
         (lambda: dl.Material(young=-1e9, poisson=0.2), "young"),
         (lambda: dl.Material(young="hard", poisson=0.2), "young"),
         (lambda: dl.Material(young=1e9, poisson=0.6), "poisson"),
+        # GPa for Pa, g/cm³ for kg/m³, mm for m
+        (lambda: dl.Material(60.6, 0.25), "young = 60.6 Pa"),
+        (lambda: dl.Material(60.6e9, 0.25, density=2.65), "density = 2.65 kg/m³"),
+        (lambda: dl.Contact(radius=4e-3, modulus=32.32), "modulus = 32.32 Pa"),
+        (lambda: dl.Contact(radius=[4e-3, 5e-3], modulus=32e9, roughness=3.4e-3), "roughness = 0.0034 m is 0.85"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=8.76, radius2=8.63e-3), "radius1 = 8.76 m"),
+        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=8.76e-3, radius2=np.array([8.63e-3, 8.63])), "radius2 = 8.63 m"),
         (lambda: dl.Material(young=1e9, poisson=0.2, hardness=0), "hardness"),
         (lambda: dl.Surface(roughness=-1e-6), "roughness"),
         (lambda: dl.Surface(1e-6, fractal_dimension=1.9), "fractal_dimension"),
@@ -102,6 +109,39 @@ def test_contacts_are_compared_entry_by_entry():
     assert many != many.with_values(radius=1e-3) and many != 3
     one = dl.Contact(radius=1e-3, modulus=1e9)
     assert hash(one) == hash(dl.Contact(radius="1mm", modulus=1e9)) and one == dl.Contact(radius="1mm", modulus=1e9)
+
+
+def test_an_error_of_combined_values_names_those_of_the_bodies():
+    with pytest.raises(dl.DemlawsError, match=r"roughness = 0\.0033.* of radius1 = 0\.01 m, .*roughness1 = 0\.0024 m"):
+        dl.Contact.between(GRANITE, GRANITE, radius1=0.01, radius2=0.01, roughness1=2.4e-3, roughness2=2.4e-3)
+
+
+def test_unlikely_values_warn_at_the_line_of_the_caller():
+    with pytest.warns(dl.ValidityWarning) as seen:
+        dl.Contact(radius=5e-3, modulus=32e9, roughness=[2e-6, 7e-4])
+        dl.Contact(radius=8.76, modulus=32e9)
+    assert ["roughness = 0.0007 m" in str(one.message) for one in seen] == [True, False]
+    assert {one.filename for one in seen} == {__file__}
+    with pytest.warns(dl.ValidityWarning):
+        boulder = dl.Contact.between(GRANITE, GRANITE, radius1="8.76m")
+    assert boulder.radius == 8.76
+
+
+@pytest.mark.parametrize(
+    ("make", "similar"),
+    [
+        (lambda: dl.Surface(roughnes=1e-6), "roughness"),
+        (lambda: dl.Material(60e9, poison=0.2), "poisson"),
+        (lambda: dl.Contact(1e-3, modulos=1e9), "modulus"),
+        (lambda: dl.Contact(1e-3, 1e9).with_values(radios=1e-3), "radius"),
+        (lambda: dl.law("herz", dl.Contact(1e-3, 1e9)), "hertz"),
+        (lambda: dl.law("hertz", dl.Contact(1e-3, 1e9), "elastc"), "elastic"),
+        (lambda: dl.law("goddard", dl.Contact(1e-3, 1e9), slop=0.1), "slope"),
+    ],
+)
+def test_an_unknown_word_is_answered_with_the_most_similar(make, similar):
+    with pytest.raises(dl.DemlawsError, match=f"did you mean '{similar}'"):
+        make()
 
 
 def test_a_contact_is_not_changed():

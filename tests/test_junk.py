@@ -33,6 +33,8 @@ GOOD = {
     "bound": LAW,
     "overlap": np.array([1e-6, 2e-6]),
     "force": 1.0,
+    "smallest": 1.0,
+    "largest": 10.0,
     "state": LAW.new_state(2),
     "out": (np.empty(2), np.empty(2)),
     "parallel": False,

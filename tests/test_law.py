@@ -306,7 +306,7 @@ def test_nan_in_one_contact_is_reported_and_harms_no_other(name, unloading):
     good = np.array([True, True, False, True])
     before = np.array([2e-6, 3e-6, 4e-6, 5e-6])
     law.evaluate(before, state)
-    overlap = 0.95 * before
+    overlap = 0.99 * before
     overlap[2] = math.nan
     kept = [array.copy() for array in state.arrays] if law.state_size else []
     out = np.empty(4), np.empty(4)
@@ -516,7 +516,7 @@ def in_place(law, out):
     [
         (lambda law: law.force(math.nan), "overlap contains nan m: give finite values"),
         (lambda law: law.force([1e-6, math.inf]), "overlap contains inf m"),
-        (lambda law: law.force("deep"), "overlap must be a number or an array in m"),
+        (lambda law: law.force("deep"), "overlap must be a number in m"),
         (lambda law: law.overlap(math.nan), "force contains nan N"),
         (lambda law: law.energy(math.nan), "overlap contains nan m"),
         (lambda law: law.evaluate(1e-6), "1-D float64 or float32 array"),
@@ -561,9 +561,9 @@ def test_bad_calls(call, text):
 
 
 def test_bad_laws():
-    with pytest.raises(dl.DemlawsError, match="unknown law 'herz': the laws are hertz, rms"):
+    with pytest.raises(dl.DemlawsError, match=r"unknown law 'herz', did you mean 'hertz'\? The laws are hertz, rms"):
         dl.law("herz", GRANITE)
-    with pytest.raises(dl.DemlawsError, match="unknown unloading rule 'plastic': the rules are elastic, hertz, thornton"):
+    with pytest.raises(dl.DemlawsError, match=r"unknown unloading rule 'plastic'.* The rules are elastic, hertz, thornton"):
         dl.law("hertz", GRANITE, unloading="plastic")
     with pytest.raises(dl.DemlawsError, match="'hertz': got an unexpected keyword argument 'slope'"):
         dl.law("hertz", GRANITE, slope=0.1)

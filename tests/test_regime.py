@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from examples import GRANITE
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,9 +12,10 @@ from studies.jamari import published
 
 TESTS = published.published_tests()
 
+pytestmark = pytest.mark.filterwarnings("ignore:roughness = :demlaws.errors.ValidityWarning")
 contacts = st.builds(
     dl.Contact,
-    radius=st.floats(1e-6, 1.0),
+    radius=st.floats(1e-5, 1.0),
     modulus=st.floats(1e6, 1e12),
     roughness=st.floats(1e-12, 1e-7),
     hardness=st.floats(1e6, 1e11),
@@ -77,8 +79,8 @@ def test_the_answer_changes_at_the_transition(contact):
     load = regime.transition_load(contact)
     assert regime.pressure_ratio(contact, load) == pytest.approx(0.6, rel=1e-12)
     # on a nearly smooth contact the ratio says little about the roughness, so the ratio is what must agree
-    rough = contact.with_values(roughness=min(regime.transition_roughness(contact, 1.5 * load), contact.radius))
-    if rough.roughness < contact.radius:
+    rough = contact.with_values(roughness=min(regime.transition_roughness(contact, 1.5 * load), 0.5 * contact.radius))
+    if rough.roughness < 0.5 * contact.radius:
         assert regime.pressure_ratio(rough, 1.5 * load) == pytest.approx(0.6, rel=1e-9)
     assert regime.pressure_ratio(contact, load * 1.01) > 0.6 > regime.pressure_ratio(contact, load * 0.99)
 
@@ -86,7 +88,7 @@ def test_the_answer_changes_at_the_transition(contact):
 def test_with_mu_laws_are_judged_by_the_solution():
     contact, mu = TESTS[1].contact, TESTS[1].mu
     reasons = [advice.reason for advice in regime.advise(contact, TESTS[1].load, mu=mu)]
-    assert "p(0)/H_m = 0.58" in reasons  # by the fit 0.63: the bulk yields
+    assert any(reason.startswith("p(0)/H_m = 0.58; if") for reason in reasons)  # by the fit 0.63: the bulk yields
 
 
 @pytest.mark.slow
@@ -136,6 +138,10 @@ def test_advice_follows_the_regime():
     assert advice["rough-plastic"].fits and not advice["asperity"].fits
     assert "bulk yields" in advice["yip-venart"].reason
     bare = dl.Contact(radius=1e-3, modulus=1e9, roughness=1e-7)
+    # rough granite: Hertz's and the fitted law are far off at small loads, choose finds 780 %
+    advice = {a.law: a for a in regime.advise(GRANITE, 50.0)}
+    assert advice["pohrt-popov"].fits and not advice["hertz"].fits and not advice["rms"].fits
+    assert advice["bahrami"].fits and advice["bahrami"].reason != advice["pohrt-popov"].reason
     assert "no hardness" in {a.law: a for a in regime.advise(bare, 1.0)}["goddard"].reason
 
 

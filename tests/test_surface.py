@@ -208,8 +208,8 @@ def test_masked_heights_are_missing():
     ("a.csv", b"1,2\n3,4\n", "at least 4 by 4"),
     ("a.csv", b",,,,,\n" * 5, "every pixel"),
     ("a.npy", b"nonsense", "not a numpy array"),
-    ("a.asc", b"ncols 4\nnrows 6\ncellsize 1e-6\n" + b"1 2 3 4\n" * 5, "says 6 rows, but there are 5"),
-    ("a.asc", b"ncols 8\nnrows 4\ncellsize 1e-6\n" + b"1 2 3 4\n" * 8, "says 8 columns, but there are 4"),
+    ("a.asc", b"ncols 4\nnrows 6\ncellsize 1e-6\n" + b"1 2 3 4\n" * 5, "states 6 rows, but there are 5"),
+    ("a.asc", b"ncols 8\nnrows 4\ncellsize 1e-6\n" + b"1 2 3 4\n" * 8, "states 8 columns, but there are 4"),
     ("a.txt", "# Value units: Å\n".encode() + b"1 2 3 4\n" * 4, "line 1: heights in 'Å'; export them"),
 ])  # fmt: skip
 def test_bad_files_are_named(tmp_path, name, content, words):
@@ -223,7 +223,7 @@ def test_bad_arguments_are_named(tmp_path):
     for call, words in (
         (lambda: surface.read(tmp_path / "none.npy"), "no such height map"),
         (lambda: surface.read(path), "pixel size"),
-        (lambda: surface.read(path, pixel="1 inch"), "number in m, or with one of the units"),
+        (lambda: surface.read(path, pixel="1 league"), "number in m, or with one of the units"),
         (lambda: surface.read(path, pixel="-1um"), "positive"),
         (lambda: surface.read(path, pixel=1e-6, unit="feet"), "units of height"),
         (lambda: surface.read(path, pixel=1e-6).without_form(20), "form order"),

@@ -295,7 +295,7 @@ def one_law(grains, pressures, name, unloading, options, quick):
         )
     totals = box.law.totals()
     print(
-        f"  {box.steps} steps, {1e3 * box.seconds / box.steps:.3f} ms of processor time a step; stored {totals.stored:.3g} J, "
+        f"  {box.steps} steps, {1e3 * box.seconds / box.steps:.3f} ms of CPU time per step; stored {totals.stored:.3g} J, "
         f"dissipated by plasticity {totals.dissipated:.3g} J"
     )
     return rows, box.seconds / box.steps
@@ -322,7 +322,7 @@ def main():
         onwards, backwards, loading = (np.array([row[n] for row in rows]) for n in (1, 2, 4))
         number = np.array([row[5] for row in rows])
         exponents = [exponent(pressures, k) for k in (onwards, backwards, loading)]
-        # a contact bears ~ p/N and contributes ~ B/N: what is left when the growing number N of contacts is taken out
+        # a contact bears ~ p/N and contributes ~ B/N: the exponent without the effect of the growing number N of contacts
         exponents.append(exponent(np.array(pressures) / number, onwards / number))
         table.append((f"{name}, {unloading}", *exponents, seconds))
         title = f"{name}, {unloading}: {table[-1][1]:.2f}, {table[-1][2]:.2f}, {table[-1][3]:.2f}"

@@ -6,7 +6,7 @@ same functor alternates between our code and its own every two steps, of which t
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
 Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--laws LAW ...]
     [--every] [--out FOLDER]
-Takes: about 2 min a size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: 15 min a size, quick: 8,
+Takes: about 2 min per size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: 15 min per size, quick: 8,
 with 6 GB at 60000, besides some eight minutes for compiling them once). Saves cost.png.
 """
 
@@ -143,7 +143,7 @@ def spread(ratios):
 
 
 def measure_bridge(side, rounds, steps, wanted):
-    """Name → (ns a contact; ratio to the functor's native code: median, least, most of the rounds; µs of the guard)."""
+    """Name → (ns per contact; ratio to the functor's native code: median, least, most of the rounds; µs of the guard)."""
     made, contacts = {}, 0
     for n, name in enumerate(wanted):
         try:
@@ -154,7 +154,7 @@ def measure_bridge(side, rounds, steps, wanted):
             print(f"REFUSED {name}: {str(error).splitlines()[0]}")
             continue
         guard = next(e for e in O._currEngines if isinstance(e, yade.PyRunner) and e.label != "ticker")
-        O.run(5, True)  # the guard looks at every contact at the second step
+        O.run(5, True)  # the guard checks every contact at the second step
         watched = 300 if O.interactions.countReal() < 30000 else 60
         law.binding.guards = 20 if watched == 300 else 110  # and then now and then; not within 60 steps
         guard.execTime = 0
@@ -245,7 +245,7 @@ def measure(arguments, size):
 def tell(arguments, results):
     """A table of every model at one size."""
     contacts = results[arguments.threads[0]]["contacts"]
-    print(f"interaction loop, {contacts} contacts; ratio to native Hertz-Mindlin (median, range of rounds), ns a contact")
+    print(f"interaction loop, {contacts} contacts; ratio to native Hertz-Mindlin (median, range of rounds), ns per contact")
     head = "".join(f"{f'{n} thread(s)':>30}" for n in arguments.threads)
     print(f"{'':44}{head}{'guard':>14}")
     names = list(results[arguments.threads[0]]["times"])

@@ -28,9 +28,10 @@ VISCOUS = "law, Ip2, material"
 class Example:
     """One of YADE's examples.
 
-    path: in the folder of examples; changed: what a run by Mindlin needs beside the example's text (nothing where it has
-    Mindlin already); steps: of the shortened run; share: of the steps that the script itself asks for; roughness: Sq [m];
-    after: commented-out or interactive parts of the example, run behind it; swaps: parts of the text in place of others.
+    path: in the folder of examples; changed: the changes that a run by Mindlin needs beside the example's text (nothing where
+    it has Mindlin already); steps: of the shortened run; share: of the steps that the script itself asks for;
+    roughness: Sq [m]; after: commented-out or interactive parts of the example, run behind it; swaps: parts of the text in
+    place of others.
     """
 
     def __init__(self, name, path, changed, steps, roughness, share=1.0, after="", swaps=(), batch=None):
@@ -50,7 +51,14 @@ assert len(rows) > 10 and isinstance(O.engines[-1], NewtonIntegrator), O.engines
 
 EXAMPLES = (
     Example("triax tutorial", "triax-tutorial/script-session1.py", MINDLIN, 3000, 1e-5, after=TRIAX),
-    Example("FEMxDEM RVE", "FEMxDEM/prepareRVE.py", MINDLIN, 12000, 1e-7),
+    Example(
+        "FEMxDEM RVE",
+        "FEMxDEM/prepareRVE.py",
+        f"{MINDLIN}; poisson .2 (.8 is k_s/k_n of the linear law there)",
+        12000,
+        1e-7,
+        swaps=[("poisson=.8", "poisson=.2")],
+    ),
     Example("periodic shear", "PeriodicBoundaries/periodic-simple-shear.py", MINDLIN, 16000, 1e-7),
     Example("periodic triax", "PeriodicBoundaries/periodic-triax.py", MINDLIN, 16000, 1e-7),
     Example("settings of hSize", "PeriodicBoundaries/periodic-triax-settingHsize.py", MINDLIN, 4000, 1e-7),
@@ -80,7 +88,14 @@ EXAMPLES = (
         1e-6,
         swaps=[('        DeformControl(label="DefControl")\n', "")],
     ),
-    Example("sand pile", "PeriodicBoundaries/periodicSandPile.py", MINDLIN, 3000, 1e-6),
+    Example(
+        "sand pile",
+        "PeriodicBoundaries/periodicSandPile.py",
+        f"{MINDLIN}; 10 times stiffer",
+        3000,
+        1e-6,
+        swaps=[("young=1e5", "young=1e6"), ("young=1e4", "young=1e5")],
+    ),
     Example("buoyancy, clumps", "clumps/apply-buoyancy-clumps.py", "nothing", 5000, 1e-5, share=0.02),
     Example("factory", "spheresFactory.py", "nothing", 2000, 1e-7),
     Example(
@@ -94,8 +109,8 @@ EXAMPLES = (
         1e-5,
         swaps=[("makeCDM = 1", "makeCDM = 0")],
     ),
-    Example("damping", "test/Damping_HM.py", "nothing", 2000, 1e-6),
-    Example("two Mindlin spheres", "test/mindlin.py", "nothing", 100, 1e-5),
+    Example("damping", "test/Damping_HM.py", "poisson .3 (.6)", 2000, 1e-6, swaps=[("poisson = 0.6", "poisson = 0.3")]),
+    Example("two Mindlin spheres", "test/mindlin.py", "poisson .3 (.6)", 100, 1e-5, swaps=[("poisson=0.6", "poisson=0.3")]),
     Example("yade-batch", "triax-tutorial/script-session1.py", MINDLIN, 1000, 1e-5, batch="triax-tutorial/triax-table"),
 )
 WAYS = ("Mindlin", "ours")
@@ -190,7 +205,7 @@ def nothing_to_see(yade):
 
 
 def shorten(omega, example):
-    """O.run takes a share of the steps that it is asked for, up to the example's number; one without end waits for O.wait or
+    """O.run takes a share of the steps of the run, up to the example's number; one without end waits for O.wait or
     the end of the script, which may define what the engines call only then."""
     cls = type(omega)
     run, pause = cls.run, cls.pause
@@ -291,7 +306,7 @@ def run_example(example, way, arguments, scratch):
     batch = None
     if example.batch:
         batch = str(folder / "table")
-        # the table's first column asks for a number of threads, which is what yade-batch is told here
+        # the table's first column is the number of threads, which yade-batch gets otherwise here
         rows = [line.split()[1:] for line in text_of(arguments.examples, example.batch).splitlines()]
         Path(batch).write_text("\n".join(" ".join(row) for row in rows[:3]) + "\n")
     line = command(Path(sys.argv[0]).resolve(), [] if batch else ["--one"], batch=batch)

@@ -1,4 +1,4 @@
-"""The cheapest law that a scene allows: what its loads never reach is left out, and each omission's error is stated.
+"""The cheapest law within a scene's tolerance; physics that its loads never reach is neglected, with the stated error.
 
 `choose` binds the richest law that a `Scene`'s quantities determine (the reference), strips it step by step, predicts each
 candidate's error over the scene's contacts and loads, and ranks those within the tolerance by the kept cost of an evaluation.
@@ -27,6 +27,7 @@ from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
+from demlaws.results import Tabular
 
 _TABLE_STEPS = (3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 1e-5)
 _MARGIN = 1.02  # between the points of the prediction an error may be a little larger
@@ -179,7 +180,7 @@ def table_name(path, scene, kinds):
     return path if len(scene.materials) == 1 else path.with_name(f"{path.stem}-{kinds[0]}-{kinds[1]}{path.suffix}")
 
 
-class Choices(list):
+class Choices(Tabular, list):
     """Choices, those that meet the tolerance first, the cheapest of them first."""
 
     def __init__(self, choices, scene, reference, ruled_out, notes):
@@ -194,11 +195,24 @@ class Choices(list):
         """The choice of lowest cost that keeps the tolerance; the list's first."""
         return self[0]
 
+    def columns(self) -> dict:
+        """Choice, errors, cost, time step and state of each, each a list."""
+        names = ("error", "mean_error", "ns", "step_factor", "state_bytes", "meets")
+        return {"choice": [c.describe() for c in self], **{name: [getattr(c, name) for c in self] for name in names}}
+
+    def title(self) -> str:
+        """The scene's quantity and tolerance."""
+        return f"{self.scene.quantity} within {self.scene.tolerance:g}"
+
+    __repr__ = Tabular.__str__
+
 
 def _determined(contact):
     """Laws that the contact's quantities determine and that choices are made of, the richest first."""
     known = [
-        d for d in registry().values() if (d.advice.rank or d.advice.candidate) and (d.advice.smooth or contact.roughness > 0.0)
+        d
+        for d in registry().values()
+        if (d.advice.rank or d.advice.candidate) and (d.advice.smooth or not np.all(contact.is_smooth))
     ]
     return sorted((d for d in known if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
 
@@ -209,14 +223,14 @@ def _smallest_load(scene):
 
 
 def _reaches(definition, scene, options):
-    """Options with which a law holds at the scene's smallest load, or None: one that declares overlap 0 at a seating load
-    is seated below it, where its curve goes so far."""
-    smallest = _smallest_load(scene)
-    if "seating_load" in definition.options and "seating_load" not in options:
-        default = inspect.signature(definition.prepare).parameters["seating_load"].default
-        if smallest < default:
-            options = {**options, "seating_load": float(f"{0.5 * smallest:.1g}")}
+    """Options with which a law holds at the scene's smallest load, or None: a solved curve is followed down to below it."""
     contacts = [c for r in dict.fromkeys(scene.effective_radii()) for c in scene.contacts(r)]
+    if "seating_share" in definition.options and "seating_share" not in options:
+        default = inspect.signature(definition.prepare).parameters["seating_share"].default
+        unit = max(float(np.max(c.modulus * np.sqrt(c.radius) * c.roughness**1.5)) for c in contacts)
+        share = max(0.5 * _smallest_load(scene) / unit, 1e-7) if unit else default
+        if share < default:
+            options = {**options, "seating_share": float(f"{share:.1g}")}
     try:
         for contact in contacts:
             bind_law(definition.name, contact, **options)
@@ -276,14 +290,7 @@ def plans(scene, reference):
 
 def _range_problem(law, smallest, largest, known):
     """Why the scene leaves the law's range, or None. known: reasons that hold for the reference as well."""
-    for limit in law.limits():
-        if limit.reason in known:
-            continue
-        if largest > limit.maximum_force:
-            return f"loads reach {largest:.3g} N: above {limit.maximum_force:.3g} N {limit.reason}"
-        if smallest < limit.minimum_force:
-            return f"loads begin at {smallest:.3g} N: below {limit.minimum_force:.3g} N {limit.reason}"
-    return None
+    return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in known), None)
 
 
 _NO_TABLE = (
@@ -380,12 +387,30 @@ def _left_out(judge, plan):
 
 
 def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choices:
-    """Candidates for a `Scene`, ranked: those that meet its tolerance first, the cheapest of them first (`Choices`).
+    """Rank the candidate laws, rules and evaluations for a scene.
 
-    Each `Choice` has the predicted bound and mean of the error, kept ns per contact, time-step factor, state bytes, what
-    it leaves out at which error, and the law itself. progress: wraps the list of candidates, as tqdm does. Raises
-    DemlawsError where the scene's quantities do not suffice.
+    Parameters
+    ----------
+    scene : Scene
+        Grains, loads, quantity of interest and tolerance.
+    tables : bool
+        Whether tables are candidates, too.
+    progress : callable
+        Wraps the list of candidates, like tqdm.
 
+    Returns
+    -------
+    Choices
+        Candidates within the tolerance first, the cheapest first. Each `Choice` has the bound and mean of the error, ns per
+        contact, the factor of the time step, the bytes of history, and the neglected physics with its error.
+
+    Raises
+    ------
+    DemlawsError
+        If the quantities of the scene do not suffice.
+
+    Examples
+    --------
     >>> steel = dl.Material(young=210e9, poisson=0.3, density=7850)
     >>> choices = dl.choose(dl.Scene(radii=5e-3, materials=steel, force=(1, 10)), tables=False)  # smooth and elastic
     >>> choices.best.name
@@ -400,10 +425,9 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
         warnings.simplefilter("ignore", ValidityWarning)
         known = set()
         for law in judge.exact:
-            for limit in law.limits():
-                if judge.largest > limit.maximum_force or judge.smallest < limit.minimum_force:
-                    known.add(limit.reason)
-                    notes.append(f"the reference itself ({reference.name}) leaves its range: {limit.reason}")
+            for breach in law.breaches(judge.smallest, judge.largest):
+                known.add(breach.reason)
+                notes.append(f"the reference itself ({reference.name}) leaves its range: {breach}")
     if find(reference.name).before_yield is not None:  # the reference yields: what leaving that out costs is computed
         one = scene.contacts(scene.effective_radii()[1])[0]
         known.update(limit.reason for limit in bulk_yield(one))

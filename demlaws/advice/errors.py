@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import energies_loop, energy_loop, unloaded_loop
-from demlaws.core.params import first_loading, loading_part
+from demlaws.core.loops import energies_loop, energy_loop, first_loading, loading_part, unloaded_loop
 from demlaws.errors import ValidityWarning
 
 QUANTITIES = {

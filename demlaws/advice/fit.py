@@ -1,12 +1,13 @@
-"""Laws fitted to measured points: parameters with uncertainty, and which law the points speak for.
+"""Laws fitted to measured points: parameters with intervals, and a ranking of the laws.
 
-The points are a history of (displacement, force), loading and unloading in any order. A law predicts the overlap of
-each force, given the largest force before it; the displacement at which the bodies first touch is a free parameter, so
-that the zero of the measurement does not matter. Noise is taken as that of the displacement; noise of the force enters
-through the stiffness (effective variance). Laws are ranked by Akaike's information criterion, corrected for few points.
-The apparatus may give way as a spring: `compliance` [m/N] times the force adds to the displacement, known or fitted.
+The points are a history of (displacement, force), loading and unloading in any order. A law predicts the overlap at each
+force from the largest force before it. The displacement at first touch ("zero") is a free parameter. The noise is that of
+the displacement; noise of the force is converted with the stiffness (effective variance). Laws are ranked by Akaike's
+information criterion, corrected for few points (AICc). The apparatus may be compliant: `compliance` [m/N] times the force
+adds to the displacement, known or fitted.
 """
 
+import copy
 import itertools
 import math
 import warnings
@@ -17,77 +18,70 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
-from demlaws.core.loops import evaluate_loop, inverse_loop, unloaded_loop
-from demlaws.core.params import loading_part
+from demlaws.core.loops import bind_params, history_loop
 from demlaws.core.unloading import GIVEN
-from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
-from demlaws.units import LARGEST_OVERLAP, number, unmasked
-from demlaws.unloading import Unloading
+from demlaws.points import columns_of, in_contact, refuse_other_units
+from demlaws.results import Tabular
+from demlaws.units import number
 
 ZERO = "zero"
 COMPLIANCE = "compliance"
-"""The one quantity of the apparatus, not of a law, that can be fitted."""
+"""The only fitted quantity of the apparatus, not of a law."""
 _COMPLIANCE = Parameter("m/N", False, lambda c: (0.0, 1e-4), lambda c: [0.0])
 _ENDS = {"fractal_dimension", COMPLIANCE}
-"""Quantities whose range ends by nature (2 ≤ Df ≤ 3, no negative compliance), not where the search does."""
+"""Quantities with a natural end of their range (2 ≤ Df ≤ 3, compliance ≥ 0), not one of the search."""
 _CONFIDENCE = 0.95
-_DECISIVE = 10.0  # fall of AICc from which a quantity that was kept fixed is mentioned
-_NOISE_WIDTHS = 3.0  # of a load cell: a force below so many standard deviations may be no force
+_DECISIVE = 10.0  # decrease of AICc from which a note mentions a fixed quantity
+_STEP = 1e-4  # of the derivatives, in the fitted coordinates: mostly logarithms
+_FAMILY_PART = 0.7  # of ln(roughness), for which one family of solved curves is prepared
 
 
 def parameters():
-    """Name → `Parameter` of every quantity that some law lets a fit vary."""
-    return {
-        **OF_CONTACT,
-        COMPLIANCE: _COMPLIANCE,
-        **{name: one for definition in registry().values() for name, one in definition.fitting.parameters.items()},
-    }
+    """Name → `Parameter` of every quantity that a fit of some law may vary."""
+    own = [definition.fitting.parameters for definition in registry().values()]
+    return {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **{n: one for known in own for n, one in known.items()}}
 
 
 def __getattr__(name):
-    """`PARAMETERS`, `parameters()` of the laws that are registered when it is asked for."""
+    """`PARAMETERS`: `parameters()` of the laws that are registered now."""
     if name == "PARAMETERS":
         return parameters()
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-_FAMILY_SPAN = 12.0  # Yip-Venart's curves are solved once over this factor of roughness either way
+    raise AttributeError(name)
 
 
 class Estimate(NamedTuple):
     """A fitted value, SI. low and high: 95 % interval.
 
-    By Student's t in the fitted coordinate; where a quantity of the law lies at or near the end of its range, all
-    intervals of that law are those of the profile likelihood: the values at which the points, with all else fitted
-    anew, would be as unlikely as the interval's confidence says. An end that is the end of the range is not told by the
-    points; where both are, `note` says "not determined".
+    From Student's t in the fitted coordinate. If a quantity lies at or near the end of its range, all intervals of that law
+    come from the profile likelihood. Where neighbouring points deviate alike (drift, or a wrong law) intervals are widened:
+    `Fit.notes`. `note` reports an interval that ends where the search does.
     """
 
     value: float
-    error: float  # standard error; nan where the points do not determine it
+    error: float  # standard error; nan if the points do not determine it
     low: float
     high: float
     note: str = ""
 
 
 class Fit(NamedTuple):
-    """One law, fitted."""
+    """One fitted law."""
 
     name: str
     unloading: str
-    parameters: dict  # name → Estimate; "zero" is the displacement [m] at which the bodies touch
+    parameters: dict  # name → Estimate; "zero" is the displacement [m] at first touch
     covariance: np.ndarray  # of the fitted coordinates: ln(value) of positive quantities, else the value
     coordinates: tuple  # names, in the order of covariance
     misfit: float  # root mean square difference in displacement [m]
     aicc: float
-    delta: float  # aicc less the best law's
-    weight: float  # Akaike weight: probability of being the best of the laws tried
-    chi_squared: float  # per degree of freedom, where the noise was given; else nan
+    delta: float  # aicc minus that of the best law
+    weight: float  # Akaike weight: probability of being the best of these laws
+    chi_squared: float  # per degree of freedom; nan unless the noise was given
     law: Law
     displacement: np.ndarray  # predicted [m], for each point used
     notes: tuple
@@ -98,166 +92,324 @@ class Fit(NamedTuple):
         return self.law.contact
 
 
-class Ranking(list):
-    """Fits from the best to the worst, with what was left aside."""
+class Ranking(Tabular, list):
+    """Fits from the best to the worst, and the laws that were not fitted; `print(ranking)` shows them as a table."""
 
     def __init__(self, fits, skipped, points):
         super().__init__(fits)
-        self.skipped = skipped  # name → reason
+        self.skipped = skipped  # law or points left out → reason
         self.points = points  # displacement and force of the points used, in their order
 
     @property
     def best(self) -> Fit:
-        """The fit of lowest AICc; the list's first."""
+        """The fit of lowest AICc, the first of the list."""
         return self[0]
+
+    def columns(self) -> dict:
+        """Law, unloading, misfit, ΔAICc, weight and parameters, each a list."""
+        titles = {"law": "name", "unloading": "unloading", "misfit (m)": "misfit", "ΔAICc": "delta", "weight": "weight"}
+        columns = {title: [getattr(fit, name) for fit in self] for title, name in titles.items()}
+        texts = ["; ".join(f"{n} {e.value:.4g}" for n, e in fit.parameters.items()) for fit in self]
+        return {**columns, "parameters": texts}
+
+    __repr__ = Tabular.__str__
 
 
 def history(law, force):
     """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts on a virgin contact."""
-    peak = np.maximum.accumulate(force)
-    top, load, stiffness = (np.empty(force.size) for _ in range(3))
-    inverse_loop(loading_part(law.params), peak, top)
-    state = law.new_state(force.size)
-    evaluate_loop(law.rule, law.params, top, state.arrays, load, stiffness)
-    overlap = np.empty(force.size)
-    unloaded_loop(law.rule, law.params, force, state.arrays, overlap)
-    overlap = np.where(force < peak, overlap, top)
-    # below a seating load the curve goes on to overlaps under 0, where `evaluate` sees no contact
-    evaluate_loop(law.rule, law.params, np.maximum(overlap, 1e-300), state.arrays, load, stiffness)
+    overlap, stiffness = np.empty((2, np.size(force)))
+    history_loop(law.rule, law.params, np.array(force, float), (0.0,) * law.state_size, overlap, stiffness)
     return overlap, stiffness
 
 
-def _arrays(points):
-    """Displacement and force of (n, 2) values or granite.Points, without the points that carry no force."""
-    if hasattr(points, "displacement"):
-        displacement, force = (np.asarray(unmasked(one), float) for one in (points.displacement, points.force))
-    else:
-        try:
-            array = np.asarray(unmasked(points), dtype=float)
-        except (TypeError, ValueError):
-            raise DemlawsError("points must be numbers: an array of shape (n, 2), displacement in m and force in N") from None
-        if array.ndim != 2 or array.shape[1] != 2:
-            raise DemlawsError(f"points have shape {array.shape}: give (n, 2), displacement in m and force in N")
-        displacement, force = array.T
-    if not (np.all(np.isfinite(displacement)) and np.all(np.isfinite(force))):
-        raise DemlawsError("points contain NaN or infinite values: remove those rows")
-    return displacement, force
-
-
-def _refuse_other_units(displacement, force, contact, give):
-    """An error for points in contact that no law can follow: in other units, columns exchanged, or of the other sign.
-
-    give: how far the apparatus may give way [m/N]."""
-    travel, most = np.ptp(displacement), LARGEST_OVERLAP * contact.radius + give * np.ptp(force)
-    if travel > most:
-        raise DemlawsError(
-            f"points in contact lie {travel:.3g} m apart, more than the effective radius R = {contact.radius:g} m, beyond "
-            "which no law answers: give displacement in m, first, and force in N, without points from before contact"
-        )
-    if travel > 0.0 and np.ptp(force) > 0.0 and np.corrcoef(displacement, force)[0, 1] < -0.5:
-        raise DemlawsError("the displacement falls where the force rises: count the approach of the bodies as positive, in m")
-
-
-def _in_contact(displacement, force, noise):
-    """The points that are in contact, why the others were left out (or None), and the noise of the force [N].
-
-    A force at or below 0 can only be noise or no contact. From the negative forces comes the noise of the load cell,
-    unless it is known; before first contact about half of the points carry a positive force by chance, and a single one,
-    far from where the bodies meet, tilts the whole fit. What lies below three standard deviations is left out, and on
-    first loading everything before the last such point.
-    """
-    negative = force[force < 0.0]
-    known = noise > 0.0
-    if not known and negative.size >= 3:
-        noise = float(np.sqrt(np.mean(negative**2)))
-    keep = force > _NOISE_WIDTHS * noise
-    if noise > 0.0 and np.any(keep):
-        first = int(np.argmax(force > 0.1 * np.max(force)))
-        keep[: np.max(np.flatnonzero(~keep[:first]), initial=-1) + 1] = False
-    dropped = int(np.sum(~keep))
-    if not dropped:
-        return keep, None, noise
-    reason = "they carry no force: any displacement before contact fits them"
-    if noise > 0.0:
-        said = "given" if known else f"from {negative.size} negative forces"
-        reason = f"they may be no contact: before it or below {_NOISE_WIDTHS:g} times the load cell's {noise:.2g} N ({said})"
-    return keep, f"{dropped} points: {reason}", noise
+# --- one law
 
 
 class _Model:
-    """A law with some quantities free: coordinates in, predicted displacement out."""
+    """A law with free quantities. Coordinates are these (ln of positive ones) and, last, the zero in units of `scale`."""
 
-    def __init__(self, name, contact, unloading, free, options):
-        self.definition = find(name)
-        self.unloading, self.free = unloading, tuple(free)
+    def __init__(self, name, rule, free, contact, options, displacement, force, noise):
+        self.definition, self.unloading, self.free = find(name), rule, tuple(free)
+        self.rule = self.definition.rule(rule)
         self.parameters = {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **self.definition.fitting.parameters}
         fill = {}
         for field in self.definition.needed(**options):
             if getattr(contact, field) is None:
                 if field not in free:
-                    raise DemlawsError(f"{name} needs the contact's {field}: give it, or let it be fitted")
+                    raise DemlawsError(f"{name} needs the contact's {field}: give it, or fit it")
                 fill[field] = float(OF_CONTACT[field].starts(contact)[0])
         self.contact = contact.with_values(**fill)
         unseen = {n: one for n, one in self.definition.fitting.parameters.items() if one.unloading and n not in free}
         self.options = {n: float(np.ravel(one.starts(self.contact))[0]) for n, one in unseen.items()} | dict(options)
-        self.family = None
-        if set(self.definition.fitting.family) & set(free):
-            self._solve_family()
+        self.measured, self.force = displacement, force
+        self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
+        self.sigma = np.full(force.size, noise or self.scale)
+        ends = [self._coordinate(n, self.parameters[n].bounds(self.contact)) for n in free]
+        self.low, self.high = np.array([*ends, (-np.inf, np.inf)]).T
+        # a law whose curve is solved: families of curves over parts of the roughness, in place of a solution for each trial
+        self.families = {} if set(self.definition.fitting.family) & {"roughness"} & set(free) else None
 
-    def _solve_family(self):
-        """One family of curves over the roughnesses in question, in place of a solution for each trial."""
-        start = float(OF_CONTACT["roughness"].starts(self.contact)[0])
-        span = np.array([start / _FAMILY_SPAN, min(start * _FAMILY_SPAN, 0.09 * self.contact.radius)])
-        many = self.contact.with_values(radius=np.full(2, self.contact.radius), roughness=span)
-        self.family = self.definition.prepare(many, **{"rtol": 1e-3, **self.options})
-        self.span = span
+    def _coordinate(self, name, value):
+        return np.log(value) if self.parameters[name].logarithmic else np.asarray(value, float)
 
-    def bounds(self):
-        pairs = []
-        for name in self.free:
-            low, high = self.parameters[name].bounds(self.contact)
-            if self.family is not None and name == "roughness":
-                low, high = self.span * (1.001, 0.999)
-            pairs.append((math.log(low), math.log(high)) if self.parameters[name].logarithmic else (low, high))
-        return np.array(pairs).reshape(-1, 2).T
+    def values(self, x):
+        """Name → value of the free quantities."""
+        return {n: math.exp(v) if self.parameters[n].logarithmic else float(v) for n, v in zip(self.free, x, strict=False)}
 
-    def starts(self):
-        low, high = self.bounds()
-        free = [self.parameters[n] for n in self.free]
-        choices = [np.atleast_1d(one.starts(self.contact)).astype(float) for one in free]
-        choices = [np.log(c) if one.logarithmic else c for one, c in zip(free, choices, strict=True)]
-        inside = [np.clip(c, a + 1e-9 * (b - a), b - 1e-9 * (b - a)) for c, a, b in zip(choices, low, high, strict=True)]
-        return [np.array(s) for s in itertools.product(*inside)]
+    def inputs(self, x):
+        """Contact and options of the law. The bounds guarantee admissible values: they are not checked for each trial."""
+        contact, options = copy.copy(self.contact), dict(self.options)
+        for name, value in self.values(x).items():
+            if self.parameters[name].option:
+                options[name] = value
+            elif name != COMPLIANCE:
+                contact.__dict__[name] = value
+        return contact, options
 
-    def values(self, coordinates):
-        return {
-            n: float(math.exp(x) if self.parameters[n].logarithmic else x)
-            for n, x in zip(self.free, coordinates[: len(self.free)], strict=True)
-        }
+    def shape(self, contact, options):
+        """Shape of the law for a trial."""
+        if self.families is None:
+            return self.definition.prepare(contact, **options)
+        part = math.floor(math.log(contact.roughness) / _FAMILY_PART)
+        key = part, contact.modulus, contact.hardness
+        if key not in self.families:
+            ends = np.minimum(np.exp(_FAMILY_PART * np.array([part, part + 1.0])), 0.1 * contact.radius)
+            many = contact.with_values(radius=np.full(2, contact.radius), roughness=ends)
+            self.families[key] = self.definition.prepare(many, **{"rtol": 2e-3, **options})
+        return self.families[key]
 
-    def law(self, coordinates):
-        values = self.values(coordinates)
-        values.pop(COMPLIANCE, None)
-        contact = self.contact.with_values(**{n: v for n, v in values.items() if not self.parameters[n].option})
-        options = {**self.options, **{n: v for n, v in values.items() if self.parameters[n].option}}
-        if self.family is not None and "hardness" not in values:
-            shape = self.family
-        else:
-            shape = self.definition.prepare(contact, **options)
-        rule = Unloading(self.definition.rule(self.unloading))
-        return Law(contact, ClosedForm(self.definition, contact, options, shape), rule)
+    def overlap(self, x):
+        """Overlap [m] and tangent stiffness [N/m] at each force."""
+        contact, options = self.inputs(x)
+        params = bind_params(self.shape(contact, options), contact)
+        overlap, stiffness = np.empty((2, self.force.size))
+        history_loop(self.rule.tag, params, self.force, (0.0,) * len(self.rule.state), overlap, stiffness)
+        # outside the range of a curve: far away, not NaN
+        return np.where(np.isfinite(overlap), overlap, 1e3 * contact.radius), stiffness
 
-    def displacement(self, coordinates, force):
-        """Displacement [m] from first touch, apparatus included, and the contact's tangent stiffness, at each force."""
-        overlap, stiffness = self.overlap(coordinates, force)
-        return overlap + self.values(coordinates).get(COMPLIANCE, 0.0) * force, stiffness
+    def displacement(self, x):
+        """Displacement [m] at each force, apparatus included."""
+        return self.overlap(x)[0] + self.values(x).get(COMPLIANCE, 0.0) * self.force + x[-1] * self.scale
 
-    def overlap(self, coordinates, force):
-        overlap, stiffness = history(self.law(coordinates), force)
-        bad = ~np.isfinite(overlap)
-        if np.any(bad):  # out of a curve's range: far away rather than not a number
-            overlap = np.where(bad, 1e3 * self.contact.radius, overlap)
-        return overlap, stiffness
+    def residual(self, x):
+        return (self.measured - self.displacement(x)) / self.sigma
+
+    def jacobian(self, x):
+        """Derivatives of `residual`: central differences for quantities of the law, exact for those of the apparatus."""
+        columns = []
+        for i, name in enumerate(self.free):
+            if name == COMPLIANCE:
+                columns.append(self.force)
+                continue
+            ends = np.array([x, x])
+            ends[:, i] = np.clip(x[i] + np.array([-_STEP, _STEP]), self.low[i], self.high[i])
+            columns.append((self.overlap(ends[1])[0] - self.overlap(ends[0])[0]) / (ends[1, i] - ends[0, i]))
+        return -np.column_stack([*columns, np.full(self.force.size, self.scale)]) / self.sigma[:, None]
+
+    def starts(self, most=4):
+        """The best starting points, one for each value of the last quantity: a yield pressure above all loads has no slope."""
+        choices = []
+        for name, low, high in zip(self.free, self.low, self.high, strict=False):
+            margin = 1e-9 * (high - low)
+            start = self._coordinate(name, np.atleast_1d(self.parameters[name].starts(self.contact)))
+            start = start[:1] if self.families is not None else start  # a solved curve costs as much as hundreds of trials
+            choices.append(np.clip(start, low + margin, high - margin))
+        best = {}
+        for values in itertools.product(*choices):
+            x = np.array([*values, 0.0])
+            x[-1] = np.average(self.residual(x) * self.sigma, weights=self.sigma**-2.0) / self.scale
+            cost = float(np.sum(self.residual(x) ** 2))
+            key = values[-1] if values else 0.0
+            if cost < best.get(key, (math.inf,))[0]:
+                best[key] = cost, x
+        return [x for _, x in sorted(best.values(), key=lambda pair: pair[0])[:most]]
+
+    def solve(self, x, fixed=None, tolerance=1e-12, steps=None):
+        """(x, sum of squares) of the least squares from `x`, with all coordinates free or all but one."""
+        from scipy.optimize import least_squares
+
+        free, whole = np.arange(x.size) != fixed, x.copy()
+
+        def at(part):
+            whole[free] = part
+            return whole
+
+        solution = least_squares(
+            lambda part: self.residual(at(part)),
+            np.clip(x[free], self.low[free], self.high[free]),
+            jac=lambda part: self.jacobian(at(part))[:, free],
+            bounds=(self.low[free], self.high[free]),
+            x_scale="jac",
+            **dict.fromkeys(("xtol", "ftol", "gtol"), tolerance),
+            max_nfev=steps,
+        )
+        return at(solution.x).copy(), 2.0 * float(solution.cost)
+
+    def minimise(self):
+        """Least squares from several starts; only the two most promising ones run to the end."""
+        trials = sorted((self.solve(x, steps=6) for x in self.starts()), key=lambda trial: trial[1])
+        return min((self.solve(x) for x, cost in trials[:2] if cost <= 1.5 * trials[0][1]), key=lambda trial: trial[1])
+
+    def profile(self, x, least, index, step, limit):
+        """Ends of the interval of coordinate `index` in which the least sum of squares stays below `least` + `limit`²."""
+        from scipy.optimize import brentq
+
+        ends = []
+        for bound in (self.low[index], self.high[index]):
+            trial, known = x.copy(), {x[index]: -limit}
+
+            def excess(place, trial=trial, known=known):
+                if place not in known:
+                    trial[index] = place
+                    trial[:], cost = self.solve(trial, index, 1e-6, 12)
+                    away = math.sqrt(max(cost - least, 0.0)) - limit
+                    known[place] = away if abs(away) > 0.005 * limit else 0.0
+                return known[place]
+
+            near, place, width = x[index], x[index], math.copysign(step, bound - x[index])
+            while place != bound and excess(place) < 0.0:
+                near, place = place, (min if width > 0.0 else max)(place + width, bound)
+                width *= 2.0
+            ends.append(brentq(excess, near, place) if near != place and excess(place) >= 0.0 else place)
+        return ends
+
+
+def _fit_law(model, displacement_noise, force_noise):
+    # the stiffness that converts force noise comes from the fit itself: two more rounds
+    x, squares = model.minimise()
+    if displacement_noise is not None and force_noise:
+        for _ in range(2):
+            model.sigma = np.hypot(displacement_noise, force_noise / model.overlap(x)[1])
+            x, squares = model.minimise()
+    notes = []
+    notes = []
+    if displacement_noise is None and not _correlation(model.residual(x)):
+        for _ in range(2):
+            stiffness = model.overlap(x)[1]
+            model.sigma = model.scale * np.hypot(1.0, _noise_ratio(model, x, stiffness) / stiffness)
+            x, squares = model.solve(x)
+        uneven = float(np.max(model.sigma)) / model.scale
+        if uneven > 2.0:
+            notes.append(
+                f"the points scatter up to {uneven:.2g} times as much where the contact is soft, as with noise of the force: "
+                "they are weighted accordingly; force_noise, if known, gives better intervals"
+            )
+    return _report(model, x, squares, displacement_noise is not None, notes)
+
+
+def _correlation(residual):
+    """Correlation of neighbouring residuals; 0 unless it is significant (2.5 %)."""
+    spread = float(np.sum(residual**2))
+    correlation = float(np.sum(residual[1:] * residual[:-1])) / spread if spread > 0.0 else 0.0
+    return correlation if correlation > 2.0 / math.sqrt(residual.size) else 0.0
+
+
+def _noise_ratio(model, x, stiffness):
+    """Noise of the force over that of the displacement [N/m], 0 unless the points show it: restricted maximum likelihood
+    (Patterson & Thompson 1971) of the linearised fit."""
+    from scipy.optimize import minimize_scalar
+
+    jacobian, residual = model.jacobian(x) * model.sigma[:, None], model.residual(x) * model.sigma
+    size = np.linalg.norm(jacobian, axis=0)
+    seen = size > 1e-10 * size[-1]
+    jacobian = jacobian[:, seen] / size[seen]
+
+    def cost(exponent):
+        weights = np.hypot(1.0, math.exp(exponent) / stiffness)
+        q, r = np.linalg.qr(jacobian / weights[:, None])
+        z = residual / weights
+        squares = max(float(z @ z - np.sum((q.T @ z) ** 2)), 1e-300)
+        scales = np.append(weights, np.abs(np.diag(r)) + 1e-300)
+        return (z.size - r.shape[0]) * math.log(squares) + 2.0 * np.sum(np.log(scales))
+
+    ends = math.log(1e-3 * float(np.min(stiffness))), math.log(1e2 * float(np.max(stiffness)))
+    best = minimize_scalar(cost, bounds=ends, method="bounded")
+    return math.exp(best.x) if best.fun < cost(ends[0]) else 0.0
+
+
+def _drift(residual, count):
+    """Widening of the intervals where neighbouring points deviate alike, and the correlation ρ of neighbours.
+
+    √((1 + ρ)/(1 - ρ)), from the effective number of points under a first-order autoregression; ρ is corrected for few points.
+    """
+    correlation = _correlation(residual)
+    if correlation:
+        correlation = min(correlation + (1.0 + (count + 3.0) * correlation) / residual.size, 0.95)
+    return math.sqrt((1.0 + correlation) / (1.0 - correlation)), correlation
+
+
+def _report(model, x, squares, absolute, notes):
+    """The `Fit` of a solution: intervals, notes, AICc."""
+    from scipy import stats
+
+    n, k = model.force.size, x.size
+    low, high, jacobian, residual = model.low, model.high, model.jacobian(x), model.residual(x)
+    variance = 1.0 if absolute else squares / (n - k)
+    # a quantity at its bound, or without effect, is left out of the covariance
+    size = np.linalg.norm(jacobian, axis=0)
+    width = np.where(np.isfinite(high), high - low, 1.0)
+    at_bound = np.minimum(x - low, high - x) < 1e-6 * width
+    idle = size <= 1e-10 * max(size[-1], 1e-300)
+    used = ~(at_bound | idle)
+    weak = used & (np.linalg.cond(jacobian[:, used] / size[used]) >= 1e7)
+    widening, correlation = (1.0, 0.0) if absolute else _drift(residual, k)
+    if correlation > 0.5:
+        cause = f"the misfit is systematic or drifts (correlation of neighbours {correlation:.2f}), it is not scatter"
+        notes.append(f"{cause}: intervals are {widening:.1f} times as wide as for scatter; they do not hold for a wrong law")
+    covariance = np.full((k, k), np.nan)
+    if not np.any(weak):
+        inverse = np.linalg.pinv(jacobian[:, used] / size[used]) / size[used, None]
+        covariance[np.ix_(used, used)] = variance * widening**2 * inverse @ inverse.T
+    half = 0.5 + 0.5 * _CONFIDENCE
+    quantile = float(stats.norm.ppf(half) if absolute else stats.t.ppf(half, n - k))
+    errors = np.sqrt(np.diag(covariance))
+    ends = np.array([x - quantile * errors, x + quantile * errors]).T
+    outside = ~((ends[:, 0] > low) & (ends[:, 1] < high))
+    if variance > 0.0 and np.any(outside):
+        # near the end of a range the likelihood is not a parabola, for this quantity and those correlated with it
+        steps = np.minimum(np.where(np.isfinite(errors) & (errors > 0.0), 2.0 * errors, 0.02 * width), high - low)
+        limit = quantile * math.sqrt(variance) * widening
+        for i in np.flatnonzero(outside if np.all(idle[outside]) else np.ones(k, bool)):
+            ends[i] = model.profile(x, squares, i, float(steps[i]), limit)
+    stopped = ends == np.stack([low, high], 1)
+    unit = np.append(np.ones(k - 1), model.scale)
+    estimates, coordinates = {}, (*model.free, ZERO)
+    for i, name in enumerate(coordinates):
+        causes = "not separately identifiable from these points", "at its bound", "without effect on these points"
+        note = next((cause for cause, holds in zip(causes, (weak, at_bound, idle), strict=True) if holds[i]), "")
+        if np.all(stopped[i]):
+            note = "not determined" + (f": {note}" if note else "")
+        elif name not in _ENDS and np.any(stopped[i]):
+            note = f"the points give no {'lower' if stopped[i][0] else 'upper'} end" + (f", {note}" if note else "")
+        value, error, lower, upper = (float(v * unit[i]) for v in (x[i], errors[i], *ends[i]))
+        if name != ZERO and model.parameters[name].logarithmic:
+            with np.errstate(over="ignore"):
+                value, lower, upper = (float(np.exp(v)) for v in (value, lower, upper))
+            error *= value
+        estimates[name] = Estimate(value, error, lower, upper, note)
+    predicted = model.displacement(x)
+    misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
+    # Gaussian likelihood: with known noise, or with the scatter as one more parameter
+    if absolute:
+        minus_two_log = squares + 2.0 * float(np.sum(np.log(model.sigma))) + n * math.log(2.0 * math.pi)
+        count = k
+    else:
+        # points without any noise would have an infinite likelihood
+        likely = model.sigma * max(math.sqrt(squares / n), 1e-15)
+        minus_two_log = 2.0 * float(np.sum(np.log(likely))) + n * (math.log(2.0 * math.pi) + 1.0)
+        count = k + 1 + (np.ptp(model.sigma) > 0.0)
+    aicc = minus_two_log + 2.0 * count + (2.0 * count * (count + 1.0) / (n - count - 1.0) if n > count + 1 else math.inf)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        contact, options = model.inputs(x)
+        # checked now: refuses a pair that is not passive
+        law = bind_law(model.definition.name, contact.with_values(), model.unloading, **options)
+    chi_squared, covariance = squares / (n - k) if absolute else math.nan, covariance * np.outer(unit, unit)
+    facts = estimates, covariance, coordinates, misfit, aicc, 0.0, 1.0, chi_squared, law, predicted, tuple(notes)
+    return Fit(law.name, model.unloading, *facts)
+
+
+# --- all laws
 
 
 def fit(
@@ -272,22 +424,47 @@ def fit(
     compliance: float = 0.0,
     progress: Callable = iter,
 ) -> Ranking:
-    """Fit laws to measured points and rank them: a `Ranking` of `Fit`, the best first.
+    """Fit laws to measured points and rank them by Akaike's criterion.
 
-    points: (n, 2) values, displacement [m] and force [N] in the order of the test, or `granite.Points`; contact: a
-    `Contact` with what is known, and starting values for what is fitted; laws: names (default: all that need no height
-    map, but for those whose parameters are calibrated, not measured); unloading: a rule or several (default: each that the law
-    takes, if the points unload; else elastic); free: names of the fitted quantities among `fit.PARAMETERS` (default:
-    `Definition.free`; none: []); options: law name → options that stay as
-    they are; displacement_noise [m], force_noise [N]: standard deviations, where they are known: they then set the
-    uncertainty, else the scatter of the points about the law does; compliance [m/N]: how far the apparatus gives way, taken
-    off the displacement (to fit it, name "compliance" in `free`); progress: wraps the list of fits, as tqdm does.
+    Parameters
+    ----------
+    points : array_like, shape (n, 2), or Points
+        Displacement [m] and force [N] in the order of the test.
+    contact : Contact
+        Known quantities, and starting values of the fitted ones.
+    laws : str or sequence of str, optional
+        Names of laws. Default: all laws without a height map whose parameters such a test determines.
+    unloading : str or sequence of str, optional
+        Unloading rules. Default: each rule of the law if the points unload, else "elastic".
+    free : sequence of str, optional
+        Names of the fitted quantities among `fit.PARAMETERS`; [] for none. Default: `Definition.free`.
+    options : dict, optional
+        Name of the law → fixed options.
+    displacement_noise : float, optional
+        Standard deviation of the displacement [m]. Default: from the scatter of the points about the law.
+    force_noise : float
+        Standard deviation of the force [N].
+    compliance : float
+        Compliance of the apparatus [m/N], subtracted from the displacement; to fit it, name "compliance" in `free`.
+    progress : callable
+        Wraps the list of fits, like tqdm.
 
-    Points that may be no contact (no force, or one within the noise of the load cell) are left out, which `.skipped` says.
-    Where the misfit of the best law has a pattern that another E* or a compliance would explain, its notes say so.
+    Returns
+    -------
+    Ranking
+        Fits from the best to the worst; `.skipped` lists points and laws that are not used.
 
-    Raises DemlawsError for points that cannot determine anything. A law that cannot be fitted is listed in `.skipped`.
+    Raises
+    ------
+    DemlawsError
+        For points that determine nothing.
 
+    Notes
+    -----
+    If another E* or a compliance would explain the pattern of the best law's misfit, the notes of the fit mention it.
+
+    Examples
+    --------
     >>> pair = dl.Contact(radius=4e-3, modulus=32e9)
     >>> path = dl.driver.force_controlled(dl.law("hertz", pair), [50.0], steps=30)
     >>> points = [(x, p) for x, p in zip(path.overlap, path.force)][1:]
@@ -296,290 +473,101 @@ def fit(
     32.0
     """
     if not isinstance(contact, Contact) or contact.size is not None:
-        raise DemlawsError("contact must be one demlaws.Contact: the one that was tested")
-    displacement, force = _arrays(points)
-    names = [find(n).name for n in _texts(laws, "laws") or _default_laws()]
-    free, options = _texts(free, "free"), _checked_options(options)
+        raise DemlawsError("contact must be one demlaws.Contact: that of the test")
+    displacement, force = columns_of(points)
+    usual = [n for n, definition in registry().items() if definition.fitting.identifiable and not definition.needs_map]
+    names = [find(n).name for n in _texts(laws, "laws") or usual]
+    free, rules, options = _texts(free, "free"), _texts(unloading, "unloading"), _checked_options(options or {})
     if displacement_noise is not None:
         displacement_noise = number(displacement_noise, "displacement_noise", "m", 1e-13, 1e-2, allow_low=True)
     force_noise = number(force_noise, "force_noise", "N", allow_low=True)
-    displacement = displacement - number(compliance, "compliance", "m/N", 0.0, 1e-3, allow_low=True) * force
     if force_noise and displacement_noise is None:
-        raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weighs the points")
-    keep, dropped, _ = _in_contact(displacement, force, force_noise)
+        raise DemlawsError("force_noise needs displacement_noise [m] beside it: only their ratio weights the points")
+    displacement = displacement - number(compliance, "compliance", "m/N", 0.0, 1e-3, allow_low=True) * force
+    keep, skipped = in_contact(force, force_noise)
     displacement, force = displacement[keep], force[keep]
-    if force.size:
-        give = _COMPLIANCE.bounds(contact)[1] if COMPLIANCE in (free or ()) else 0.0
-        _refuse_other_units(displacement, force, contact, give)
     known = parameters()
     if unknown := [n for n in free or () if n not in known]:
-        raise DemlawsError(f"cannot fit {', '.join(unknown)}: what can be fitted is {', '.join(known)}")
-    falls = bool(np.any(force < 0.98 * np.maximum.accumulate(force))) if force.size else False
-    jobs, fits, skipped = [], [], {}
-    # a given curve has no parameters of the law's
-    rules = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
-    asked = _texts(unloading, "unloading")
-    for rule in asked or ():
-        if rule not in rules:
-            raise DemlawsError(f"unknown unloading rule {rule!r}: the rules that a fit takes are {', '.join(rules)}")
+        raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(known)}")
+    if force.size:
+        refuse_other_units(displacement, force, contact, _COMPLIANCE.bounds(contact)[1] if COMPLIANCE in (free or ()) else 0.0)
+    jobs = list(_jobs(names, rules, free, force))
+
+    def run(name, rule, varied):
+        own = options.get(name, {})
+        model = _Model(name, rule, varied, contact, own, displacement, force, displacement_noise)
+        return _fit_law(model, displacement_noise, force_noise)
+
+    fits, failed = [], {}
+    for job in progress(jobs):
+        try:
+            fits.append(run(*job))
+        except DemlawsError as error:
+            failed[job[0] if job[1] == "elastic" else f"{job[0]}, {job[1]} unloading"] = str(error)
+    if not fits:
+        raise DemlawsError("no law could be fitted: " + "; ".join(f"{k}: {v}" for k, v in failed.items()))
+    fits.sort(key=lambda f: f.aicc)
+    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], run, contact, displacement)))
+    relative = [math.exp(-0.5 * (f.aicc - fits[0].aicc)) for f in fits]
+    ranked = [f._replace(delta=f.aicc - fits[0].aicc, weight=w / sum(relative)) for f, w in zip(fits, relative, strict=True)]
+    return Ranking(ranked, failed | skipped, (displacement, force))
+
+
+def _jobs(names, rules, free, force):
+    """(law, rule, free quantities) of each fit."""
+    # the curve of rule "table" has no parameters of the law
+    offered = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
+    if unknown := [rule for rule in rules or () if rule not in offered]:
+        raise DemlawsError(f"unknown unloading rule {unknown[0]!r}: the rules that a fit takes are {', '.join(offered)}")
+    unloads = np.any(force < 0.98 * np.maximum.accumulate(force)) if force.size else False
     for name in names:
         definition = find(name)
-        varied = [
-            n
-            for n in (definition.fitting.free if free is None else free)
-            if n in ("modulus", COMPLIANCE) or n in definition.fitting.parameters
-        ]
+        own = definition.fitting.parameters
+        varied = [n for n in (definition.fitting.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in own]
         if force.size < len(varied) + 4:
-            raise DemlawsError(
-                f"{force.size} points with a force above 0 (compression): at least {len(varied) + 4} are needed for {name}"
-            )
-        for rule in asked or (definition.unloading if falls else ("elastic",)):
-            jobs.append((name, rule, [n for n in varied if rule != "elastic" or not _on_unloading(definition, n)]))
-    measured = displacement, force, displacement_noise, force_noise
-
-    def one(name, rule, varied):
-        return _fit_one(_Model(name, contact, rule, varied, options.get(name, {})), *measured)
-
-    for job in progress(jobs):
-        name, rule, _ = job
-        try:
-            fits.append(one(*job))
-        except DemlawsError as error:
-            skipped[name if rule == "elastic" else f"{name}, {rule} unloading"] = str(error)
-    if not fits:
-        raise DemlawsError("no law could be fitted: " + "; ".join(f"{k}: {v}" for k, v in skipped.items()))
-    if dropped is not None:
-        count, reason = dropped.split(": ", 1)
-        skipped[count] = reason
-    fits.sort(key=lambda f: f.aicc)
-    fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], one, contact, displacement)))
-    best = fits[0].aicc
-    total = sum(math.exp(-0.5 * (f.aicc - best)) for f in fits)
-    ranked = [f._replace(delta=f.aicc - best, weight=math.exp(-0.5 * (f.aicc - best)) / total) for f in fits]
-    return Ranking(ranked, skipped, (displacement, force))
+            few = f"{force.size} points with a force above 0 (compression)"
+            raise DemlawsError(f"{few}: at least {len(varied) + 4} are needed for {name}")
+        for rule in rules or (definition.unloading if unloads else ("elastic",)):
+            # first loading alone does not show a quantity of the unloading curve
+            yield name, rule, [n for n in varied if rule != "elastic" or n not in own or not own[n].unloading]
 
 
-def _on_unloading(definition, name):
-    """Whether a quantity shows on unloading only."""
-    return name in definition.fitting.parameters and definition.fitting.parameters[name].unloading
-
-
-def _texts(given, name):
-    """None, or a list of the words that were given, one or several."""
-    if given is None or isinstance(given, str):
-        return None if given is None else [given]
-    if not isinstance(given, list | tuple | set) or not all(isinstance(one, str) for one in given):
-        raise DemlawsError(f"{name} must be a name or a list of names, got {given!r:.60}")
-    return list(given)
+def _texts(value, name):
+    """None, or a list of one or several words."""
+    words = [value] if isinstance(value, str) else value
+    if words is not None and not (isinstance(words, list | tuple | set) and all(isinstance(one, str) for one in words)):
+        raise DemlawsError(f"{name} must be a name or a list of names, got {value!r:.60}")
+    return None if words is None else list(words)
 
 
 def _checked_options(options):
-    """{} or law name → its options, as it was given."""
-    if options is None:
-        return {}
+    """Law name → options."""
     if not isinstance(options, Mapping) or not all(isinstance(one, Mapping) for one in options.values()):
         raise DemlawsError(f"options must be {{law: {{option: value}}}}, got {options!r:.60}")
     return {find(name).name: one for name, one in options.items()}
 
 
-def _default_laws():
-    return [name for name, definition in registry().items() if definition.fitting.identifiable and not definition.needs_map]
-
-
-def _suspicions(best, one, contact, displacement):
-    """Notes on quantities that were kept fixed and whose misfit has a pattern: E*, and the compliance of the apparatus."""
+def _suspicions(best, run, contact, displacement):
+    """Notes on fixed quantities that explain a pattern of the misfit: E*, and the compliance of the apparatus."""
     left = displacement - best.displacement
     spread = float(np.sum(left**2))
     if best.law.definition.solved or not float(np.sum(left[1:] * left[:-1])) > 1.7 / math.sqrt(left.size) * spread > 0.0:
         return
     varied = [name for name in best.coordinates if name != ZERO]
-    given = f"speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa"
+    wrong = f"speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa"
     hints = {
-        "modulus": (1e-9, "GPa", given, "fit the modulus, too"),
-        COMPLIANCE: (1e6, "µm/N", "an apparatus makes that gives way", "measure the compliance and give it, or fit it, too"),
+        "modulus": (1e-9, "GPa", wrong, "fit the modulus, too"),
+        COMPLIANCE: (1e6, "µm/N", "a compliant apparatus makes", "measure the compliance and give it, or fit it, too"),
     }
     for name, (unit, symbol, meaning, remedy) in hints.items():
         if name in varied:
             continue
         try:
-            other = one(best.name, best.unloading, [*varied, name])
+            other = run(best.name, best.unloading, [*varied, name])
         except DemlawsError:
             continue
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))
         if value > 0.0 and other.aicc < best.aicc - _DECISIVE:
-            yield (
-                f"the misfit has a pattern that {meaning}: with {value:.4g} {symbol} [{low:.4g}, {high:.4g}] it falls from "
-                f"{best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm; {remedy}"
-            )
-
-
-class _Problem:
-    """One model and the points: coordinates are the model's and, last, the zero in units of `scale`."""
-
-    def __init__(self, model, displacement, force, displacement_noise):
-        self.model, self.measured, self.force = model, displacement, force
-        self.scale = float(np.ptp(displacement)) or float(np.max(np.abs(displacement))) or 1.0
-        self.sigma = np.full(force.size, displacement_noise or self.scale)
-        low, high = model.bounds()
-        self.low, self.high = np.append(low, -np.inf), np.append(high, np.inf)
-
-    def residual(self, x):
-        return (self.measured - x[-1] * self.scale - self.model.displacement(x, self.force)[0]) / self.sigma
-
-    def start(self, s):
-        """Cost and coordinates with the zero that suits these values best."""
-        x = np.append(s, 0.0)
-        r = self.residual(x) * self.sigma
-        weights = 1.0 / self.sigma**2
-        x[-1] = float(np.sum(weights * r) / np.sum(weights)) / self.scale
-        return float(np.sum(self.residual(x) ** 2)), x
-
-    def solve(self, x, fixed=None, **options):
-        """Least squares from `x`, with all coordinates free or all but one."""
-        from scipy.optimize import least_squares
-
-        free = np.arange(x.size) != fixed
-        whole = x.copy()
-
-        def residual(part):
-            whole[free] = part
-            return self.residual(whole)
-
-        inside = np.clip(x[free], self.low[free], self.high[free])
-        found = least_squares(residual, inside, bounds=(self.low[free], self.high[free]), x_scale="jac", **options)
-        whole[free] = found.x
-        return found, whole.copy()
-
-    def profile(self, x, index, step, variance, quantile):
-        """Ends of the profile likelihood's interval of coordinate `index`: where the points, with all else fitted again, lie
-        `quantile` standard deviations from the best fit `x`, or the end of the range."""
-        from scipy.optimize import brentq
-
-        least = float(np.sum(self.residual(x) ** 2))
-        ends = []
-        for bound in (self.low[index], self.high[index]):
-            start = x.copy()
-
-            def beyond(trial, start=start):
-                start[index] = trial
-                start[:] = self.solve(start, index, xtol=1e-10, ftol=1e-10, gtol=1e-10, max_nfev=40)[1]
-                away = math.sqrt(max(float(np.sum(self.residual(start) ** 2)) - least, 0.0) / variance) - quantile
-                return away if abs(away) > 0.005 * quantile else 0.0
-
-            place, width, outside = x[index], math.copysign(step, bound - x[index]), False
-            while place != bound and not outside:
-                near, place = place, (min if width > 0.0 else max)(place + width, bound)
-                width *= 2.0
-                outside = beyond(place) >= 0.0
-            if outside:
-                place = brentq(lambda trial: beyond(trial) if trial != x[index] else -quantile, near, place)
-            ends.append(place)
-        return ends
-
-
-def _fit_one(model, displacement, force, displacement_noise, force_noise):
-    problem = _Problem(model, displacement, force, displacement_noise)
-    # the stiffness that turns force noise into displacement noise comes from the fit itself: two more rounds
-    for _ in range(3 if force_noise else 1):
-        trials = [problem.solve(x, max_nfev=12) for x in _spread(map(problem.start, model.starts()))]
-        best = sorted(trials, key=lambda t: t[0].cost)[:2]
-        solutions = [problem.solve(x, jac="3-point", xtol=1e-12, ftol=1e-12, gtol=1e-12)[0] for _, x in best]
-        solution = min(solutions, key=lambda s: s.cost)
-        if force_noise:
-            problem.sigma = np.hypot(displacement_noise, force_noise / model.overlap(solution.x, force)[1])
-    return _report(problem, solution, displacement_noise is not None)
-
-
-def _spread(scored, most=6):
-    """The best starts, one for each value of the last free quantity: a yield pressure that no load reaches has no slope."""
-    chosen = {}
-    for cost, x in scored:
-        key = float(x[-2]) if x.size > 1 else 0.0
-        if key not in chosen or cost < chosen[key][0]:
-            chosen[key] = cost, x
-    return [x for _, x in sorted(chosen.values(), key=lambda pair: pair[0])[:most]]
-
-
-def _report(problem, solution, absolute):
-    from scipy import stats
-
-    model, displacement, force, scale = problem.model, problem.measured, problem.force, problem.scale
-    n, k = force.size, solution.x.size
-    rss = 2.0 * solution.cost
-    freedom = n - k
-    variance = 1.0 if absolute else rss / freedom
-    # a parameter at its bound, or without effect, is left out of the covariance
-    low, high = problem.low, problem.high
-    size = np.linalg.norm(solution.jac, axis=0)
-    width = np.where(np.isfinite(high), high - low, 1.0)
-    at_bound = np.minimum(solution.x - low, high - solution.x) < 1e-6 * width
-    idle = size <= 1e-10 * max(size[-1], 1e-300)
-    used = ~(at_bound | idle)
-    jacobian = solution.jac[:, used] / size[used]
-    covariance = np.full((k, k), np.nan)
-    weak = used & (np.linalg.cond(jacobian) >= 1e7)
-    if not np.any(weak):
-        inverse = np.linalg.pinv(jacobian) / size[used, None]
-        covariance[np.ix_(used, used)] = variance * inverse @ inverse.T
-    half = 0.5 + 0.5 * _CONFIDENCE
-    quantile = float(stats.norm.ppf(half) if absolute else stats.t.ppf(half, freedom))
-    errors = np.sqrt(np.diag(covariance))
-    ends = np.array([solution.x - quantile * errors, solution.x + quantile * errors]).T
-    if variance > 0.0 and not np.all((ends[:, 0] > low) & (ends[:, 1] < high)):
-        # near an end of its range a quantity's likelihood is no parabola, nor is that of those that are tied to it
-        steps = np.minimum(np.where(np.isfinite(errors) & (errors > 0.0), errors, 0.02 * width), high - low)
-        ends = np.array([problem.profile(solution.x, i, float(steps[i]), variance, quantile) for i in range(k)])
-    stopped = ends == np.stack([low, high], 1)
-    unit = np.append(np.ones(k - 1), scale)
-    covariance *= np.outer(unit, unit)
-    estimates = {}
-    coordinates = (*model.free, ZERO)
-    final = solution.x * unit
-    for i, name in enumerate(coordinates):
-        error, (lower, upper) = errors[i] * unit[i], ends[i] * unit[i]
-        note = "at its bound" if at_bound[i] else "without effect on these points" if idle[i] else ""
-        note = "these points do not tell it from the others" if weak[i] else note
-        if np.all(stopped[i]):
-            note = "not determined" + (f": {note}" if note else "")
-        elif name not in _ENDS and np.any(stopped[i]):
-            note = f"the points give no {'lower' if stopped[i][0] else 'upper'} end" + (f", {note}" if note else "")
-        if name != ZERO and model.parameters[name].logarithmic:
-            value = math.exp(final[i])
-            with np.errstate(over="ignore"):
-                estimates[name] = Estimate(value, value * error, float(np.exp(lower)), float(np.exp(upper)), note)
-        else:
-            estimates[name] = Estimate(float(final[i]), float(error), float(lower), float(upper), note)
-    # Gaussian likelihood: with known noise, or with the scatter as one more parameter
-    if absolute:
-        minus_two_log = rss + 2.0 * float(np.sum(np.log(problem.sigma))) + n * math.log(2.0 * math.pi)
-        count = k
-    else:
-        floor = (1e-15 * scale) ** 2  # points without any noise would have an infinite likelihood
-        minus_two_log = n * (math.log(2.0 * math.pi * max(rss / n * scale**2, floor)) + 1.0)
-        count = k + 1
-    aicc = minus_two_log + 2.0 * count + (2.0 * count * (count + 1.0) / (n - count - 1.0) if n > count + 1 else math.inf)
-    predicted, _ = model.displacement(solution.x, force)
-    difference = displacement - final[-1] - predicted
-    notes = []
-    spread = float(np.sum(difference**2))
-    if n >= 20 and spread > 0 and float(np.sum(difference[1:] * difference[:-1])) > 0.5 * spread:
-        notes.append("the misfit is systematic, not scatter: the stated uncertainty is too small")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
-        best = model.law(solution.x)
-        ready = bind_law(best.name, best.contact, best.unloading, **best.options)  # refuses a pair that is not passive
-    return Fit(
-        model.definition.name,
-        model.unloading,
-        estimates,
-        covariance,
-        coordinates,
-        float(np.sqrt(np.mean(difference**2))),
-        aicc,
-        0.0,
-        1.0,
-        rss / freedom if absolute else math.nan,
-        ready,
-        predicted + final[-1],
-        tuple(notes),
-    )
+            fall = f"from {best.misfit * 1e6:.3g} to {other.misfit * 1e6:.3g} µm"
+            interval = f"{value:.4g} {symbol} [{low:.4g}, {high:.4g}]"
+            yield f"the misfit has a pattern that {meaning}: with {interval} it falls {fall}; {remedy}"

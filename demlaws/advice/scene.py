@@ -4,6 +4,7 @@ import contextlib
 import itertools
 import math
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -31,31 +32,66 @@ TEMPLATE = Path(__file__).with_name("template.toml")
 
 @dataclass(frozen=True)
 class Scene:
-    """Grains and loads of a simulation. SI units.
+    """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure, loads and speed is required.
 
-    radii: radius of the grains, or the smallest and largest; materials, surfaces: one for all grains, or lists of equal
-    length, one entry a kind of grain; force: (smallest, largest) normal force that matters [N]; pressure: (smallest,
-    largest) mean stress [Pa] of a packing, from which forces follow; loads: forces [N] of an actual run; speed: fastest
-    approach [m/s]: an impact's peak force widens the range; one of force, pressure, loads, speed must be given. cyclic:
-    contacts unload and reload; quantity: what must be right, a key of `QUANTITIES`; tolerance: largest error of it;
-    engine: one of `ENGINES`; walls: grains touch flats of their own kind; yield_pressure p_y [Pa], where the bulk may
-    yield; unloading: how contacts really unload, a rule, or a curve as `dl.law` takes it (a law, a table, a table's path),
-    for cyclic scenes; process: one of `PROCESSES`, what the packing undergoes, rate: fastest strain rate [1/s] of it that
-    may be advised (see `demlaws.advice.modulus`); reference, reference_options: law to hold the others against (default:
-    the richest that the quantities given determine); porosity, coordination: of the packing, for pressure and time step;
-    classes: radii [m] of grains that come in a few sizes, such as LIGGGHTS's or LAMMPS's particle types, in place of
-    `radii`.
+    Parameters
+    ----------
+    radii : float or sequence
+        Radius of the grains [m], or the smallest and largest.
+    materials, surfaces : Material, Surface, or sequences
+        One for all grains, or one entry per kind of grain.
+    force : (float, float)
+        Smallest and largest normal force of interest [N].
+    pressure : (float, float)
+        Smallest and largest mean stress of a packing [Pa], from which forces follow.
+    loads : array_like
+        Forces of an actual run [N].
+    speed : float
+        Fastest approach [m/s]; the peak force of an impact extends the range.
+    cyclic : bool
+        Whether contacts unload and reload.
+    quantity : str
+        Quantity of interest, a key of `QUANTITIES`.
+    tolerance : float
+        Its largest error.
+    engine : str
+        One of `ENGINES`.
+    walls : bool
+        Whether grains touch flats of the same kind.
+    yield_pressure : float
+        p_y [Pa], if the bulk may yield.
+    reference, reference_options : str, dict
+        Reference law; default: the most complete law that the quantities determine.
+    porosity, coordination : float
+        Of the packing, for pressure and time step.
+    classes : tuple
+        Radii [m] of grains that come in a few sizes, such as particle types, in place of `radii`.
+    rate : float
+        Fastest strain rate [1/s] that may be advised (`demlaws.advice.modulus`).
+    process : str
+        Process of the packing, one of `PROCESSES`.
+    unloading : str, Law or path
+        Actual unloading of the contacts, for cyclic scenes.
+    name : str
+        Name of the scene.
 
+    Raises
+    ------
+    DemlawsError
+        For unknown or missing quantities.
+
+    Examples
+    --------
     >>> granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2680)
     >>> scene = dl.Scene(radii=(0.01, 0.03), materials=granite, surfaces=dl.Surface(1.7e-6, 2.22), force=(1, 500), cyclic=True)
     >>> scene.unloads, scene.effective_radii()
     (True, (0.005, 0.015))
     """
 
-    radii: float | tuple = ()
-    materials: Material | tuple = ()
-    surfaces: Surface | tuple = field(default_factory=Surface)
-    force: tuple | None = None
+    radii: float | Sequence[float] = ()
+    materials: Material | Sequence[Material] = ()
+    surfaces: Surface | Sequence[Surface] = field(default_factory=Surface)
+    force: Sequence[float] | None = None
     pressure: tuple | None = None
     loads: np.ndarray | None = None
     speed: float = 0.0
@@ -93,6 +129,8 @@ class Scene:
         object.__setattr__(self, "radii", (min(radii), max(radii)))
         materials = _all_of(self.materials, Material, "materials")
         surfaces = _all_of(self.surfaces, Surface, "surfaces")
+        if any(surface.edge_radius is not None for surface in surfaces):
+            raise DemlawsError("edge_radius: the contacts of a scene are those of spheres; give the edges' radius as radii")
         kinds = max(len(materials), len(surfaces))
         if {len(materials), len(surfaces)} - {1, kinds} or not kinds:
             raise DemlawsError(f"{len(materials)} materials and {len(surfaces)} surfaces: give one, or one per kind of grain")

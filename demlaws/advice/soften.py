@@ -23,22 +23,41 @@ from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
 
 EXPONENTS = {
     Material: {"young": -1.0, "poisson": 0.0, "hardness": PRESSURE, "density": 0.0},
-    Surface: {"roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
+    Surface: {"roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE, "edge_radius": 0.0},
     Contact: {"radius": 0.0, "modulus": -1.0, "roughness": 2 / 3, "fractal_dimension": 0.0, "hardness": PRESSURE},
 }
 """Exponent of the factor by which each measured quantity grows."""
 
 
 def soften(thing: Any, factor: float) -> Any:
-    """`thing` with contacts softer by `factor` s: E/s, and all that keeps each contact on its branch scaled along.
+    """Rescale contacts to a lower modulus on the same branch of their law.
 
-    thing: a `Contact`, `Material`, `Surface`, `Law` or `Table` (its options and its unloading curve, too), `Scene`, a `Grain`
-    or `Case` of LIGGGHTS, or a list, tuple or dict of these (the `surfaces` of a YADE functor). Kept: force at a contact's
-    place on its curve, P_new(δ) = P_old(δ/s^(2/3)), so branch and plastic share; overlaps, tangential ones too, and energies
-    grow by s^(2/3), stiffness falls by s^(-2/3), the stable step grows by s^(1/3). Lost: geometry, since overlap over
-    diameter grows by s^(2/3). s below 1 stiffens. `Softening` says what becomes of each quantity, and scales a law's options
-    alone. Raises DemlawsError for what cannot be scaled, with the reason.
+    Parameters
+    ----------
+    thing : Contact, Material, Surface, Law, Table, Scene, Grain, Case, or a collection of these
+        Rescaled with its options and its unloading curve.
+    factor : float
+        s, the divisor of the modulus; below 1 it stiffens.
 
+    Returns
+    -------
+    same type as thing
+        The softened object.
+
+    Raises
+    ------
+    DemlawsError
+        For objects that cannot be rescaled, with the reason.
+
+    Notes
+    -----
+    P_new(δ) = P_old(δ/s^(2/3)): the force at a contact's place on its curve is kept, and so are branch and plastic share.
+    Overlaps, also tangential ones, and energies grow by s^(2/3), stiffness falls by s^(-2/3), and the stable step grows by
+    s^(1/3). Geometry is not kept, since overlap over diameter grows by s^(2/3). `Softening` lists the effect on each
+    quantity.
+
+    Examples
+    --------
     >>> pair = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
     >>> law = dl.law("pohrt-popov", pair)
     >>> softer = dl.soften(law, 8)
@@ -136,8 +155,8 @@ class Softening:
     def _law(self, law):
         if law.name not in registry():
             raise DemlawsError(
-                f"{law.name!r} is no law that is known here, but a table of a function, of points or of another's law: make it "
-                "anew, with overlaps times s^(2/3) at the same forces"
+                f"{law.name!r} is a table of a function, of points or of an unknown law, which cannot be rescaled: make "
+                "another table, with overlaps times s^(2/3) at the same forces"
             )
         contact, along = self.of(law.contact), law.unloading_law
         if isinstance(law, Table) and law.loading_shape.length_over_roughness:

@@ -72,7 +72,7 @@ def path_loop(rule, params, state, contacts, smallest, largest, paths, turns, ra
     """Random load paths with excursions that come back: how many return work, by how much, and values not finite.
 
     Work of first loading is the law's energy, on a Hertz-like unloading curve 0.4 (P x) from the forces that `step` returned,
-    on a given one that curve's energy, on one of a law's own what the rule says is stored. Where a given curve is flat, what
+    on a given one that curve's energy, on one of the law's own the stored energy of the rule. Where a given curve is flat, what
     rounding of its force makes of the overlap is allowed.
     """
     returned = 0

@@ -1,4 +1,4 @@
-"""The command `demlaws`. Each file of this folder brings its own commands and is loaded when one of them is named."""
+"""The command `demlaws`. Each file of this folder has its own commands and is loaded when one of them is used."""
 
 import argparse
 import contextlib
@@ -12,27 +12,27 @@ from demlaws.errors import DemlawsError, ValidityWarning
 
 COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
-    "laws": ("laws", "list the laws, or one law's options"),
+    "laws": ("laws", "list the laws, or the options of one law"),
     "curve": ("curve", "one law, one contact, any path"),
     "table": ("table", "a law, or measured points, as a certified table"),
     "regime": ("regime", "do asperities or the bulk deform, and which law fits"),
     "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
     "fit": ("fit", "fit laws to measured points and rank them"),
-    "choose": ("choose", "the cheapest law that a scene allows"),
-    "soften": ("soften", "softer grains that stay on their branch, for longer steps"),
+    "choose": ("choose", "the cheapest law within a scene's tolerance"),
+    "soften": ("soften", "rescaled softer grains, for longer time steps"),
     "timestep": ("timestep", "the largest stable time step of a snapshot"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
     "liggghts": ("engine", "the laws inside LIGGGHTS: build, check, export, run"),
     "lammps": ("engine", "the laws inside LAMMPS: build, check, export, run"),
 }
-"""Command → the file of this folder that brings it, and its line of `demlaws --help`, which loads none of them."""
+"""Command → its file in this folder and its line in `demlaws --help`, which loads none of the files."""
 
 
-LAWS = "--laws"
+LAW_FILE = "--law-file"
 
 
-class _Laws(argparse.Action):
-    """Loads the file at once: what stands after it on the command line may name its laws."""
+class _LawFile(argparse.Action):
+    """Loads the file at once, so that the following arguments can name its laws."""
 
     def __call__(self, parser, namespace, values, option_string=None):
         from demlaws.laws.registry import load_laws
@@ -41,32 +41,66 @@ class _Laws(argparse.Action):
 
 
 class Parser(argparse.ArgumentParser):
-    """argparse that takes -1e-3 for a number, so that the error about it can name the value and the unit, and --laws."""
+    """argparse with --law-file and --json, which reads -1e-3 as a number so that the error names its value and unit."""
 
     def __init__(self, *arguments, **options):
         super().__init__(*arguments, **options)
         self.add_argument(
-            LAWS,
-            action=_Laws,
+            LAW_FILE,
+            action=_LawFile,
             dest=argparse.SUPPRESS,
             metavar="FILE.py",
-            help="a Python file of your own that registers laws (may be repeated; docs/own-laws.md)",
+            help="a Python file that registers user-defined laws (may be repeated; docs/own-laws.md)",
         )
+        self.add_argument("--json", action="store_true", default=argparse.SUPPRESS, help="print the result as JSON")
         self._negative_number_matcher = re.compile(
             r"^-(\d+\.?\d*|\.\d+)(e[-+]?\d+)?\s*[a-zµμ°/³]*$|^-(inf|nan)$", re.IGNORECASE
         )
 
+    def add_argument(self, *names, **options):
+        """As argparse; a parser with a file to write also has --force."""
+        if getattr(options.get("type"), "writes", False) and "--force" not in self._option_string_actions:
+            super().add_argument(
+                "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
+            )
+        return super().add_argument(*names, **options)
+
     def _get_option_tuples(self, option_string):
-        """--laws has no shorter form: --law is another option, which not every command has."""
-        return [found for found in super()._get_option_tuples(option_string) if LAWS not in found[0].option_strings]
+        """Options are not abbreviated: --law would otherwise stand for --law-file where a command has no --law."""
+        return []
+
+    def parse_args(self, args=None, namespace=None):
+        """As argparse; an unknown option is reported with similar options, and --json is always set."""
+        namespace, unknown = self.parse_known_args(args, namespace)
+        if unknown:
+            parser = self
+            while below := next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None):
+                parser = below.choices[getattr(namespace, below.dest)]
+            parser.error(f"unrecognized argument {unknown[0]!r}{similar(unknown[0], parser._option_string_actions)}")
+        namespace.json = getattr(namespace, "json", False)
+        return namespace
+
+    def _check_value(self, action, value):
+        if action.choices is not None and value not in action.choices:
+            known = list(map(str, action.choices))
+            hint = similar(str(value), known) or f": choose from {', '.join(known)}"
+            raise argparse.ArgumentError(action, f"invalid choice {value!r:.60}{hint}")
 
     def error(self, message):
-        """One line, without the whole usage above it."""
+        """One line, without the usage."""
         self.exit(2, f"{self.prog}: error: {message}; see {self.prog} --help\n")
 
 
+def similar(word, known):
+    """ ": did you mean X?" of the most similar of the known words, or ""."""
+    import difflib
+
+    matches = difflib.get_close_matches(word.split("=")[0], list(known), 1)
+    return f": did you mean {matches[0]}?" if matches else ""
+
+
 class _Part:
-    """What a file registers its commands with: their lines of help stand here, and commands not asked for are left out."""
+    """Object with which a file registers its commands; commands that are not on the command line are left out."""
 
     def __init__(self, subparsers, wanted):
         self.subparsers, self.wanted = subparsers, wanted
@@ -145,8 +179,10 @@ def main(arguments=None):
 
 
 def execute(parser, arguments):
-    """Parse the arguments with what `parser()` returns, call its `func`; errors become one line and exit status 2."""
-    for stream in (sys.stdout, sys.stderr):  # a terminal without µ gets ? in its place
+    """Parse the arguments with the parser that `parser()` returns and call its `func`; an error is one line and status 2."""
+    from demlaws.cli.output import arranged
+
+    for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
@@ -155,19 +191,22 @@ def execute(parser, arguments):
             with warnings.catch_warnings():
                 _show_warnings()
                 notice.say = _compiling
-                status = parsed.func(parsed) or 0
+                with arranged(parsed):
+                    status = parsed.func(parsed) or 0
         finally:
             sys.stdout.flush()
         return status
     except DemlawsError as error:
         return _failed(error)
+    except OverflowError:
+        return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:
-        return _failed("there is not enough memory for this: ask for less (a smaller map, fewer contacts, steps or points)")
+        return _failed("not enough memory: use a smaller map, fewer contacts, steps or points")
     except KeyboardInterrupt:
         print("demlaws: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
-        _drop_output(sys.stdout, sys.stderr)  # the reader of our output has gone; say nothing more
+        _drop_output(sys.stdout, sys.stderr)  # the reader of our output has gone; nothing more is printed
         return 0
     except OSError as error:
         try:
@@ -184,7 +223,7 @@ def _failed(reason):
 
 
 def _drop_output(*streams):
-    """What a stream still holds goes nowhere: Python would try to write it again when it ends."""
+    """Discard the unwritten output of streams; Python would try to write it again at exit."""
     import os
 
     for stream in streams:

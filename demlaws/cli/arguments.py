@@ -2,7 +2,6 @@
 
 import argparse
 import sys
-from pathlib import Path
 
 from demlaws.errors import DemlawsError
 
@@ -21,6 +20,7 @@ def _quantity(unit, kind):
 
 length = _quantity("m", "a length")
 pressure = _quantity("Pa", "a pressure")
+radius = _quantity("m", "a radius")
 force = _quantity("N", "a force")
 speed = _quantity("m/s", "a speed")
 density = _quantity("kg/m³", "a density")
@@ -50,14 +50,6 @@ def law_name(text):
         print_laws()
         sys.exit(0)
     return text
-
-
-def output(text):
-    """A file to write: no folder."""
-    path = Path(text)
-    if not path.name or path.is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r} is a folder: name a file in it")
-    return path
 
 
 def figures(*numbers):

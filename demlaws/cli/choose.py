@@ -1,10 +1,13 @@
-"""`demlaws choose`: the cheapest law that a scene allows."""
+"""`demlaws choose`: the cheapest law within a scene's tolerance."""
 
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import output
+from demlaws.cli.output import csv_output, output, record, write_csv
 from demlaws.errors import DemlawsError
+
+FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
+TITLES = ("choice", *(f"{name}_s" if name == "step" else name for name in FIELDS))
 
 
 def register(subparsers):
@@ -12,8 +15,8 @@ def register(subparsers):
     parser = subparsers.add_parser(
         "choose",
         description="Ranks laws, unloading rules and evaluations for a scene by kept cost among those that meet its "
-        "tolerance; says what is left out and what that costs in error. For a packing under pressure it also says how soft its "
-        "grains may be made and how fast they may be loaded.",
+        "tolerance; states the neglected physics and its error. For a packing under pressure it also recommends a "
+        "stiffness reduction and a loading rate.",
         **example(
             "  demlaws choose --template > ballast.toml      (every key of a scene, with its meaning)\n"
             "  demlaws choose ballast.toml --out ballast.tbl\n"
@@ -22,14 +25,14 @@ def register(subparsers):
     )
     parser.add_argument("scene", type=Path, nargs="?", help="scene file (TOML)")
     parser.add_argument("--template", action="store_true", help="only print a scene file with every key and its meaning")
-    parser.add_argument("--soften", action="store_true", help="choose, and write, for the softer grains that are advised")
+    parser.add_argument("--soften", action="store_true", help="choose and write for the recommended softer grains")
     parser.add_argument("--all", action="store_true", help="list also those that miss the tolerance")
     parser.add_argument(
         "--out",
         type=Path,
-        help="table file to write, one a pair of kinds of grain; for LIGGGHTS and LAMMPS the folder of a whole case",
+        help="table file to write, one per pair of kinds of grain; for LIGGGHTS and LAMMPS the folder of a whole case",
     )
-    parser.add_argument("--csv", type=output, help="file to write all candidates to")
+    parser.add_argument("--csv", type=csv_output(TITLES), help="file to write all candidates to")
     parser.add_argument("--figure", type=output, help="picture to draw: error against cost")
     parser.set_defaults(func=run)
 
@@ -42,7 +45,6 @@ def run(arguments):
     from demlaws.advice.choose import choose, table_name
     from demlaws.advice.errors import QUANTITIES
     from demlaws.advice.scene import TEMPLATE, Scene
-    from demlaws.files import save_csv
     from demlaws.materials import DENSITY
     from demlaws.plots import choose as plots_choose
     from demlaws.timestep import STEP_SAFETY, rayleigh_step
@@ -70,28 +72,34 @@ def run(arguments):
                 f"{choice.state_bytes:4d} B {choice.table_rows:6d}  {choice.describe()}{'' if choice.meets else '  MISSES'}"
             )
     print("(ns: per contact, of the law alone, as kept from `make trade`; step: over the reference's; ranked by ns over step)")
-    for what, why in choices.ruled_out.items():
-        print(f"ruled out: {what}: {why}")
+    for name, reason in choices.ruled_out.items():
+        print(f"ruled out: {name}: {reason}")
     for note in choices.notes:
         print(f"note: {note}")
+    record(
+        scene=scene.name or arguments.scene.stem,
+        quantity=scene.quantity,
+        tolerance=scene.tolerance,
+        reference={"law": reference.name, "unloading": reference.unloading},
+        choices=[{"choice": c.describe(), **{name: getattr(c, name) for name in FIELDS}} for c in choices],
+        ruled_out=dict(choices.ruled_out),
+        notes=list(choices.notes),
+    )
     if arguments.csv is not None:
-        fields = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
-        titles = ("choice", *(f"{name}_s" if name == "step" else name for name in fields))
-        rows = ((c.describe(), *(getattr(c, name) for name in fields)) for c in choices)
-        print(save_csv(arguments.csv, titles, rows))
+        write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
     if arguments.figure is not None:
         print(plots.save(plots_choose.choices_figure(choices), arguments.figure))
     best = choices.best
     if not best.meets:
         raise DemlawsError(
             f"nothing meets the tolerance {scene.tolerance:g}: the best is {best.describe()} with {best.error:.2g}; "
-            "ask for that, or give the reference's quantities (fractal dimension, hardness, yield pressure)"
+            "use that tolerance, or give the reference's quantities (fractal dimension, hardness, yield pressure)"
         )
     rayleigh = min(rayleigh_step(scene.radii[0], m.density or DENSITY, m.young, m.poisson) for m in scene.materials)
     print(f"\nchosen: {best.describe()}")
     print(f"time step {best.step:.3g} s, at most {STEP_SAFETY:g} of the estimated stability limit (Rayleigh: {rayleigh:.3g} s)")
-    for what, error in best.left_out:
-        print(f"  left out: {what}: costs {error:.2g} in {scene.quantity}")
+    for physics, error in best.left_out:
+        print(f"  left out: {physics}: costs {error:.2g} in {scene.quantity}")
     if advice is not None:
         print(f"softer grains, {'applied here' if arguments.soften else 'with --soften'}:")
         print("\n".join(advice.lines()))
@@ -102,14 +110,14 @@ def run(arguments):
     if scene.engine in ("liggghts", "lammps"):
         print(f"wrote {best.export(arguments.out)} and {len(list(arguments.out.glob('*.tbl')))} table(s)")
         return
-    for kinds, made in best.tables().items():
+    for kinds, table in best.tables().items():
         path = table_name(arguments.out, scene, kinds)
-        made.save(path)
+        table.save(path)
         print(f"wrote {path}")
 
 
 def _advice(scene, wanted):
-    """How soft and how fast, or None where nothing is known of that; an error where it is wanted."""
+    """Recommended stiffness reduction and rate, or None if none is known; an error if it is required."""
     from demlaws.advice import modulus
     from demlaws.advice.choose import reference_plan
 

@@ -1,23 +1,30 @@
-"""`demlaws liggghts` and `demlaws lammps`: build | check | export | run."""
+"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run."""
 
 import argparse
+import os
 
-from demlaws.cli import example, option
+from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
+from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import USUAL
 
 EXPORT_EXAMPLE = """\
-  demlaws {name} export case --law pohrt-popov --radius 0.004 0.005 --sq 1.7e-6 --fractal-dimension 2.22
+  demlaws {name} export case --law pohrt-popov --radius 0.004 0.005 --roughness 1.7e-6 --fractal-dimension 2.22
   cd case && ./run.sh 2"""
 WITHOUT_COMPILER = """
 without a compiler:
-  demlaws liggghts export case --stock hertz --load 10 --radius 0.004 --sq 1.7e-6 --fractal-dimension 2.22"""
+  demlaws liggghts export case --stock hertz --load 10 --radius 0.004 --roughness 1.7e-6 --fractal-dimension 2.22"""
+CONVERT_EXAMPLE = """\
+  demlaws table --law hertz --effective-radius 4mm --modulus 32.32GPa --out hertz.tbl
+  demlaws {name} convert in.case --table hertz.tbl
+  demlaws {name} run in.case.demlaws"""
 RUN_EXAMPLE = """\
   demlaws {name} run in.case -np 2 -var steps 5000
+  demlaws {name} run -in in.case -log case.log -screen none
   demlaws {name} run in.case -echo screen -var radii 0.004 0.005 0.006    (unknown options go to {engine})"""
 PROPERTIES = (
-    ("sq", length, [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
+    ("roughness", length, [0.0], "rms roughness Sq of a grain's own surface [m]; two grains have σ² = Sq1² + Sq2²"),
     ("fractal-dimension", plain, [None], "fractal dimension of the surface, 2 to 3"),
     ("young", pressure, [60.6e9], "Young's modulus [Pa]"),
     ("poisson", plain, [0.25], "Poisson's ratio"),
@@ -25,6 +32,16 @@ PROPERTIES = (
     ("density", density, [2650.0], "density [kg/m³]"),
 )
 """Options of `export` with one value, or one per grain type: name, kind, default, help."""
+
+
+class _PartParser(Parser):
+    """Of `run`: options that are not ours are the engine's."""
+
+    def parse_known_args(self, args=None, namespace=None):
+        namespace, unknown = super().parse_known_args(args, namespace)
+        if unknown and "rest" in namespace:
+            namespace.rest, unknown = [*unknown, *namespace.rest], []
+        return namespace, unknown
 
 
 def register(subparsers):
@@ -36,7 +53,7 @@ def register(subparsers):
 
 def _register(subparsers, name, engine, more=""):
     parser = subparsers.add_parser(name, **example(f"  demlaws {name} check"))
-    parts = parser.add_subparsers(dest="part", required=True, metavar="PART")
+    parts = parser.add_subparsers(dest="part", required=True, metavar="PART", parser_class=_PartParser)
 
     def part(part_name):
         from demlaws import lammps, liggghts
@@ -58,18 +75,32 @@ def _register(subparsers, name, engine, more=""):
             print((path.parent / "fit.txt").read_text(), end="")
         print(f"wrote {path}; start {path.parent / 'run.sh'}")
 
+    def convert(arguments):
+        from demlaws.convert import convert_file
+
+        out = arguments.out or output(arguments.input + ".demlaws")
+        out, converted = convert_file(arguments.input, name, arguments.table, out)
+        print("\n".join([*converted.report(arguments.input), f"wrote {out}"]))
+        return 0 if all(note.served for note in converted.notes) else 1
+
     def run(arguments):
+        _refuse_mpirun(name)
         # options may stand behind the input, too; unknown ones are the engine's
         ours = argparse.ArgumentParser(prog=f"demlaws {name} run", add_help=False, allow_abbrev=False)
         _run_options(ours, default=argparse.SUPPRESS)
         arguments, rest = ours.parse_known_args(arguments.rest, arguments)
+        rest = [word for word in rest if word != "--"]
+        if arguments.script is None and (not rest or rest[0].startswith("-")):
+            raise DemlawsError(f"no input script: demlaws {name} run INPUT ..., or -in INPUT among the options of {engine}")
+        script = arguments.script or rest.pop(0)
         part("run")(
-            arguments.input,
+            script,
             arguments.np,
             plugin=not arguments.stock,
-            echo=True,
+            log=arguments.log,
+            echo=arguments.screen != "none",  # LIGGGHTS 3.8.0 crashes at `fix mesh` with its own -screen none
             portable=arguments.portable,
-            arguments=rest[1:] if rest[:1] == ["--"] else rest,
+            arguments=[*rest, *(["-screen", arguments.screen] if arguments.screen not in (None, "none") else [])],
         )
 
     builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
@@ -85,11 +116,18 @@ def _register(subparsers, name, engine, more=""):
     _grain_arguments(exports)
     exports.set_defaults(func=export)
 
+    text = example(CONVERT_EXAMPLE.format(name=name))
+    converts = parts.add_parser("convert", help="an input with demlaws/table in place of its contact model", **text)
+    converts.add_argument("input", help="input script with stock models")
+    converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
+    converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
+    converts.set_defaults(func=convert)
+
     text = example(RUN_EXAMPLE.format(name=name, engine=engine))
     runs = parts.add_parser("run", help="run an input with the plugin", **text)
     _run_options(runs)
-    runs.add_argument("input", help=f"input script; {engine} runs in its folder")
-    runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="...", help=f"the options above, and any of {engine}'s own")
+    text = f"input script, in whose folder {engine} runs; then the options above, and any of {engine}'s own"
+    runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="INPUT ...", help=text)
     runs.set_defaults(func=run)
     return exports
 
@@ -98,6 +136,22 @@ def _run_options(parser, **default):
     parser.add_argument("-np", type=int, **default or {"default": 1}, help="number of MPI ranks (default 1)")
     parser.add_argument("--portable", action="store_true", **default, help="the plugin that `build --portable` makes")
     parser.add_argument("--stock", action="store_true", **default, help="without the plugin")
+    default = default or {"default": None}
+    parser.add_argument("-in", "-i", dest="script", metavar="INPUT", **default, help="the input script, as the engine has it")
+    parser.add_argument("-log", "-l", metavar="FILE", **default, help="the log file (default log.ENGINE)")
+    parser.add_argument("-screen", "-sc", metavar="none|FILE", **default, help="none: print nothing")
+
+
+_RANKS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS")
+
+
+def _refuse_mpirun(name):
+    """Under mpirun each rank would start the whole run; demlaws starts the ranks itself."""
+    ranks = next((os.environ[word] for word in _RANKS if os.environ.get(word, "1") != "1"), None)
+    if ranks:
+        raise DemlawsError(
+            f"demlaws starts the ranks itself: write  demlaws {name} run INPUT -np {ranks}  without mpirun in front of it"
+        )
 
 
 def _grain_arguments(export):

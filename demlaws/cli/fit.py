@@ -3,12 +3,17 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import compliance, force, law_name, length, output
-from demlaws.cli.curve import add_contact_arguments, contact_from
+from demlaws.cli.arguments import compliance, force, law_name, length
+from demlaws.cli.contact import add_contact_arguments, contact_from
+from demlaws.cli.output import csv_output, output, record, write_csv
 
 UNITS = {"roughness": ("µm", 1e6), "zero": ("µm", 1e6), "modulus": ("GPa", 1e-9), "hardness": ("GPa", 1e-9)}
 UNITS["yield_pressure"] = UNITS["modulus"]
 UNITS["compliance"] = ("µm/N", 1e6)
+TITLES = [
+    *("law", "unloading", "misfit_m", "aicc", "delta", "weight"),
+    *("parameter", "value", "standard_error", "low", "high", "note"),
+]
 
 
 def register(subparsers):
@@ -19,7 +24,7 @@ def register(subparsers):
         "test; prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(
             '  demlaws fit points.csv --test "SS(18-18)" --figure fit.png\n'
-            "  demlaws fit points.csv --radius 4.35e-3 --modulus 3.23e10 --sigma 2e-6 --fractal-dimension 2.2 \\\n"
+            "  demlaws fit points.csv --radius 8.7mm --modulus 32.3GPa --roughness 1.4um --fractal-dimension 2.2 \\\n"
             "      --law rms --law pohrt-popov --free roughness modulus\n\n"
             "points.csv: two columns with units in the header, for instance\n"
             "  displacement (um),force (N)"
@@ -32,7 +37,7 @@ def register(subparsers):
     )
     parser.add_argument(
         "--unloading",
-        help="only this rule: elastic, hertz, thornton or one of the law's own (default: each, if the points unload)",
+        help="only this rule: elastic, hertz, thornton or a rule of the law only (default: each, if the points unload)",
     )
     parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
     parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
@@ -42,9 +47,9 @@ def register(subparsers):
         type=compliance,
         default=0.0,
         metavar="M/N",
-        help="how far the apparatus gives way, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
+        help="compliance of the apparatus, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
     )
-    parser.add_argument("--csv", type=output, help="file to write the ranking to")
+    parser.add_argument("--csv", type=csv_output(TITLES), help="file to write the ranking to")
     parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
 
@@ -69,7 +74,6 @@ def run(arguments):
 
     from demlaws import plots
     from demlaws.advice.fit import fit
-    from demlaws.files import save_csv
     from demlaws.plots import choose as plots_choose
     from demlaws.points import read_points
 
@@ -93,16 +97,16 @@ def run(arguments):
         print(f"{f.name:16} {f.unloading:9} {f.misfit * 1e6:11.4g} {f.delta:9.1f} {f.weight:7.3f} {mark} {values}")
     for note in sorted({note for f in ranking for note in f.notes}):
         print(f"* {note}")
+    fields = ("name", "unloading", "misfit", "aicc", "delta", "weight", "parameters", "notes")
+    record(laws=[{name: getattr(f, name) for name in fields} for f in ranking], skipped=dict(ranking.skipped))
     for name, reason in ranking.skipped.items():
-        print(f"left aside: {name}: {reason}")
+        print(f"not fitted: {name}: {reason}")
     if arguments.csv is not None:
         rows = [
             (f.name, f.unloading, f.misfit, f.aicc, f.delta, f.weight, name, e.value, e.error, e.low, e.high, e.note)
             for f in ranking
             for name, e in f.parameters.items()
         ]
-        titles = ("law", "unloading", "misfit_m", "aicc", "delta", "weight")
-        titles += ("parameter", "value", "standard_error", "low", "high", "note")
-        print(f"{save_csv(arguments.csv, titles, rows)}: {len(rows)} rows")
+        write_csv(arguments.csv, TITLES, rows)
     if arguments.figure is not None:
         print(plots.save(plots_choose.fit_figure(ranking, points.source), arguments.figure))

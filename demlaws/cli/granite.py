@@ -4,6 +4,7 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.arguments import figures, law_name
+from demlaws.cli.output import record
 
 
 def register(subparsers):
@@ -30,19 +31,17 @@ def register(subparsers):
         action="append",
         default=[],
         metavar="[TEST=]FILE",
-        help="CSV file of measured points: overlaid, and held against the claims that concern the test; may be given again for "
-        "another test; with --test the file alone",
+        help="CSV file of measured points: overlaid, and compared with the claims about the test; may be repeated for "
+        "other tests; with --test the file name alone",
     )
-    parser.add_argument(
-        "--fit-compliance", action="store_true", help="fit the apparatus's compliance together with each misfit"
-    )
+    parser.add_argument("--fit-compliance", action="store_true", help="fit the compliance of the apparatus with each misfit")
     parser.add_argument(
         "--figures",
         type=figures(*range(3, 10), *range(11, 15)),
         metavar="LIST",
-        help="only these figures of the paper, by number, with what stands in them: all, or for instance 4,8 or 11-14",
+        help="only these figures of the paper, by number, with their content: all, or for instance 4,8 or 11-14",
     )
-    parser.add_argument("--tables", action="store_true", help="only tables 1 to 3 of the paper, with what follows from them")
+    parser.add_argument("--tables", action="store_true", help="only tables 1 to 3 of the paper, with derived quantities")
     parser.add_argument("--out", type=Path, default=Path("granite"), help="folder for CSV files and figures (default: granite)")
     parser.set_defaults(func=run)
 
@@ -51,4 +50,4 @@ def run(arguments):
     """Do what the command's arguments ask."""
     from demlaws.granite.command import run
 
-    run(arguments)
+    record(**run(arguments))

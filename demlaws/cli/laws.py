@@ -1,6 +1,7 @@
 """`demlaws laws`: the laws, and the options of each."""
 
 from demlaws.cli import example
+from demlaws.cli.output import record
 from demlaws.errors import DemlawsError
 
 
@@ -8,17 +9,17 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "laws",
-        description="Lists the laws of first loading, or one law's equation, source, what of the contact it needs, its options "
+        description="Lists the laws of first loading, or one law's equation, source, required contact quantities, options "
         "(for --option NAME=VALUE and dl.law(..., name=value)) and the unloading rules.",
-        **example("  demlaws laws\n  demlaws laws rough-plastic\n  demlaws laws my-law --laws my_laws.py --check"),
+        **example("  demlaws laws\n  demlaws laws rough-plastic\n  demlaws laws my-law --law-file my_laws.py --check"),
     )
     parser.add_argument("name", nargs="?", help="name of a law (default: list all)")
-    parser.add_argument("--check", action="store_true", help="run the project's own law tests on it and print the table")
+    parser.add_argument("--check", action="store_true", help="run the project's tests of laws on it and print the table")
     parser.set_defaults(func=run)
 
 
 def print_laws():
-    """Print a line a law: name and description."""
+    """Print one line per law: name and description."""
     from demlaws.laws.registry import registry
 
     for name, definition in registry().items():
@@ -28,21 +29,25 @@ def print_laws():
 def run(arguments):
     """Do what the command's arguments ask."""
     from demlaws.core.unloading import RULES
-    from demlaws.laws.registry import find
+    from demlaws.laws.registry import find, registry
 
     if arguments.check and arguments.name is None:
-        raise DemlawsError("--check is of one law: demlaws laws NAME --check")
+        raise DemlawsError("--check is for one law: demlaws laws NAME --check")
     if arguments.check:
         from demlaws.checks.law import check_law
 
-        found = check_law(arguments.name)
-        print(found)
-        return 0 if found.passed else 1
+        report = check_law(arguments.name)
+        print(report)
+        return 0 if report.passed else 1
     if arguments.name is None:
+        record(laws={name: d.description for name, d in registry().items()}, unloading=list(RULES))
         print_laws()
-        print(f"unloading: {', '.join(RULES)}; options of a law, and unloading rules of its own: demlaws laws NAME")
+        print(f"unloading: {', '.join(RULES)}; options of a law, and its further rules: demlaws laws NAME")
         return 0
     definition = find(arguments.name)
+    fields = ("name", "description", "equation", "source", "needs", "default_unloading")
+    record(**{name: getattr(definition, name) for name in fields}, unloading=list(definition.offered()))
+    record(options={name: option._asdict() for name, option in definition.options.items()})
     print(f"{definition.name}: {definition.description}\n  {definition.equation}\n  {definition.source}")
     print(f"  needs of the contact: {', '.join(('radius', 'modulus', *definition.needs))}")
     lines = list(definition.option_lines())
@@ -51,7 +56,7 @@ def run(arguments):
         print(f"    {line}")
     if definition.unloading:
         print(f"  unloading: {', '.join(definition.offered())} (those that are passive with it)")
-        print(f"  where none is named: {definition.default_unloading}")
+        print(f"  default: {definition.default_unloading}")
     for rule in definition.rules:
-        print(f"  {rule.name}, a rule of its own: {rule.description}")
+        print(f"  {rule.name}, a rule of this law only: {rule.description}")
     return 0

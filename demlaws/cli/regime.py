@@ -1,8 +1,9 @@
 """`demlaws regime`: which part of a rough contact deforms."""
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, output, plain, pressure
-from demlaws.cli.bodies import bodies, draw, pair_of
+from demlaws.cli.arguments import force, plain, pressure
+from demlaws.cli.contact import add_contact_arguments, contact_from, draw
+from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
 
 
@@ -10,16 +11,13 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     regime = subparsers.add_parser(
         "regime",
-        description="The criterion of Jamari & Schipper: p(0)/H_m at a load, the load at which the answer changes, which laws "
-        "fit.",
+        description="The criterion of Jamari & Schipper: p(0)/H_m at a load, the transition load, and which laws apply.",
         **example(
-            "  demlaws regime --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 --ball-young 430e9 \\\n"
-            "      --ball-poisson 0.17 --sigma 1.3um --load 0.2"
+            "  demlaws regime --radius 3.175mm inf --young 430GPa 75.2GPa --poisson 0.17 0.34 --hardness 0.24GPa \\\n"
+            "      --combined-roughness 1.3um --load 0.2"
         ),
     )
-    bodies(regime)
-    regime.add_argument("--sigma", dest="roughness", type=length, help="combined rms roughness σ in m, or with a unit: 1.3um")
-    regime.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
+    add_contact_arguments(regime)
     regime.add_argument("--load", type=force, help="load in N")
     regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
     regime.add_argument(
@@ -37,24 +35,29 @@ def run_regime(arguments):
     from demlaws import regime
 
     if arguments.yield_load is not None and arguments.yield_pressure is not None:
-        raise DemlawsError("--yield-load and --yield-pressure say the same: give one of them")
+        raise DemlawsError("--yield-load and --yield-pressure are alternatives: give one of them")
     measured = arguments.yield_load is not None or arguments.yield_pressure is not None
-    for name, flag in (("roughness", "sigma"), ("hardness", "hardness")):
-        if getattr(arguments, name) is None and not (name == "hardness" and measured):
-            raise DemlawsError(f"--{flag} missing: the criterion needs it")
-    pair = pair_of(arguments, arguments.roughness, arguments.fractal_dimension)
+    pair = contact_from(arguments)
+    if not pair.roughness:
+        raise DemlawsError("--roughness (or --combined-roughness) missing: the criterion needs it")
+    if pair.hardness is None and not measured:
+        raise DemlawsError("--hardness missing: the criterion needs it")
     limit = arguments.yield_pressure
     if arguments.yield_load is not None:
         limit = float(regime.hertz_pressure(pair, arguments.yield_load))
     if arguments.load is None:
         if measured:
-            raise DemlawsError("--load missing: a measured yield is held against a load")
+            raise DemlawsError("--load missing: a measured yield is compared with a load")
         yields = regime.transition_load(pair, mu=arguments.mu)
         print(f"the bulk yields (p(0)/H_m = {regime.YIELD_RATIO}) from {yields:.4g} N; below, asperities")
+        record(contact=pair, transition_load=yields)
     else:
-        print(regime.assess(pair, arguments.load, arguments.mu, limit))
+        assessment = regime.assess(pair, arguments.load, arguments.mu, limit)
+        laws = regime.advise(pair, arguments.load, limit, arguments.mu)
+        record(contact=pair, assessment=assessment, laws=laws)
+        print(assessment)
         print("laws at this load:")
-        for advice in regime.advise(pair, arguments.load, limit, arguments.mu):
+        for advice in laws:
             print(f"  {advice.law:16} {'fits' if advice.fits else 'no'}: {advice.reason}")
     draw(arguments.figure, lambda plots: plots.regime_figure(pair, arguments.load))
     return 0

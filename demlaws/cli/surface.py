@@ -3,10 +3,25 @@
 import math
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, output, plain, whole
-from demlaws.cli.bodies import bodies, draw, pair_of
+from demlaws.cli.arguments import force, length, plain, whole
+from demlaws.cli.contact import add_contact_arguments, contact_from, draw
+from demlaws.cli.output import csv_output, output, record, write_csv
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import ASPERITY
+
+MICRO_CONTACTS = (
+    "x",
+    "y",
+    "cut_area",
+    "volume",
+    "length_long",
+    "length_short",
+    "angle",
+    "indentation",
+    "force",
+    "area",
+    "state",
+)
 
 
 def register(subparsers):
@@ -16,20 +31,20 @@ def register(subparsers):
         usage="demlaws surface FILE [options]\n"
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface synthetic --out FILE [options]\n"
-        "       demlaws surface summits FILE [--radius R] [options]",
+        "       demlaws surface summits FILE [--effective-radius R] [options]",
         description="FILE: .npy, .csv, .txt, .tsv or .asc, or what an instrument writes (through SurfaceTopography). The first "
         "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `summits` counts nine-point "
         "summits; `synthetic` makes a self-affine map.",
         **example(
-            "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --sq 1.3um --seed 1 --out map.asc\n"
+            "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --roughness 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
-            "  demlaws surface contact map.asc --radius 3.175mm --young 75.2e9 --poisson 0.34 --hardness 0.24e9 \\\n"
-            "      --ball-young 430e9 --ball-poisson 0.17 --load 0.2 --table map.tbl --figure contact.png\n"
-            "  demlaws surface summits map.asc --radius 5mm --crop 0.2mm"
+            "  demlaws surface contact map.asc --radius 3.175mm inf --young 430GPa 75.2GPa --poisson 0.17 0.34 \\\n"
+            "      --hardness 0.24GPa --load 0.2 --table map.tbl --figure contact.png\n"
+            "  demlaws surface summits map.asc --effective-radius 5mm --crop 0.2mm"
         ),
     )
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
-    surface.add_argument("--pixel", help="pixel size, for files that do not say it: 0.8um, or 0.8um,1um for x and y")
+    surface.add_argument("--pixel", help="pixel size, for files without one: 0.8um, or 0.8um,1um for x and y")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
     surface.add_argument("--form", type=whole(-1, 8), help="order of the polynomial removed (default 2; -1: none)")
     surface.add_argument(
@@ -42,8 +57,8 @@ def register(subparsers):
     )
     surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the load leaves it")
     surface.add_argument("--figure", type=output, help="picture to draw")
-    contact = surface.add_argument_group("contact")
-    bodies(contact)
+    add_contact_arguments(surface, test=False)
+    contact = surface.add_argument_group("pressing: a ball (the first body) on the map (the second body)")
     contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
     contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
     contact.add_argument("--load", type=force, help="load in N")
@@ -52,20 +67,19 @@ def register(subparsers):
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (without: aluminium's)"
     )
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (without: aluminium's)")
-    contact.add_argument("--csv", type=output, help="write the micro-contacts under load")
+    contact.add_argument("--csv", type=csv_output(MICRO_CONTACTS), help="write the micro-contacts under load")
     contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
     contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
     contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz; reloading: elastic)")
     contact.add_argument("--max-force", type=force, help="end of the computed curve in N")
     contact.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the table (default 1e-5)")
-    made = surface.add_argument_group("synthetic")
-    made.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
-    made.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
-    made.add_argument("--sq", dest="roughness", type=length, default=1e-6, help="rms roughness Sq of the map (default 1um)")
-    made.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
-    made.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
-    made.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    made.add_argument("--anisotropy", type=plain, default=1.0, help="how much longer along x (default 1)")
+    synthetic = surface.add_argument_group("synthetic, with --roughness its Sq (default 1um)")
+    synthetic.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
+    synthetic.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
+    synthetic.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
+    synthetic.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
+    synthetic.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
+    synthetic.add_argument("--anisotropy", type=plain, default=1.0, help="how much longer along x (default 1)")
     surface.set_defaults(func=run_surface)
 
 
@@ -123,23 +137,29 @@ def _summits(arguments, path):
     from demlaws.solvers.summits import summits
 
     heights = _levelled(arguments, path)
-    found = summits(heights)
+    sample = summits(heights)
+    record(total=sample.total, density=sample.density, radius=sample.radius, height=sample.height, spread=sample.spread)
     print(
-        f"{found.total} nine-point summits on {heights.field_of_view[0] * 1e6:.4g} x {heights.field_of_view[1] * 1e6:.4g} µm, "
-        f"pixels of {heights.pixel_x * 1e6:.4g} µm: η = {found.density * 1e-12:.4g} /µm²"
+        f"{sample.total} nine-point summits on {heights.field_of_view[0] * 1e6:.4g} x {heights.field_of_view[1] * 1e6:.4g} µm, "
+        f"pixels of {heights.pixel_x * 1e6:.4g} µm: η = {sample.density * 1e-12:.4g} /µm²"
     )
     print(
-        f"β = {found.radius * 1e6:.4g} µm (one over the mean curvature; mean of the radii {found.mean_radius * 1e6:.4g} µm), "
-        f"summits {found.height * 1e6:.4g} µm above the mean plane, rms {found.spread * 1e6:.4g} µm; "
-        f"Sq = {found.roughness * 1e6:.4g} µm"
+        f"β = {sample.radius * 1e6:.4g} µm (one over the mean curvature; mean of the radii {sample.mean_radius * 1e6:.4g} µm), "
+        f"summits {sample.height * 1e6:.4g} µm above the mean plane, rms {sample.spread * 1e6:.4g} µm; "
+        f"Sq = {sample.roughness * 1e6:.4g} µm"
     )
-    if arguments.radius is not None:
-        print(f"μ = (8/3) η σ √(2Rβ) = {found.mu(arguments.radius):.4g} for R = {arguments.radius * 1e3:g} mm and σ = Sq")
+    if arguments.effective_radius is not None:
+        print(
+            f"μ = (8/3) η σ √(2Rβ) = {sample.mu(arguments.effective_radius):.4g} for "
+            f"R = {arguments.effective_radius * 1e3:g} mm and σ = Sq"
+        )
     draw(arguments.figure, lambda plots: plots.nine_point_figure(heights))
     return 0
 
 
 def _describe(heights, wavelengths):
+    record(pixels=heights.shape[::-1], field_of_view=heights.field_of_view, missing=heights.missing)
+    record(sq=heights.sq, sa=heights.sa, slope=heights.slope, form_order=heights.form_order)
     rows, columns = heights.shape
     width, height = heights.field_of_view
     print(f"{columns} x {rows} pixels of {heights.pixel_x * 1e6:.4g} x {heights.pixel_y * 1e6:.4g} µm", end="; ")
@@ -155,7 +175,9 @@ def _describe(heights, wavelengths):
         ("spectrum", heights.fractal_dimension_by_spectrum),
     ):
         try:
-            print(f"fractal dimension by {name}: Df = {method(wavelengths):.3f}")
+            dimension = method(wavelengths)
+            record(**{f"fractal_dimension_by_{name.replace(', ', '_').replace(' ', '_')}": dimension})
+            print(f"fractal dimension by {name}: Df = {dimension:.3f}")
         except DemlawsError as error:
             print(f"fractal dimension by {name}: none ({error})")
 
@@ -176,7 +198,7 @@ def _synthetic(arguments):
         arguments.size,
         arguments.pixel or 1e-6,
         arguments.hurst,
-        arguments.roughness,
+        (arguments.roughness or [1e-6])[0],
         arguments.seed,
         shortest=arguments.shortest,
         longest=arguments.longest,
@@ -195,10 +217,12 @@ def _contact(arguments, name):
     heights = _levelled(arguments, name)
     if arguments.on is not None:
         heights = heights.combined(_levelled(arguments, arguments.on))
+    if arguments.young is None:
+        raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
     contact = RoughContact(
         heights,
-        pair_of(arguments, heights.sq),
-        arguments.poisson,
+        contact_from(arguments, roughness=heights.sq),
+        arguments.poisson[-1],
         arguments.plastic_factor,
         arguments.plastic_ratio,
         flat=arguments.flat,
@@ -210,8 +234,9 @@ def _contact(arguments, name):
             print(assess(contact.pair, arguments.load))
         step = contact.load(arguments.load, min(arguments.tolerance, 1.0))
         print(step)
+        record(contact=contact.pair, load=arguments.load, text=str(step).splitlines(), micro_contacts=len(step.micro))
         if arguments.csv is not None:
-            _write_micro_contacts(arguments.csv, step.micro)
+            write_csv(arguments.csv, MICRO_CONTACTS, _micro_contacts(step.micro))
         if arguments.out is not None:
             _write(arguments.out, contact.unload(step).heights)
         draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
@@ -243,6 +268,7 @@ def _table(arguments, contact, load):
     )
     table = bound.tabulate(arguments.rtol)
     table.save(arguments.table)
+    record(table=str(arguments.table), force_error=table.force_error, stiffness_error=table.stiffness_error)
     if load is None:
         draw(arguments.figure, lambda plots: plots.law_figure(contact, {arguments.curve: bound}))
     print(
@@ -251,10 +277,5 @@ def _table(arguments, contact, load):
     )
 
 
-def _write_micro_contacts(path, micro):
-    from demlaws.files import write_atomically
-
-    names = ("x", "y", "cut_area", "volume", "length_long", "length_short", "angle", "indentation", "force", "area", "state")
-    lines = [",".join(names)]
-    lines += [",".join(f"{value:.9g}" for value in row) for row in zip(*(getattr(micro, n) for n in names), strict=True)]
-    print(f"{write_atomically(path, chr(10).join(lines) + chr(10))}: {len(micro)} micro-contacts")
+def _micro_contacts(micro):
+    return zip(*(map(float, getattr(micro, name)) for name in MICRO_CONTACTS), strict=True)

@@ -3,8 +3,9 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, output, plain, whole
-from demlaws.cli.curve import add_law_arguments, contact_from, law_from
+from demlaws.cli.arguments import force, length, plain, whole
+from demlaws.cli.contact import add_law_arguments, contact_from, law_from
+from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
 
 
@@ -17,8 +18,8 @@ def register(subparsers):
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
-            "      --unloading-law pohrt-popov --unloading-sigma 0.5e-6\n"
-            "  demlaws table --points test.csv --unloading test.csv --radius 4mm --modulus 32GPa --out measured.tbl\n\n"
+            "      --unloading-law pohrt-popov --unloading-roughness 0.5um\n"
+            "  demlaws table --points test.csv --unloading test.csv --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"
         ),
@@ -34,7 +35,7 @@ def register(subparsers):
     points.add_argument(
         "--force-noise", type=force, metavar="N", help="standard uncertainty of a force in N (default: scatter)"
     )
-    points.add_argument("--knots", type=whole(2, 30), default=24, help="most knots of the curve (default 24)")
+    points.add_argument("--knots", type=whole(2, 30), help="interpolate, averaged to so many knots (default: smooth)")
     points.add_argument("--residual", type=length, help="overlap in m at which unloading ends (default: found from the points)")
     table.add_argument(
         "--rtol", type=plain, help="relative tolerance in force and stiffness (default 1e-5; of points 1e-3, about their curve)"
@@ -63,7 +64,7 @@ def measured_table(arguments):
     from demlaws.points import read_points
 
     if arguments.law is not None or arguments.option or arguments.max_force is not None:
-        raise DemlawsError("--points stand in place of --law, --option and --max-force: give one or the other")
+        raise DemlawsError("--points replaces --law, --option and --max-force: give one or the other")
     test = read_points(arguments.points)
     first = test.first_loading()
     shown = [(test.displacement[first] - arguments.zero, test.force[first])]
@@ -119,8 +120,10 @@ def run(arguments):
         law = law_from(arguments)
         table = law.tabulate(1e-5 if arguments.rtol is None else arguments.rtol, arguments.max_force)
     table.save(arguments.out)
+    record(file=str(arguments.out), rows=table.nodes.u.size, largest_force=table.largest_force, rtol=table.rtol)
+    record(force_error=table.force_error, stiffness_error=table.stiffness_error)
     print(
-        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.rows.bits} cells an octave, "
+        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.rows.bits} cells per octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )
@@ -133,5 +136,5 @@ def run(arguments):
     if not table.collapses:
         print(f"the curve of {table.name!r} has no single dimensionless form: this table holds for this contact only")
     if arguments.figure is not None:
-        made = plots.table_figure(table, law) if shown is None else plots.points_figure(table, shown)
-        print(plots.save(made, arguments.figure))
+        picture = plots.table_figure(table, law) if shown is None else plots.points_figure(table, shown)
+        print(plots.save(picture, arguments.figure))

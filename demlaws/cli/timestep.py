@@ -5,7 +5,8 @@ from pathlib import Path
 
 from demlaws.cli import example
 from demlaws.cli.arguments import density
-from demlaws.cli.curve import add_law_arguments, law_from
+from demlaws.cli.contact import add_law_arguments, law_from
+from demlaws.cli.output import record
 from demlaws.errors import DemlawsError
 
 LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
@@ -20,11 +21,11 @@ def register(subparsers):
         description="The largest stable time step of a snapshot, 2/ω_max with shear and rotation, with a rigorous bound, "
         "Rayleigh's step and the recommended step. SNAPSHOT is a scene saved by YADE (O.save), or a dump of the grains of "
         "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. Of a dump the last frame is used. Dumps hold "
-        "no stiffness: give the law and the contact without --radius. Contacts with walls are not in these dumps.",
+        "no stiffness: give the law and the contact without its radii. Contacts with walls are not in these dumps.",
         **example(
             "  demlaws timestep packing.yade.gz\n"
             "  demlaws timestep post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
-            "      --young 60.6GPa --poisson 0.25 --sigma 2.4um --fractal-dimension 2.22"
+            "      --young 60.6GPa --poisson 0.25 --roughness 1.7um --fractal-dimension 2.22"
         ),
     )
     parser.add_argument("snapshot", type=Path, metavar="SNAPSHOT", help="saved YADE scene, or dump with id x y z radius")
@@ -51,7 +52,7 @@ def run(arguments):
 
     for path in filter(None, (arguments.snapshot, arguments.contacts)):
         if not path.is_file():
-            raise DemlawsError(f"there is no file {path}")
+            raise DemlawsError(f"{path} does not exist")
     read = _from_yade if arguments.snapshot.name.endswith(SCENES) else _from_dumps
     pairs, normals, springs, masses, rayleigh, dt = read(arguments)
     if not len(pairs):
@@ -66,6 +67,8 @@ def run(arguments):
     if rayleigh is not None:
         print(f"Rayleigh step     {rayleigh:.4g} s  {rayleigh / limits.exact:.2f} of the exact limit, for comparison")
     print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} of the exact limit; less if loads still grow")
+    record(contacts=len(pairs), grains=int(np.sum(free)), exact=limits.exact, bound=limits.bound, rayleigh=rayleigh, step=dt)
+    record(recommended=STEP_SAFETY * limits.exact)
     if dt is not None:
         unstable = ": unstable" if dt > limits.exact else ""
         print(f"the scene's step  {dt:.4g} s  {dt / limits.exact:.3g} of the exact limit{unstable}")
@@ -154,9 +157,10 @@ def _from_dumps(arguments):
     pairs, normals, force = (array[force > 0.0] for array in (pairs, normals, force))
     ratio, rayleigh = 1.0, None
     if arguments.poisson is not None and arguments.young is not None:
-        ratio = 2.0 * (1.0 - arguments.poisson) / (2.0 - arguments.poisson)
+        young, poisson = arguments.young[0], arguments.poisson[0]
+        ratio = 2.0 * (1.0 - poisson) / (2.0 - poisson)
         kinds = set(zip(radius, mass / volume, strict=True))
-        rayleigh = min(rayleigh_step(r, density, arguments.young, arguments.poisson) for r, density in kinds)
+        rayleigh = min(rayleigh_step(r, density, young, poisson) for r, density in kinds)
     stiffness = _stiffness(arguments, 1.0 / np.sum(1.0 / radius[pairs], axis=1), force) if len(pairs) else force
     return pairs, normals, np.stack([stiffness, ratio * stiffness], axis=1), mass, rayleigh, None
 
@@ -165,7 +169,7 @@ def _stiffness(arguments, radius, force):
     """The larger of the tangents [N/m] of loading and of unloading of each contact."""
     import numpy as np
 
-    arguments.radius = radius
+    arguments.effective_radius = radius
     law = law_from(arguments)
     overlap, state = law.overlap(force), law.new_state(force.size) if law.state_size else None
     loading = law.evaluate(overlap, state)[1].copy()

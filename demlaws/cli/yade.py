@@ -15,7 +15,7 @@ WITH_VALUE = (
     "--job-threads",
     "--lines",
     "--log",
-    "--laws",
+    "--law-file",
 )
 """Options, ours and of yade and yade-batch, whose value may be the next word."""
 

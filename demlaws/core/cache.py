@@ -1,4 +1,4 @@
-"""Machine code on disk: what was compiled once is loaded by every later process, and never yesterday's."""
+"""Machine code on disk: compiled loops are loaded by every later process unless their source has changed."""
 
 import contextlib
 import functools
@@ -87,7 +87,7 @@ def follow(cls, *functions):
 
 
 def digest_of(*functions):
-    """What these functions do, as one text: their code and all that they call or use; None where that cannot be told."""
+    """Digest of functions: their code and everything that they call or use; None if it cannot be determined."""
     parts = [_meaning(function, set()) for function in functions]
     return None if None in parts else _digest(*parts)
 
@@ -98,7 +98,7 @@ def is_ours(module):
 
 
 def _meaning(thing, seen):
-    """Text that says what compiled code takes from a function or a global; None: it cannot be known again."""
+    """Text that identifies a function or a global for compiled code; None if it cannot be identified."""
     if isinstance(thing, (bool, int, float, complex, str, bytes, type(None), np.generic)):
         return repr(thing)
     if isinstance(thing, np.ndarray):
@@ -123,7 +123,7 @@ def _meaning(thing, seen):
     if id(function) in seen:
         return "itself"
     seen.add(id(function))
-    # the whole file as well: what a stub of numba's stands for cannot be seen from its code
+    # the whole file as well: the code of a numba stub does not identify its implementation
     parts = [_code_digest(code), _file_digest(code.co_filename) or "no file", _meaning(function.__defaults__, seen)]
     parts += [_meaning(cell.cell_contents, seen) for cell in closure]
     names = sorted(_names(code))
@@ -135,7 +135,12 @@ def _meaning(thing, seen):
                 parts += [] if ours else [_meaning(getattr(value, n), seen) for n in names if hasattr(value, n)]
             else:
                 parts.append(_meaning(value, seen))
-    return None if None in parts else _digest(*parts)
+    meaning = None if None in parts else _digest(*parts)
+    if function is not thing and hasattr(thing, "recompile"):  # a user's helper whose globals may have changed
+        if getattr(thing, "demlaws_meaning", meaning) != meaning:
+            thing.recompile()
+        thing.demlaws_meaning = meaning
+    return meaning
 
 
 def _names(code):
@@ -150,14 +155,14 @@ def _code_digest(code):
 
 
 def _file_digest(file):
-    """Digest of a file; None where there is none."""
+    """Digest of a file; None if it does not exist."""
     try:
         return _digest(Path(file).read_bytes())
     except (OSError, TypeError):
         return None
 
 
-_source = functools.cache(_file_digest)  # of the file of a loop: a process runs one version of it
+source_digest = functools.cache(_file_digest)  # of the file of a loop: a process runs one version of it
 
 
 def classes(kinds):
@@ -170,12 +175,27 @@ def classes(kinds):
             yield from classes(kind)
 
 
+@functools.cache
+def _files_behind(name):
+    """Files of the package, other than core and laws, from which a module takes functions or constants, directly or not."""
+    found, todo = set(), [name]
+    while todo:
+        module = sys.modules.get(todo.pop())
+        file = getattr(module, "__file__", None)
+        if module is None or not module.__name__.startswith("demlaws.") or module.__name__.startswith(_OURS) or file in found:
+            continue
+        found.add(file)
+        todo += {getattr(value, "__module__", None) or getattr(value, "__name__", None) for value in vars(module).values()}
+    return frozenset(found)
+
+
 def place(function, key, arguments, constants):
     """The file for the machine code of a function for arguments of these types; None if the code cannot be known again.
 
     There is one file for each function and types of its arguments. Its name is a digest of all that the code depends on:
-    version of numba, content of core and laws (in the folder's name), content of the function's file, of any law from
-    elsewhere and of what that uses, types, processor. numba's own cache knows nothing of what a loop inlines.
+    version of numba, content of core and laws (in the folder's name), content of the function's file and of the files of the
+    package behind it, of any law from elsewhere and of what that uses, types, processor. numba's own cache knows nothing of
+    what a loop inlines.
     """
     code = function.__code__
     found = [*classes(arguments), *classes(constants.values())]
@@ -183,7 +203,8 @@ def place(function, key, arguments, constants):
     for cls in found:
         if cls not in _SOURCES:  # part of a law's params, bound to nothing itself
             follow(cls)
-    sources = sorted({_source(code.co_filename)}.union(*(_SOURCES[cls] for cls in found)), key=str)
+    own = {*map(source_digest, _files_behind(function.__module__)), source_digest(code.co_filename)}
+    sources = sorted(own.union(*(_SOURCES[cls] for cls in found)), key=str)
     closure = _meaning([cell.cell_contents for cell in function.__closure__ or ()], set())
     if None in (closure, *sources):
         return None

@@ -2,7 +2,7 @@
 
 With u = δ/length and f = P/(E* √R length^1.5) a table holds s(u) = (3f/4)^(2/3), the Hertz-equivalent overlap, as one
 cubic a cell. Then f = (4/3) s^1.5, df/du = 2 √s ds/du and the plastic overlap of Hertz unloading is u - s: no power, no
-cube root. Each octave of u is cut into 2^bits equal cells, whose number stands in the exponent and the top mantissa
+cube root. Each octave of u is cut into 2^bits equal cells, whose number is in the exponent and the top mantissa
 bits of u. A cell with a kink is split there, and all cells right of it move up by one.
 """
 
@@ -13,15 +13,14 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.dispatch import bind, energy, virgin
-from demlaws.core.fastmath import bits, from_bits, row_of_four, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import bits, from_bits, hertz_coefficient, hertz_overlap, row_of_four, sqrt
 from demlaws.core.numba_compat import INLINED, kernel, loop
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 
 
 class Grid(NamedTuple):
-    """The cells of one dimensionless curve and where they lie: what a look-up reads, the same for all contacts."""
+    """The cells of one dimensionless curve and their positions, as read by a look-up; the same for all contacts."""
 
     cells: np.ndarray  # (count, 4): s as a cubic in t, the place in the grid cell from 0 to 1; first those of `grid._below`
     starts: np.ndarray  # (cells between nodes, 5): t, s, ∫f du where a cell or its part after a kink begins; grid u, width

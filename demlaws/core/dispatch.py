@@ -12,10 +12,21 @@ import itertools
 from numba import types
 from numba.extending import overload
 
-from demlaws.core import generate
 from demlaws.core.cache import follow, is_ours
 from demlaws.core.fastmath import read_only
 from demlaws.core.numba_compat import INLINED_KERNEL
+
+
+def function_of_text(arguments, lines, names):
+    """The function of these arguments (text) whose body is these lines (text) and whose globals are `names` (a dict).
+
+    >>> function_of_text("x", ["y = factor * x", "return y + 1.0"], {"factor": 3.0})(2.0)
+    7.0
+    """
+    names = dict(names)
+    exec(f"def function({arguments}):\n" + "".join(f"    {line}\n" for line in lines), names)
+    return names["function"]
+
 
 _GENERIC = set()  # names of the functions that kernels may be bound to
 _KERNELS = {}  # type of a law's Shape or Params, or of a rule's tag → {name of a generic function: kernel}
@@ -36,7 +47,7 @@ def generic(otherwise=None):
             kernel = kernel_of(kinds[0], name)
             if kernel is None:
                 return None if otherwise is None else otherwise(*kinds)
-            return generate.function(arguments, [f"return kernel({arguments})"], {"kernel": kernel})
+            return function_of_text(arguments, [f"return kernel({arguments})"], {"kernel": kernel})
 
         return function
 
@@ -138,7 +149,7 @@ class _Source:
         self.names = {}
 
     def read(self, kind, expression):
-        """Element i of every 1-D array in `kind` (one entry a contact); anything else is shared by all contacts."""
+        """Element i of every 1-D array in `kind` (one entry per contact); anything else is shared by all contacts."""
         if isinstance(kind, types.BaseTuple):
             items = "".join(f"{self.read(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
             if not isinstance(kind, types.BaseNamedTuple):
@@ -175,7 +186,7 @@ class _Source:
 def _fix_parts(params):
     source = _Source()
     source.names |= {"read_only": read_only, "fix_tables": fix_tables}
-    return generate.function("params", [f"return {source.fix_parts(params, 'params')}"], source.names)
+    return function_of_text("params", [f"return {source.fix_parts(params, 'params')}"], source.names)
 
 
 @generic(_fix_parts)
@@ -196,14 +207,14 @@ def _fix_to_recover(params):
 
 
 def gather(arrays, i):
-    """Contact i of a (nested, named) tuple whose 1-D arrays hold one entry a contact."""
+    """Contact i of a (nested, named) tuple whose 1-D arrays have one entry per contact."""
 
 
 @overload(gather, jit_options=INLINED_KERNEL)
 def _gather(arrays, i):
     source = _Source()
     text = source.read(arrays, "arrays")
-    return generate.function("arrays, i", [f"return {text}"], source.names)
+    return function_of_text("arrays, i", [f"return {text}"], source.names)
 
 
 def scatter(arrays, i, values):
@@ -212,4 +223,13 @@ def scatter(arrays, i, values):
 
 @overload(scatter, jit_options=INLINED_KERNEL)
 def _scatter(arrays, i, values):
-    return generate.function("arrays, i, values", [*_Source().write(arrays, "arrays", "values"), "return"], {})
+    return function_of_text("arrays, i, values", [*_Source().write(arrays, "arrays", "values"), "return"], {})
+
+
+def scalar(value):
+    """A number, or the number in an array without dimensions (numba's np.where of numbers), in compiled code."""
+
+
+@overload(scalar, jit_options=INLINED_KERNEL)
+def _scalar(value):
+    return (lambda value: value[()]) if isinstance(value, types.Array) else (lambda value: value)

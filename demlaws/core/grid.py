@@ -46,7 +46,7 @@ class Nodes(NamedTuple):
         return self.u[:-1][np.diff(self.u) == 0.0]
 
     def curve(self):
-        """u, s, ds/du: what the cells interpolate."""
+        """u, s, ds/du, interpolated by the cells."""
         s = np.cbrt(0.75 * self.force) ** 2
         return self.u, s, self.stiffness / (2.0 * np.sqrt(s))
 

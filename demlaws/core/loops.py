@@ -1,12 +1,18 @@
-"""Compiled loops over arrays of contacts, for any law and any unloading rule."""
+"""Compiled loops over arrays of contacts, for any law and any unloading rule, and the Params that they read.
+
+Params of one contact or of an array of contacts are nested tuples whose leaves are numbers or 1-D arrays.
+"""
 
 import math
 
 import numpy as np
+from numba.extending import register_jitable
 
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
-from demlaws.core.numba_compat import interleave, loop
+from demlaws.core.numba_compat import INLINED, interleave, loop
+from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
+from demlaws.errors import DemlawsError
 
 
 @loop
@@ -27,7 +33,7 @@ def batch_loop(rule, params, overlap, state, end, most, force, stiffness):
     """A step of every contact. Returns whether none needs a look: without a history all overlaps [m], with one all forces
     [N] are numbers up to `most`.
 
-    end, most: tuples of one number or of an array with one entry a contact. end: the largest overlap [m] that is answered;
+    end, most: tuples of one number or of an array with one entry per contact. end: the largest overlap [m] that is answered;
     one beyond it counts as NaN, with which every rule gives the force NaN and leaves the history as it was. A rule without
     a history answers all the same, and a law may give a number for an overlap that is none.
     """
@@ -103,3 +109,97 @@ def follow_loop(rule, p, overlap, state, history, force, stiffness, stored, diss
         energies = stored_and_dissipated(rule, p, overlap[i], new)
         stored[i] = energies[0]
         dissipated[i] = banked + energies[1]
+
+
+@loop
+def history_loop(rule, p, force, virgin, overlap, stiffness):
+    """Overlap [m] and tangent stiffness [N/m] at each `force` > 0 [N] that one contact carries in turn.
+
+    Below the largest force so far the contact unloads or reloads. virgin: the state to start from.
+    """
+    peak, state = 0.0, virgin
+    for i in range(force.size):
+        loads = force[i] >= peak
+        if loads:
+            peak = force[i]
+            overlap[i] = dispatch.inverse(p, peak)
+        else:
+            overlap[i] = dispatch.unloaded(rule, p, force[i], state)
+        # below a seating load the curve continues to overlaps under 0, where `step` sees no contact
+        _, stiffness[i], new = dispatch.step(rule, p, max(overlap[i], 1e-300), state)
+        state = new if loads else state
+
+
+# --- params
+
+SMOOTHEST = 1e-40
+"""σ/R below which roughness counts as this: no effect left in double precision, and no division by zero at σ = 0."""
+
+
+@register_jitable(**INLINED)
+def clamped_roughness(roughness, radius):
+    """Roughness [m] of one contact as laws take it: never below SMOOTHEST times the radius. For compiled code, too."""
+    return max(roughness, SMOOTHEST * radius)
+
+
+def leaves(params):
+    """The per-contact arrays and shared values of a nested tuple, flat."""
+    for value in params:
+        if isinstance(value, tuple):
+            yield from leaves(value)
+        else:
+            yield value
+
+
+def map_leaves(function, params):
+    """The same nested tuple with `function` applied to each number or array in it."""
+    values = [map_leaves(function, v) if isinstance(v, tuple) else function(v) for v in params]
+    return type(params)(*values) if hasattr(params, "_fields") else tuple(values)
+
+
+def equal_params(params, other):
+    """Whether two nested tuples have the same form and equal numbers and arrays."""
+    if isinstance(params, tuple):
+        same = type(params) is type(other) and len(params) == len(other)
+        return same and all(equal_params(a, b) for a, b in zip(params, other, strict=True))
+    return bool(np.array_equal(params, other))
+
+
+def loading_part(params):
+    """Of a law's Shape or Params what belongs to first loading: all of it, unless it has an unloading curve joined to it."""
+    return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
+
+
+def first_loading(params, overlap, force, stiffness):
+    """Force [N] and stiffness [N/m] of first loading at any overlaps [m], into arrays: whether all forces are finite."""
+    return evaluate_loop(Elastic(), loading_part(params), overlap, (), force, stiffness)
+
+
+def clamped_roughnesses(contact):
+    """The same for a contact or an array of contacts."""
+    return np.maximum(contact.roughness, SMOOTHEST * np.asarray(contact.radius))
+
+
+def bind_params(shape, contact):
+    """Params of a contact, or of an array of contacts: values that differ become arrays, the others stay numbers."""
+    roughness = clamped_roughnesses(contact)
+    if contact.size is None:
+        return scale_one(shape, contact.radius, contact.modulus, float(roughness))
+    # copies: loops are compiled once for arrays that may be written to, once more for others
+    columns = [np.array(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)]
+    if contact.size == 0:
+        raise DemlawsError("the contact's arrays are empty: give at least one contact")
+    first = scale_one(shape, *(float(c[0]) for c in columns))
+    arrays = map_leaves(lambda v: np.empty(contact.size) if isinstance(v, float) else v, first)
+    scale_loop(shape, *columns, arrays)
+
+    def shared(value):
+        one = isinstance(value, np.ndarray) and value.ndim == 1 and np.all(value == value[0])
+        return float(value[0]) if one else value
+
+    return map_leaves(shared, arrays)
+
+
+def one_of(params, index):
+    """Params of contact `index` of an array of contacts (of a single one: its own)."""
+    return map_leaves(lambda v: float(v[index]) if isinstance(v, np.ndarray) and v.ndim == 1 else v, params)

@@ -1,9 +1,9 @@
-"""Word of a compilation that takes longer than a second. Who wants it told (the command line does) sets `say`."""
+"""Callback for a compilation that takes longer than a second; the command line sets `say`."""
 
 import threading
 
 say = None
-"""Called without arguments, once in a process; None: nobody wants to know."""
+"""Called without arguments, once in a process; None: no notice."""
 timers = []
 
 

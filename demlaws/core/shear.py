@@ -38,6 +38,8 @@ CHOICES = {
 }
 """Name → the choices that any law and rule may take."""
 DEFAULT = "elastic"
+SLIP = "slip"
+"""Name of the choice with partial slip (`core.slip`), beside those of `CHOICES`."""
 
 
 def _just_below(*kinds):
@@ -49,7 +51,7 @@ def _just_below(*kinds):
 def unloading_stiffness(rule, p, overlap, force, stiffness, state):
     """Stiffness [N/m] with which a contact would unload from here; the rest is what `step` has just returned for it.
 
-    A rule that binds nothing is asked for its tangent just below.
+    For a rule without such a function the tangent just below is used.
     """
 
 
@@ -137,7 +139,7 @@ bind(Given, unloading_stiffness=_of_curve, loading_stiffness=of_first_loading)
 
 @loop
 def shear_loop(choice, rule, p, overlap, state, shear):
-    """The stiffness that K_t goes by along a path of one contact; `state` is moved on as in `follow_loop`."""
+    """The normal stiffness used to compute K_t along a path of one contact; `state` is moved on as in `follow_loop`."""
     for i in range(overlap.size):
         force, stiffness, new = step(rule, p, overlap[i], gather(state, 0))
         scatter(state, 0, new)

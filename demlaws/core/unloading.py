@@ -81,7 +81,7 @@ RULES = {
 _OWN = {}  # name → the rule of a law or of a family of laws
 _OF_TAG = {}  # type of tag → rule; a file that runs twice makes types of one name twice, and laws of either live on
 
-OF_THE_PACKAGE = ("linear", "eepa", "etsion")
+OF_THE_PACKAGE = ("linear", "eepa", "etsion", "jackson")
 """Names of rules of the package's laws, whose files may not have been imported when a user's rule is made."""
 LARGEST_STATE = 3
 """Numbers that a contact may remember: what every engine keeps room for."""
@@ -342,7 +342,7 @@ def _given_stored_and_dissipated(rule, p, overlap, state):
     loading, curve, _ = parts(p)
     if state[0] <= 0.0:
         return 0.0, 0.0
-    # as in `_balance`: what the curve holds below δ = 0 is never returned
+    # as in `_balance`: the energy of the curve below δ = 0 is never returned
     lost = energy(curve, -state[1]) if state[1] < 0.0 else 0.0
     elastic = overlap - state[1]
     stored = energy(curve, elastic) - lost if overlap > 0.0 and elastic > 0.0 else 0.0

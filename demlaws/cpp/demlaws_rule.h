@@ -1,6 +1,6 @@
-// demlaws_rule.h: the code of an unloading rule that a user brought with a law (rule OWN of demlaws_table.h). Linux.
+// demlaws_rule.h: the code of a user-defined unloading rule (rule OWN of demlaws_table.h). Linux.
 //
-// `Table.save` writes it beside the table: FILE.so, whose check value and size stand in FILE. Where processes share
+// `Table.save` writes it beside the table: FILE.so, whose check value and size are in FILE. Where processes share
 // nothing but messages each loads the object that it finds itself; `problem` then says on which there is none, or
 // another.
 #ifndef DEMLAWS_RULE_H
@@ -15,7 +15,7 @@
 namespace demlaws {
 
 // Loads the object of a table's rule and attaches it; "" where that went well (or the table has no such rule), else
-// what is wrong. What was checked is what is loaded: the bytes, not the file again. An object stays loaded.
+// what is wrong. The checked bytes are loaded: the bytes, not the file again. An object stays loaded.
 inline std::string attach_rule(Table &table) {
   if (table.unloading() != OWN) return "";
   static std::map<std::string, OwnRule> loaded;
@@ -32,7 +32,7 @@ inline std::string attach_rule(Table &table) {
     char found[40];
     snprintf(found, sizeof found, "%08x %zu", (unsigned)crc32(0, data.data(), data.size()), data.size());
     if (mark != found)
-      return path + " is not the object that the table was written with (" + found + ", the table says " + mark +
+      return path + " is not the object that the table was written with (" + found + ", the table has " + mark +
              "); write the table again";
     const int file = memfd_create("demlaws_rule", MFD_CLOEXEC);
     size_t written = 0;

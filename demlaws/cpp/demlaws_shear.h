@@ -12,6 +12,16 @@
 
 namespace demlaws {
 
+// One step of the shear of a contact.
+struct ShearStep {
+  double force[3];             // against the displacement [N]
+  double work, before, energy; // done on the contact; stored before the step and after it [J]
+  bool slides;                 // Coulomb's limit acts on the whole contact
+
+  // Taken by friction and by the parts of the contact that opened [J].
+  double lost() const { return work - (energy - before); }
+};
+
 // What a contact keeps: K_t, and the stretch Q / K_t as a vector. All zeros: no shear force.
 struct Stretch {
   double stiffness, vector[3];
@@ -22,14 +32,15 @@ inline double stretch_energy(const Stretch &s) {
   return 0.5 * s.stiffness * (s.vector[0] * s.vector[0] + s.vector[1] * s.vector[1] + s.vector[2] * s.vector[2]);
 }
 
-// One step: K_t, Coulomb's limit mu P [N], unit normal and tangential displacement of the step, all of now. The shear
-// force against the displacement is s.stiffness * s.vector. `slides` tells whether the limit acts. Returns the energy
-// that friction and the opening parts of the contact took.
-inline double shear_step(double stiffness, double limit, const double *normal, const double *displacement, Stretch &s,
-                         bool &slides) {
-  const double before = stretch_energy(s), kept = stiffness > s.stiffness ? s.stiffness / stiffness : 1.;
-  double work = 0., along = 0., square = 0.;
-  for (int k = 0; k < 3; k++) work += 0.5 * s.stiffness * s.vector[k] * displacement[k];
+// One step: K_t, Coulomb's limit mu P [N], unit normal and tangential displacement of the step, all of now.
+inline ShearStep shear_step(double stiffness, double limit, const double *normal, const double *displacement,
+                            Stretch &s) {
+  ShearStep step;
+  step.before = stretch_energy(s);
+  const double kept = stiffness > s.stiffness ? s.stiffness / stiffness : 1.;
+  double along = 0., square = 0.;
+  step.work = 0.;
+  for (int k = 0; k < 3; k++) step.work += 0.5 * s.stiffness * s.vector[k] * displacement[k];
   for (int k = 0; k < 3; k++) {
     s.vector[k] = kept * s.vector[k] + displacement[k];
     along += s.vector[k] * normal[k];
@@ -39,13 +50,15 @@ inline double shear_step(double stiffness, double limit, const double *normal, c
     square += s.vector[k] * s.vector[k];
   }
   s.stiffness = stiffness;
-  slides = stiffness * stiffness * square > limit * limit;
-  const double scale = slides ? limit / (stiffness * std::sqrt(square)) : 1.;
+  step.slides = stiffness * stiffness * square > limit * limit;
+  const double scale = step.slides ? limit / (stiffness * std::sqrt(square)) : 1.;
   for (int k = 0; k < 3; k++) {
     s.vector[k] *= scale;
-    work += 0.5 * stiffness * s.vector[k] * displacement[k];
+    step.force[k] = stiffness * s.vector[k];
+    step.work += 0.5 * step.force[k] * displacement[k];
   }
-  return work - (stretch_energy(s) - before);
+  step.energy = stretch_energy(s);
+  return step;
 }
 
 } // namespace demlaws

@@ -7,6 +7,7 @@
 // Licence: GPL-2.0-or-later, as the package demlaws.
 #ifndef DEMLAWS_SLIP_H
 #define DEMLAWS_SLIP_H
+#include "demlaws_shear.h"
 #include "demlaws_table.h"
 
 namespace demlaws {
@@ -98,56 +99,67 @@ public:
       scale_ = 1. / (3. * root * root); // K = root sqrt(z)
     }
   }
-  // Mean of the springs from one stiffness [N/m] to another.
-  double mean(double low, double high) const { return recoverable_ - (integral(high) - integral(low)) / (high - low); }
-
-private:
-  const SpringCurve *curve_;
-  double recoverable_, stiffness_, scale_;
+  double recoverable() const { return recoverable_; }
+  // Of the compression that springs up to a stiffness [N/m] lack.
   double integral(double k) const {
     if (!curve_) return scale_ * k * k * k;
     return k > 0. ? scale_ * curve_->integral(k / stiffness_) : 0.;
   }
+
+private:
+  const SpringCurve *curve_;
+  double recoverable_, stiffness_, scale_;
 };
 
 // What a contact keeps: its stiffness, the share of each spring, and their stretches, 3 numbers each. All zeros: no
 // shear force. The numbers are the caller's; MOST springs at most: LIGGGHTS has room for 99 values per contact.
 class SpringRow {
 public:
-  static const int MOST = 30;
+  static const int MOST = 30, MOST_SIZE = 2 + 3 * MOST;
   static int size(int springs) { return 2 + 3 * springs; }
   SpringRow(double *numbers, int springs)
       : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}
 
   double energy(double ratio) const {
     double sum = 0.;
-    for (int k = 0; k < touching(); k++) sum += part(k) * dot(stretch_ + 3 * k, stretch_ + 3 * k);
+    const double filled = stiffness_ / share_;
+    for (int k = 0, count = touching(); k < count; k++)
+      sum += part(filled, k) * dot(stretch_ + 3 * k, stretch_ + 3 * k);
     return 0.5 * ratio * share_ * sum;
   }
 
   // One step: the stiffness K with which the contact would unload, K_t / K, Coulomb's limit mu P [N], unit normal and
-  // tangential displacement, all of now. `force` is the shear force against the displacement. Returns the energy that
-  // friction and the opening parts of the contact took.
-  double step(double stiffness, double ratio, double limit, const Compression &compression, const double *normal,
-              const double *displacement, double *force) {
-    const double before = energy(ratio);
-    force_of(ratio, force);
-    double work = 0.5 * dot(force, displacement);
+  // tangential displacement, all of now.
+  ShearStep step(double stiffness, double ratio, double limit, const Compression &compression, const double *normal,
+                 const double *displacement) {
+    ShearStep step;
+    step.before = energy(ratio);
+    if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
+      std::fill(step.force, step.force + 3, step.work = step.energy = 0.);
+      step.slides = false;
+      stiffness_ = share_ = 0.;
+      std::fill(stretch_, stretch_ + 3 * springs_, 0.);
+      return step;
+    }
+    force_of(ratio, step.force);
+    step.work = 0.5 * dot(step.force, displacement);
     grow(stiffness);
     const double held = stiffness_;
     stiffness_ = stiffness;
-    double carried = 0., mean[MOST];
+    double carried = 0., mean[MOST], below = 0.; // mean compression of each spring
     const int count = touching();
     for (int k = 0; k < count; k++) {
-      const double low = k * share_, high = std::min(low + share_, stiffness);
-      mean[k] = std::max(compression.mean(low, high), 0.);
+      const double low = k * share_, high = std::min(low + share_, stiffness), up_to = compression.integral(high);
+      mean[k] = std::max(compression.recoverable() - (up_to - below) / (high - low), 0.);
       carried += (high - low) * mean[k];
+      below = up_to;
     }
-    const double scale = carried > 0. ? limit / (carried * ratio) : 0.;
+    const double scale = carried > 0. ? limit / (carried * ratio) : 0., filled = stiffness / share_,
+                 held_filled = held / share_;
     for (int k = 0; k < count; k++) {
       double *const u = stretch_ + 3 * k;
-      const double was = std::min(std::max(held / share_ - k, 0.), 1.);
-      if (part(k) > was) multiply(u, was / part(k));
+      const double was = part(held_filled, k), is = part(filled, k);
+      if (is > was) multiply(u, was / is);
       shorten(u, scale * mean[k]);
       for (int d = 0; d < 3; d++) u[d] += displacement[d];
       const double along = dot(u, normal);
@@ -155,17 +167,19 @@ public:
       shorten(u, scale * mean[k]);
     }
     std::fill(stretch_ + 3 * count, stretch_ + 3 * springs_, 0.);
-    force_of(ratio, force);
-    work += 0.5 * dot(force, displacement);
-    return work - (energy(ratio) - before);
+    force_of(ratio, step.force);
+    step.work += 0.5 * dot(step.force, displacement);
+    step.energy = energy(ratio);
+    step.slides = dot(step.force, step.force) >= limit * limit * (1. - 1e-9);
+    return step;
   }
 
 private:
   double &stiffness_, &share_, *const stretch_;
   const int springs_;
 
-  // Part of spring k that the contact has.
-  double part(int k) const { return std::min(std::max(stiffness_ / share_ - k, 0.), 1.); }
+  // Part of spring k that a contact has whose stiffness is `filled` shares.
+  static double part(double filled, int k) { return std::min(std::max(filled - k, 0.), 1.); }
   int touching() const {
     int k = 0;
     while (k < springs_ && k * share_ < stiffness_) k++;
@@ -173,15 +187,20 @@ private:
   }
   void force_of(double ratio, double *force) const {
     force[0] = force[1] = force[2] = 0.;
-    for (int k = 0; k < touching(); k++)
-      for (int d = 0; d < 3; d++) force[d] += ratio * share_ * part(k) * stretch_[3 * k + d];
+    const double filled = stiffness_ / share_;
+    for (int k = 0, count = touching(); k < count; k++) {
+      const double stiffness = ratio * share_ * part(filled, k);
+      for (int d = 0; d < 3; d++) force[d] += stiffness * stretch_[3 * k + d];
+    }
   }
   // Joins springs in pairs, with the mean of their stretches, until the row is as stiff as the contact.
   void grow(double stiffness) {
     if (!(share_ > 0.)) share_ = stiffness / springs_;
     while (stiffness > springs_ * share_) {
+      const double filled = stiffness_ / share_;
       for (int k = 0; k < springs_; k++) {
-        const double first = 2 * k < springs_ ? part(2 * k) : 0., second = 2 * k < springs_ ? part(2 * k + 1) : 0.;
+        const double first = 2 * k < springs_ ? part(filled, 2 * k) : 0.,
+                     second = 2 * k < springs_ ? part(filled, 2 * k + 1) : 0.;
         for (int d = 0; d < 3; d++)
           stretch_[3 * k + d] =
               first > 0. ? (first * stretch_[6 * k + d] + second * stretch_[6 * k + 3 + d]) / (first + second) : 0.;

@@ -37,7 +37,7 @@
 namespace demlaws {
 
 // The first four any law may have; the others are rules of single laws, with numbers of their own in the file. OWN is a
-// rule that a user brought: code in an object beside the file (demlaws_rule.h).
+// user-defined rule: code in an object beside the file (demlaws_rule.h).
 enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3, LINEAR = 4, EEPA = 5, ETSION = 6, OWN = 7 };
 constexpr int RULES = 7; // that this header has itself
 
@@ -106,7 +106,7 @@ struct Row {
   double u, s, slope;
 };
 
-// A curve s(u): cells on a grid of 2^bits linear parts in each octave, whose number stands in the bits of the double u.
+// A curve s(u): cells on a grid of 2^bits linear parts in each octave, whose number is in the bits of the double u.
 class Curve {
 public:
   static const int MOST_BITS = 12, MOST_KINKS = 32;
@@ -189,7 +189,7 @@ public:
 private:
   int bits_, shift_;
   uint64_t first_, count_;
-  uint64_t cell_;    // the bits of u that say where its cell begins
+  uint64_t cell_;    // the bits of u that its cell begins with
   uint64_t kink_[3]; // bits of the first three that split a cell, or of infinity
   double u_first_, s_first_, power_first_, u_last_, s_last_, slope_last_, floor_, slope_floor_, seat_;
   std::vector<Cell> storage_; // kept so that cells_ can be aligned
@@ -293,12 +293,20 @@ struct OwnRule {
                    double *state, double *stored_and_dissipated);
 };
 
+// A range of force outside which the law's source does not support it, and why. FORCE_ABOVE, FORCE_BELOW: force over
+// E* sqrt(R) length^1.5; BULK_YIELD: central pressure over hardness (demlaws/criterion.py).
+struct Limit {
+  enum Kind { FORCE_ABOVE, FORCE_BELOW, BULK_YIELD } kind;
+  double value;
+  std::string reason;
+};
+
 class Table {
 public:
   Table() : version_(0), fingerprint_(0), unloads_(ELASTIC), own_(NULL) {}
   explicit Table(const std::string &path) : version_(0), fingerprint_(0), unloads_(ELASTIC), own_(NULL) { read(path); }
 
-  // Reads a file; throws std::runtime_error("FILE, line N: what is wrong") and leaves the table unusable then.
+  // Reads a file; throws std::runtime_error("FILE, line N: reason") and leaves the table unusable then.
   void read(const std::string &path) { parse(contents(path), path); }
   // Reads the bytes of a file, which messages call `path`. Where processes share nothing but messages one calls
   // contents(), all get its bytes and parse them.
@@ -334,6 +342,8 @@ public:
   bool collapses() const { return text("collapses") == "yes"; }
   int version() const { return version_; }
   Unloading unloading() const { return unloads_; }
+  // The lines limit_1, limit_2, ... of the header.
+  const std::vector<Limit> &limits() const { return limits_; }
   double first_overlap() const { return loading_.first(); }
   double last_overlap() const { return loading_.last(); }
 
@@ -399,6 +409,7 @@ private:
   double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
   double yield_s_, yield_area_slope_;
+  std::vector<Limit> limits_;
 
   Table(const Table &); // a curve is not copied
   Table &operator=(const Table &);
@@ -422,6 +433,7 @@ private:
            text.find_first_not_of("0123456789", 9) == std::string::npos;
   }
   int whole(const std::string &name, int low, int high) const;
+  void read_limits();
   static Row row(const std::string &body, double &force, std::string &what);
   void build(Curve &curve, const std::vector<Row> &rows, const std::string &prefix, int first_line, double until);
 };
@@ -480,6 +492,26 @@ inline int Table::whole(const std::string &name, int low, int high) const {
   return (int)number;
 }
 
+// 'limit_1: above|below|pressure NUMBER REASON', and so on.
+inline void Table::read_limits() {
+  static const char *const kinds[] = {"above", "below", "pressure"};
+  limits_.clear();
+  for (;;) {
+    std::ostringstream key;
+    key << "limit_" << limits_.size() + 1;
+    if (!has(key.str())) return;
+    const std::string body = text(key.str());
+    const size_t first = body.find(' '), second = body.find(' ', first + 1);
+    const size_t kind = std::find(kinds, kinds + 3, body.substr(0, first)) - kinds;
+    Limit limit = {(Limit::Kind)kind, 0., second == std::string::npos ? "" : body.substr(second + 1)};
+    if (kind == 3 || limit.reason.empty() || !plain_number(body.substr(first + 1, second - first - 1), limit.value) ||
+        !(limit.value > 0.))
+      fail(lines_[key.str()],
+           key.str() + ": '" + body + "' is not above, below or pressure, a positive number, a reason");
+    limits_.push_back(limit);
+  }
+}
+
 inline void Table::check(const std::string &name, Kind kind, int titles) {
   if (!has(name)) fail(titles, "the lines above lack '" + name + "'");
   const int line = lines_[name];
@@ -535,7 +567,7 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
     char mark[16];
     snprintf(mark, sizeof mark, " %08x", (unsigned)crc);
     if (data.compare(blank, 9, mark) != 0)
-      fail(line, "checksum does not match: this line was changed after the table was written; write it anew");
+      fail(line, "checksum does not match: this line was changed after the table was written; write it again");
     fingerprint_ = crc;
     crc = crc32(crc, mark, 9);
     crc = crc32(crc, "\n", 1);
@@ -570,7 +602,7 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
       if (empty) colon = body.size() - 1;
       if (colon == std::string::npos || colon == 0) fail(line, "'" + body + "' is not 'key: value'");
       const std::string key = body.substr(0, colon);
-      if (has(key)) fail(line, "key '" + key + "' stands twice");
+      if (has(key)) fail(line, "key '" + key + "' occurs twice");
       header_[key] = empty ? "" : body.substr(colon + 2);
       lines_[key] = line;
     }
@@ -615,8 +647,10 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
     fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
   for (int i = 0; version_ > 2 && i < 1 + (unloads_ == GIVEN); i++) {
     const std::string prefix = i ? "unloading_" : "";
-    if (number(prefix + "roughness", 0.) > number(prefix + "effective_radius", 0.))
-      fail(lines_[prefix + "roughness"], prefix + "roughness: it exceeds the effective radius");
+    const double modulus = number(prefix + "effective_modulus", 0.); // limits as in demlaws/admissible.py
+    if (number(prefix + "roughness", 0.) > 0.5 * number(prefix + "effective_radius", 0.) || !(modulus > 1e3))
+      fail(lines_[prefix + "roughness"],
+           prefix + "roughness is above half the effective radius, or the modulus not above 1e3 Pa");
   }
   yield_s_ = HUGE_VAL;
   yield_area_slope_ = 0.;
@@ -629,6 +663,7 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   }
   if ((unloads_ == GIVEN) != (into == 1))
     fail(lines_["unloading"], "rows of an unloading curve belong to 'unloading: table', and only to it");
+  read_limits();
   build(loading_, rows[0], "", first_line[0], 0.);
   if (yield_s_ >= loading_.last_s()) yield_s_ = HUGE_VAL;
   if (unloads_ != GIVEN) return;
@@ -667,7 +702,7 @@ inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &
     const double u = rows[i].u, coming = node(next, bits);
     if (u == rows[i - 1].u) {
       if (i == 1 || i == n - 1 || u == rows[i - 2].u) {
-        what = "a kink, an overlap that stands twice, lies between other rows";
+        what = "a kink, an overlap in two rows, lies between other rows";
         return i;
       }
       if (++kinks > MOST_KINKS) {
@@ -799,7 +834,7 @@ inline void Curve::build_reverse(const Curve &curve) {
   for (int64_t cell = begin; cell <= end; cell++) {
     const double y = node(cell, bits);
     bool corner_here = false;
-    for (; next < curve.kinks_.size(); next++) { // a corner stands twice, with the slopes on its either side
+    for (; next < curve.kinks_.size(); next++) { // a corner is in two rows, with the slopes on its either side
       double s, slope;
       curve.evaluate(curve.kinks_[next], s, slope);
       const double corner = s - seat;
@@ -832,7 +867,7 @@ struct Pair {
   double inverse_length; // [1/m]
   double length_per_radius;
   double only_radius;   // > 0: the only R that the table is valid for (see checked)
-  double sigma;         // roughness [m], for rule OWN; of the table's contact where none is given
+  double sigma;         // roughness [m], for rule OWN; of the table's contact by default
   double metre, pascal; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
 
   Pair()
@@ -844,9 +879,8 @@ struct Pair {
       : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.), only_radius(0.),
         sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)), metre(1.), pascal(1.) {
     if (rule == OWN && !t.own_rule())
-      throw std::runtime_error(
-          t.path() + ": its unloading rule '" + t.text("rule") +
-          "' is code of its user's, in an object beside the file, which this engine does not load");
+      throw std::runtime_error(t.path() + ": its unloading rule '" + t.text("rule") +
+                               "' is user-defined code in an object beside the file, which this engine does not load");
     const double over_roughness = t.number("length_over_roughness", 0.);
     if (t.number("length_over_radius", 0.) > 0.) length_per_radius = t.number("length_over_radius", 0.);
     else if (roughness > 0. && over_roughness > 0.) length = over_roughness * roughness;
@@ -1041,7 +1075,7 @@ inline double eepa_energy(double overlap, double plastic) {
 
 // The normal stiffness that the tangential stiffness K_t of an elastic contact is a multiple of (docs/shear.md); SLIP:
 // that of ELASTIC, with partial slip (demlaws_slip.h).
-enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 }; // the numbers stand in restart files
+enum Shear { ELASTIC_SHEAR = 1, LOADING_SHEAR = 2, SLIP_SHEAR = 3 }; // restart files have the numbers
 
 inline bool shear_from_name(const std::string &name, Shear &shear) {
   shear = name == "loading" ? LOADING_SHEAR : name == "slip" ? SLIP_SHEAR : ELASTIC_SHEAR;
@@ -1135,7 +1169,7 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
   const double r = pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius;
   const double recoverable = state[0] - state[1], left = overlap - state[1];
   const double hertz = (8. / 15.) * pair.modulus * sqrt(r);
-  // a law with a seating load has a negative plastic overlap: what lies below zero overlap never comes back
+  // a law with a seating load has a negative plastic overlap: its part below zero overlap never comes back
   const double lost = state[1] < 0. ? hertz * state[1] * state[1] * sqrt(-state[1]) : 0.;
   if (overlap > 0. && left > 0.) stored = std::max(0., hertz * left * left * sqrt(left) - lost);
   dissipated =

@@ -10,7 +10,6 @@ from demlaws.core.curve import BulkYield, TableShape
 from demlaws.core.grid import NO_YIELD, quick_to_invert
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_own
-from demlaws.soundness import refuse_unless_collapses, refuse_unsound
 
 
 class ClosedForm:
@@ -18,6 +17,7 @@ class ClosedForm:
 
     tabulated = False
     force_error = stiffness_error = 0.0
+    starts_from_force = False
 
     def __init__(self, definition: Definition, contact: Contact, options: dict, shape: Any = None):
         self.definition = definition
@@ -28,11 +28,6 @@ class ClosedForm:
     def collapses(self) -> bool:
         """Whether one dimensionless curve serves all contacts."""
         return self.definition.collapses
-
-    @property
-    def starts_from_force(self) -> bool:
-        """Whether the force at overlap 0+ is not 0."""
-        return self.definition.seated(**self.options)
 
     def kinks(self, p: Any) -> list[float]:
         """Overlaps [m] at which the stiffness of one contact's curve jumps or has a kink."""
@@ -69,9 +64,13 @@ class ClosedForm:
     def check(self, contact: Contact) -> None:
         """Raise DemlawsError where a user-defined law is inadmissible on this contact."""
         if is_own(self.definition) and not isinstance(self.shape, TableShape):
+            from demlaws.soundness import refuse_unsound
+
             refuse_unsound(self.definition, self.shape, contact, self.options)
 
     def check_collapse(self, contact: Contact) -> None:
         """Raise DemlawsError where the curve of a user-defined law does not serve all contacts, as its definition states."""
         if is_own(self.definition) and self.definition.collapses:
+            from demlaws.soundness import refuse_unless_collapses
+
             refuse_unless_collapses(self, contact)

@@ -7,11 +7,12 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.params import bind_params
+from demlaws.core.loops import bind_params
 from demlaws.curves.function import Called, GivenCurve
 from demlaws.curves.points import MeasuredCurve, residual_overlap
 from demlaws.curves.saved import definition_of_table
-from demlaws.curves.table import TableCurve, tabulate_given, tolerance
+from demlaws.curves.table import TableCurve
+from demlaws.curves.tabulate import tabulate_given, tolerance
 from demlaws.errors import DemlawsError
 from demlaws.laws.registry import registry
 from demlaws.units import SMALL_OVERLAP, check_overlaps, number
@@ -67,14 +68,14 @@ def _definition(contact, name, description, scales_with):
     if scales_with not in (None, "radius", "roughness"):
         raise DemlawsError(f"scales_with={scales_with!r}: None (this contact only), 'radius' or 'roughness'")
     if not isinstance(name, str) or not re.fullmatch(r"[A-Za-z][\w.-]*", name, re.ASCII) or name in registry():
-        raise DemlawsError(f"name={name!r:.60}: one word that is no law's name ({', '.join(registry())})")
+        raise DemlawsError(f"name={name!r:.60}: use one word, not the name of a registered law ({', '.join(registry())})")
     if not isinstance(description, str) or not description.isprintable():
         raise DemlawsError(f"description must be one line of text, got {description!r:.60}")
     rough = scales_with == "roughness"
-    if rough and contact.roughness == 0.0:
+    if rough and contact.is_smooth:
         raise DemlawsError("scales_with='roughness', but the contact's roughness is 0 m: give it, or scales_with=None")
     length = "roughness" if rough else "radius"
-    return definition_of_table(name, "its user", description, length, scales_with is not None, unloading=("elastic",))
+    return definition_of_table(name, "user-defined", description, length, scales_with is not None, unloading=("elastic",))
 
 
 def _unloading_table(curve, table, contact):

@@ -1,5 +1,6 @@
 """A curve of first loading from measured points, checked before it becomes a table (`Table.from_points`)."""
 
+import itertools
 import json
 import math
 from typing import Any, NamedTuple
@@ -8,6 +9,13 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.units import number, real, whole
+
+FEWEST = 6
+"""Overlaps from which on a curve is smoothed; fewer are interpolated."""
+MOST_PLACES = 160
+"""More overlaps are averaged to so many before they are smoothed."""
+SHOWN = 24
+"""Knots of a smoothed curve whose force and uncertainty a table keeps."""
 
 
 class Knots(NamedTuple):
@@ -35,9 +43,10 @@ class Knots(NamedTuple):
 
 
 class MeasuredCurve:
-    """Monotone curve through measured points: Fritsch and Carlson's cubics in ln δ, ln P.
+    """Rising curve of measured points: a smoothing spline in ln δ, ln P (`_smooth`).
 
-    Up to `knots` points, each is a knot (points of one overlap become their mean); more are averaged in ln δ, ln P over so
+    Fewer than 6 overlaps are interpolated as they are. knots: interpolate instead, by Fritsch and Carlson's monotone cubics:
+    up to `knots` points each is a knot (points of one overlap become their mean); more are averaged in ln δ, ln P over so
     many intervals of equal ratio. Neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is
     further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 standard uncertainties are refused, those
     without an overlap or without a force, which make no knot, too. Below the first knot the curve is a power law with the
@@ -45,40 +54,57 @@ class MeasuredCurve:
     """
 
     FURTHEST = 0.25
+    LARGEST_NOISE = 0.02
+    """Most constant noise of the force that is estimated from the points and allowed for, over the largest force."""
     MOST = 0.05
     """Difference of the forces with which loading ends and unloading begins, relative."""
 
-    def __init__(self, overlap: Any, force: Any, uncertainty: Any = None, knots: int = 24, what: str = "first loading"):
+    def __init__(
+        self, overlap: Any, force: Any, uncertainty: Any = None, knots: int | None = None, what: str = "first loading"
+    ):
         (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
-        knots = whole(knots, "knots", 2, 30)
         order = np.argsort(overlap, kind="stable")
         overlap, force, sigma = overlap[order], force[order], sigma[order]
-        groups = _groups(overlap, knots)
+        smooth = knots is None and np.unique(overlap).size >= FEWEST
+        groups = _equal_groups(overlap) if smooth else _groups(overlap, whole(knots or FEWEST, "knots", 2, 30))
         x = np.array([np.mean(np.log(overlap[g])) for g in groups])
         y = np.array([np.mean(np.log(force[g])) for g in groups])
-        x, y, groups = _rising(x, y, groups)
-        if x.size < 2:
+        fitted = None
+        if smooth:
+            relative = np.array([math.sqrt(float(np.sum((sigma[g] / force[g]) ** 2))) / g.size for g in groups])
+            fitted = _smooth(x, y, np.array([g.size for g in groups]), relative)
+        else:
+            x, y, groups = _rising(x, y, groups)
+        if x.size < 2 or (smooth and fitted is None):
             raise DemlawsError(
                 f"{what}: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
                 f"{force[-1]:.6g} N at {overlap[-1]:.6g} m)"
             )
-        self.x, self._spline = x, _monotone(x, y)
+        self.x, self._spline = x, _monotone(x, y) if fitted is None else fitted.spline
         self._slope = float(self._spline(x[0], 1))
         self.first = min(max(1.0, self._slope), 4.0)
         self.last = max(float(self._spline(x[-1], 1)), 1e-3)
         self.largest = float(overlap[-1])
+        noise = 0.0 if fitted is None else min(fitted.noise, self.LARGEST_NOISE * force.max())
         departure = np.abs(self.evaluate(overlap)[0] - force)
-        allowed = self._allowed(force, sigma, force.max())
-        self._check_touch(without, force.max(), what)
+        allowed = np.maximum(self._allowed(force, sigma, force.max()), 6.0 * noise)
+        self._check_touch((*without[:2], np.fmax(without[2], 1.5 * noise)), force.max(), what)
         worst = int(np.argmax(departure / allowed))
         if departure[worst] > allowed[worst]:
             raise DemlawsError(
                 f"{what}: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N from "
                 f"a rising curve through the points: give points of {what} only, in m and N, or their uncertainty [N]"
             )
-        smoothed = len(groups) < overlap.size
-        known = np.array([_uncertainty(sigma[g], departure[g], smoothed) for g in groups])
-        text = f"{overlap.size} points averaged to {len(groups)} knots" if smoothed else f"none: a knot a point, {len(groups)}"
+        if fitted is not None:
+            at = np.unique(np.linspace(0, x.size - 1, min(x.size, SHOWN)).round().astype(int))
+            force = np.exp(fitted.values)
+            text = f"spline by generalised cross-validation, {fitted.freedom:.1f} degrees of freedom"
+            known = fitted.relative_error * force
+            self.knots = Knots(np.exp(x[at]), force[at], known[at], int(overlap.size), float(departure.max()), text)
+            return
+        averaged = len(groups) < overlap.size
+        known = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
+        text = f"{overlap.size} points averaged to {len(groups)} knots" if averaged else f"none: a knot a point, {len(groups)}"
         self.knots = Knots(np.exp(x), np.exp(y), known, int(overlap.size), float(departure.max()), text)
 
     def _allowed(self, force, sigma, largest):
@@ -112,6 +138,73 @@ class MeasuredCurve:
     def kinks(self) -> list[float]:
         """Overlap [m] of the one knot where the stiffness may jump: the first."""
         return [float(np.exp(self.x[0]))] if abs(self.first - self._slope) > 1e-9 else []
+
+
+class _Smoothed(NamedTuple):
+    values: np.ndarray  # ln P at the places
+    spline: Any
+    freedom: float  # trace of the smoother
+    noise: float  # part of the force's noise that is the same at all forces [N]; 0 where uncertainties are given
+    relative_error: np.ndarray  # standard uncertainty of ln P at the places
+
+
+def _smooth(x, y, counts, relative):
+    """Natural cubic smoothing spline of y over x, rising; None where no rising one is found.
+
+    counts: points that each place stands for; relative: their standard uncertainty of y, NaN if unknown. Then
+    the noise of the force is taken as a² + b² P² and found from the residuals. The smoothing is that of the lowest generalised
+    cross-validation, with 1.4 degrees of freedom counted for each (Kim & Gu 2004), or more where the curve would not rise.
+    """
+    from scipy.interpolate import CubicSpline
+    from scipy.optimize import nnls
+
+    h = np.diff(x)
+    second = np.zeros((x.size - 2, x.size))  # Qᵀ of Green & Silverman 1994, ch. 2
+    rows = np.arange(x.size - 2)
+    second[rows, rows], second[rows, rows + 2] = 1.0 / h[:-1], 1.0 / h[1:]
+    second[rows, rows + 1] = -(1.0 / h[:-1] + 1.0 / h[1:])
+    band = np.diag((h[:-1] + h[1:]) / 3.0) + np.diag(h[1:-1] / 6.0, 1) + np.diag(h[1:-1] / 6.0, -1)
+    penalty = second.T @ np.linalg.solve(band, second)
+    force, known, noise = np.exp(y), bool(np.all(relative > 0.0)), 0.0
+    error = relative if known else np.max(force) / force / np.sqrt(counts)  # at first: the same at all forces
+    for _ in range(1 if known else 4):
+        stiffness, vectors = np.linalg.eigh(penalty * error * error[:, None])
+        stiffness[:2] = 0.0
+        data = vectors.T @ (y / error)
+        best = None
+        for smoothing in np.geomspace(1e-3 / stiffness[-1], 1e4 / stiffness[2], 240):
+            kept = 1.0 / (1.0 + smoothing * stiffness)
+            left = x.size - 1.4 * kept.sum()
+            score = np.sum(((1.0 - kept) * data) ** 2) / left**2 if left > 0.0 else math.inf
+            if best is not None and score >= best[0]:
+                continue
+            spline = CubicSpline(x, error * (vectors @ (kept * data)), bc_type="natural")
+            if np.all(spline(np.linspace(x[0], x[-1], 8 * x.size), 1) > 0.0):
+                best = score, kept, spline
+        if best is None:
+            return None
+        _, kept, spline = best
+        values = spline(x)
+        scatter = np.sum(((y - values) / error) ** 2) / max(x.size - kept.sum(), 1.0)
+        certain = np.sqrt((1.0 if known else scatter) * (vectors**2 @ kept)) * error
+        if not known:
+            square = (np.exp(values) * (y - values)) ** 2 * counts
+            model = np.column_stack([np.ones(x.size), np.exp(2.0 * values)])
+            weight = 1.0 / (model @ [1e-6 * force.max() ** 2, 1e-4])
+            (constant, share), _ = nnls(model * weight[:, None], square * weight)
+            noise = math.sqrt(constant)
+            error = np.sqrt((constant / force**2 + share + 1e-12) / counts)
+    return _Smoothed(values, spline, float(kept.sum()), noise, certain)
+
+
+def _equal_groups(overlap):
+    """Places of points of one overlap, or of neighbours in equal number where there are more than MOST_PLACES."""
+    edges = np.flatnonzero(np.diff(overlap) > 0.0) + 1
+    groups = np.split(np.arange(overlap.size), edges)
+    if len(groups) <= MOST_PLACES:
+        return groups
+    bounds = np.linspace(0, len(groups), MOST_PLACES + 1).astype(int)
+    return [np.concatenate(groups[a:b]) for a, b in itertools.pairwise(bounds)]
 
 
 def _columns(overlap, force, uncertainty, what):

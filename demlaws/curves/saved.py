@@ -11,6 +11,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.curve import BulkYield
 from demlaws.core.grid import NO_YIELD, shape_from_nodes
+from demlaws.criterion import YIELD_RATIO
 from demlaws.curves import text
 from demlaws.curves.points import Knots
 from demlaws.curves.table import Certificate, TableCurve
@@ -43,6 +44,7 @@ def compose(contact: Contact, curve: TableCurve, unloading: Unloading, collapses
         **text.describe_rows(curve.rows, curve.certificate),
         "rtol": repr(curve.rtol),
         **({} if curve.knots is None else {"points": curve.knots.text()}),
+        **_limits(curve, contact),
         "demlaws": __version__,
     }
     if math.isfinite(shape.bulk.area):
@@ -105,6 +107,23 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
     return contact, loading, loading.with_unloading(contact, unloading) if unloading.curve is None else unloading
 
 
+def _limits(curve, contact):
+    """Header lines of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
+    size = contact.size or 1
+    values = {name: float(np.broadcast_to(getattr(contact, name), size)[0]) for name in ("radius", "modulus", "roughness")}
+    one = contact.with_values(**values)
+    length = curve.shape.length_over_roughness * one.roughness + curve.shape.length_over_radius * one.radius
+    scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
+    for limit in curve.definition.limits(one, **curve.options):
+        if limit.pressure:
+            lines.append(f"pressure {YIELD_RATIO!r} {limit.reason}")
+        elif limit.minimum_force > 0.0:
+            lines.append(f"below {limit.minimum_force / scale!r} {limit.reason}")
+        elif math.isfinite(limit.maximum_force):
+            lines.append(f"above {limit.maximum_force / scale!r} {limit.reason}")
+    return {f"limit_{number}": line for number, line in enumerate(lines, start=1)}
+
+
 def _about(definition):
     return "; ".join(filter(None, (definition.description, definition.equation)))
 
@@ -158,7 +177,7 @@ def _rule(file, path):
     if rule is None:
         raise DemlawsError(
             f"{path}: its rule {values['rule']!r} comes with law {values['law']!r}, which is not registered here: name its "
-            "file (--laws FILE.py, dl.load_laws)"
+            "file (--law-file FILE.py, dl.load_laws)"
         )
     if file.header.get("rule_source", "-") not in ("-", mark(definition)):
         raise DemlawsError(

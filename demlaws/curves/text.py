@@ -3,6 +3,7 @@
 `demlaws/cpp/demlaws_table.h` reads the same files; tests/cpp compares the two, verdict by verdict and line by line.
 """
 
+import itertools
 import json
 import math
 import re
@@ -24,7 +25,7 @@ VERSIONS = (1, 2, 3)
 TITLES = "overlap force stiffness"
 UNLOADING_TITLES = "unloading overlap force stiffness"
 OWN = "own"
-"""For `unloading`: a rule that its user brought with the law; its code is in an object beside the file (`rule_object`)."""
+"""For `unloading`: a user-defined rule of the law; its code is in an object beside the file (`rule_object`)."""
 OF_OWN_RULE = ("rule", "rule_object")
 UNLOADING = "unloading_"
 """Before the keys that describe an unloading curve and its rows."""
@@ -87,7 +88,7 @@ def rules():
 
 
 def rule_named(name):
-    """The rule of this name, or None; laws are loaded only where it is not a general rule."""
+    """The rule of this name, or None; laws are loaded only for other rules than the general ones."""
     return RULES.get(name) or rules().get(name)
 
 
@@ -100,6 +101,15 @@ def _mark(text):
     if not re.fullmatch("[0-9a-f]{8} [1-9][0-9]{0,8}", text):
         raise ValueError(f"{text!r} is not 8 hexadecimal digits and a size")
     return text
+
+
+def _limit(text):
+    """A limit of force, or of the central pressure, with its reason."""
+    kind, _, rest = text.partition(" ")
+    value, _, reason = rest.partition(" ")
+    if kind not in ("above", "below", "pressure") or not reason or not _positive(value):
+        raise ValueError(f"{text!r} is not above, below or pressure, a positive number, a reason")
+    return kind, float(value), reason
 
 
 def _name(text):
@@ -251,7 +261,7 @@ def parse(data, name):
             if not key or (not separator and not line.endswith(":")):
                 refuse(place, f"{line!r} is not 'key: value'")
             if key in header:
-                refuse(place, f"key {key!r} stands twice")
+                refuse(place, f"key {key!r} occurs twice")
             header[key], places[key] = value, place
     if not ended:
         refuse(len(lines) + whole, "the file ends without its 'end:' line: it was cut short")
@@ -271,6 +281,7 @@ def parse(data, name):
         prefixes = ("", UNLOADING) if header.get("unloading") == GIVEN else ("",)
         optional = [key._replace(name=prefix + key.name) for prefix in prefixes for key in _PERHAPS_OF_CONTACT]
         keys += [key for key in optional if key.name in header]
+    keys += [Key(name, _limit) for name in itertools.takewhile(header.__contains__, (f"limit_{n}" for n in itertools.count(1)))]
     values = {}
     for key in keys:
         if key.name not in header:
@@ -351,7 +362,7 @@ def _off_grid(u, bits_per_octave):
         if u[i] == u[i - 1]:
             kinks += 1
             if i == 1 or i == u.size - 1 or u[i] == u[i - 2]:
-                return i, "a kink, an overlap that stands twice, lies between other rows"
+                return i, "a kink, an overlap in two rows, lies between other rows"
             if kinks > MOST_KINKS:
                 return i, f"more than {MOST_KINKS} kinks"
         elif u[i] == coming:

@@ -1,7 +1,7 @@
 """The granite contact tests of Altuhafi, Baudet & Coop 2023, run with every law.
 
-No measured point of these tests is public; a user's can be laid over them (`read_points`). What the paper says in words is
-held against the runs in `claims`.
+No measured point of these tests is public; a user's points can be overlaid (`read_points`). `claims` compares the
+statements of the paper with the runs.
 """
 
 import math
@@ -19,8 +19,8 @@ from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
-from demlaws.points import Points, read_points  # noqa: F401  what a test's points are read into stands beside the tests
-from demlaws.response import Path
+from demlaws.path import Path
+from demlaws.points import Points, read_points  # noqa: F401  public beside the tests
 
 _MODULUS = 0.5 * GRANITE.plane_modulus
 SWITCH_FORCE = 10.0
@@ -306,7 +306,7 @@ def threshold_force(test):
 
 def effective_radius(alpha):
     """a*/a_H against α: the RMS fit, and Greenwood & Tripp for μ = 4 and 17."""
-    from demlaws.solvers.axisymmetric import solve_greenwood_tripp
+    from demlaws.solvers.axisymmetric import ELASTIC_LAYER, solve
 
     alpha = np.asarray(alpha, float)
     force = 4.0 / 3.0 * alpha**-1.5
@@ -314,7 +314,7 @@ def effective_radius(alpha):
     curves = {"RMS fit": 2.4 - 2.8 / (alpha + 2.0)}
     for mu in (4.0, 17.0):
         values = np.empty(alpha.size)
-        values[order] = solve_greenwood_tripp(mu, force[order]).effective_radius
+        values[order] = solve(ELASTIC_LAYER, mu, force[order]).effective_radius
         curves[f"Greenwood-Tripp μ = {mu:g}"] = values
     return curves
 

@@ -1,4 +1,4 @@
-"""What the papers say in words, held against the laws that ran: four verdicts, and the numbers behind each.
+"""Statements of the papers compared with the laws that ran: four verdicts, and the numbers behind each.
 
 A sentence about measured data is decided by measured points alone (`points`: measured points by test name); a sentence
 that a rule or a chosen parameter makes true is built in, and says nothing for or against the law.
@@ -31,7 +31,6 @@ from demlaws.make import law
 
 REPRODUCED, NOT_REPRODUCED = "reproduced", "not reproduced"
 UNDECIDED, BUILT_IN = "cannot be decided without measured points", "built in"
-VERDICTS = (REPRODUCED, NOT_REPRODUCED, UNDECIDED, BUILT_IN)
 
 GOOD_FIT = 0.03
 """A law fits points whose misfit is below this share of the displacement measured [our choice]: 0.4 µm of 14."""
@@ -93,7 +92,7 @@ class _Measured:
 
 
 def granite_claims(points=None, tests=None, compliance=False):
-    """Every claim of Altuhafi, Baudet & Coop 2023 that a run can be held against.
+    """Every claim of Altuhafi, Baudet & Coop 2023 that can be compared with a run.
 
     points: measured points by test name; tests: only claims that concern one of these; compliance: fit the apparatus's
     compliance with every misfit.
@@ -140,7 +139,7 @@ def _sphere_claims(get, measured):
         "RS(18-18), SS(18-18), VS(18-18)",
         "softness in the order RS(18-18) > SS(18-18) > VS(18-18)",
         "µm gained to 100 N: " + "; ".join(f"{n} {' > '.join(f'{v:.1f}' for v in row)}" for n, row in gained.items()),
-        _verdict(all(a > b > c for a, b, c in gained.values())),
+        BUILT_IN,  # every law is softer for a larger σ
     )
     softer = {t: displacement_gained(get(POHRT_POPOV, t)) / displacement_gained(get(HERTZ, t)) for t in ROUGH_SPHERES}
 
@@ -162,7 +161,7 @@ def _sphere_claims(get, measured):
         "rough spheres",
         "the effect of roughness is very significant at lower load levels",
         "Pohrt-Popov K/K_H " + "; ".join(f"{t} {low[t]:.2f} at 1 N, {high[t]:.2f} at 100 N" for t in ROUGH_SPHERES),
-        _verdict(all(low[t] < 0.6 and low[t] < high[t] for t in ROUGH_SPHERES)),
+        BUILT_IN,  # K/K_H of every rough law rises with the load
     )
     rough = find_test("RS(18-18)")
     ratio = regime.pressure_ratio(rough.contact, 100.0)
@@ -325,7 +324,7 @@ def _cone_claims(get, measured):
             test.name,
             f"the elastic models hold to {load:g} N",
             f"the rough law with p_y = {test.yield_pressure / 1e9:.2f} GPa (K_y = {stiff:.0f} N/mm) yields at "
-            f"{p.yield_force:.1f} N: one p_y ties both, unless the law is told the load (yield_load, built in then)",
+            f"{p.yield_force:.1f} N: one p_y ties both, unless the load is given to the law (yield_load, built in then)",
             _verdict(abs(p.yield_force / load - 1.0) < 0.1),
         )
         yield _measured_claim(

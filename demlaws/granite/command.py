@@ -1,4 +1,4 @@
-"""What `demlaws granite` does: tables, claims, CSV files and figures."""
+"""The command `demlaws granite`: tables, claims, CSV files and figures."""
 
 import math
 import shutil
@@ -16,7 +16,7 @@ from demlaws.points import read_points
 
 
 def run(arguments):
-    """Do what the command's arguments ask."""
+    """Run the tests; returns a summary, the claims with verdicts and the files written."""
     from tqdm import tqdm
 
     if arguments.tables:
@@ -24,7 +24,7 @@ def run(arguments):
     if arguments.figures:
         _only_figures(arguments)
     if arguments.tables or arguments.figures:
-        return
+        return {}
 
     tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
@@ -44,11 +44,12 @@ def run(arguments):
         print_claims(found)
     if any(test.name == "FC5" for test in tests):
         print_sensitivity(claims.cone_sensitivity())
-    with warnings.catch_warnings():  # what was to be said has been printed with the tables
+    with warnings.catch_warnings():  # the notes have been printed with the tables
         warnings.simplefilter("ignore", ValidityWarning)
-        files = write_csv(arguments.out, tests, runs, notes, found)
+        summary, files = write_csv(arguments.out, tests, runs, notes, found)
         files += draw(arguments.out, tests, runs, points, whole=not (arguments.test or arguments.law))
     print(f"\n{len(files)} files written to {arguments.out}/")
+    return {"tests": summary, "claims": found, "files": [str(file) for file in files]}
 
 
 def _only_figures(arguments):
@@ -59,7 +60,7 @@ def _only_figures(arguments):
 
 
 def print_printed_tables():
-    """Tables 1 to 3 as printed, and beside each what follows from it."""
+    """Tables 1 to 3 as printed, each with derived quantities."""
     stone = granite.GRANITE
     print("Table 1 (printed: relative density 2.68, ν 0.25, E 60.6 GPa, Shore hardness 77 = 639 kgf/mm² Vickers)")
     print(
@@ -67,7 +68,7 @@ def print_printed_tables():
         f"{stone.young / (2e9 * (1 + stone.poisson)):.2f} GPa, H = {stone.hardness / 1e9:.3f} GPa, H/E* = "
         f"{2 * stone.hardness / stone.plane_modulus:.3f}"
     )
-    print("\nTable 2, spheres: of both stones and of the pair as printed, then what is computed from the stones")
+    print("\nTable 2, spheres: of both stones and of the pair as printed, then computed from the stones")
     print(
         f"  {'test':10} {'radii (mm)':>13} {'Sq (µm)':>13} {'Df':>13} {'R (mm)':>7} {'σ (µm)':>7} | {'R':>6} {'σ':>6} "
         f"{'mean Df':>8} {'F (N)':>7} {'A0 (mm²)':>9} {'α 10 N':>7} {'α 100 N':>8}"
@@ -87,7 +88,7 @@ def print_printed_tables():
             f"{(d1 + d2) / 2:8.3f} {threshold:7.2f} {area * 1e6:9.4f} {contact.roughness_parameter(10.0):7.2f} "
             f"{contact.roughness_parameter(100.0):8.3f}"
         )
-    print("\nTable 3 and text, cones: what is printed; the rest is assumed, and said to be")
+    print("\nTable 3 and text, cones: printed values; the rest is assumed and marked as such")
     for test in granite.TESTS:
         if test.bodies:
             continue
@@ -182,7 +183,7 @@ def print_claims(found):
 
 
 def draw_figures(known, chosen, out, *given):
-    """Draw figures of a paper, number → function of `given` that returns (figure, lines), and print what stands in them."""
+    """Draw figures of a paper, number → function of `given` that returns (figure, lines), and print their content."""
     for number in chosen:
         with warnings.catch_warnings():  # the limits of each law are in the tables
             warnings.simplefilter("ignore", ValidityWarning)
@@ -218,11 +219,12 @@ def write_csv(out, tests, runs, notes, found):
                     "plastic overlap (m)",
                 ]
                 files.append(save_csv(out / f"{test.key}-{result.law.name}-cycles.csv", titles, rows))
+    names = ("test", "law", "between", "displacement", "stiffness_1N", "stiffness_10N", "notes")
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
     files.append(save_csv(out / "summary.csv", titles, summary))
     if found:
         files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], [list(c) for c in found]))
-    return files
+    return [dict(zip(names, row, strict=True)) for row in summary], files
 
 
 def draw(out, tests, runs, points, whole):

@@ -186,7 +186,7 @@ def radius(paper):
     ax.legend(fontsize=7, ncol=2)
     return fig, [
         *said,
-        "seated laws count δ from their declared seating load; measured points from their first",
+        "the laws count δ from first touch, Yip-Venart by its continuation; measured points from their first",
         paper.whose(*granite.ROUGH_SPHERES),
     ]
 
@@ -224,7 +224,7 @@ def loading(paper):
 def _up(path):
     """A path as far as its largest force."""
     end = int(np.argmax(path.force)) + 1
-    return path._replace(**{name: value[:end] for name, value in path._asdict().items() if np.ndim(value)})
+    return path[:end]
 
 
 def unloading(paper):

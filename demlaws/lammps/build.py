@@ -28,7 +28,7 @@ library_path = PLUGIN.library_path
 
 
 def packaged():
-    """The wheel's plugin, or None where there is none or it is not of these sources."""
+    """The wheel's plugin, or None: it is missing or was compiled from other sources."""
     library, digest = PACKAGED / PLUGIN.file, PACKAGED / "sources"
     try:
         if library.is_file() and digest.read_text().strip() == PLUGIN.source_digest():

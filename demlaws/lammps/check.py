@@ -30,7 +30,7 @@ create_box      1 box
 neighbor        1e-4 bin
 neigh_modify    delay 0
 pair_style      granular
-pair_coeff      * * demlaws/table ${table} ${young} 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping demlaws/tangent
+pair_coeff      * * demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent
 variable        gap equal 2*${radius}+1e-7
 variable        diameter equal 2*${radius}
 create_atoms    1 single 0 0 0 units box
@@ -52,9 +52,9 @@ create_box      1 box
 neighbor        1e-4 bin
 neigh_modify    delay 0
 pair_style      granular
-pair_coeff      * * demlaws/table ${table} ${young} 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping demlaws/tangent
+pair_coeff      * * demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent
 variable        model string &
-"granular demlaws/table ${table} ${young} 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping demlaws/tangent"
+"granular demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent"
 region          ground plane 0 0 0 1 0 0 units box
 if "${wall} == plane" then "fix wall all wall/gran ${model} xplane 0 NULL" &
 else "fix wall all wall/gran/region ${model} region ground"

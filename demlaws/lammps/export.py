@@ -57,7 +57,7 @@ def models(case, folder, wall_friction=None, tangential_damping=1.0):
             text += f" roughness {math.sqrt(2.0) * tables.roughness[one - 1]:.12g}"
         if other is not None and (other.young, other.poisson) != (mine.young, mine.poisson):
             text += f" against {other.young:.12g} {other.poisson:g}"
-        return f"{text} tangential mindlin_rescale/force NULL {tangential_damping:g} {friction:g} damping demlaws/tangent"
+        return f"{text} tangential demlaws {tangential_damping:g} {friction:g} damping demlaws/tangent"
 
     wall_friction = case.friction if wall_friction is None else wall_friction
     pairs = {(i, j): file for (i, j), file in tables.pairs.items() if i == j or not tables.single}
@@ -79,7 +79,7 @@ def wall_lines(models, fixes):
 
 
 def loose(grains, count, seed=15485863):
-    """Types, radii, centres and box of `count` grains on a shaken lattice, all kinds equally often; nobody touches."""
+    """Types, radii, centres and box of `count` grains on a shaken lattice, all kinds equally often; without contacts."""
     random = np.random.default_rng(seed)
     largest = max(g.radius for g in grains)
     types = np.arange(count) % len(grains)

@@ -96,7 +96,7 @@ def _version_of(binary):
 
 
 def versions():
-    """`Version` of the binary; DemlawsError where it is not LAMMPS, or has no package GRANULAR."""
+    """`Version` of the binary; DemlawsError: it is not LAMMPS or lacks package GRANULAR."""
     return _version_of(executable())
 
 

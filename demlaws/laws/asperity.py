@@ -12,9 +12,8 @@ import numpy as np
 
 from demlaws.core.curve import Grid
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
+from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
-from demlaws.core.hertz import hertz_coefficient
 from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities
@@ -23,8 +22,8 @@ from demlaws.laws.hertz import HertzShape
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.units import number
 
-_BITS = 6  # cells an octave
-_SAMPLES = 12  # cuts of the map an octave
+_BITS = 6  # cells per octave
+_SAMPLES = 12  # cuts of the map per octave
 _OCTAVES = 12  # from the first cut to an overlap of Sq
 _BANDWIDTH = 0.4  # octaves, of the smoothing over the falls of force where patches merge
 _RADIUS_STEP = 1.05  # ratio of neighbouring radii of a family of curves
@@ -168,7 +167,7 @@ def _shape(curve, pair, start, reach):
     nodes, _ = grid(start, reach, [], _BITS)
     s, slope = curve.at(nodes)
     steepest = _steepest(nodes, s, slope)
-    rough = pair.roughness > 0
+    rough = not pair.is_smooth
     return shape_from_nodes(Nodes.from_curve(nodes, s / steepest, slope / steepest), _BITS, float(rough), float(not rough))
 
 
@@ -224,7 +223,7 @@ def _prepare(
     shared = shared_grid([*shapes, shapes[-1]])
     if alike:
         ratio = math.log(pairs[-1].radius / pairs[0].radius) / (len(pairs) - 1)
-        return FamilyShape(shared, 0.0, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
+        return FamilyShape(shared, CurveNumber(1.0, 0.0, 1.0, 0.0), pairs[0].radius, ratio, len(pairs))
     return RowsShape(shared, np.array([[p.radius, p.modulus, p.roughness] for p in pairs]))
 
 

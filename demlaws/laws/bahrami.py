@@ -6,9 +6,19 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import HARDNESS, ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, Option, plastic_asperities
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
+from demlaws.laws.definition import (
+    HARDNESS,
+    ROUGHNESS,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Limit,
+    Option,
+    bulk_yield,
+    plastic_asperities,
+)
 from demlaws.units import number
 
 _JOINT = 0.47
@@ -169,7 +179,8 @@ def _limits(contact, **_):
     kappa = contact.hardness / contact.modulus * np.sqrt(contact.radius / np.maximum(contact.roughness, 1e-40))
     alpha = 99.0 / (1.22 * kappa**-0.16)
     force = 4 / 3 * contact.modulus * np.sqrt(contact.radius) * (np.asarray(contact.roughness) / alpha) ** 1.5
-    return [Limit(float(np.max(force)), math.inf, "p0' < 0.01: below the range of the published correlation")]
+    reason = "p0' < 0.01: below the range of the published correlation"
+    return [*bulk_yield(contact), Limit(float(np.max(force)), math.inf, reason)]
 
 
 LAW = Definition(

@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     LENGTH,

@@ -1,5 +1,6 @@
 """What a law declares besides its compiled kernels: all that fits, advice, measurements, figures and engines know of it."""
 
+import functools
 import inspect
 import math
 from collections.abc import Callable, Iterator
@@ -9,8 +10,7 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import RULES, Rule
-from demlaws.criterion import lowest_transition_load
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, did_you_mean
 from demlaws.units import number
 
 
@@ -20,15 +20,17 @@ class Limit(NamedTuple):
     minimum_force: float
     maximum_force: float
     reason: str
-    branch: bool = False  # outside, the law leaves out a branch of itself on purpose: its error can be computed
+    pressure: bool = False  # maximum_force is where the central pressure reaches 0.6 H_m: not proportional to √R σ^1.5
 
 
 def bulk_yield(contact: Contact, **options: Any) -> list[Limit]:
     """Where the contact's hardness is known: the load at which p(0), lowered by roughness, reaches 0.6 H_m (`criterion`)."""
     if contact.hardness is None:
         return []
+    from demlaws.criterion import lowest_transition_load
+
     reason = "the central pressure passes 0.6 H_m, so that the bulk yields; this law keeps it elastic (see rough-plastic)"
-    return [Limit(0.0, lowest_transition_load(contact), reason)]
+    return [Limit(0.0, lowest_transition_load(contact), reason, pressure=True)]
 
 
 def no_kinks(params: Any, **options: Any) -> list[float]:
@@ -41,24 +43,14 @@ def no_limits(contact: Contact, **options: Any) -> list[Limit]:
     return []
 
 
-def never(**options: Any) -> bool:
-    """False, whatever the options."""
-    return False
-
-
-def always(**options: Any) -> bool:
-    """True, whatever the options."""
-    return True
-
-
 # --- advice
 
 
 class Conditions(NamedTuple):
-    """What a contact meets up to a load: that from which a law says whether its physics fits (`Advice.advise`)."""
+    """Conditions of a contact up to a load, from which a law decides whether it applies (`Advice.advise`)."""
 
     contact: Contact
-    roughness_parameter: float  # largest α
+    roughness_parameter: float  # largest α, at a hundredth of the load
     pressure_drop: float  # p(0)/p0 there
     yields: bool  # p(0)/H_m passes 0.6
     state: str  # that in words
@@ -71,6 +63,12 @@ def elastic_bulk(conditions: Conditions, fits: bool = True, reason: str = "") ->
     return fits, conditions.state if fits else reason
 
 
+def elastic_asperities(conditions: Conditions, fits: bool = True, reason: str = "") -> tuple[bool, str]:
+    """As `elastic_bulk`, of a law of rough surfaces whose asperities stay elastic."""
+    fits, reason = elastic_bulk(conditions, fits, reason)
+    return fits, f"{reason}; if the asperities are elastic: roughness alone does not decide that" if fits else reason
+
+
 def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose parameters are calibrated on bulk tests, not measured on contacts."""
     return False, f"{conditions.state}: its stiffnesses are not those of a contact but calibrated on the bulk's behaviour"
@@ -78,7 +76,8 @@ def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
 
 def plastic_asperities(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose asperities yield at the hardness while the bulk stays elastic."""
-    return elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
+    fits, reason = elastic_bulk(conditions, conditions.contact.hardness is not None, "needs a hardness")
+    return fits, f"{reason}; if the asperities yield: roughness alone does not decide that" if fits else reason
 
 
 # --- fits
@@ -116,7 +115,7 @@ OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": D
 
 
 class Option(NamedTuple):
-    """An option of a law, as users are told of it; its default stands in the signature of `prepare`.
+    """Documentation of a law's option; its default is in the signature of `prepare`.
 
     >>> dl.Option("Pa", "above 0", "pressure at which the bulk yields; needed").values
     'above 0'
@@ -170,7 +169,7 @@ def softened_option(law: str, name: str, option: "Option", value: Any, factor: f
     return number(value, name, option.unit) * power_of(factor, exponent)
 
 
-SEATING = Option("N", "above 0", "load at which overlap 0 is declared")
+SEATING = Option("", "1e-7 to 1", "load over E* √R σ^1.5 below which the curve is continued as P ∝ δ^1.5")
 SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where contacts differ")
 
 
@@ -186,11 +185,10 @@ class Fitting(NamedTuple):
 class Advice(NamedTuple):
     """What `choose`, `regime` and `soften` know of a law."""
 
-    advise: Callable = elastic_bulk  # Conditions → (whether the law's physics fits, reason)
+    advise: Callable = elastic_asperities  # Conditions → (whether the law's physics fits, reason)
     rank: int = 0  # `choose` takes the law of highest rank that a scene's quantities determine as its reference; 0: never
     smooth: bool = False  # of a smooth contact: it leaves roughness out
     candidate: bool = False  # `choose` tries it in place of its reference
-    branches: dict = {}  # noqa: RUF012  option `branch` with which it is a candidate, too → what that leaves out
     closed_form_is_cheapest: bool = False  # no table costs less
     native: dict = {}  # noqa: RUF012  engine → its own model that is this law
     rigid: str = ""  # why its contacts cannot be softened: a length of the law that does not scale (`demlaws.soften`)
@@ -215,6 +213,9 @@ def grouped(facts: dict[str, Any]) -> dict[str, Any]:
     return facts
 
 
+_signature = functools.cache(inspect.signature)
+
+
 class Definition(NamedTuple):
     """A law: `prepare(contact, **options)` checks input and returns the Shape that its kernels are bound to.
 
@@ -230,7 +231,6 @@ class Definition(NamedTuple):
     description: str
     limits: Callable = bulk_yield  # contact, **options → [Limit]
     kinks: Callable = no_kinks  # params, **options → overlaps [m] where dK/dδ or K jumps: a table puts nodes there
-    seated: Callable = never  # **options → whether the force at overlap 0+ is a seating load, not 0
     bulk: Callable | None = None  # of a law whose bulk yields: params → δ_y [m], a²/R there [m], d(a²/R)/dP after it [m/N]
     length: str = "roughness"  # the contact's length that makes the law's curve dimensionless: "roughness" or "radius"
     collapses: bool = True  # one dimensionless curve serves all radii, moduli and roughnesses
@@ -256,8 +256,14 @@ class Definition(NamedTuple):
     def shape(self, contact: Contact, **options: Any) -> Any:
         """Shape of the law for a contact, its options checked: an unknown one is a DemlawsError."""
         try:
-            inspect.signature(self.prepare).bind(contact, **options)
+            _signature(self.prepare).bind(contact, **options)
         except TypeError as error:
+            wrong = [name for name in options if name not in self.options]
+            if wrong and self.options:
+                raise DemlawsError(
+                    f"law {self.name!r} has no option {wrong[0]!r}{did_you_mean(wrong[0], self.options)} Its options are "
+                    f"{', '.join(self.options)} (demlaws laws {self.name})"
+                ) from None
             known = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
             raise DemlawsError(f"law {self.name!r}: {error}; {known} (demlaws laws {self.name})") from None
         try:
@@ -278,11 +284,12 @@ class Definition(NamedTuple):
             return offered[name]
         if isinstance(name, str) and name in self.refused:
             raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
-        raise DemlawsError(f"unknown unloading rule {name!r}: the rules are {', '.join(offered)} (law {self.name!r})")
+        rules = f"{did_you_mean(name, offered)} The rules are {', '.join(offered)} (law {self.name!r})"
+        raise DemlawsError(f"unknown unloading rule {name!r}{rules}")
 
     def option_lines(self) -> Iterator[str]:
         """A line for each option: name, unit, range, default, meaning."""
-        signature = inspect.signature(self.prepare).parameters
+        signature = _signature(self.prepare).parameters
         for name, option in self.options.items():
             default = signature[name].default if name in signature else inspect.Parameter.empty
             needed = default in (None, inspect.Parameter.empty)

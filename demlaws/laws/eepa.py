@@ -6,8 +6,7 @@ With n = 1 the model is Walton & Braun's of constant k2.
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, energy, parts, virgin
-from demlaws.core.fastmath import cbrt, kernel, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 from demlaws.errors import DemlawsError

@@ -1,11 +1,14 @@
-"""Unloading of a yielded sphere from its largest force, contact radius and overlap (Etsion, Kligerman & Kadin 2005)."""
+"""Unloading of a yielded sphere along Hertz's curve of the radius that loading left, in two variants.
+
+`etsion`: the residual overlap follows from the largest force and the law's contact radius (Etsion, Kligerman & Kadin 2005).
+`jackson`: it is the fit of Jackson, Chusoipin & Green 2005 to their finite elements (10.1115/1.1843166).
+"""
 
 import math
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind, parts, virgin
-from demlaws.core.fastmath import exp2, kernel, log2
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.fastmath import exp2, hertz_coefficient, kernel, log2
 from demlaws.core.shear import of_first_loading, of_thornton
 from demlaws.core.unloading import Rule, own_rule, thornton_step, thornton_stored_and_dissipated, thornton_unloaded
 
@@ -22,15 +25,39 @@ def _contact_area(rule, p, overlap, area):
     return virgin(parts(p)[1], overlap)[3]  # of a table, too, the law's; LLVM leaves out what is not used
 
 
-bind(
-    Etsion,
-    step=thornton_step,
-    contact_area=_contact_area,
-    stored_and_dissipated=thornton_stored_and_dissipated,
-    unloaded=thornton_unloaded,
-    unloading_stiffness=of_thornton,
-    loading_stiffness=of_first_loading,
-)
+class Jackson(NamedTuple):
+    """δp/δmax = 1.02 [1 - ((ω + 5.9)/6.9)^-0.54], ω = δmax/ω_c; along Hertz's curve from there to Pmax at δmax.
+
+    0 to ω = 1. From ω = 145 the ratio is constant: the largest load of the finite elements, 750 P_c, is reached there, and at
+    ω = 10⁴ the fit would exceed 1.
+    """
+
+
+LARGEST_FITTED = 145.0
+"""ω/ω_c from which rule `jackson` keeps its ratio of residual to largest overlap."""
+
+
+@kernel
+def _fitted_area(rule, p, overlap, area):
+    """a²/R [m] with which `thornton_step` leaves the fitted residual: δ_H³/(δmax - δp)²."""
+    w = overlap / parts(p)[1].critical_overlap
+    w = min(max(w, 1.0), LARGEST_FITTED)
+    elastic = overlap * (1.0 - 1.02 * (1.0 - exp2(-0.54 * log2((w + 5.9) / 6.9))))
+    hertz_overlap = virgin(p, overlap)[2]
+    growth = hertz_overlap / elastic
+    return hertz_overlap * growth * growth
+
+
+for _tag, _area in ((Etsion, _contact_area), (Jackson, _fitted_area)):
+    bind(
+        _tag,
+        step=thornton_step,
+        contact_area=_area,
+        stored_and_dissipated=thornton_stored_and_dissipated,
+        unloaded=thornton_unloaded,
+        unloading_stiffness=of_thornton,
+        loading_stiffness=of_first_loading,
+    )
 
 
 class EtsionNumbers(NamedTuple):
@@ -67,17 +94,21 @@ def _table_area(p, overlap):
 bind(EtsionNumbers, scale=_table_scale)
 bind(EtsionTableParams, virgin=_table_area)
 
+_STATE = ("maximum_overlap", "plastic_overlap", "radius_ratio")
 ETSION = own_rule(
     Rule(
         "etsion",
         Etsion(),
-        ("maximum_overlap", "plastic_overlap", "radius_ratio"),
+        _STATE,
         "law",
         6,
         "back along Hertz's curve of the radius that Pmax and the law's own contact radius leave",
         ("etsion_overlap", "etsion_power"),
         EtsionNumbers,
     )
+)
+JACKSON = own_rule(
+    Rule("jackson", Jackson(), _STATE, "law", None, "back along Hertz's curve from the residual overlap of finite elements")
 )
 
 NOT_THORNTON = {"thornton": "a limit pressure gives that rule its contact radius; 'etsion' takes this law's own"}

@@ -1,8 +1,9 @@
 """Laws whose curve comes from a solver: one master curve a dimensionless number, tabulated, read like a table.
 
 The curve is f(U) with U the approach over σ; it depends on one number A (N_H of Yip & Venart, μ of Greenwood & Tripp).
-Gaussian tails never stop touching, so overlap 0 is declared: it is where the contact carries the seating load. At
-overlap 0+ the force is the seating load, not 0; a smaller seating load starts more softly.
+Gaussian tails never stop touching, so the curve needs a start. It is followed down to the seating load, a share of
+E* √R σ^1.5, and continued below it as P ∝ δ^1.5 with the same force and stiffness there [our derivation]: overlap 0 is
+where that ends. The stiffness at equal Hertz-equivalent overlap is at most Hertz's, so the law is nowhere stiffer than Hertz.
 """
 
 import functools
@@ -11,28 +12,26 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import Grid, TableShape, invert_curve, read_curve, scale_table
+from demlaws.core.curve import Grid, TableShape, read_curve, scale_table
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel, sqrt
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
 from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Limit
 from demlaws.laws.hertz import HertzShape
 from demlaws.units import number
 
-SEATING_LOAD = 0.02
-"""Default seating load [N]: the resolution of the load cell of the granite tests."""
-_BITS = 6  # cells an octave: the table reproduces the solver's curve to 1e-6 in force
+SEATING_SHARE = 0.0025
+"""Default seating load over E* √R σ^1.5: 0.02 N, the resolution of the load cell, in the granite tests."""
+_BITS = 6  # cells per octave: the table reproduces the solver's curve to 1e-6 in force
 _LOWEST_FORCE, _HIGHEST_FORCE = 1e-8, 1e7  # dimensionless; from the Gaussian tail to α = 3e-5, practically Hertz
 SMOOTH = 1e-9
 """σ/R below which the model is its limit, Hertz: roughness then shifts the overlap by some 1e-9 R."""
-_NEARLY_SMOOTH = 1e-6
-"""σ/R below which a seating load beyond the curve means Hertz too: the stiffness is within 3e-4 of it there (μ ≥ 4)."""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
 class CurveNumber(NamedTuple):
-    """A = factor (E*)^modulus R^radius σ^roughness: what the curve of a contact depends on."""
+    """A = factor (E*)^modulus R^radius σ^roughness: the number on which the curve of a contact depends."""
 
     factor: float
     modulus: float
@@ -44,7 +43,6 @@ class ImplicitShape(NamedTuple):
     """One master curve, for contacts that share A."""
 
     table: TableShape
-    seating_load: float  # [N]
     number: CurveNumber
     value: float  # A of the curve
 
@@ -53,7 +51,6 @@ class FamilyShape(NamedTuple):
     """Master curves at a geometric sequence of A, for contacts that differ."""
 
     grid: Grid  # of every curve; its cells are those of all curves, one after the other
-    seating_load: float
     number: CurveNumber
     lowest_value: float  # A of the first curve
     log_ratio: float  # ln of the ratio of neighbours
@@ -87,16 +84,14 @@ def curve_number(law, radius, modulus, roughness):
 @kernel
 def _scale(shape, radius, modulus, roughness):
     value = curve_number(shape.number, radius, modulus, roughness)
-    p = scale_table(shape.table, radius, modulus, roughness, 0.0)
-    offset = invert_curve(p.grid, hertz_overlap(p, shape.seating_load) / p.length)
     # A contact with another number has another curve: not a number rather than a wrong one.
     same = abs(value - shape.value) <= 1e-6 * shape.value
-    return scale_table(shape.table, radius, modulus, roughness, offset if same else math.nan)
+    return scale_table(shape.table, radius, modulus, roughness, 0.0 if same else math.nan)
 
 
 @kernel
 def family_params(grid, coefficient, length, offset, row, weight):
-    """FamilyParams of a contact: what a family's or a set of rows' `scale` returns."""
+    """FamilyParams of a contact, returned by `scale` of a family or of a set of rows."""
     return FamilyParams(coefficient, length, 1.0 / length, offset, row, weight, grid)
 
 
@@ -106,9 +101,7 @@ def _family_scale(shape, radius, modulus, roughness):
     inside = -1e-9 <= place <= shape.curves - 1 + 1e-9
     row = min(max(math.floor(place), 0.0), shape.curves - 2.0)
     coefficient, start = hertz_coefficient(radius, modulus), row * shape.grid.count
-    p = family_params(shape.grid, coefficient, roughness, 0.0, start, place - row)
-    offset = _family_invert(p, hertz_overlap(p, shape.seating_load) / roughness)
-    return family_params(shape.grid, coefficient, roughness, offset if inside else math.nan, start, place - row)
+    return family_params(shape.grid, coefficient, roughness, 0.0 if inside else math.nan, start, place - row)
 
 
 @kernel
@@ -178,12 +171,11 @@ bind(FamilyShape, scale=_family_scale)
 bind(FamilyParams, virgin=_family_virgin, inverse=_family_inverse, energy=_family_energy)
 
 
-def _span(contact, law):
-    """Smallest and largest A, largest and smallest E* √R σ^1.5, largest R/σ of the contacts."""
-    radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.roughness))
-    value = law.factor * modulus**law.modulus * radius**law.radius * roughness**law.roughness
-    scale = modulus * np.sqrt(radius) * roughness**1.5
-    return tuple(map(float, (np.min(value), np.max(value), np.max(scale), np.min(scale), np.max(radius / roughness))))
+def seating_limit(contact, share):
+    """`Limit` below the seating load, the largest of an array of contacts."""
+    load = share * contact.modulus * np.sqrt(contact.radius) * np.asarray(contact.roughness) ** 1.5
+    reason = "below the seating load the curve is not the source's: it is continued as P ∝ δ^1.5 (see seating_share)"
+    return Limit(float(np.max(load)), math.inf, reason)
 
 
 @functools.lru_cache(maxsize=64)
@@ -193,49 +185,48 @@ def _solve(model, value):
     return curve(model, value)
 
 
-def _curve_shape(solved, start, lowest, highest):
-    """The curve as a table in u = U - start."""
+def _curve_shape(solved, share, lowest, highest):
+    """The curve as a table in the overlap over σ: straight in s, as P ∝ δ^1.5, to the seat, then the solver's."""
+    seat, equivalent, slope = _seat(solved, share)
     u, _ = grid(lowest, highest, [], _BITS)
-    s, slope = solved.hertz_overlap(u + start)
-    return shape_from_nodes(Nodes.from_curve(u, s, slope), _BITS, 1.0, 0.0, straight=True)
+    s, slopes = solved.hertz_overlap(np.maximum(u - equivalent / slope, 0.0) + seat)
+    below = u * slope < equivalent
+    return shape_from_nodes(Nodes.from_curve(u, np.where(below, slope * u, s), np.where(below, slope, slopes)), _BITS, 1.0, 0.0)
 
 
-def prepare(model, law, contact, seating_load, rtol):
+def _seat(solved, share):
+    """U, s and ds/dU of a curve at the seating load."""
+    approach = solved.approach(share)
+    return tuple(float(v) for v in (approach, *solved.hertz_overlap(approach)))
+
+
+def prepare(model, law, contact, seating_share, rtol):
     """Shape of an implicit law: one curve if the contacts share A, else a family that blends within `rtol`.
 
-    Contacts smoother than SMOOTH, or so smooth that they are practically Hertz from their seating load on, get the
-    Hertz law, to which the model tends.
+    Contacts smoother than SMOOTH get the Hertz law, to which the model tends.
     """
-    load = number(seating_load, "seating_load", "N")
-    radius, roughness = np.asarray(contact.radius), np.asarray(contact.roughness)
-    seated_as_hertz = load > 0.1 * _HIGHEST_FORCE * contact.modulus * np.sqrt(radius) * roughness**1.5
-    smooth = (roughness < SMOOTH * radius) | (seated_as_hertz & (roughness < _NEARLY_SMOOTH * radius))
+    share = number(seating_share, "seating_share", "", 10.0 * _LOWEST_FORCE, 1.0, allow_low=True)
+    radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.roughness))
+    smooth = roughness < SMOOTH * radius
     if np.all(smooth):
         return HertzShape()
     if np.any(smooth):
         raise DemlawsError(
-            f"{int(np.sum(smooth))} contacts are so smooth that they are Hertz's from {load:g} N on: "
-            f"give them law 'hertz', the others law {model!r}"
+            f"{int(np.sum(smooth))} contacts are smooth (σ below {SMOOTH:g} R): give them law 'hertz', the others law {model!r}"
         )
-    low, high, largest_scale, smallest_scale, relative_radius = _span(contact, law)
-    softest = load / largest_scale
-    if load / smallest_scale > 0.1 * _HIGHEST_FORCE or softest < 8.0 * _LOWEST_FORCE:
-        raise DemlawsError(
-            f"seating_load = {load:g} N: for these contacts it must lie between "
-            f"{8.0 * _LOWEST_FORCE * largest_scale:.2g} and {0.1 * _HIGHEST_FORCE * smallest_scale:.2g} N"
-        )
-    reference = softest / 8.0  # the grid begins before the seat: the power law below its first node is never read
+    numbers = law.factor * modulus**law.modulus * radius**law.radius * roughness**law.roughness
+    low, high = float(np.min(numbers)), float(np.max(numbers))
     values = [low]
     if high > low * (1.0 + 1e-9):
         from demlaws.solvers.axisymmetric import family
 
-        values = [float(v) for v in family(model, low, high, rtol=rtol, reference_force=reference).parameters]
+        values = [float(v) for v in family(model, low, high, rtol=rtol, reference_force=share)]
     curves = [_solve(model, value) for value in values]
-    starts = [float(c.approach(reference)) for c in curves]
-    lowest = 0.5 * min(float(c.approach(softest)) - start for c, start in zip(curves, starts, strict=True))
-    highest = max(float(curves[0].approach(_HIGHEST_FORCE)) - starts[0], 0.1 * relative_radius)
-    shapes = [_curve_shape(c, start, lowest, highest) for c, start in zip(curves, starts, strict=True)]
+    seats = [_seat(c, share) for c in curves]
+    lowest = min(equivalent / slope for _, equivalent, slope in seats)
+    highest = max(float(curves[0].approach(_HIGHEST_FORCE)) - seats[0][0], float(np.max(0.1 * radius / roughness)))
+    shapes = [_curve_shape(c, share, lowest, highest) for c in curves]
     if len(shapes) == 1:
-        return ImplicitShape(shapes[0], load, law, low)
+        return ImplicitShape(shapes[0], law, low)
     ratio = math.log(values[-1] / values[0]) / (len(values) - 1)
-    return FamilyShape(shared_grid(shapes), load, law, values[0], ratio, len(values))
+    return FamilyShape(shared_grid(shapes), law, values[0], ratio, len(values))

@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import cbrt, kernel, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Drawing, Fitting, Option, Parameter, slope_softens
 from demlaws.laws.extended import PI, extended, from_hertz

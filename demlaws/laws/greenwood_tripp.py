@@ -3,8 +3,8 @@
 import math
 
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Drawing, Fitting, Limit, Option, Parameter, always
-from demlaws.laws.family import SEATING_LOAD, CurveNumber, prepare
+from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Drawing, Fitting, Option, Parameter, bulk_yield
+from demlaws.laws.family import SEATING_SHARE, CurveNumber, prepare, seating_limit
 from demlaws.units import number
 
 _MODEL = "greenwood-tripp"
@@ -24,12 +24,12 @@ def _number(mu, asperity_density, asperity_radius):
     return CurveNumber(8.0 / 3.0 * density * math.sqrt(2.0 * number(asperity_radius, "asperity_radius", "m")), 0.0, 0.5, 1.0)
 
 
-def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_load=SEATING_LOAD, rtol=1e-4):
-    return prepare(_MODEL, _number(mu, asperity_density, asperity_radius), contact, seating_load, rtol)
+def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_share=SEATING_SHARE, rtol=1e-4):
+    return prepare(_MODEL, _number(mu, asperity_density, asperity_radius), contact, seating_share, rtol)
 
 
-def _limits(contact, seating_load=SEATING_LOAD, **_):
-    return [Limit(float(seating_load), math.inf, "overlap 0 is declared at the seating load: below it the law says nothing")]
+def _limits(contact, seating_share=SEATING_SHARE, **_):
+    return [*bulk_yield(contact), seating_limit(contact, seating_share)]
 
 
 LAW = Definition(
@@ -39,7 +39,6 @@ LAW = Definition(
     source="Greenwood & Tripp 1967; Greenwood, Johnson & Matsubara 1984",
     description="elastic Gaussian asperities, solved",
     limits=_limits,
-    seated=always,
     collapses=False,
     implicit=True,
     solved=True,
@@ -48,7 +47,7 @@ LAW = Definition(
         "mu": Option("", "0.05 to 1e5", f"μ = (8/3) η σ √(2Rβ), or give both asperity quantities; without either {MU:g}"),
         "asperity_density": Option("1/m²", "above 0", "η, with asperity_radius in place of mu", -2 / 3),
         "asperity_radius": Option("m", "above 0", "β, with asperity_density in place of mu", 0.0),
-        "seating_load": SEATING,
+        "seating_share": SEATING,
         "rtol": SOLUTION,
     },
     fitting=Fitting(

@@ -3,10 +3,8 @@
 from typing import NamedTuple
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, elastic_bulk
-from demlaws.laws.extended import extended, from_hertz
 
 
 class HertzShape(NamedTuple):
@@ -49,12 +47,14 @@ def _prepare(contact):
 
 
 def _exact(contact, overlap):
+    from demlaws.laws.extended import extended, from_hertz
+
     return from_hertz(contact, extended(overlap), 1)
 
 
 def _advise(conditions):
     drop = float(conditions.pressure_drop)
-    reason = f"α = {conditions.roughness_parameter:.2g}: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
+    reason = f"α = {conditions.roughness_parameter:.2g} at first: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
     return elastic_bulk(conditions, drop > 0.95, reason)
 
 

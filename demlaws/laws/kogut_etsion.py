@@ -18,11 +18,10 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import exp2, kernel, log2, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Limit, Option, Parameter
-from demlaws.laws.etsion import ETSION, NOT_THORNTON
+from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
 from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.units import number
 
@@ -178,7 +177,7 @@ LAW = Definition(
     example={"yield_strength": 1.0375e9},
     exact=_exact,
     unloading=("elastic", "etsion"),
-    rules=(ETSION,),
+    rules=(ETSION, JACKSON),
     rule_numbers=_numbers,
     default_unloading="etsion",
     refused=NOT_THORNTON,

@@ -2,11 +2,13 @@
 
 from typing import NamedTuple
 
+import numpy as np
+
 from demlaws.core.dispatch import bind, energy, parts, virgin
-from demlaws.core.fastmath import kernel, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
+from demlaws.laws.definition import STIFFNESS, Option, Parameter
 
 
 class LinearParams(NamedTuple):
@@ -161,3 +163,16 @@ ONLY_STRAIGHT = dict.fromkeys(
     ("hertz", "thornton"),
     "at small load a straight branch is stiffer than Hertz's, along which it would return more than it took",
 )
+K1 = Option("N/m", "above 0", "k1; needed", STIFFNESS)
+"""Option `loading_stiffness`."""
+STRAIGHT = {
+    "loading_stiffness": Parameter(
+        "N/m",
+        True,
+        lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
+        lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
+        option=True,
+    ),
+    "stiffness_ratio": Parameter("", True, lambda c: (1.001, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+}
+"""Parameters of a fit."""

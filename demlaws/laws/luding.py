@@ -9,12 +9,10 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     LENGTH,
-    STIFFNESS,
     Advice,
     Definition,
     Drawing,
@@ -25,7 +23,7 @@ from demlaws.laws.definition import (
     plastic_from_the_start,
 )
 from demlaws.laws.extended import extended
-from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
+from demlaws.laws.linear_unloading import K1, LINEAR, ONLY_STRAIGHT, STRAIGHT, LinearParams, numbers
 from demlaws.units import number
 
 
@@ -89,21 +87,14 @@ LAW = Definition(
     default_unloading="linear",
     refused=ONLY_STRAIGHT,
     options={
-        "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
+        "loading_stiffness": K1,
         "stiffness_ratio": Option("", "above 1", "k̂2/k1, of the stiffest unloading; needed"),
         "plasticity_depth": Option("", "0 to 1", "φ_f, largest plastic overlap over 2R; needed", LENGTH),
     },
     fitting=Fitting(
         identifiable=False,
         parameters={
-            "loading_stiffness": Parameter(
-                "N/m",
-                True,
-                lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
-                lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
-                option=True,
-            ),
-            "stiffness_ratio": Parameter("", True, lambda c: (1.001, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
+            **STRAIGHT,
             "plasticity_depth": Parameter("", True, lambda c: (1e-6, 0.5), lambda c: [1e-3], option=True, unloading=True),
         },
         free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),

@@ -7,4 +7,4 @@ JACKSON_GREEN, KOGUT_ETSION = "jackson-green", "kogut-etsion"
 WALTON_BRAUN, LUDING, EEPA = "walton-braun", "luding", "eepa"
 
 USUAL = POHRT_POPOV
-"""The law that commands and exports take where none is named."""
+"""Default law of commands and exports."""

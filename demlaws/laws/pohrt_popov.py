@@ -5,9 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel, power, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.errors import DemlawsError
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, power, sqrt
 from demlaws.laws.definition import (
     DIMENSION,
     ROUGHNESS,
@@ -15,13 +13,8 @@ from demlaws.laws.definition import (
     Definition,
     Drawing,
     Fitting,
-    Limit,
-    Option,
-    bulk_yield,
-    elastic_bulk,
+    elastic_asperities,
 )
-from demlaws.laws.extended import PI, extended, from_hertz
-from demlaws.laws.pohrt_popov_branches import HertzBranchShape, PowerBranchShape
 
 
 class PohrtPopovShape(NamedTuple):
@@ -36,7 +29,7 @@ class PohrtPopovParams(NamedTuple):
 
     hertz_coefficient: float  # (4/3) E* √R [N/m^1.5]
     inverse_threshold: float  # 1/δ(F) [1/m]
-    offset: float  # δ(F) - δ_H(F) = (r - 1) h [m]: what the overlap exceeds the Hertz overlap by above F
+    offset: float  # δ(F) - δ_H(F) = (r - 1) h [m]: excess over the Hertz overlap above F
     ratio: float  # r
     inverse_ratio: float
 
@@ -95,8 +88,8 @@ def _energy(p, overlap):
     return transition_energy(p, p.ratio, overlap, force, equivalent)
 
 
-def _kinks(p, branch="both"):
-    return {"both": lambda: [1.0 / p.inverse_threshold], "power": list, "hertz": lambda: [p.offset]}[branch]()
+def _kinks(p):
+    return [1.0 / p.inverse_threshold]
 
 
 bind(PohrtPopovShape, scale=_scale)
@@ -108,46 +101,28 @@ def stiffness_exponent(fractal_dimension):
     return 0.2567 * fractal_dimension
 
 
-_BRANCHES = {"both": PohrtPopovShape, "power": PowerBranchShape, "hertz": HertzBranchShape}
-
-
-def _prepare(contact, branch="both"):
-    """branch: "power" or "hertz" leaves out the other side of the threshold, for scenes that never go there."""
-    if not isinstance(branch, str) or branch not in _BRANCHES:
-        raise DemlawsError(f"branch={branch!r}: the branches of 'pohrt-popov' are {', '.join(_BRANCHES)}")
+def _prepare(contact):
     # Extended precision once, so that the exponent and the threshold carry one rounding each.
     dimension = np.longdouble(contact.fractal_dimension)
     m = np.longdouble("0.2567") * dimension
     root_pi = np.sqrt(np.longdouble("3.14159265358979323846264338327950288"))
     kappa = np.longdouble(3) / 4 * root_pi * (20 / (root_pi**3 * dimension)) ** (1 / m)
-    return _BRANCHES[branch](float(2 / (3 * (1 - m))), float(kappa))
+    return PohrtPopovShape(float(2 / (3 * (1 - m))), float(kappa))
 
 
-def _limits(contact, branch="both"):
-    limits = bulk_yield(contact)
-    if branch == "both" or not np.any(np.asarray(contact.roughness) > 0.0):
-        return limits
-    kappa = _prepare(contact).kappa
-    force = 4.0 / 3.0 * contact.modulus * np.sqrt(contact.radius) * (kappa * np.asarray(contact.roughness)) ** 1.5
-    if branch == "power":
-        reason = "branch='power' leaves out the Hertz stiffness above the threshold"
-        return [*limits, Limit(0.0, float(np.min(force)), reason, branch=True)]
-    reason = "branch='hertz' leaves out the power law below the threshold"
-    return [*limits, Limit(float(np.max(force)), np.inf, reason, branch=True)]
+def _exact(contact, overlap):
+    from demlaws.laws.extended import PI, extended, from_hertz
 
-
-def _exact(contact, overlap, branch="both"):
     dimension, sigma, delta = extended(contact.fractal_dimension), extended(contact.roughness), extended(overlap)
     m = extended("0.2567") * dimension
     r = 2 / (3 * (1 - m))
     h = extended(3) / 4 * np.sqrt(PI) * (20 / (np.sqrt(PI) ** 3 * dimension)) ** (1 / m) * sigma
     t = delta / (r * h)
-    power = {"both": t < 1, "power": True, "hertz": False}[branch]
-    return from_hertz(contact, np.where(power, h * t**r, delta - (r - 1) * h), np.where(power, t ** (r - 1), 1))
+    return from_hertz(contact, np.where(t < 1, h * t**r, delta - (r - 1) * h), np.where(t < 1, t ** (r - 1), 1))
 
 
 def _advise(conditions):
-    return elastic_bulk(conditions, conditions.contact.fractal_dimension is not None, "needs a fractal dimension")
+    return elastic_asperities(conditions, conditions.contact.fractal_dimension is not None, "needs a fractal dimension")
 
 
 LAW = Definition(
@@ -156,21 +131,12 @@ LAW = Definition(
     equation="K = (π√A0 E* Df/10) (P/(σ E* √A0))^(0.2567 Df) to F, then Hertz stiffness",
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
-    limits=_limits,
     kinks=_kinks,
     needs=("fractal_dimension",),
     exact=_exact,
-    options={
-        "branch": Option("", "both, power or hertz", "side of the threshold that is kept, for scenes that never leave it"),
-    },
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
     ),
-    advice=Advice(
-        advise=_advise,
-        rank=4,
-        candidate=True,
-        branches={"power": "Hertz stiffness above the threshold", "hertz": "power law below the threshold"},
-    ),
+    advice=Advice(advise=_advise, rank=4, candidate=True),
     drawing=Drawing(label="Pohrt-Popov", colour="#d62728"),
 )

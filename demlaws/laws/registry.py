@@ -9,7 +9,6 @@ import os
 import re
 import sys
 import traceback
-import warnings
 import zlib
 from collections import defaultdict
 from collections.abc import Iterator
@@ -18,8 +17,7 @@ from types import ModuleType
 from typing import Any
 
 from demlaws.core.unloading import RULES
-from demlaws.errors import DemlawsError
-from demlaws.files import as_path
+from demlaws.errors import DemlawsError, did_you_mean, warn
 from demlaws.laws import MODULES
 from demlaws.laws.definition import Definition
 
@@ -76,7 +74,7 @@ def find(name: str) -> Definition:
         return _built_in(name)
     known = _registered()
     if not isinstance(name, str) or name not in known:
-        raise DemlawsError(f"unknown law {name!r}: the laws are {', '.join(laws())}")
+        raise DemlawsError(f"unknown law {name!r}{did_you_mean(name, laws())} The laws are {', '.join(laws())}")
     return known[name]
 
 
@@ -90,16 +88,36 @@ def home_of(name: str) -> str:
     return _homes.get(name, "demlaws")
 
 
-# --- a user's own
+# --- user-defined laws
 
 
 def register(definition: Definition, replace: bool = False) -> Definition:
-    """Make a law of `definition` known by its name, to everything that knows laws by name. Returns it.
+    """Register a law, so that it is found by its name.
 
-    A name that the package has, or that another file registered, is refused (replace=True: the other file's law goes).
-    Registered again from the same file, module or notebook the new law takes the place of the old one; laws that were made
-    before stay as they are.
+    Parameters
+    ----------
+    definition : Definition
+        The law; see `demlaws.define`.
+    replace : bool
+        Replace a law of the same name from another file.
 
+    Returns
+    -------
+    Definition
+        The same.
+
+    Raises
+    ------
+    DemlawsError
+        For names of the package or of another file, and invalid definitions.
+
+    Notes
+    -----
+    A law that is registered again from the same file, module or notebook replaces the old one; laws that are bound already
+    do not change.
+
+    Examples
+    --------
     >>> mine = dl.register(dl.define("spring", lambda p, x: 1e6 * x, lambda p, x: 1e6))
     >>> law = dl.law("spring", dl.Contact(radius=4e-3, modulus=32e9))
     >>> round(law.force(1e-6), 9), dl.laws()[-1]
@@ -156,7 +174,7 @@ def restored() -> Iterator[None]:
 
 
 def _check(definition: Any) -> None:
-    """Refuse what is no definition, with the field that is wrong."""
+    """Refuse an invalid definition, with the wrong field."""
     if not isinstance(definition, Definition):
         raise DemlawsError(f"register takes a demlaws.Definition, got {definition!r:.60}")
     name = definition.name
@@ -171,7 +189,7 @@ def _check(definition: Any) -> None:
         text = getattr(definition, field)
         if not isinstance(text, str) or not text.isprintable():
             raise DemlawsError(f"law {name!r}: {field} must be one line of text, got {text!r:.60}")
-    functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks", "seated")}
+    functions = {field: getattr(definition, field) for field in ("prepare", "limits", "kinks")}
     for field, function in (functions | {"advise": definition.advice.advise}).items():
         if not callable(function):
             raise DemlawsError(f"law {name!r}: {field} must be a function, got {function!r:.60}")
@@ -217,11 +235,30 @@ copyreg.pickle(Definition, _reduced)
 
 
 def load_laws(file: str | os.PathLike) -> list[str]:
-    """Run a Python file that registers laws (or has a `LAW = Definition(...)`, as this package's files); their names.
+    """Run a Python file that registers laws, or has a `LAW = Definition(...)`.
 
-    A file that has been loaded or imported in this process, by this name, another or as a copy, is left as it is. Processes
-    started from here load it, too.
+    Parameters
+    ----------
+    file : str or path
+        The file.
 
+    Returns
+    -------
+    list of str
+        Names of its laws.
+
+    Raises
+    ------
+    DemlawsError
+        If the file cannot be run.
+
+    Notes
+    -----
+    A file that is loaded or imported already, also by another name or as a copy, is not run again. Child processes load it,
+    too.
+
+    Examples
+    --------
     >>> import pathlib, tempfile
     >>> file = pathlib.Path(tempfile.mkdtemp()) / "mine.py"
     >>> text = "import demlaws as dl; dl.register(dl.define('mine', lambda p, x: 1e6 * x, lambda p, x: 1e6))"
@@ -229,6 +266,8 @@ def load_laws(file: str | os.PathLike) -> list[str]:
     >>> dl.load_laws(file)
     ['mine']
     """
+    from demlaws.files import as_path
+
     path = _twin(os.path.realpath(as_path(file)))
     module = _imported(path)
     if path not in _loaded and module is not None:  # registered what it calls `register` with; a LAW waits to be
@@ -241,7 +280,7 @@ def load_laws(file: str | os.PathLike) -> list[str]:
         except BaseException:
             _loaded.discard(path)
             raise
-    # processes that start from here may stand in another folder
+    # processes that start from here may run in another folder
     os.environ[VARIABLE] = os.pathsep.join(dict.fromkeys([*map(os.path.realpath, _files()), path]))
     return [name for name, home in _homes.items() if home == path]
 
@@ -303,7 +342,7 @@ def _run(path: str) -> None:
             known.clear()
         _own.update(before[0])
         _homes.update(before[1])
-        raise DemlawsError(_told(path, error)) from error
+        raise DemlawsError(_format_load_error(path, error)) from error
     finally:
         with contextlib.suppress(ValueError):
             sys.path.remove(folder)
@@ -318,7 +357,7 @@ def _laws_of(module: ModuleType) -> list[Definition]:
     return [d for d in (one, *(several if isinstance(several, list | tuple) else ())) if isinstance(d, Definition)]
 
 
-def _told(path: str, error: BaseException) -> str:
+def _format_load_error(path: str, error: BaseException) -> str:
     """One line about what went wrong in a file of laws."""
     if isinstance(error, SyntaxError) and error.filename == path:
         return f"{path}, line {error.lineno}: {error.msg}"
@@ -340,4 +379,4 @@ def _load_entry_points() -> None:
             for definition in [found] if isinstance(found, Definition) or not isinstance(found, list | tuple) else found:
                 _register(definition, _home(vars(sys.modules[point.module])))
         except Exception as error:
-            warnings.warn(f"laws of the entry point {point.name} = {point.value} are left out: {error}", stacklevel=3)
+            warn(f"laws of the entry point {point.name} = {point.value} are left out: {error}", UserWarning)

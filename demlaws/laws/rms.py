@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel, sqrt
-from demlaws.core.hertz import hertz_coefficient, hertz_overlap
-from demlaws.laws.definition import ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_bulk
+from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
+from demlaws.laws.definition import ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_asperities
 from demlaws.laws.extended import extended, from_hertz
 
 
@@ -126,7 +125,7 @@ def _exact(contact, overlap):
 
 def _advise(conditions):
     alpha = conditions.roughness_parameter
-    return elastic_bulk(conditions, alpha <= 5.0, f"α = {alpha:.2g}: unreliable above 5")
+    return elastic_asperities(conditions, alpha <= 1.0, f"α = {alpha:.2g} at first: the fit was made on surfaces up to 1")
 
 
 LAW = Definition(

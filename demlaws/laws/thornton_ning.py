@@ -6,8 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits
 from demlaws.laws.extended import PI, extended, from_hertz

@@ -6,11 +6,8 @@ that is below K2 (δ - δ0), else K2 (δ - δ0), else 0; e = √(K1/K2). Of k2 =
 
 from typing import NamedTuple
 
-import numpy as np
-
 from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     STIFFNESS,
@@ -19,12 +16,11 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Option,
-    Parameter,
     no_limits,
     plastic_from_the_start,
 )
 from demlaws.laws.extended import extended
-from demlaws.laws.linear_unloading import LINEAR, ONLY_STRAIGHT, LinearParams, numbers
+from demlaws.laws.linear_unloading import K1, LINEAR, ONLY_STRAIGHT, STRAIGHT, LinearParams, numbers
 from demlaws.units import number
 
 
@@ -83,22 +79,13 @@ LAW = Definition(
     default_unloading="linear",
     refused=ONLY_STRAIGHT,
     options={
-        "loading_stiffness": Option("N/m", "above 0", "k1; needed", STIFFNESS),
+        "loading_stiffness": K1,
         "stiffness_ratio": Option("", "from 1", "k2/k1; this or growth is needed"),
         "growth": Option("1/m", "from 0", "S of k2 = k1 + S Pmax, in place of stiffness_ratio", STIFFNESS),
     },
     fitting=Fitting(
         identifiable=False,
-        parameters={
-            "loading_stiffness": Parameter(
-                "N/m",
-                True,
-                lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
-                lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
-                option=True,
-            ),
-            "stiffness_ratio": Parameter("", True, lambda c: (1.0, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),
-        },
+        parameters=STRAIGHT,
         free=("loading_stiffness", "stiffness_ratio"),
     ),
     advice=Advice(advise=plastic_from_the_start),

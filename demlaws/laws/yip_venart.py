@@ -14,10 +14,9 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Limit,
-    always,
     plastic_asperities,
 )
-from demlaws.laws.family import SEATING_LOAD, SMOOTH, CurveNumber, prepare
+from demlaws.laws.family import SEATING_SHARE, SMOOTH, CurveNumber, prepare, seating_limit
 
 _MODEL = "yip-venart"
 
@@ -27,11 +26,11 @@ def _number(contact):
     return CurveNumber(math.sqrt(8.0) * contact.hardness, -1.0, 0.5, -0.5)
 
 
-def _prepare(contact, seating_load=SEATING_LOAD, rtol=1e-4):
-    return prepare(_MODEL, _number(contact), contact, seating_load, rtol)
+def _prepare(contact, seating_share=SEATING_SHARE, rtol=1e-4):
+    return prepare(_MODEL, _number(contact), contact, seating_share, rtol)
 
 
-def _limits(contact, seating_load=SEATING_LOAD, rtol=1e-4):
+def _limits(contact, seating_share=SEATING_SHARE, rtol=1e-4):
     from demlaws.solvers.axisymmetric import curve
 
     if not np.all(np.asarray(contact.roughness) >= SMOOTH * np.asarray(contact.radius)):
@@ -44,7 +43,7 @@ def _limits(contact, seating_load=SEATING_LOAD, rtol=1e-4):
     yields = curve(_MODEL, value).bulk_yield_force() * modulus * math.sqrt(radius) * roughness**1.5
     return [
         Limit(0.0, yields, "the central pressure passes 0.6 H_m: the bulk yields too, and this law keeps it elastic"),
-        Limit(float(seating_load), math.inf, "overlap 0 is declared at the seating load: below it the law says nothing"),
+        seating_limit(contact, seating_share),
     ]
 
 
@@ -55,13 +54,12 @@ LAW = Definition(
     source="Yip & Venart 1971; Altuhafi, Baudet & Coop 2023, Eqs. 10–11",
     description="plastic crust of Gaussian asperities, solved",
     limits=_limits,
-    seated=always,
     collapses=False,
     implicit=True,
     solved=True,
     needs=("hardness",),
     options={
-        "seating_load": SEATING,
+        "seating_share": SEATING,
         "rtol": SOLUTION,
     },
     fitting=Fitting(

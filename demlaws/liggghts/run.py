@@ -27,7 +27,7 @@ ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MC
 
 
 def executable():
-    """Path of the liggghts binary (DEMLAWS_LIGGGHTS or the first on PATH); DemlawsError where there is none."""
+    """Path of the liggghts binary (DEMLAWS_LIGGGHTS or the first on PATH); else DemlawsError."""
     name = os.environ.get("DEMLAWS_LIGGGHTS", "liggghts")
     found = shutil.which(name)
     if not found:
@@ -51,7 +51,7 @@ def _version_of(binary):
 
 
 def versions():
-    """Version of the binary; DemlawsError where it is not the one that the plugin is for, or a superquadric build."""
+    """Version of the binary; DemlawsError unless the plugin is for it, or a superquadric build."""
     return _version_of(executable())
 
 

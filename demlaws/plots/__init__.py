@@ -1,4 +1,4 @@
-"""Every figure of the package. The only module that imports matplotlib; figures are files, never windows."""
+"""Figures of the package: the only modules that import matplotlib."""
 
 import io
 import warnings
@@ -11,9 +11,11 @@ from demlaws.files import write_atomically
 from demlaws.laws.definition import Drawing
 from demlaws.laws.registry import registry
 
+MISSING = "figures need matplotlib: pip install 'demlaws[plots]' (apt: python3-matplotlib)"
+
 
 def colour(law):
-    """A law's colour; grey for what is none of ours."""
+    """Colour of a law; grey for other names."""
     return registry()[law].drawing.colour if law in registry() else Drawing().colour
 
 
@@ -36,7 +38,7 @@ def figure(columns=1, rows=1, width=5.2, height=4.0):
             from matplotlib.backends.backend_agg import FigureCanvasAgg
             from matplotlib.figure import Figure
     except ImportError as error:
-        raise DemlawsError("figures need matplotlib: pip install 'demlaws[plots]' (apt: python3-matplotlib)") from error
+        raise DemlawsError(MISSING) from error
     canvas = FigureCanvasAgg(Figure(figsize=(width * columns, height * rows), layout="constrained"))
     axes = canvas.figure.subplots(rows, columns)
     for ax in np.ravel(axes):
@@ -60,10 +62,60 @@ def save(fig, path):
     kind = path.suffix.lstrip(".").lower() or "png"
     buffer = io.BytesIO()
     try:
-        fig.savefig(buffer, format=kind, dpi=130)
+        author = {"png": "Software", "pdf": "Creator", "svg": "Creator"}.get(kind)
+        fig.savefig(buffer, format=kind, dpi=130, metadata={author: "demlaws"} if author else None)
     except ValueError as error:
         raise DemlawsError(f"cannot draw {path}: {error}") from error
     return write_atomically(path if path.suffix else path.with_suffix(".png"), buffer.getvalue())
+
+
+def plot(result, ax=None, *, overlap=None, unload_at=None, **style):
+    """Draw force against overlap of a path, or of a law that is loaded and unloaded; returns the axes.
+
+    Parameters
+    ----------
+    result : Path or Law
+        A path is drawn as it is.
+    ax : matplotlib.axes.Axes, optional
+        Axes; default: those of a new figure of `matplotlib.pyplot`.
+    overlap : float, optional
+        Largest overlap of a law [m]; default: a thousandth of the effective radius, or the end of its table.
+    unload_at : float, optional
+        Force at which a law is unloaded [N]; default: at the largest overlap.
+    **style
+        Keywords of `Axes.plot`.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+
+    Examples
+    --------
+    >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9))
+    >>> axes = dl.plots.plot(law, unload_at=10.0, label="Hertz")
+    >>> axes.get_xlabel(), axes.get_ylabel()
+    ('overlap (µm)', 'force (N)')
+    """
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError as error:
+        raise DemlawsError(MISSING) from error
+    if ax is None:
+        ax = plt.subplots(layout="constrained")[1]
+        ax.grid(alpha=0.3)
+        ax.spines[["top", "right"]].set_visible(False)
+    path = result
+    if hasattr(result, "follow"):
+        if unload_at is not None:
+            overlap = result.overlap(unload_at)
+        elif overlap is None:
+            overlap = min(1e-3 * float(np.min(result.contact.radius)), result.largest_overlap)
+        style = {"color": colour(result.name), "label": f"{result.name}, {result.unloading} unloading", **style}
+        rise = np.linspace(0.0, overlap, 201)
+        path = result.follow(np.append(rise, rise[-2::-1]))
+    ax.plot(path.overlap * 1e6, path.force, **style)
+    ax.set(xlabel="overlap (µm)", ylabel="force (N)")
+    return ax
 
 
 def draw_line(ax, x, y, name, **more):
@@ -93,7 +145,7 @@ def table_figure(table, law):
     for rows, exact, name in curves:
         shown = rows.nodes.force <= end
         left.loglog(rows.nodes.u[shown], rows.nodes.force[shown], ".", ms=3, label=f"{name or 'loading '}nodes")
-        reach = float(np.ravel(exact.contact.radius)[0]) / length  # beyond R a law gives no answer
+        reach = float(np.ravel(exact.contact.radius)[0]) / length  # a law is undefined beyond R
         u = np.geomspace(rows.nodes.u[0], min(rows.nodes.u[shown][-1], reach) * (1 - 1e-12), 4000)
         for quantity in ("force", "stiffness"):
             with warnings.catch_warnings():
@@ -103,7 +155,7 @@ def table_figure(table, law):
     left.set(xlabel="overlap/length", ylabel="force/(E* √R length$^{1.5}$)", title=title)
     if len(curves) > 1:
         left.legend(fontsize=8)
-    right.axhline(table.rtol, color="k", ls="--", lw=0.8, label="asked for")
+    right.axhline(table.rtol, color="k", ls="--", lw=0.8, label="tolerance")
     right.set(xlabel="overlap/length", ylabel="relative error", title="errors against the law, between the nodes")
     right.legend(fontsize=8)
     return fig

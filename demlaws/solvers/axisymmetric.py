@@ -16,7 +16,7 @@ N_L = 2 P / (sigma E* sqrt(2 R sigma)) of Yip & Venart is sqrt(2) f. Hertz is f 
 a* = sqrt(U/2), central pressure q0 = 8 a*/pi. One number (A) fixes the whole curve f(U).
 
 K is below Hertz's at the same force at every load, for both models and every A from 0.05 to 1e5 (measured), so Hertz
-unloading is passive. A Gaussian has no highest peak, so there is no contact of zero load: the overlap of a grain is
+unloading is passive. A Gaussian has no highest peak, so a contact never carries zero load: the overlap of a grain is
 U - U(f_seat) with a declared seating load. Above p(0) = 0.6 H_m the bulk yields (Jamari & Schipper) and Yip-Venart
 no longer applies: `Curve.bulk_yield_force`.
 
@@ -26,6 +26,8 @@ Mech. 34 (1967) 153. The common form, the discretisation, the exact tangent and 
 
 from __future__ import annotations
 
+import contextlib
+import ctypes
 import math
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
@@ -112,6 +114,8 @@ class _GreenwoodTripp:
 
 
 _MODELS = {m.name: m for m in (_YipVenart, _GreenwoodTripp)}
+ELASTIC_LAYER = _GreenwoodTripp.name
+"""The model whose asperities stay elastic."""
 
 
 def half_moments(s, orders):
@@ -151,6 +155,28 @@ def _tail_separation(model, parameter, log_force):
         if np.abs(step).max() < 1e-13:
             break
     return d, total / g
+
+
+@contextlib.contextmanager
+def _one_thread():
+    """Solve with one thread of OpenBLAS: for 130 rows its threads only wait, on a busy machine fifty times the solution's
+    time. Another library of linear algebra keeps its threads."""
+    from scipy.linalg import _flapack
+
+    library = ctypes.CDLL(_flapack.__file__)
+    for name in ("openblas_{}_num_threads", "scipy_openblas_{}_num_threads"):
+        with contextlib.suppress(AttributeError):
+            read, write = (getattr(library, name.format(verb)) for verb in ("get", "set"))
+            break
+    else:
+        yield
+        return
+    threads = read()
+    write(1)
+    try:
+        yield
+    finally:
+        write(threads)
 
 
 # ---- Newton and continuation ---------------------------------------------------------------------
@@ -259,6 +285,10 @@ class _Solver:
 
     def reach(self, log_force):
         """March to log_force; all accepted points are appended to self.points. Stops short where the core is flat."""
+        with _one_thread():
+            return self._march(log_force)
+
+    def _march(self, log_force):
         while not self.flat and (not self.history or self.history[-1].log_force < log_force - 1e-12):
             here = self.history[-1].log_force if self.history else log_force
             # the rim of a flattening core is the one feature sharper than the lattice
@@ -373,14 +403,6 @@ class Curve(NamedTuple):
         force = np.exp(t)
         return force, force / self._approach(t)[1]
 
-    def force(self, approach):
-        """Force at an approach, without units."""
-        return self.evaluate(approach)[0]
-
-    def stiffness(self, approach):
-        """Stiffness at an approach, without units."""
-        return self.evaluate(approach)[1]
-
     def hertz_overlap(self, approach):
         """s = (3f/4)^(2/3), the Hertz overlap of the same force in units of sigma, and ds/dU."""
         return _hertz_overlap(*self.evaluate(approach))
@@ -455,7 +477,11 @@ def _columns(rows):
     return MasterCurve(*(np.array(column, float) for column in zip(*rows, strict=True)))
 
 
-def _solve(model, parameter, forces):
+def solve(model, parameter, forces):
+    """MasterCurve at the dimensionless forces f, for N_H = (H_m / E*) sqrt(8 R / sigma) or mu from 0.05 to 1e5.
+
+    More accurate than `curve` only in that each load is solved for; beyond p(0) = 0.997 H_m the flat-topped closed form.
+    """
     parameter = _check(model, parameter)
     forces = np.atleast_1d(_positive(forces, "force"))
     if forces.min() < 1e-12 or forces.max() > 1e8:
@@ -479,57 +505,7 @@ def _flat_point(whole, force):
     return u, force, force / du, central, 3 * math.pi / 8 * radius / hertz_radius, 1 / (2 * hertz_radius**2), math.nan
 
 
-def solve_yip_venart(hardness_number, forces):
-    """MasterCurve at the dimensionless forces f, for N_H = (H_m / E*) sqrt(8 R / sigma) from 0.05 to 1e5.
-
-    Sharper than Curve only in that each load is solved for; beyond p(0) = 0.997 H_m the flat-topped closed form.
-    """
-    return _solve("yip-venart", hardness_number, forces)
-
-
-def solve_greenwood_tripp(mu, forces):
-    """MasterCurve at the dimensionless forces f, for mu = (8/3) eta sigma sqrt(2 R beta) from 0.05 to 1e5."""
-    return _solve("greenwood-tripp", mu, forces)
-
-
 # ---- contacts of many radii -----------------------------------------------------------------------
-
-
-class Family(NamedTuple):
-    """Curves at geometrically spaced parameters, to be blended linearly in ln A (our derivation).
-
-    What is blended is s = (3f/4)^(2/3) at equal overlap x = U - U(f_ref), where f_ref is one dimensionless force for
-    all curves: four to forty times better than at equal U, where the tails differ by the ratio of the parameters. The
-    error grows as the square of ln(ratio of neighbours): for 1e-3, 1e-4, 1e-5 the ratio is about 1.4, 1.12, 1.04.
-    f_ref belongs at or just below the smallest seating load. A contact seated at f_seat has
-    x = overlap + U(f_seat) - U(f_ref), to be taken from its own curve or from the same blend."""
-
-    model: str
-    parameters: np.ndarray
-    reference_force: float
-    force_error: float  # largest measured, relative, half way between neighbours
-    stiffness_error: float
-
-    def curves(self):
-        """The solved curve of each parameter of the family."""
-        return [curve(self.model, float(parameter)) for parameter in self.parameters]
-
-    def weights(self, parameter):
-        """Index of the lower neighbour and weight of the upper one."""
-        low, high = self.parameters[[0, -1]]
-        if not np.all((parameter >= low * (1 - 1e-12)) & (parameter <= high * (1 + 1e-12))):
-            raise DemlawsError(f"{_MODELS[self.model].parameter} = {parameter!r} is outside this family, {low:g} to {high:g}")
-        if self.parameters.size == 1:
-            return 0, 0.0
-        place = np.log(parameter / low) / np.log(self.parameters[1] / low)
-        index = int(min(max(place, 0), self.parameters.size - 2))
-        return index, float(place - index)
-
-    def evaluate(self, parameter, overlap):
-        """Blended (f, df/dU) at overlap = U - U(f_ref), for one parameter."""
-        index, weight = self.weights(parameter)
-        chosen = [float(x) for x in self.parameters[index : index + 2]]
-        return _blend(self.model, chosen, weight, self.reference_force, np.asarray(overlap, float))
 
 
 def _blend(model, parameters, weight, reference_force, overlap):
@@ -546,11 +522,16 @@ def _blend_error(model, low, high, reference_force, highest):
     forces = np.geomspace(reference_force, min(highest, middle.bulk_yield_force()), 400)
     u = middle.approach(forces)
     f, k = _blend(model, [low, high], 0.5, reference_force, u - middle.approach(reference_force))
-    return np.array([np.abs(f / forces - 1).max(), np.abs(k / middle.stiffness(u) - 1).max()])
+    return max(np.abs(f / forces - 1).max(), np.abs(k / middle.evaluate(u)[1] - 1).max())
 
 
 def family(model, low, high, rtol=1e-4, reference_force=1e-4, highest=1e6):
-    """The Family over parameters low..high whose blend meets rtol in force and in stiffness.
+    """Geometrically spaced parameters low..high whose curves, blended linearly in ln A, meet rtol in force and stiffness.
+
+    What is blended is s = (3f/4)^(2/3) at equal overlap x = U - U(f_ref), where f_ref is one dimensionless force for all
+    curves: four to forty times better than at equal U, where the tails differ by the ratio of the parameters. The error grows
+    as the square of ln(ratio of neighbours): for 1e-3, 1e-4, 1e-5 the ratio is about 1.4, 1.12, 1.04. f_ref belongs at or just
+    below the smallest seating load. [our derivation]
 
     Force range: reference_force to highest, or to the yield of the bulk (Yip-Venart). Up to eight gaps are all measured
     at their middle; of more, eight spread evenly, the ends among them.
@@ -566,16 +547,13 @@ def family(model, low, high, rtol=1e-4, reference_force=1e-4, highest=1e6):
             f"{LOWEST_FORCE:g} <= reference < highest <= {HIGHEST_FORCE:g} (dimensionless)"
         )
     if high < low * (1 + 1e-9):
-        return Family(model, np.array([low]), reference_force, 0.0, 0.0)
-    span = math.log(high / low)
-    gaps = max(1, math.ceil(span / 0.35))
+        return np.array([low])
+    gaps = max(1, math.ceil(math.log(high / low) / 0.35))
     while True:
         parameters = np.geomspace(low, high, gaps + 1)
         parameters[[0, -1]] = low, high
         measured = np.unique(np.linspace(0, gaps - 1, 8).astype(int))
-        errors = [_blend_error(model, *map(float, parameters[i : i + 2]), reference_force, highest) for i in measured]
-        force_error, stiffness_error = np.max(errors, axis=0)
-        worst = max(force_error, stiffness_error)
+        worst = max(_blend_error(model, *map(float, parameters[i : i + 2]), reference_force, highest) for i in measured)
         if worst <= rtol:
-            return Family(model, parameters, reference_force, float(force_error), float(stiffness_error))
+            return parameters
         gaps = max(gaps + 1, math.ceil(gaps * math.sqrt(1.05 * worst / rtol)))

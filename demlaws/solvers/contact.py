@@ -11,13 +11,12 @@ the papers.
 """
 
 import math
-import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, warn
 from demlaws.solvers.ellipsoid import (
     ALUMINIUM_FACTOR,
     ALUMINIUM_RATIO,
@@ -212,7 +211,7 @@ class RoughContact:
     heights: `demlaws.surface.HeightMap`, form removed; pair: `demlaws.Contact` (its radius, modulus and hardness are used);
     poisson: ν of the rough body; flat=True: the counter-body is a flat; centre: (x, y) [m] of the ball's axis from the first
     pixel (default the middle). Missing pixels never touch; fill them first if they should. Without a hardness the asperities
-    are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; where they are not given aluminium's are taken,
+    are elastic. plastic_factor, plastic_ratio: c_h and c_A of the material; default: those of aluminium,
     with a ValidityWarning. memory: what unloading leaves in a pixel besides its height, an assumption that the papers do
     not name: "pressure" (how much blunter its patch is than its outline tells, and the pressure that it has carried, up to
     which it stays elastic: work hardening, residual stress), "blunting" (the first alone), "none" (geometry alone). Only with
@@ -238,11 +237,9 @@ class RoughContact:
             raise DemlawsError(f"memory = {self.memory!r}: a pixel remembers {', '.join(map(repr, MEMORIES))}")
         hardness = math.inf if self.pair.hardness is None else self.pair.hardness
         if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
-            warnings.warn(
+            warn(
                 f"c_h = {ALUMINIUM_FACTOR} and c_A = {ALUMINIUM_RATIO:g} are aluminium's: give plastic_factor and "
-                "plastic_ratio of this material",
-                ValidityWarning,
-                stacklevel=3,
+                "plastic_ratio of this material"
             )
         self.plastic_factor = ALUMINIUM_FACTOR if self.plastic_factor is None else self.plastic_factor
         self.plastic_ratio = ALUMINIUM_RATIO if self.plastic_ratio is None else self.plastic_ratio
@@ -393,19 +390,15 @@ class RoughContact:
             ratio = criterion.pressure_ratio(self.pair.with_values(roughness=self.heights.sq), step.load)
             if ratio >= criterion.YIELD_RATIO:
                 self._warned.add("bulk")
-                warnings.warn(
+                warn(
                     f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk yields too, "
-                    "which this model leaves out",
-                    ValidityWarning,
-                    stacklevel=4,
+                    "which this model leaves out"
                 )
         if step.touches_edge and "edge" not in self._warned:
             self._warned.add("edge")
-            warnings.warn(
+            warn(
                 f"asperity: at {step.load:.3g} N the contact reaches the edge of the map: its load is a lower bound; "
-                "measure a larger area",
-                ValidityWarning,
-                stacklevel=4,
+                "measure a larger area"
             )
 
     def unload(self, step):

@@ -14,8 +14,10 @@ from demlaws.errors import DemlawsError
 _HOMES = {
     "Law2_ScGeom_MindlinPhys_Demlaws": "functor",
     "BridgeWarning": "functor",
+    "ShapeWarning": "radii",
     "TimeStepWarning": "functor",
     "ContactState": "contacts",
+    "Curvature": "radii",
     "Totals": "contacts",
     "attached": "scene",
     "engines": "engines",

@@ -1,24 +1,27 @@
 """One law at work in one scene: its account of energy, its state for users, its checks."""
 
+import base64
 import json
 import math
 import threading
-import warnings
+import zlib
 from collections import deque
 
 import numpy as np
 import yade
 import yade.utils
 
-from demlaws.errors import DemlawsError, EngineStopped, ValidityWarning
+from demlaws.admissible import LARGE_ROUGHNESS, LARGEST_ROUGHNESS, RANGES, judge
+from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, did_you_mean, warn
 from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.yade import layout as at
 from demlaws.yade import native
-from demlaws.yade.contacts import Totals, is_ours, real_contacts, rows_of, state_of
+from demlaws.yade.contacts import Totals, is_ours, real_contacts, state_of, with_overlaps
 from demlaws.yade.pairs import NOT_SERVED, Pairs
+from demlaws.yade.radii import ShapeWarning, body_radius_text
 
 O = yade.O  # noqa: E741  YADE's name
-LOOKS = (2, 3, 12, 102, 1002)  # calls of the guard at which it looks at every contact and body, which takes time
+LOOKS = (2, 3, 12, 102, 1002)  # calls of the guard with a check of every contact and body, which takes time
 REACH = 4.0
 """Longest step over the P-wave step r √(ρ/E) that is stable for a free sphere with four contacts per side at contact radii up
 to 0.3 R: 2 √(m/4K) with m = 4/3 π ρ r³, K = 2 E* a, R = r/2, E* = E/2 is 5.3 r √(ρ/E); less, for safety [our derivation]"""
@@ -57,7 +60,8 @@ class Binding:
                 self.reason = str(error)
         self.context = at.Context() if self.attachment is None else self.attachment.context
         self.context.words[at.UNLISTED] = pairs.needs_no_judgement
-        self.scene, self.left, self.guards, self.warned = None, None, 0, False
+        self.scene, self.left, self.guards, self.warned, self._scenes = None, None, 0, False, 0
+        self._said, self._limits = set(), {}
         self._requests = deque()
 
     @property
@@ -67,18 +71,23 @@ class Binding:
 
     @property
     def account(self):
-        """Dissipation [J] of ended contacts, and the number of contacts that the law has seen begin and not end."""
-        return float(self.context.doubles[at.BANKED]), int(self.context.words[at.OPEN])
+        """Dissipation [J] of ended contacts, number of contacts that the law has seen begin and not end, energy [J] of shear
+        that ended contacts have lost."""
+        doubles = self.context.doubles
+        return float(doubles[at.BANKED]), int(self.context.words[at.OPEN]), float(doubles[at.BANKED_SHEAR])
 
     @account.setter
     def account(self, values):
-        self.context.doubles[at.BANKED], self.context.words[at.OPEN] = values
+        doubles = self.context.doubles
+        doubles[at.BANKED], self.context.words[at.OPEN], doubles[at.BANKED_SHEAR] = values
 
-    def enter(self, scene, account=(0.0, 0)):
+    def enter(self, scene, account=(0.0, 0, 0.0)):
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
         if scene != self.left:
-            self.account = account
-        self.scene, self.left, self.guards, self.warned, self.held = scene, None, 0, False, None
+            self.account, self.held = account, None
+            self._scenes += 1
+        self.scene, self.left, self.guards, self.warned = scene, None, 0, False
+        self._said, self._limits = set(), {}
         self.context.forget()
 
     def leave(self):
@@ -100,7 +109,6 @@ class Binding:
 
     def as_text(self, attributes):
         """JSON from which `from_text` restores the law in another process; attributes: the functor's."""
-        self.settle()
         ratio = None if self.ratio is None else float(self.ratio)
         content = {"way": self.way, "ratio": ratio, "account": self.account, "attributes": attributes}
         return json.dumps(content | {"pairs": self.pairs.as_text()})
@@ -112,10 +120,31 @@ class Binding:
         binding = cls(label, Pairs.from_text(content["pairs"]), content["ratio"], content["way"])
         return binding, content["attributes"]
 
-    def settle(self):
-        """Write the history of contacts that the public way keeps to YADE's objects."""
-        if self.held is not None and self.held.valid_at == (self.scene, O.iter):
-            self.held.flush()
+    def history(self):
+        """Text of the current scene's contacts with their history, for `restore`."""
+        saved = self.memory.saved(real_contacts())
+        return json.dumps([*saved.shape, base64.b64encode(zlib.compress(saved.tobytes())).decode()])
+
+    def restore(self, text):
+        """Give the contacts of the current scene, which was loaded, the history that they were saved with."""
+        *shape, content = json.loads(text)
+        saved = np.frombuffer(zlib.decompress(base64.b64decode(content)), np.int64).reshape(shape)
+        self.memory.restore(saved, real_contacts())
+
+    @property
+    def memory(self):
+        """Where the history of contacts is."""
+        if self.attachment is not None:
+            return self.attachment
+        if self.held is None:
+            from demlaws.yade.public import Held
+
+            self.held = Held()
+        return self.held
+
+    def rows(self, contacts):
+        """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+        return with_overlaps(self.memory.rows_of(contacts), contacts)
 
     # --- for users
 
@@ -148,19 +177,22 @@ class Binding:
         return self.between_engines(self._totals)
 
     def _totals(self):
-        self.settle()
-        rows = rows_of(real_contacts())
+        self.raise_fault()
+        self.judge_validity()
+        rows = self.rows(real_contacts())
         rows = rows[rows["tag"] > 0]
-        found, (banked, opened) = self.pairs.energies(rows), self.account
-        return Totals(float(found["stored"].sum()), float(found["dissipated"].sum()) + banked, max(opened - len(rows), 0))
+        found, (banked, opened, lost) = self.pairs.energies(rows), self.account
+        shear = (float(rows["held"].sum()), float(rows["lost"].sum()) + lost) if self.attachment else ()
+        stored, dissipated = float(found["stored"].sum()), float(found["dissipated"].sum()) + banked
+        return Totals(stored, dissipated, max(opened - len(rows), 0), *shear)
 
     def contacts(self, interactions=None):
         """`ContactState` of all real contacts of the scene (or of the given ones); also while the simulation runs."""
 
         def read():
-            self.settle()
             given = [interactions] if isinstance(interactions, yade.Interaction) else interactions
-            return state_of(self.pairs, real_contacts() if given is None else [one for one in given if is_ours(one)])
+            chosen = real_contacts() if given is None else [one for one in given if is_ours(one)]
+            return state_of(self.pairs, chosen, self.rows(chosen))
 
         return self.between_engines(read)
 
@@ -176,7 +208,7 @@ class Binding:
         elif O.running:
             where = f"{count} contacts of all kinds, running"
         else:
-            where = f"{sum(contact.phys.momentBend[0] > 0 for contact in real_contacts())} contacts of {count}"
+            where = f"{int((self.memory.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
         reason = f" ({self.reason})" if self.reason else ""
         smooth = ", meant smooth" if self.pairs.smooth else ""
         return f"{self.pairs.name}; surfaces: {surfaces or 'none' + smooth}; {self.way} bridge{reason}; {where}"
@@ -190,22 +222,32 @@ class Binding:
         self.raise_fault()
         self.answer()
         self.judge_unlisted(self.context.take_unlisted())
+        self.judge_shapes()
         if self.context.take_deep():
-            rows = rows_of(real_contacts())
+            rows = self.rows(real_contacts())
             self.warn_of_deep(rows[rows["tag"] > 0])
-        self.attachment.make_room(O.interactions.countReal)
+        self.attachment.collect(real_contacts if self._scenes == 1 else None)
         thoroughly = self.guards in LOOKS or self.guards % 1000 == 0
         if thoroughly:
             self.verify()
+        if self.guards < 20 or self.guards % 10 == 0:
+            self.judge_validity()
         self.check_bodies(thoroughly)
 
     def verify(self):
-        """Raise unless every contact of the law's class has this law's mark.
+        """Raise unless every contact of the law's class has this law's mark, and materials are admissible.
 
         Coefficients are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
-        for contact in real_contacts():
-            if contact.phys.momentBend[0] > 0 or contact.iterMadeReal >= O.iter - 1 or contact.geom.penetrationDepth <= 0:
+        contacts = real_contacts()
+        touching = {number for contact in contacts for number in (contact.id1, contact.id2)}
+        for material in {body.material.id: body.material for body in map(O.bodies.__getitem__, touching)}.values():
+            if material.young != 0.0:  # 0: a marker, whose contacts have no force
+                for finding in judge(young=material.young, poisson=material.poisson):
+                    linear = " (k_s/k_n in YADE's linear laws, not here)" if material.poisson > 0.5 else ""
+                    raise EngineStopped(f"material {material.label!r}: {finding.text}{linear}")
+        for contact, tag in zip(contacts, self.memory.rows_of(contacts)["tag"], strict=True):
+            if tag > 0 or contact.iterMadeReal >= O.iter - 1 or contact.geom.penetrationDepth <= 0:
                 continue  # made by another engine just now, or about to end
             raise EngineStopped(
                 f"contact {contact.id1}+{contact.id2} was not computed by the law {self.label!r}: another functor computes it, "
@@ -224,14 +266,49 @@ class Binding:
             self.context.words[at.UNLISTED] = 1
             return
         labels = [O.bodies[number].material.label for number in bodies]
-        what = "no surface was given"
+        what = "no surface was given."
         if missing:
             what = f"no body's material has the label {' or '.join(map(repr, missing))}, for which a surface was given"
+            what += did_you_mean(missing[0], borne)
         raise EngineStopped(
-            f"{what}: contact {bodies[0]}+{bodies[1]}, of materials labelled {labels[0]!r} and {labels[1]!r}, would be smooth "
+            f"{what} Contact {bodies[0]}+{bodies[1]}, of materials labelled {labels[0]!r} and {labels[1]!r}, would be smooth "
             f"under the law {self.pairs.name}. Labels of the bodies' materials: {', '.join(map(repr, sorted(borne)))}. Give "
             "surfaces={label: demlaws.Surface(...)} for those that are rough, or smooth=True if the others are meant smooth"
         )
+
+    def judge_shapes(self):
+        """Read new shapes, give R of contacts that a function decides, and warn once where a shape has the body's R."""
+        words, radii = self.context.words, self.pairs.radii
+        radii.refresh(self.context)
+        if radii.mode == at.FUNCTION_RADIUS and words[at.NEW_CONTACTS]:
+            words[at.NEW_CONTACTS] = 0
+            contacts = real_contacts()
+            for contact, row in zip(contacts, self.memory.rows_of(contacts), strict=True):
+                if row["tag"] > 0 and radii.is_new(contact):
+                    radius = self.checked_radius(contact, row, radii.call(contact))
+                    self.attachment.set_radius(contact, radius)
+        self.warn_of_shapes()
+
+    def checked_radius(self, contact, row, radius):
+        """A new R [m] of a contact whose row of `layout.CONTACT` is given; EngineStopped where the law does not serve it."""
+        number, bodies = int(row["tag"]) - 1, (contact.id1, contact.id2)
+        kind = 0
+        if not self.pairs.serves(number, radius, row["modulus"]):
+            kind = at.WRONG_CONTACT
+        elif self.pairs.roughnesses[number] > LARGEST_ROUGHNESS * radius:
+            kind = at.TOO_ROUGH
+        if kind:
+            raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, *bodies, radius)}")
+        return radius
+
+    def warn_of_shapes(self):
+        """Warn once where a shape that is neither sphere nor flat has the body's R without a choice."""
+        words = self.context.words
+        if words[at.ODD_SEEN] == 1:
+            words[at.ODD_SEEN] = 2
+            contact = O.interactions[tuple(words[[at.ODD_BODY1, at.ODD_BODY2]].tolist())]
+            text = body_radius_text(contact, float(self.memory.rows_of([contact])["radius"][0]))
+            warn(f"law {self.label!r}: {text}", ShapeWarning)
 
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
@@ -241,7 +318,7 @@ class Binding:
         if count:
             deepest = rows[np.argmax(ratio)]
             text = large_overlap(float(deepest["overlap"]), float(deepest["radius"]), count, len(rows))
-            warnings.warn(f"law {self.label!r}: {text}", ValidityWarning, stacklevel=2)
+            warn(f"law {self.label!r}: {text}", LargeOverlap)
 
     def check_bodies(self, thoroughly=False):
         """Raise if a body without contacts has a velocity (thoroughly: or a position) that is not finite."""
@@ -257,13 +334,8 @@ class Binding:
 
     def check_functor(self, functor):
         """Raise if the functor has settings that do not go together with a law."""
-        reasons = {
-            "includeMoment": "its moments use the memory of the law's history",
-            "includeAdhesion": "it changes the force",
-        }
-        for name, reason in reasons.items():
-            if getattr(functor, name):
-                raise DemlawsError(f"{name}=True cannot be used with a demlaws law: {reason}")
+        if functor.includeAdhesion:
+            raise DemlawsError("includeAdhesion=True cannot be used with a demlaws law: it changes the force")
 
     def raise_fault(self):
         """Raise the last fault of native code: a contact that the law does not serve."""
@@ -275,30 +347,108 @@ class Binding:
     def fault_text(self, kind, first, second, value, radius=None):
         """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
         stones = [O.bodies[number].material for number in (first, second)]
+        if kind in (at.FLAT_GAP, at.NO_CURVATURE):
+            from demlaws.yade.curvature import fault_text
+
+            return fault_text(kind, value, [type(O.bodies[number].shape).__name__ for number in (first, second)])
         if kind == at.WRONG_CLASS:
+            contact = O.interactions[first, second]
+            shapes = " and ".join(type(O.bodies[number].shape).__name__ for number in (first, second))
             return (
-                " is not described by ScGeom and MindlinPhys, but by classes that the law does not act on: native Mindlin "
-                "acted on it; use Ig2_…_ScGeom functors and Ip2_FrictMat_FrictMat_MindlinPhys"
+                f" of {shapes} is described by {type(contact.geom).__name__} and {type(contact.phys).__name__}: the law does "
+                "not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, and "
+                "Ip2_FrictMat_FrictMat_MindlinPhys"
             )
+        if kind == at.UNGUARDED:
+            return (
+                " was computed by a functor that has no guard in the scene, and got no force: give the law to an "
+                "InteractionLoop in O.engines (engines within an integrator are not served)"
+            )
+        if kind == at.LOST_ROW:
+            return (
+                " has a history that this process does not have: its scene was saved or loaded without demlaws. Load it by "
+                "O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
+            )
+        if kind == at.NO_ROW:
+            return f" is one too many: there is memory for {int(self.context.words[at.CAPACITY])} contacts"
         if kind == at.TOO_DEEP:
             return f": {too_large_overlap(value, float(self.context.doubles[at.DEEP_RADIUS]) if radius is None else radius)}"
         if kind == at.WRONG_MODULUS:
             of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
-            return f": its materials make E* = {value:g} Pa, which must be above 0 and finite: {of}"
+            return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
         if kind == at.WRONG_CONTACT:
             return f" with R = {value:g} m: {NOT_SERVED}"
         if kind == at.TOO_ROUGH:
             labels = [stone.label for stone in stones]
-            roughness = self.pairs.roughnesses[self.pairs.number(*labels)]
-            return (
-                f" ({labels[0]!r} on {labels[1]!r}): the combined roughness {roughness:g} m exceeds its effective radius "
-                f"{value:g} m: check the units (σ is usually µm, R mm)"
-            )
+            return f" ({labels[0]!r} on {labels[1]!r}): {self.roughness_text(*labels, value)}"
         return (
             f" at overlap {value:g} m: the law gives no finite force there (a table ends, its radius or modulus is outside "
             "those that the law was made for, or the overlap is not finite): make the table for larger forces, give radii=… "
             "and moduli=…, or take a smaller time step"
         )
+
+    def roughness_text(self, first, second, radius):
+        """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""
+        surfaces = [self.pairs.surfaces.get(label, self.pairs.everywhere) for label in (first, second)]
+        each = " and ".join("0 m" if surface is None else f"{surface.roughness:g} m" for surface in surfaces)
+        found = judge(radius=radius, roughness=self.pairs.roughnesses[self.pairs.number(first, second)])
+        return f"{found[0].text} (combined of Sq = {each}; R is that of the contact)" if found else None
+
+    # --- validity
+
+    def judge_validity(self):
+        """Warn once per scene and pair of surfaces of each limit of the law that contacts are beyond, and of roughness."""
+        if self.attachment is not None:
+            rows, contacts = self.attachment.live()
+        else:
+            rows, contacts = self.memory.rows, self.memory.keys
+        keep = (rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0)
+        rows, places = rows[keep].copy(), np.flatnonzero(keep)
+        force = self.pairs.respond(rows)[0]["force"]
+        for number in np.unique(rows["tag"]).astype(int) - 1:
+            mine = np.flatnonzero((rows["tag"] == number + 1) & (force > 0.0))
+            self._judge_pair(number, rows[mine], force[mine], [contacts[place] for place in places[mine]])
+
+    def _judge_pair(self, number, rows, force, contacts):
+        sigma, beyond = self.pairs.roughnesses[number], {}
+        # contacts of one size to a percent have the limits of one of them
+        sizes = np.round(100.0 * np.log(rows["radius"])) + 1j * np.round(100.0 * np.log(rows["modulus"]))
+        for size in np.unique(sizes):
+            group = np.flatnonzero(sizes == size)
+            one = rows[group[0]]
+            key = number, complex(size)
+            if key not in self._limits:
+                self._limits[key] = self.pairs.limits(number, float(one["radius"]), float(one["modulus"]))
+            for limit in self._limits[key]:
+                excess = np.maximum(force[group] / limit.maximum_force, limit.minimum_force / force[group])
+                beyond.setdefault(limit.reason, []).append((group, excess, limit))
+        if sigma > LARGE_ROUGHNESS * np.min(rows["radius"], initial=np.inf):
+            text = self.roughness_text(*self._labels(contacts[int(np.argmin(rows["radius"]))]), float(np.min(rows["radius"])))
+            self._warn_once((number, "roughness"), text)
+        for reason, found in beyond.items():
+            count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in found)
+            if count and (number, reason) not in self._said:
+                group, excess, limit = max(found, key=lambda entry: entry[1].max())
+                worst = group[int(np.argmax(excess))]
+                where = "above" if force[worst] > limit.maximum_force else "below"
+                bound = limit.maximum_force if where == "above" else limit.minimum_force
+                bodies = self._bodies(contacts[worst])
+                self._warn_once(
+                    (number, reason),
+                    f"{count} of {len(rows)} contacts are {where} the range of {self.pairs.name}: {reason}. Worst: "
+                    f"{bodies[0]}+{bodies[1]}, {force[worst]:.3g} N, {where} {bound:.3g} N, R = {rows['radius'][worst]:.3g} m",
+                )
+
+    def _bodies(self, contact):
+        return contact[:2] if isinstance(contact, tuple) else self.attachment.bodies_of(contact)
+
+    def _labels(self, contact):
+        return [O.bodies[number].material.label for number in self._bodies(contact)]
+
+    def _warn_once(self, key, text):
+        if text is not None and key not in self._said:
+            self._said.add(key)
+            warn(f"law {self.label!r}: {text}")
 
     # --- the time step
 

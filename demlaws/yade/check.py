@@ -9,7 +9,7 @@ QUICK = ((HERTZ, "elastic"), (USUAL, "hertz"))
 
 
 def main(quick=False):
-    """Print versions, the bridge, and a self-test of each law; exit status 1 where it is not available."""
+    """Print versions, the bridge, and a self-test of each law; exit status 1 without the bridge."""
     started = time.perf_counter()
     import numba
     import numpy

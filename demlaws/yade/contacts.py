@@ -6,9 +6,8 @@ from typing import NamedTuple
 import numpy as np
 import yade
 
-from demlaws.yade import layout as at
-
 O = yade.O  # noqa: E741  YADE's name
+PHYSICS = tuple(getattr(yade, name) for name in ("MindlinPhys", "MindlinCapillaryPhys") if hasattr(yade, name))
 
 
 class ContactState(NamedTuple):
@@ -45,47 +44,38 @@ class Totals(_Energies):
     they had dissipated is not known and is missing in `dissipated`.
     """
 
-    def __new__(cls, stored, dissipated, unaccounted=0):
+    def __new__(cls, stored, dissipated, unaccounted=0, shear_stored=math.nan, shear_dissipated=math.nan):
         totals = super().__new__(cls, stored, dissipated)
-        totals.unaccounted = unaccounted
+        totals.unaccounted, totals.shear_stored, totals.shear_dissipated = unaccounted, shear_stored, shear_dissipated
         return totals
 
     def __repr__(self):
         missing = f", without the dissipation of {self.unaccounted} erased contacts" if self.unaccounted else ""
-        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}{missing})"
+        shear = f"shear_stored={self.shear_stored!r}, shear_dissipated={self.shear_dissipated!r}"
+        return f"Totals(stored={self.stored!r}, dissipated={self.dissipated!r}, {shear}{missing})"
 
 
 def real_contacts():
-    """The current scene's contacts that a law of ours acts on: exactly Mindlin's physics, not a class derived from it."""
+    """The current scene's contacts that a law of ours acts on."""
     return [i for i in O.interactions if is_ours(i)]
 
 
 def is_ours(contact):
-    """Whether a contact is real and of the class that a law of ours acts on."""
-    return contact.isReal and type(contact.phys) is yade.MindlinPhys
+    """Whether a contact is real and of a class that a law of ours acts on."""
+    return contact.isReal and type(contact.phys) in PHYSICS
 
 
-def rows_of(contacts):
-    """The contacts as an array of `layout.CONTACT`."""
-    rows = np.empty(len(contacts), at.CONTACT)
-    for n, contact in enumerate(contacts):
-        phys, overlap = contact.phys, contact.geom.penetrationDepth
-        ratio, _, last = phys.prevU
-        # a scene that has been loaded knows its overlaps only after a step
-        known = last if math.isnan(overlap) else overlap
-        rows[n] = (known, ratio, *phys.momentBend, *phys.momentTwist)
+def with_overlaps(rows, contacts):
+    """Rows of `layout.CONTACT` with the present overlaps, which a loaded scene does not know before its first step."""
+    for row, contact in zip(rows, contacts, strict=True):
+        overlap = contact.geom.penetrationDepth
+        if not math.isnan(overlap):
+            row["overlap"] = overlap
     return rows
 
 
-def write_history(phys, row):
-    """Put the history in a `layout.CONTACT` where `rows_of` reads it."""
-    phys.momentBend = yade.Vector3(row["tag"], row["radius"], row["modulus"])
-    phys.momentTwist = yade.Vector3(row["state0"], row["state1"], row["state2"])
-
-
-def state_of(pairs, contacts):
-    """`ContactState` of contacts that a law has seen."""
-    rows = rows_of(contacts)
+def state_of(pairs, contacts, rows):
+    """`ContactState` of contacts that a law has seen; rows: their histories."""
     seen = rows["tag"] > 0
     contacts = [contact for contact, keep in zip(contacts, seen, strict=True) if keep]
     rows = rows[seen]
@@ -101,12 +91,11 @@ def state_of(pairs, contacts):
     if not fields:
         known["plastic_overlap"] = np.zeros(len(rows))
     overlap = before["overlap"].copy()
-    touching = np.maximum(overlap, 0.0)
     return ContactState(
         np.array([c.id1 for c in contacts], int),
         np.array([c.id2 for c in contacts], int),
         overlap,
-        answer["kno"] * touching * np.sqrt(touching),
+        answer["force"].copy(),
         answer["tangent"].copy(),
         before["radius"].copy(),
         before["modulus"].copy(),

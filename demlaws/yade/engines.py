@@ -14,8 +14,8 @@ def engines(law, *, geometries=None, bounds=None, physics=None, before=(), after
     after: engines before and behind the contacts (forces, boundaries); newton: a NewtonIntegrator (default: no damping);
     verlet: `InsertionSortCollider.verletDist` in units of the smallest radius; timestep: the part, up to 1, of the critical
     step for a GlobalStiffnessTimeStepper, None for a constant `O.dt`. The stepper's step stays below this part of 4
-    PWaveTimeStep() of the bodies, later ones included: the present stiffness of a contact is no bound for the next step, and 4
-    r √(ρ/E) is stable for a sphere with four contacts per side that have grown to 0.3 R, under every law.
+    PWaveTimeStep() of the bodies, later ones included: the present stiffness of a contact does not bound that of the next step,
+    and 4 r √(ρ/E) is stable for a sphere with four contacts per side that have grown to 0.3 R, under every law.
     """
     if not isinstance(law, yade.LawFunctor):
         raise DemlawsError(f"engines(law): give the law functor, Law2_ScGeom_MindlinPhys_Demlaws(…), got {law!r}")

@@ -8,9 +8,10 @@ from numbers import Real
 
 import yade
 
-from demlaws.core.shear import DEFAULT
-from demlaws.errors import DemlawsError
+from demlaws.core.shear import DEFAULT, SLIP
+from demlaws.errors import DemlawsError, did_you_mean, warn
 from demlaws.laws.names import HERTZ
+from demlaws.laws.registry import registry
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span
@@ -38,8 +39,13 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         material, or if there are no surfaces and the law is not Hertz.
     flats: "plane" gives a sphere on a facet, wall or box its own radius as R, which is Hertz's; "yade" keeps YADE's, half of it
         (wall, box) or two thirds (facet).
-    shear: the normal stiffness used to compute K_t: "elastic", with which the contact would unload now, or "loading", of first
-        loading at the present force (docs/shear.md).
+    radius: R of a level set, a polyhedron and every other shape that is neither sphere nor flat: "body" (YADE's: the distance
+        from its centre to the contact), "curvature" (of level sets, followed as the contact moves; `Curvature(largest=…)`
+        bounds it on flat faces), the measured radius of its edges [m], or a function of the interaction that returns R [m],
+        called once after the contact's first step. Default: the `edge_radius` of its Surface, else as "body", with a warning.
+    shear: "elastic": K_t is a share of the stiffness with which the contact would unload now, and the shear force falls with it
+        (passive); "loading": the same of first loading at the present force; "slip": partial slip, native bridge only;
+        "native": Mindlin's shear as YADE has it, which can create energy (docs/shear.md).
     bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available).
     tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for equal materials.
     label: name of the law in saved files, unique in a scene and constant.
@@ -58,6 +64,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         *,
         smooth=False,
         flats="plane",
+        radius=None,
         shear=DEFAULT,
         bridge="auto",
         tangential_ratio=None,
@@ -67,6 +74,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         **options,
     ):
         attributes = {name: options.pop(name) for name in list(options) if name in NATIVE_ATTRIBUTES}
+        _refuse_misspelt(options)
         if bridge not in ("auto", "native", "public"):
             raise DemlawsError(f'bridge must be "auto", "native" or "public", got {bridge!r}')
         if not isinstance(label, str) or not label.isidentifier() or keyword.iskeyword(label):
@@ -77,7 +85,11 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
             raise DemlawsError(f"tangential_ratio = {tangential_ratio!r}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
         super().__init__(label=label, **attributes)
         spans = _spans(radii, moduli, flats)
-        pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear)
+        if shear == "native":
+            warn("shear='native' keeps the shear force where contacts become softer, which can create energy (docs/shear.md)")
+        elif shear == SLIP and bridge == "public":
+            raise DemlawsError("shear='slip' needs the native bridge: the public way cannot set the shear force")
+        pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear, radius=radius)
         self.binding = Binding(label, pairs, tangential_ratio, bridge)
         self.binding.check_functor(self)
         _take_up(self, bridge, stacklevel=3)
@@ -180,13 +192,23 @@ def _take_up(functor, bridge, stacklevel):
             if line is not None and line not in _reported:
                 _reported.add(line)
                 warnings.warn(line, BridgeWarning, stacklevel=stacklevel)
+    if binding.attachment is None and binding.pairs.springs:
+        raise DemlawsError(f"shear='slip' needs the native bridge, which is not available: {binding.reason}")
     if binding.attachment is None and bridge == "auto":
         warnings.warn(
-            f"the native bridge is not available ({binding.reason}); the public-API way acts, at some ten times the "
-            "cost, for a law in O.engines: one that is assigned to a dispatcher's functors would be YADE's own Mindlin law",
+            f"the native bridge is not available ({binding.reason}); the public-API way acts, at some ten times the cost",
             BridgeWarning,
             stacklevel=stacklevel,
         )
+
+
+def _refuse_misspelt(options):
+    """Raise where a name that is no option of any law resembles an argument of the functor."""
+    arguments = {*Law2_ScGeom_MindlinPhys_Demlaws.__init__.__kwdefaults__, "law", "unloading", "surfaces", *NATIVE_ATTRIBUTES}
+    for name in options:
+        meant = did_you_mean(name, arguments)
+        if meant.endswith("?") and not any(name in definition.options for definition in registry().values()):
+            raise DemlawsError(f"Law2_ScGeom_MindlinPhys_Demlaws has no argument {name!r}{meant}")
 
 
 def _range(name, unit, given):

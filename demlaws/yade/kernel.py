@@ -11,11 +11,12 @@ import numpy as np
 from numba import literal_unroll, types
 from numba.extending import overload
 
+from demlaws.admissible import LARGEST_ROUGHNESS, RANGES
+from demlaws.core.cache import source_digest
 from demlaws.core.dispatch import scale, step, stored_and_dissipated
-from demlaws.core.fastmath import from_bits
-from demlaws.core.hertz import hertz_coefficient
+from demlaws.core.fastmath import from_bits, hertz_coefficient
+from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import INLINED, callback, kernel, loop
-from demlaws.core.params import clamped_roughness
 from demlaws.core.shear import shear_stiffness
 from demlaws.core.unloading import rule_of, without_own
 from demlaws.laws.hertz import HertzParams, HertzShape
@@ -26,6 +27,7 @@ from demlaws.yade.memory import (
     add_double,
     add_word,
     call_body_by_id,
+    call_gap_radius,
     call_go,
     load_byte,
     load_double,
@@ -39,8 +41,11 @@ from demlaws.yade.memory import (
     store_tuple,
     store_word,
 )
+from demlaws.yade.shear import Slip, before, compress, go, word
 
-SLACK = 1e-11
+LOWEST_MODULUS = RANGES["modulus"].low
+SHAPE_BYTES = at.SHAPE_RECORD.itemsize
+SHAPE_AT, KIND_AT = (at.SHAPE_RECORD.fields[name][1] for name in ("shape", "kind"))
 
 
 def load_state(rule, address):
@@ -65,7 +70,7 @@ def params_of(kind, record, radius, modulus):
 
 @kernel
 def answer(shear, rule, p, overlap, state):
-    """Force [N], tangent stiffness, the stiffness that K_t goes by [N/m], and new state."""
+    """Force [N], tangent stiffness, the stiffness used to compute K_t [N/m], and new state."""
     force, stiffness, new = step(rule, p, overlap, state)
     return force, stiffness, shear_stiffness(shear, rule, p, overlap, force, stiffness, new), new
 
@@ -101,27 +106,10 @@ def coefficients(force, shear, overlap, ratio):
 
 
 @kernel
-def kept_share(kso, overlap, old_kso, old_overlap):
-    """Share of the shear force that stays: where K_t = kso √δ falls, the part of the contact that opens takes its force along.
-
-    What is stored, F²/(2 K_t), then never grows without work (docs/shear.md). [our derivation]
-    """
-    old = old_kso * math.sqrt(old_overlap)
-    now = kso * math.sqrt(overlap)
-    return now / old if now < old * (1.0 - SLACK) else 1.0  # rounding is no fall
-
-
-@kernel
 def effective_radius(radius1, radius2):
     """R as Ip2_FrictMat_FrictMat_MindlinPhys has it from ScGeom's two radii."""
     first = radius1 if radius1 > 0.0 else radius2
     return first * radius2 / (first + radius2)
-
-
-@kernel
-def word(context, number):
-    """Word `number` of the context."""
-    return load_word(context + 8 * number)
 
 
 @kernel
@@ -172,12 +160,12 @@ def fault(context, kind, interaction, overlap):
 
 
 @numba.njit(error_model="numpy", nogil=True)
-def deep(context, history, overlap):
+def deep(context, row, overlap):
     """TOO_DEEP for an overlap beyond LARGEST_OVERLAP of R, else 0. The guard reports the first one beyond SMALL_OVERLAP."""
-    if load_double(history + at.MODULUS) == 0.0:
+    if load_double(row + at.MODULUS) == 0.0:
         return 0  # a marker
-    if overlap > LARGEST_OVERLAP * load_double(history + at.RADIUS):
-        store_double(context + 8 * at.DEEP_RADIUS, load_double(history + at.RADIUS))
+    if overlap > LARGEST_OVERLAP * load_double(row + at.RADIUS):
+        store_double(context + 8 * at.DEEP_RADIUS, load_double(row + at.RADIUS))
         return at.TOO_DEEP
     if word(context, at.DEEP) == 0:
         store_word(context + 8 * at.DEEP, 1)
@@ -195,55 +183,174 @@ def serves(record, radius, modulus):
 
 
 @kernel
-def record_of(context, history):
-    """Address of the record of the contact's pair of surfaces."""
-    return word(context, at.RECORDS) + (np.int64(load_double(history + at.TAG)) - 1) * word(context, at.RECORD_BYTES)
+def is_odd(context, body):
+    """Whether a body's shape is neither a flat nor one with a radius of its own."""
+    shape, number = load_word(load_word(body + word(context, at.SHAPE))), at.ROUND_SHAPES
+    while word(context, number) != 0 and word(context, number) != shape:
+        number += 1
+    return word(context, number) == 0 and not is_flat(context, body)
+
+
+@kernel
+def shape_record(context, interaction, which, body):
+    """Address of the `layout.SHAPE_RECORD` of a body; 0 where the table is not up to date."""
+    number = np.int64(load_int(interaction + word(context, which)))
+    if number >= word(context, at.SHAPE_COUNT):
+        return 0
+    record = word(context, at.SHAPES) + number * SHAPE_BYTES
+    return record if load_word(record + SHAPE_AT) == load_word(body + word(context, at.SHAPE)) else 0
 
 
 @numba.njit(error_model="numpy", nogil=True)
-def initialise_contact(context, geom, phys, interaction):
-    """Write R, E*, K_t/K and the pair to the history of a new contact."""
-    radius2 = load_double(geom + word(context, at.RADIUS2))
-    radius = effective_radius(load_double(geom + word(context, at.RADIUS1)), radius2)
-    native = load_double(phys + word(context, at.KNO))
-    modulus = 0.75 * native / math.sqrt(radius)
+def curvature_radius(context, geom, interaction, body1, body2, radius):
+    """R from the curvature of two bodies, or `radius`, which is YADE's, where this is not known yet; faults are noted."""
+    first = shape_record(context, interaction, at.BODY1, body1)
+    second = shape_record(context, interaction, at.BODY2, body2)
+    if first == 0 or second == 0:
+        store_word(context + 8 * at.SHAPES_STALE, 1)
+        alarm(context)  # the guard reads the new shapes before the next step
+        return radius
+    found = math.nan
+    if load_word(first + KIND_AT) != 0 and load_word(second + KIND_AT) != 0:
+        state1 = load_word(body1 + word(context, at.BODY_STATE))
+        state2 = load_word(body2 + word(context, at.BODY_STATE))
+        position, orientation = word(context, at.POSITION), word(context, at.ORIENTATION)
+        point, normal = geom + word(context, at.POINT), geom + word(context, at.NORMAL)
+        found = call_gap_radius(
+            word(context, at.GAP_RADIUS),
+            first,
+            state1 + position,
+            state1 + orientation,
+            second,
+            state2 + position,
+            state2 + orientation,
+            point,
+            normal,
+            radius,
+            from_bits(word(context, at.LARGEST_RADIUS)),
+        )
+    if not found > 0.0:
+        fault(context, at.FLAT_GAP if found < 0.0 else at.NO_CURVATURE, interaction, radius)
+        return radius
+    return found
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def chosen_radius(context, geom, interaction, body1, body2, first, second, radius):
+    """R of a new contact by the user's choice; `radius`: as spheres and flats have it."""
+    mode = word(context, at.RADIUS_MODE)
+    if mode == at.FUNCTION_RADIUS:
+        store_word(context + 8 * at.NEW_CONTACTS, 1)
+        alarm(context)
+        return radius
+    odd1, odd2 = is_odd(context, body1), is_odd(context, body2)
+    if not (odd1 or odd2) or mode == at.BODY_RADIUS_MEANT:
+        return radius
+    if mode == at.CURVATURE_RADIUS:
+        return curvature_radius(context, geom, interaction, body1, body2, radius)
+    edge1 = load_double(word(context, at.EDGES) + 8 * first) if odd1 else 0.0
+    edge2 = load_double(word(context, at.EDGES) + 8 * second) if odd2 else 0.0
+    unknown = (odd1 and edge1 == 0.0) or (odd2 and edge2 == 0.0)
+    if unknown and word(context, at.ODD_SEEN) == 0:
+        store_word(context + 8 * at.ODD_SEEN, 1)
+        store_word(context + 8 * at.ODD_BODY1, np.int64(load_int(interaction + word(context, at.BODY1))))
+        store_word(context + 8 * at.ODD_BODY2, np.int64(load_int(interaction + word(context, at.BODY2))))
+        alarm(context)
+    radius1, radius2 = load_double(geom + word(context, at.RADIUS1)), load_double(geom + word(context, at.RADIUS2))
+    return edged_radius(radius, radius1, radius2, edge1, edge2, is_flat(context, body1) or is_flat(context, body2))
+
+
+@kernel
+def edged_radius(radius, radius1, radius2, edge1, edge2, flat):
+    """R with the edge radii (0: none) of two bodies; radius1, radius2: YADE's of them.
+
+    An edge or a corner of r meets a face (R = r) or crosses another edge (two crossed cylinders of r: R = r). Of two edges the
+    sharper one counts; beside a sphere 1/R = 1/r + 1/r_sphere. [our derivation]
+    """
+    if edge1 == 0.0 and edge2 == 0.0:
+        return radius
+    if edge1 > 0.0 and edge2 > 0.0:
+        return min(edge1, edge2)
+    edge = edge1 + edge2
+    other = radius2 if edge1 > 0.0 else radius1
+    return edge if flat or not other > 0.0 else edge * other / (edge + other)
+
+
+@loop
+def follow(kind, context, geom, interaction, row):
+    """Renew R and the row of a contact whose bodies' curvature changes as it moves."""
     body1, body2 = body_of(context, interaction, at.BODY1), body_of(context, interaction, at.BODY2)
+    modulus = load_double(row + at.MODULUS)
+    if modulus == 0.0 or not (is_odd(context, body1) or is_odd(context, body2)):
+        return
+    old = load_double(row + at.RADIUS)
+    radius = curvature_radius(context, geom, interaction, body1, body2, old)
+    if abs(radius - old) <= 1e-12 * old:
+        return
+    record = load_word(row + at.ROW_RECORD)
+    if not serves(record, radius, modulus):
+        fault(context, at.WRONG_CONTACT, interaction, radius)
+    elif load_double(record + at.RECORD_ROUGHNESS) > LARGEST_ROUGHNESS * radius:
+        fault(context, at.TOO_ROUGH, interaction, radius)
+    store_double(row + at.RADIUS, radius)
+    if load_word(record) != 0:
+        store_double(row + at.ROW_OWN, hertz_coefficient(radius, modulus))
+    else:
+        store_own(kind, params_of(kind, record, radius, modulus), row + at.ROW_OWN)
+
+
+@kernel
+def contact_radius(context, geom, body1, body2):
+    """R [m] of a new contact as YADE's spheres and flats have it; see `chosen_radius` for other shapes."""
+    radius2 = load_double(geom + word(context, at.RADIUS2))
     if word(context, at.FLATS) != 0 and (is_flat(context, body1) or is_flat(context, body2)):
-        radius = radius2  # YADE's own radius of a contact with a flat is half or two thirds of it
-    history = phys + word(context, at.HISTORY)
+        return radius2  # YADE's own radius of a contact with a flat is half or two thirds of it
+    return effective_radius(load_double(geom + word(context, at.RADIUS1)), radius2)
+
+
+@numba.njit(error_model="numpy", nogil=True)
+def initialise_contact(context, row, geom, phys, interaction):
+    """Write R, E*, K_t/K and the pair to the history of a new contact."""
+    native = load_double(phys + word(context, at.KNO))
+    in_yade = effective_radius(load_double(geom + word(context, at.RADIUS1)), load_double(geom + word(context, at.RADIUS2)))
+    modulus = 0.75 * native / math.sqrt(in_yade)
+    body1, body2 = body_of(context, interaction, at.BODY1), body_of(context, interaction, at.BODY2)
+    radius = contact_radius(context, geom, body1, body2)
     first, second = surface_of(context, body1), surface_of(context, body2)
     if (first == 0 or second == 0) and word(context, at.UNLISTED) == 0 and word(context, at.UNLISTED_SEEN) == 0:
         store_word(context + 8 * at.UNLISTED_BODY1, np.int64(load_int(interaction + word(context, at.BODY1))))
         store_word(context + 8 * at.UNLISTED_BODY2, np.int64(load_int(interaction + word(context, at.BODY2))))
         store_word(context + 8 * at.UNLISTED_SEEN, 1)
         alarm(context)
+    radius = chosen_radius(context, geom, interaction, body1, body2, first, second, radius)
     pair = load_word(word(context, at.PAIRS) + 8 * (first * word(context, at.SURFACES) + second))
     record = word(context, at.RECORDS) + pair * word(context, at.RECORD_BYTES)
-    store_double(history + at.RADIUS, radius)
-    store_double(history + at.MODULUS, modulus)
+    store_double(row + at.RADIUS, radius)
+    store_double(row + at.MODULUS, modulus)
     ratio = from_bits(word(context, at.RATIO))
     add_word(context + 8 * at.OPEN, 1)
     if native == 0.0:
         ratio = 0.0
-    elif not 0.0 < native < math.inf:
+    elif not LOWEST_MODULUS < modulus < math.inf:
         fault(context, at.WRONG_MODULUS, interaction, modulus)
-        store_double(history + at.MODULUS, 0.0)  # a marker until the guard stops the run: no force
+        store_double(row + at.MODULUS, 0.0)  # a marker until the guard stops the run: no force
     elif not serves(record, radius, modulus):
         fault(context, at.WRONG_CONTACT, interaction, radius)
-    elif load_double(record + at.RECORD_ROUGHNESS) > radius:
+    elif load_double(record + at.RECORD_ROUGHNESS) > LARGEST_ROUGHNESS * radius:
         fault(context, at.TOO_ROUGH, interaction, radius)
     elif ratio == 0.0:
         ratio = load_double(phys + word(context, at.KSO)) / (1.5 * native)
-    store_double(phys + word(context, at.SPARE), ratio)
-    store_double(history + at.TAG, pair + 1.0)
+    store_double(row + at.RATIO_OF_ROW, ratio)
+    store_double(row + at.TAG, pair + 1.0)
 
 
 @kernel
-def known_row(context, code):
-    """Address of the row that `code` names; 0 where it is not a row of this process."""
+def known_row(context, code, phys):
+    """Address of the row that `code` names; 0 for a row of another contact or process."""
     if code >> 28 != word(context, at.GENERATION):
         return 0
-    return word(context, at.ROWS) + 8 * (code & 0xFFFFFFF) * word(context, at.ROW_WORDS)
+    row = word(context, at.ROWS) + 8 * (code & 0xFFFFFFF) * word(context, at.ROW_WORDS)
+    return row if load_word(row + at.ROW_PHYSICS) == phys else 0
 
 
 @kernel
@@ -262,19 +369,22 @@ def prefetch_from(row):
         prefetch(interaction + line)
 
 
-@loop
-def make_row(kind, context, geom, phys, interaction):
-    """The number of a row, made for a contact that has none in this process, negative for a smooth pair; 0: no room."""
-    history = phys + word(context, at.HISTORY)
-    if load_double(history + at.TAG) == 0.0:
-        initialise_contact(context, geom, phys, interaction)
+@kernel
+def free_row(context):
+    """Number of a row that no contact has; -1: there is none."""
+    if word(context, at.FREE_TAKEN) < word(context, at.FREE_COUNT):
+        place = add_word(context + 8 * at.FREE_TAKEN, 1)
+        if place < word(context, at.FREE_COUNT):
+            return load_word(word(context, at.FREE) + 8 * place)
     number = add_word(context + 8 * at.ROWS_USED, 1)
-    if number >= word(context, at.CAPACITY) >> 1:
-        alarm(context)  # the guard makes a larger buffer before the next step
-    if number >= word(context, at.CAPACITY):
-        return 0
-    row = word(context, at.ROWS) + 8 * number * word(context, at.ROW_WORDS)
-    record, radius, modulus = record_of(context, history), load_double(history + at.RADIUS), load_double(history + at.MODULUS)
+    return number if number < word(context, at.CAPACITY) else -1
+
+
+@loop
+def fill_row(kind, context, row, number, geom, phys, interaction):
+    """Write what a row holds beside the history, and the row's number, negative for a smooth pair, to the contact."""
+    record = word(context, at.RECORDS) + (np.int64(load_double(row + at.TAG)) - 1) * word(context, at.RECORD_BYTES)
+    radius, modulus = load_double(row + at.RADIUS), load_double(row + at.MODULUS)
     store_word(row + at.ROW_PHYSICS, phys)
     store_word(row + at.ROW_GEOMETRY, geom)
     store_word(row + at.ROW_INTERACTION, interaction)
@@ -285,107 +395,141 @@ def make_row(kind, context, geom, phys, interaction):
         store_double(row + at.ROW_OWN, hertz_coefficient(radius, modulus))
     else:
         store_own(kind, params_of(kind, record, radius, modulus), row + at.ROW_OWN)
-    store_double(phys + word(context, at.SPARE) + 8, float(code))
+    store_double(phys + word(context, at.MARK), float(code))
     return code
 
 
 @loop
-def respond_without_row(kind, shear, rule, context, history, overlap, state):
-    """`respond` for the steps in which the buffer of rows is full."""
-    record = record_of(context, history)
-    return respond(
-        kind, shear, rule, record, load_double(history + at.RADIUS), load_double(history + at.MODULUS), overlap, state
-    )
+def make_row(kind, context, geom, phys, interaction):
+    """The code of a new contact's row; 0: there is no room, or the contact's row is lost."""
+    if load_double(phys + word(context, at.MARK)) != 0.0:
+        fault(context, at.LOST_ROW, interaction, 0.0)
+        return 0
+    number = free_row(context)
+    if number < 0:
+        fault(context, at.NO_ROW, interaction, 0.0)
+        return 0
+    row = word(context, at.ROWS) + 8 * number * word(context, at.ROW_WORDS)
+    for n in range(word(context, at.ROW_WORDS)):
+        store_word(row + 8 * n, 0)
+    initialise_contact(context, row, geom, phys, interaction)
+    return fill_row(kind, context, row, number, geom, phys, interaction)
 
 
 @loop
-def end_contact(kind, rule, context, history, state):
-    """Bank the dissipation of a contact that ends."""
-    radius, modulus = load_double(history + at.RADIUS), load_double(history + at.MODULUS)
-    add_double(context + 8 * at.BANKED, energies(kind, rule, record_of(context, history), radius, modulus, 0.0, state)[1])
+def end_contact(kind, rule, context, row, state):
+    """Bank the dissipation of a contact that ends, with the energy of shear that it stored."""
+    radius, modulus, record = load_double(row + at.RADIUS), load_double(row + at.MODULUS), load_word(row + at.ROW_RECORD)
+    add_double(context + 8 * at.BANKED, energies(kind, rule, record, radius, modulus, 0.0, state)[1])
+    add_double(context + 8 * at.BANKED_SHEAR, load_double(row + at.SHEAR_LOST))
+    store_double(row + at.SHEAR_LOST, 0.0)
 
 
 @kernel
-def lessen_shear(context, phys, kso, overlap):
-    """Reduce the shear force to the share that `kept_share` allows; phys is as the last step left it."""
-    old_kso, old_overlap = load_double(phys + word(context, at.KSO)), load_double(phys + word(context, at.SPARE) + 16)
-    if kso < old_kso * (1.0 - SLACK) or overlap < old_overlap:  # else K_t has not fallen
-        share = kept_share(kso, overlap, old_kso, old_overlap)
-        place = phys + word(context, at.SHEAR_FORCE)
-        for axis in range(3):
-            store_double(place + 8 * axis, share * load_double(place + 8 * axis))
+def knows(context, geometry, physics):
+    """Whether objects that begin with these words are of classes that the law acts on."""
+    if physics != word(context, at.PHYSICS) and physics != word(context, at.PHYSICS_CAPILLARY):
+        return False
+    if geometry == word(context, at.GEOMETRY) or geometry == word(context, at.GEOMETRY_6D):
+        return True
+    number = at.GEOMETRIES
+    while word(context, number) != 0 and word(context, number) != geometry:
+        number += 1
+    return word(context, number) != 0
 
 
 @kernel
-def act(kind, params_kind, shear, rule, context, this, geom_pointer, phys_pointer, interaction):
+def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_pointer, interaction):
     """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which then does all the rest."""
     geom, phys = load_word(geom_pointer), load_word(phys_pointer)
-    geom_class = load_word(geom)
-    known = geom_class == word(context, at.GEOMETRY) or geom_class == word(context, at.GEOMETRY_6D)
-    if not known or load_word(phys) != word(context, at.PHYSICS):
+    if not knows(context, load_word(geom), load_word(phys)):
         fault(context, at.WRONG_CLASS, interaction, 0.0)
         return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
     overlap = load_double(geom + word(context, at.OVERLAP))
-    history = phys + word(context, at.HISTORY)
-    code = np.int64(load_double(phys + word(context, at.SPARE) + 8))
-    old = load_state(rule, history + at.STATE)
-    row = known_row(context, abs(code))
+    overlap = -1.0 if overlap == -math.inf else overlap  # newer YADE: level sets that do not overlap
+    code = np.int64(load_double(phys + word(context, at.MARK)))
+    row = known_row(context, abs(code), phys)
     if row == 0:
         code = make_row(kind, context, geom, phys, interaction)
-        row = known_row(context, abs(code))
+        row = known_row(context, abs(code), phys)
     if row == 0:
-        force, stiffness, sideways, new = respond_without_row(kind, shear, rule, context, history, overlap, old)
+        store_double(phys + word(context, at.KNO), 0.0 if word(context, at.ALARM) != 0 else math.nan)
+        store_double(phys + word(context, at.KSO), 0.0)
+        return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
+    prefetch_from(row + at.AHEAD * 8 * word(context, at.ROW_WORDS))
+    if overlap > 0.0 and word(context, at.RADIUS_MODE) == at.CURVATURE_RADIUS:
+        follow(kind, context, geom, interaction, row)
+    old = load_state(rule, row + at.STATE)
+    if code > 0:
+        p = load_params(params_kind, kind, row + at.ROW_OWN, load_word(row + at.ROW_RECORD) + at.RECORD_SHAPE)
+        force, stiffness, sideways, new = answer(shear, rule, p, overlap, old)
+        compress(mode, rule, p, context, row, overlap, force, sideways, new)
+    elif load_double(row + at.ROW_OWN) != 0.0:
+        p = HertzParams(load_double(row + at.ROW_OWN))
+        force, stiffness, sideways, new = answer(shear, without_own(rule), p, overlap, old)
+        compress(mode, without_own(rule), p, context, row, overlap, force, sideways, new)
     else:
-        prefetch_from(row + at.AHEAD * 8 * word(context, at.ROW_WORDS))
-        if code > 0:
-            p = load_params(params_kind, kind, row + at.ROW_OWN, load_word(row + at.ROW_RECORD) + at.RECORD_SHAPE)
-            force, stiffness, sideways, new = answer(shear, rule, p, overlap, old)
-        elif load_double(row + at.ROW_OWN) != 0.0:
-            p = HertzParams(load_double(row + at.ROW_OWN))
-            force, stiffness, sideways, new = answer(shear, without_own(rule), p, overlap, old)
-        else:
-            force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
-    wrong = at.NOT_FINITE if force - force != 0.0 else 0
-    if overlap > SMALL_OVERLAP * load_double(history + at.RADIUS):
-        wrong = max(wrong, deep(context, history, overlap))
+        force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
+    wrong = at.NOT_FINITE if force - force != 0.0 else at.UNGUARDED if word(context, at.ALARM) == 0 else 0
+    if overlap > SMALL_OVERLAP * load_double(row + at.RADIUS):
+        wrong = max(wrong, deep(context, row, overlap))
     if wrong != 0:
         fault(context, wrong, interaction, overlap)
         force, stiffness, sideways, new = math.nan, 0.0, 0.0, old
-        if word(context, at.ALARM) != 0:  # without a guard, propagate NaN
+        if word(context, at.ALARM) != 0:  # without a guard, which would stop the run, propagate NaN
             force = 0.0
+    across = 0.0
     if overlap > 0.0:
-        kno, kso = coefficients(force, sideways, overlap, load_double(phys + word(context, at.SPARE)))
-        lessen_shear(context, phys, kso, overlap)
+        kno, kso = coefficients(force, sideways, overlap, load_double(row + at.RATIO_OF_ROW))
+        across = kso * math.sqrt(overlap)
+        before(mode, context, phys, row, across, force)
         store_double(phys + word(context, at.KNO), kno)
         store_double(phys + word(context, at.KSO), kso)
     else:
-        end_contact(kind, rule, context, history, old)
+        before(mode, context, phys, row, 0.0, 0.0)
         if overlap - overlap != 0.0:
-            fault(context, at.NOT_FINITE, interaction, overlap)  # a body is infinitely far away
-    store_tuple(new, history + at.STATE)
-    keep = call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
-    if keep == 0:
-        add_word(context + 8 * at.OPEN, -1)
+            fault(context, at.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
+    store_tuple(new, row + at.STATE)
+    store_double(row + at.LAST, overlap)
+    keep = go(mode, context, this, geom_pointer, phys_pointer, interaction, row, across)
     if overlap > 0.0:
-        store_double(phys + word(context, at.SPARE) + 16, overlap)
         # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
         store_double(phys + word(context, at.KN), stiffness)
+    else:
+        end_contact(kind, rule, context, row, old)
+    if keep == 0:
+        add_word(context + 8 * at.OPEN, -1)
+        store_double(row + at.TAG, 0.0)
+        store_word(row + at.ROW_PHYSICS, 0)
     return keep
 
 
-KIND = PARAMS_KIND = SHEAR = RULE = BEHIND = None  # what `entry` gives to a copy of the function below
+KIND = PARAMS_KIND = SHEAR = MODE = RULE = BEHIND = None  # what `entry` gives to a copy of the function below
 
 
 def _go(this, geom, phys, interaction):
     context = load_word(load_word(this) + BEHIND)
-    return act(KIND, PARAMS_KIND, SHEAR, RULE, context, this, geom, phys, interaction)
+    return act(KIND, PARAMS_KIND, SHEAR, MODE, RULE, context, this, geom, phys, interaction)
 
 
-def entry(kind, params_kind, shear, rule, behind):
+def entry(kind, params_kind, shear, mode, rule, behind):
     """`act` for laws of this kind as native code (`.address`); the address of the context stands `behind` bytes after the
     functor's table of virtual functions."""
-    constants = {"KIND": kind, "PARAMS_KIND": params_kind, "SHEAR": shear, "RULE": rule, "BEHIND": behind}
-    return callback(types.uint8(*[types.int64] * 4), _go, constants)
+    code = None
+    if isinstance(mode, Slip):
+        from demlaws.yade import slip
+
+        code = source_digest(slip.__file__)  # loaded too late for the cache to know that this code uses it
+    constants = {
+        "CODE": code,
+        "KIND": kind,
+        "PARAMS_KIND": params_kind,
+        "SHEAR": shear,
+        "MODE": mode,
+        "RULE": rule,
+        "BEHIND": behind,
+    }
+    return callback(types.uint8(*[types.int64] * 4), _go, constants | {"CODE": code})
 
 
 # --- batches: the public way, energies
@@ -412,6 +556,7 @@ def respond_loop(kind, shear, rule, records, record_bytes, contacts, out):
         out[i].kno = kno
         out[i].kso = kso
         out[i].tangent = stiffness
+        out[i].force = force
     return bad
 
 

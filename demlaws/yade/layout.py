@@ -9,14 +9,15 @@ import numpy as np
 # Words of the context.
 GO = 0  # address of the native function that applies the forces
 OVERLAP, RADIUS1, RADIUS2 = 1, 2, 3  # offsets in ScGeom [bytes]
-KN, KNO, KSO, HISTORY, SPARE = 4, 5, 6, 7, 8  # offsets in MindlinPhys [bytes]
-GEOMETRY, GEOMETRY_6D, PHYSICS = 9, 10, 11  # first word of an object of these classes
+KN, KNO, KSO, MARK = 4, 5, 6, 7  # offsets in MindlinPhys [bytes]; MARK: of prevU[1], the contact's row
+GEOMETRY, GEOMETRY_6D, PHYSICS = 9, 10, 11  # addresses of tables of virtual functions with which objects of these classes begin
 BODY1, BODY2, BODY_BY_ID, MATERIAL, LABEL = 12, 13, 14, 15, 16
 SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
 RATIO = 22  # tangential over normal stiffness (a double); 0: as YADE's Ip2 functor has it
 OPEN = 23  # contacts that have begun and that the law has not seen end
 BANKED = 24  # dissipation of contacts that have ended [J] (a double)
-ROWS, ROW_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # address of the contacts' rows, their size, number, validity
+ROWS, ROW_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # address of the contacts' rows, their size, number, mark
+FREE, FREE_COUNT, FREE_TAKEN = 29, 30, 31  # address of the numbers of rows that may be used again, count, number taken
 FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36  # a cache line apart from the above
 ROWS_USED = 37
 ALARM = 38  # address of the guard's PyRunner.nDone, or 0: a zero written there makes it run before the next step's contacts
@@ -25,35 +26,71 @@ UNLISTED, UNLISTED_SEEN, UNLISTED_BODY1, UNLISTED_BODY2 = 45, 46, 47, 48  # cont
 SHEAR_FORCE = 49  # offset of the elastic shear force in MindlinPhys [bytes]
 DEEP = 50  # 1 once a contact was beyond SMALL_OVERLAP of its R, 2 once this was reported
 DEEP_RADIUS = 51  # R of the last contact that was beyond LARGEST_OVERLAP of it (a double)
-CONTEXT_WORDS = 56
+FRICTION, NORMAL_FORCE = 52, 53  # offsets of the coefficient of friction and the normal force in MindlinPhys [bytes]
+BANKED_SHEAR = 54  # energy of shear that contacts which have ended have lost [J] (a double)
+DISPLACEMENT, STRETCH = 55, 56  # offsets of usTotal and usElastic in MindlinPhys [bytes]
+NORMAL = 57  # offset of the normal in ScGeom [bytes]
+BLOCK, BLOCK_WORDS = 58, 59  # offset and number of the words of MindlinPhys that its law may change
+SPRINGS, SPRING_COUNT = 60, 61  # offset in a row of the springs of partial slip [bytes], their number
+# R of contacts whose shapes are not spheres, flats or grids (see `curvature` and `radii`)
+RADIUS_MODE, EDGES, SHAPES, SHAPE_COUNT, SHAPES_STALE, LARGEST_RADIUS = 62, 63, 64, 65, 66, 67
+BODY_STATE, POSITION, ORIENTATION, POINT = 68, 69, 70, 71  # offsets in Body, State and ScGeom [bytes]
+ODD_SEEN, ODD_BODY1, ODD_BODY2 = 90, 91, 92  # a contact with R of a body of another shape; 2: reported
+NEW_CONTACTS = 93  # 1: contacts have begun whose R a Python function gives
+GAP_RADIUS = 94  # address of `curvature.gap_radius`
+ROUND_SHAPES = 119  # first words of objects of shapes with a radius of their own, 0 behind the last
+PROBED = 100  # offsets of the numbers in MindlinPhys that `shear.probe` sets to zero, from here on
+PHYSICS_CAPILLARY = 75  # the same of MindlinCapillaryPhys, or of MindlinPhys where YADE has no such class
+GEOMETRIES = 76  # first words of objects of further classes of geometry, 0 behind the last
+CONTEXT_WORDS = 128
 
-WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS = 1, 2, 3, 4, 5, 6
+WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS, NO_ROW, LOST_ROW, UNGUARDED = range(1, 10)
+FLAT_GAP, NO_CURVATURE = 20, 21
 """Kinds of faults."""
 
-# A contact outside YADE's objects: its history as in MindlinPhys, and the law's response.
-_CONTACT = ("overlap", "ratio", "tag", "radius", "modulus", "state0", "state1", "state2")
-CONTACT = np.dtype([(name, "f8") for name in _CONTACT])
-RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent")])
-ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
-STATE_OFFSET = 8 * _CONTACT.index("state0")
+BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS, FUNCTION_RADIUS = 0, 1, 2, 3
+"""Values of RADIUS_MODE."""
 
-# A contact's history in MindlinPhys.momentBend, momentTwist (6 doubles, which Mindlin's law without moments ignores):
-# pair number + 1 (0: not seen yet), radius R [m], modulus E* [Pa], then up to three state values of the unloading rule;
-# prevU[0] is K_t/K, prevU[1] the number of the contact's row, negative for a smooth pair, prevU[2] the overlap of the last
-# step, which ScGeom does not save. Rows are memory of this process,
-# so the number carries a generation drawn at random: a row of another process or of a buffer since renewed is not taken.
-TAG, RADIUS, MODULUS, STATE = 0, 8, 16, 24
-
-# A row: the addresses of the contact's phys, geom and interaction and of its pair's record, then those numbers of its
-# Params that are its own: derived numbers, which cost too much to derive at each step (a law that yields finds its yield
-# point by bisection). Rows are made, and so stored, in the order in which YADE visits contacts: the addresses in the row
-# after next tell which memory will be needed soon. YADE's objects are scattered, and the processor cannot guess them.
-ROW_PHYSICS, ROW_GEOMETRY, ROW_INTERACTION, ROW_RECORD, ROW_OWN = 0, 8, 16, 24, 32
+# A row of a law's memory: the addresses of the contact's phys, geom and interaction and of its pair's record; its history; the
+# numbers of its Params that are its own (derived numbers, which cost too much to derive at each step: a law that yields finds
+# its yield point by bisection); with partial slip, its springs. Rows are made, and so stored, in the order in which YADE visits
+# contacts: the addresses in the row after next tell which memory will be needed soon. YADE's objects are scattered, and the
+# processor cannot guess them. MindlinPhys.prevU[1], which Mindlin's law does not use, is the number of the contact's row,
+# negative for a smooth pair. It carries a number drawn at random: a row of another process is not taken.
+ROW_PHYSICS, ROW_GEOMETRY, ROW_INTERACTION, ROW_RECORD, ROW_HISTORY = 0, 8, 16, 24, 32
 AHEAD = 2  # rows; 1 to 4 are equally fast
 LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 288, 352), (0, 64, 128, 192), (0, 64)
 
+# A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], up to three state
+# values of the unloading rule; K_t of the last step [N/m], the energy of shear that it stores and that it has lost [J].
+_CONTACT = ("overlap", "ratio", "tag", "radius", "modulus", "state0", "state1", "state2", "shear", "held", "lost")
+CONTACT = np.dtype([(name, "f8") for name in _CONTACT])
+RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
+ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
+STATE_OFFSET = 8 * _CONTACT.index("state0")
+OF_ROW = {name: ROW_HISTORY + 8 * n for n, name in enumerate(_CONTACT)}
+LAST, RATIO_OF_ROW, TAG, RADIUS, MODULUS, STATE = (
+    OF_ROW[name] for name in ("overlap", "ratio", "tag", "radius", "modulus", "state0")
+)
+SHEAR_STIFFNESS, SHEAR_HELD, SHEAR_LOST = (OF_ROW[name] for name in ("shear", "held", "lost"))
+ROW_OWN = ROW_HISTORY + CONTACT.itemsize
+
 # A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
 RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
+
+PLANE, SPHERE, FIELD = 1, 2, 3
+"""Kinds of shapes with a curvature."""
+SHAPE_RECORD = np.dtype(
+    [
+        ("shape", "i8"),
+        ("kind", "i8"),
+        ("index", "i8"),
+        ("tensors", "i8"),
+        *((name, "i8") for name in ("n0", "n1", "n2")),
+        *((name, "f8") for name in ("low0", "low1", "low2", "size")),
+    ]
+)
+"""A body's shape. size: spacing of the grid of a level set, radius of a sphere [m]."""
 
 
 def label_hash(label):
@@ -95,4 +132,5 @@ class Context:
 
     def forget(self):
         """Clear all notes of native code."""
-        self.words[[FAULTS, UNLISTED_SEEN, DEEP]] = 0
+        self.words[[FAULTS, UNLISTED_SEEN, DEEP, ODD_SEEN]] = 0
+        self.words[[SHAPES_STALE, NEW_CONTACTS]] = 1

@@ -7,6 +7,7 @@ A float, an integer and a boolean are one word each, None is no word, an array i
 import numpy as np
 from llvmlite import ir
 from numba import types
+from numba.core import cgutils
 from numba.extending import intrinsic
 
 from demlaws.core.numba_compat import populate_array
@@ -60,6 +61,20 @@ def add_word(typing_context, address, value):
     return types.int64(types.int64, types.int64), generate
 
 
+SCRATCH_WORDS = 96
+
+
+@intrinsic
+def scratch(typing_context):
+    """Address of SCRATCH_WORDS words on the stack of the calling function, which must not be inlined into a loop."""
+
+    def generate(context, builder, signature, arguments):
+        block = cgutils.alloca_once(builder, ir.ArrayType(WORD, SCRATCH_WORDS))
+        return builder.ptrtoint(block, WORD)
+
+    return types.int64(), generate
+
+
 @intrinsic
 def prefetch(typing_context, address):
     """Ask for the cache line at `address`, which need not be valid."""
@@ -94,6 +109,18 @@ def call_body_by_id(typing_context, function, number):
         return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1], WORD(0)])
 
     return types.int64(types.int64, types.int32), generate
+
+
+@intrinsic
+def call_gap_radius(typing_context, function, first, place1, turn1, second, place2, turn2, point, normal, radius, largest):
+    """`curvature.gap_radius` through its address."""
+    kinds = [types.int64] * 8 + [types.float64] * 2
+
+    def generate(context, builder, signature, arguments):
+        kind = ir.FunctionType(DOUBLE, [WORD] * 8 + [DOUBLE] * 2)
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+
+    return types.float64(types.int64, *kinds), generate
 
 
 # --- tuples as words

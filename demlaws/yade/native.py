@@ -14,6 +14,7 @@ Mindlin functor of the process. It would survive `O.load`; here a guard attaches
 """
 
 import ctypes
+import mmap
 import os
 import re
 
@@ -22,7 +23,7 @@ import yade
 import yade.config
 
 from demlaws.errors import DemlawsError
-from demlaws.yade import kernel
+from demlaws.yade import kernel, memory
 from demlaws.yade import layout as at
 
 TESTED = ("2023.02a", "2025.2.0", "2026.1.0")
@@ -31,8 +32,20 @@ LAW = "Law2_ScGeom_MindlinPhys_Mindlin"
 GO = f"_ZN4yade{len(LAW)}{LAW}2goERN5boost10shared_ptrINS_5IGeomEEERNS2_INS_5IPhysEEEPNS_11InteractionE"
 TABLE = f"_ZTVN4yade{len(LAW)}{LAW}E"
 BODY_BY_ID = "_ZN4yade4Body4byIdEiPNS_5SceneE"
+ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylinder")
+"""Shapes with a radius of their own, where YADE has them."""
 LARGEST_OBJECT = 4096  # bytes; a larger block was not allocated by malloc
+FURTHER_GEOMETRIES = ("ScGridCoGeom", "CylScGeom", "CylScGeom6D", "ChCylGeom6D")
+"""Classes derived from ScGeom, by which spheres touch grids, facets between grid nodes, and chained cylinders."""
+PLACES_IN_GEOMETRY = (("penetrationDepth", at.OVERLAP), ("refR1", at.RADIUS1), ("refR2", at.RADIUS2))
+PLACES_IN_PHYSICS = (("kn", at.KN), ("kno", at.KNO), ("kso", at.KSO))
+MOST_ROWS = 2**23
+"""Contacts that a law can act on at a time: the address space of their rows is reserved, memory is used as they are made."""
+FEW_ROWS = 1024
+"""Rows beside twice those in use that are made before rows are looked for that may be used again."""
 COPIED = 64  # words of a virtual table that are copied; Mindlin's has 8
+
+MAP_NORESERVE = 0x4000  # of Linux; Python 3.11 has no name for it
 
 _forever = []  # never freed, since native code may still point there
 
@@ -186,36 +199,47 @@ class Layout:
             at.KN: _find(yade.MindlinPhys, "kn"),
             at.KNO: _find(yade.MindlinPhys, "kno"),
             at.KSO: _find(yade.MindlinPhys, "kso"),
-            at.HISTORY: self._vector("momentBend"),
-            at.SPARE: self._vector("prevU"),
+            at.MARK: self._vector("prevU") + 8,
             at.SHEAR_FORCE: self._vector("shearElastic"),
+            at.NORMAL_FORCE: self._vector("normalForce"),
+            at.DISPLACEMENT: self._vector("usTotal"),
+            at.STRETCH: self._vector("usElastic"),
+            at.FRICTION: _find(yade.MindlinPhys, "tangensOfFrictionAngle"),
+            at.NORMAL: self._vector("normal", yade.ScGeom),
             at.BODY1: self._body_number("id1"),
             at.BODY2: self._body_number("id2"),
             at.MATERIAL: _find_pointer(yade.Body, "material", yade.FrictMat),
             at.LABEL: _find_string(yade.FrictMat, "label"),
             at.SHAPE: _find_pointer(yade.Body, "shape", yade.Sphere),
+            at.BODY_STATE: _find_pointer(yade.Body, "state", yade.State),
+            at.POSITION: self._vector("pos", yade.State),
+            at.ORIENTATION: self._quaternion(),
+            at.POINT: self._vector("contactPoint", yade.ScGeom),
         }
         self.number_done = _find(yade.PyRunner, "nDone", ctypes.c_int64, (1122334455667788, 2233445566778899, 3344556677889900))
-        if self._vector("momentTwist") != self.offsets[at.HISTORY] + 24:
-            raise BridgeUnavailable("MindlinPhys.momentTwist does not follow momentBend")
-        for name, word in (("penetrationDepth", at.OVERLAP), ("refR1", at.RADIUS1), ("refR2", at.RADIUS2)):
-            if _find(yade.ScGeom6D, name) != self.offsets[word]:
-                raise BridgeUnavailable(f"ScGeom6D.{name} is not where ScGeom has it")
-        self.classes = {}
-        for word, cls in (
-            (at.GEOMETRY, yade.ScGeom),
-            (at.GEOMETRY_6D, yade.ScGeom6D),
-            (at.PHYSICS, yade.MindlinPhys),
-            (at.FACET, yade.Facet),
-            (at.WALL, yade.Wall),
-            (at.BOX, yade.Box),
-        ):
-            thing = cls()  # referenced while it is read
-            first = ctypes.c_uint64.from_address(_window(thing)[0]).value
-            name = f"_ZTVN4yade{len(cls.__name__)}{cls.__name__}E"
-            if _symbol_at(first - 16) != name:
-                raise BridgeUnavailable(f"{cls.__name__} does not begin with its table of virtual functions {name}")
-            self.classes[word] = first
+        self._find_what_the_law_changes()
+        self.classes = {
+            word: self._first_word(cls)
+            for word, cls in (
+                (at.GEOMETRY, yade.ScGeom),
+                (at.GEOMETRY_6D, yade.ScGeom6D),
+                (at.PHYSICS, yade.MindlinPhys),
+                (at.FACET, yade.Facet),
+                (at.WALL, yade.Wall),
+                (at.BOX, yade.Box),
+            )
+        }
+        self._same_places(yade.ScGeom6D, yade.ScGeom)
+        further = [getattr(yade, name) for name in FURTHER_GEOMETRIES if hasattr(yade, name)]
+        for n, cls in enumerate(further):
+            self._same_places(cls, yade.ScGeom)
+            self.classes[at.GEOMETRIES + n] = self._first_word(cls)
+        for n, name in enumerate(name for name in ROUND_SHAPES if hasattr(yade, name)):
+            self.classes[at.ROUND_SHAPES + n] = self._first_word(getattr(yade, name))
+        self.classes[at.PHYSICS_CAPILLARY] = self.classes[at.PHYSICS]
+        if hasattr(yade, "MindlinCapillaryPhys"):  # where YADE is built with capillarity
+            self._same_places(yade.MindlinCapillaryPhys, yade.MindlinPhys)
+            self.classes[at.PHYSICS_CAPILLARY] = self._first_word(yade.MindlinCapillaryPhys)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         self.slot = self.find_slot(probe)
 
@@ -227,13 +251,63 @@ class Layout:
             raise BridgeUnavailable(f"YADE's libraries do not export {name}") from None
 
     @staticmethod
-    def _vector(name):
-        return _find(
-            yade.MindlinPhys,
-            name,
-            make=lambda value: yade.MindlinPhys(**{name: (value, 0, 0)}),
-            read=lambda thing: getattr(thing, name)[0],
-        )
+    def _vector(name, cls=yade.MindlinPhys):
+        def make(value):
+            thing = cls()
+            setattr(thing, name, yade.Vector3(value, 0, 0))  # State.pos is no argument of State
+            return thing
+
+        return _find(cls, name, make=make, read=lambda thing: getattr(thing, name)[0])
+
+    @staticmethod
+    def _quaternion():
+        """Byte offset of State.ori: four doubles, x first."""
+
+        def make(value):
+            state = yade.State()
+            state.ori = yade.Quaternion(0.5, value, 0.25, 0.125)
+            return state
+
+        place = _find(yade.State, "ori", values=(0.1234567, 0.2345678, 0.3456789), make=make, read=lambda state: state.ori[0])
+        state = make(0.5)  # referenced while it is read
+        if list(read_memory(address(state) + place, 32, ctypes.c_double)) != [state.ori[n] for n in range(4)]:
+            raise BridgeUnavailable("State.ori is not four doubles x, y, z, w")
+        return place
+
+    @staticmethod
+    def _first_word(cls):
+        """Address of the table of virtual functions with which objects of a class begin."""
+        thing = cls()  # referenced while it is read
+        first = ctypes.c_uint64.from_address(_window(thing)[0]).value
+        name = f"_ZTVN4yade{len(cls.__name__)}{cls.__name__}E"
+        if _symbol_at(first - 16) != name:
+            raise BridgeUnavailable(f"{cls.__name__} does not begin with its table of virtual functions {name}")
+        return first
+
+    def _same_places(self, cls, base):
+        """Raise unless the numbers that the bridge uses are in a derived class where its base has them."""
+        names = {yade.ScGeom: PLACES_IN_GEOMETRY, yade.MindlinPhys: PLACES_IN_PHYSICS}[base]
+        for name, word in names:
+            if _find(cls, name) != self.offsets[word]:
+                raise BridgeUnavailable(f"{cls.__name__}.{name} is not where {base.__name__} has it")
+
+    def _find_what_the_law_changes(self):
+        """The block of MindlinPhys that its law may change, and the numbers without which it applies no force."""
+        numbers = {name: _find(yade.MindlinPhys, name) for name in ("betan", "betas", "kr", "ktw", "maxBendPl", "ks", "radius")}
+        vectors = ("momentBend", "momentTwist", "normalViscous", "shearViscous", "shearForce")
+        places = {name: self._vector(name) for name in vectors}
+        mine = [self.offsets[word] for word in (at.KN, at.KNO, at.KSO, at.FRICTION, at.MARK)]
+        spans = [self.offsets[word] for word in (at.SHEAR_FORCE, at.NORMAL_FORCE, at.DISPLACEMENT, at.STRETCH)]
+        spans += places.values()
+        first = min([*mine, *numbers.values(), *spans])
+        end = max([n + 8 for n in (*mine, *numbers.values())] + [n + 24 for n in spans])
+        if end - first > 8 * memory.SCRATCH_WORDS:
+            raise BridgeUnavailable(f"the numbers of MindlinPhys take {end - first} bytes")
+        zero = [numbers[name] for name in ("betan", "betas", "kr", "ktw")] + [self.offsets[at.KNO], self.offsets[at.KSO]]
+        for start in (places["momentBend"], places["momentTwist"], self.offsets[at.SHEAR_FORCE], self.offsets[at.DISPLACEMENT]):
+            zero += [start, start + 8, start + 16]
+        self.offsets |= {at.BLOCK: first, at.BLOCK_WORDS: (end - first) // 8}
+        self.offsets |= {at.PROBED + n: place for n, place in enumerate(zero)}
 
     @staticmethod
     def _body_number(name):
@@ -257,7 +331,7 @@ class Layout:
             places = [n for n, entry in enumerate(entries[:16]) if int(entry) == thunk]
             found += [(offset, n, thunk) for n in places]
         if len(found) != 1:
-            raise BridgeUnavailable(f"the virtual function go of {LAW} stands at {len(found)} places, not one")
+            raise BridgeUnavailable(f"the virtual function go of {LAW} was found at {len(found)} places, not one")
         return found[0]
 
     @property
@@ -289,11 +363,11 @@ def layout():
 _entries = {}
 
 
-def _entry(kind, params_kind, shear, rule):
+def _entry(kind, params_kind, shear, mode, rule):
     """Address of native code for laws of this kind."""
-    key = (kind, params_kind, type(shear), type(rule))  # the tags themselves are empty tuples, all equal
+    key = (kind, params_kind, type(shear), type(mode), type(rule))  # the tags themselves are empty tuples, all equal
     if key not in _entries:
-        _entries[key] = kernel.entry(kind, params_kind, shear, rule, 8 * COPIED)
+        _entries[key] = kernel.entry(kind, params_kind, shear, mode, rule, 8 * COPIED)
     return _entries[key].address
 
 
@@ -304,6 +378,20 @@ def acting(functor):
     """The `Attachment` to which a functor points, or None."""
     offset, _, _ = layout().slot
     return _attachments.get(ctypes.c_uint64.from_address(_window(functor)[0] + offset).value)
+
+
+def _reserve(count, words):
+    """Address space for `count` rows as an array of words: memory is used only where something was written."""
+    while True:
+        try:
+            block = mmap.mmap(-1, 8 * count * words, mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS | MAP_NORESERVE)
+            break
+        except OSError:  # ulimit -v
+            count //= 2
+            if count < 1024:
+                raise BridgeUnavailable(f"no memory for the history of {2 * count} contacts") from None
+    _forever.append(block)
+    return np.frombuffer(block, np.int64).reshape(count, words)
 
 
 class Attachment:
@@ -323,19 +411,25 @@ class Attachment:
         words[at.PAIRS] = pairs.numbers.ctypes.data
         words[at.RECORDS] = pairs.records.ctypes.data
         words[at.RECORD_BYTES] = pairs.records.strides[0]
-        words[at.ROW_WORDS] = pairs.row_words
+        words[at.ROW_WORDS], words[at.SPRINGS], words[at.SPRING_COUNT] = pairs.row_words, 8 * pairs.springs_at, pairs.springs
         words[at.FLATS] = pairs.flats == "plane"
+        words[at.RADIUS_MODE] = pairs.radii.mode
+        words[at.EDGES] = pairs.radii.edges.ctypes.data
+        words[at.GAP_RADIUS] = pairs.radii.gap_address()
+        self.context.doubles[at.LARGEST_RADIUS] = pairs.radii.shapes.largest if pairs.radii.shapes else 0.0
         self.context.doubles[at.RATIO] = ratio or 0.0
+        self._looked = 0  # rows that were in use when `collect` last looked
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
-        words[at.GENERATION] = int.from_bytes(os.urandom(3), "little")
-        self.renew(1 << 14)
+        words[at.GENERATION] = 1 + int.from_bytes(os.urandom(3), "little")
+        self.rows, self._free = _reserve(MOST_ROWS, pairs.row_words), np.zeros(0, np.int64)
+        words[at.ROWS], words[at.CAPACITY] = self.rows.ctypes.data, len(self.rows) - at.AHEAD
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         point = self.native_table = ctypes.c_uint64.from_address(address(probe) + self.layout.find_slot(probe)[0]).value
         self.table = np.zeros(COPIED + 3, np.int64)
         self.table[: COPIED + 2] = read_memory(
             point - 16, 8 * (COPIED + 2), ctypes.c_int64
         )  # from two before its address point
-        self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.shear, pairs.rule)
+        self.table[2 + index] = _entry(pairs.kind, pairs.params_kind, pairs.shear, pairs.mode, pairs.rule)
         self.table[COPIED + 2] = self.context.address
         _forever.append(self)
         _attachments[self.table.ctypes.data + 16] = self
@@ -347,23 +441,97 @@ class Attachment:
         self._runner = runner
         self.context.words[at.ALARM] = 0 if runner is None else address(runner) + self.layout.number_done
 
-    def renew(self, capacity):
-        """Allocate a buffer for the rows of `capacity` contacts; rows of the old one are no longer valid."""
-        words = self.context.words
-        rows = np.zeros((min(capacity, 2**28) + at.AHEAD, int(words[at.ROW_WORDS])), np.int64)
-        _forever.append(rows)
-        words[at.ROWS], words[at.CAPACITY] = rows.ctypes.data, len(rows) - at.AHEAD
-        self._empty()
+    def _numbers(self, contacts):
+        """Numbers of the rows of contacts that the law has seen, -1 for others."""
+        marks = np.array([contact.phys.prevU[1] for contact in contacts], float)
+        codes = np.abs(np.where(np.isfinite(marks) & (np.abs(marks) < 2.0**53), marks, 0.0)).astype(np.int64)
+        mine = codes >> 28 == self.context.words[at.GENERATION]
+        return np.where(mine, codes & 0xFFFFFFF, -1)
 
-    def _empty(self):
-        words = self.context.words
-        words[at.ROWS_USED], words[at.GENERATION] = 0, words[at.GENERATION] % 2**24 + 1
+    def _history(self):
+        """All rows' histories as arrays of words, not copied."""
+        return self.rows[:, at.ROW_HISTORY // 8 : at.ROW_OWN // 8]
 
-    def make_room(self, contacts):
-        """Between steps: empty the buffer of rows when more than half of it is used, or make a larger one."""
-        used, capacity = self.context.words[[at.ROWS_USED, at.CAPACITY]].tolist()
-        if used > capacity // 2:
-            self.renew(4 * capacity) if 8 * contacts() > capacity else self._empty()
+    def rows_of(self, contacts):
+        """The contacts' histories as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+        numbers = self._numbers(contacts)
+        found = self._history()[numbers].view(at.CONTACT)[:, 0]  # a copy
+        found["tag"][numbers < 0] = 0.0
+        return found
+
+    def saved(self, contacts):
+        """(id1, id2, then words of history and springs) of contacts that the law has seen: what `restore` takes."""
+        numbers = self._numbers(contacts)
+        bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)[numbers >= 0]
+        numbers = numbers[numbers >= 0]
+        return np.hstack([bodies, self._history()[numbers], self.rows[numbers, self._pairs.springs_at :]])
+
+    def restore(self, saved, contacts):
+        """Give contacts of a scene that was loaded the rows that `saved` has of them."""
+        known = {(int(row[0]), int(row[1])): row[2:] for row in saved}
+        history = at.CONTACT.itemsize // 8
+        words = self.context.words
+        for contact in contacts:
+            phys, words_of_row = contact.phys, known.get((contact.id1, contact.id2))
+            phys.prevU = yade.Vector3.Zero
+            if words_of_row is None:
+                continue
+            number = int(words[at.ROWS_USED])
+            words[at.ROWS_USED] += 1
+            self.rows[number] = 0
+            self._history()[number] = words_of_row[:history]
+            self.rows[number, self._pairs.springs_at :] = words_of_row[history:]
+            row = self.rows.ctypes.data + number * self.rows.strides[0]
+            places = (address(thing) for thing in (contact.geom, phys, contact))
+            kernel.fill_row(self._pairs.kind, self.context.address, row, number, *places)
+
+    def collect(self, contacts):
+        """Between steps: make rows of contacts that have ended or were erased free again, once they are the larger part.
+
+        contacts: function of all contacts of the one scene in which the law has acted, or None.
+        """
+        words = self.context.words
+        used = int(words[at.ROWS_USED])
+        if words[at.FREE_TAKEN] < words[at.FREE_COUNT] or used < 2 * self._looked + FEW_ROWS:
+            return
+        live = self._history()[:used].view(at.CONTACT)[:, 0]["tag"] != 0.0
+        if contacts is not None and 2 * live.sum() > used:
+            mine = self._numbers(contacts())
+            live = np.isin(np.arange(used), mine)
+            self.rows[:used][~live] = 0
+        self._free = np.flatnonzero(~live)
+        words[at.FREE], words[at.FREE_COUNT], words[at.FREE_TAKEN] = self._free.ctypes.data, len(self._free), 0
+        self._looked = max(int(live.sum()), used // 4)
+
+    def set_radius(self, contact, radius):
+        """Give a contact that the law has seen another R, and its row what follows from it."""
+        number = int(self._numbers([contact])[0])
+        self._history()[number].view(at.CONTACT)["radius"] = radius
+        row = self.rows.ctypes.data + number * self.rows.strides[0]
+        places = (address(thing) for thing in (contact.geom, contact.phys, contact))
+        kernel.fill_row(self._pairs.kind, self.context.address, row, number, *places)
+
+    def forget_rows(self):
+        """All contacts are gone."""
+        self.context.words[[at.ROWS_USED, at.FREE_COUNT, at.FREE_TAKEN]] = 0
+        self._looked = 0
+
+    def watch_itself(self):
+        """Act without a guard, for a test: who calls this looks for faults."""
+        self._own = np.zeros(1, np.int64)
+        self.context.words[at.ALARM] = self._own.ctypes.data
+
+    def live(self):
+        """Histories of the law's contacts in all scenes (`layout.CONTACT`), and the addresses of their interactions."""
+        rows = self.rows[: min(int(self.context.words[at.ROWS_USED]), len(self.rows))]
+        rows = rows[rows[:, at.ROW_PHYSICS // 8] != 0]
+        history = np.ascontiguousarray(rows[:, at.ROW_HISTORY // 8 : at.ROW_OWN // 8])
+        return history.view(at.CONTACT)[:, 0], rows[:, at.ROW_INTERACTION // 8].copy()
+
+    def bodies_of(self, interaction):
+        """Numbers of the two bodies of the interaction at an address, which must be alive."""
+        offsets = self.layout.offsets[at.BODY1], self.layout.offsets[at.BODY2]
+        return tuple(ctypes.c_int32.from_address(int(interaction) + offset).value for offset in offsets)
 
     def patch(self, functor):
         """Make `functor` act by this law: an unchanged Mindlin functor, or one that acts by a law of ours."""

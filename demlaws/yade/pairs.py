@@ -4,6 +4,7 @@ import base64
 import json
 import math
 import tempfile
+import warnings
 import zlib
 from pathlib import Path
 from typing import NamedTuple
@@ -12,17 +13,19 @@ import numba
 import numpy as np
 
 from demlaws.contact import Contact, Surface
-from demlaws.core.loops import scale_one
-from demlaws.core.params import clamped_roughness, loading_part
-from demlaws.core.shear import CHOICES, DEFAULT
+from demlaws.core.loops import clamped_roughness, loading_part, scale_one
+from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, ValidityWarning, did_you_mean
 from demlaws.law import Law, Table
 from demlaws.laws.hertz import HertzShape
+from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, home_of, laws
 from demlaws.make import law, rebound, rule_and_curve
 from demlaws.yade import kernel, memory
 from demlaws.yade import layout as at
+from demlaws.yade.radii import Radii
+from demlaws.yade.shear import FRAME_WORDS, MODES, SLIP_RULES, SPRING_WORDS, SPRINGS
 
 _MAP = "height map"
 EVERY = "*"
@@ -254,14 +257,14 @@ class Pairs:
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
     reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
     two labels, or None where nothing is known of the contacts. smooth: materials without a surface are meant smooth; flats:
-    "plane" or "yade", shear: "elastic" or "loading" (see the functor).
+    "plane" or "yade", shear: one of `shear.MODES`, radius: of shapes that are not spheres (see the functor).
     """
 
-    def __init__(self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT):
-        if shear not in list(CHOICES):
-            raise DemlawsError(
-                f"shear must be {' or '.join(map(repr, CHOICES))}, got {shear!r}: the stiffness used to compute K_t"
-            )
+    def __init__(
+        self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT, radius=None
+    ):
+        if not isinstance(shear, str) or shear not in MODES:
+            raise DemlawsError(f"shear must be {', '.join(map(repr, MODES))}, got {shear!r:.60}")
         if isinstance(surfaces, Surface):
             surfaces = {EVERY: surfaces}
         if not isinstance(surfaces, dict | None):
@@ -272,10 +275,13 @@ class Pairs:
         if flats not in FLATS:
             raise DemlawsError(f'flats must be "plane" (R of a sphere on a flat is its radius) or "yade", got {flats!r}')
         self.smooth, self.flats = bool(smooth), flats
-        self.shear_name, self.shear = shear, CHOICES[shear].tag
+        self.shear_name, self.mode, self.shear = shear, MODES[shear], CHOICES[shear if shear in CHOICES else DEFAULT].tag
+        self.springs = SPRINGS if shear == SLIP else 0
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
+        listed = [self.everywhere or Surface(), *self.surfaces.values()]
+        self.radii = Radii(radius, [surface.edge_radius for surface in listed])
         self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
         self.spans = {}
         if isinstance(given, dict):
@@ -300,7 +306,12 @@ class Pairs:
         sources = [source for source in (self.default, *self.special.values()) if source is not None]
         records = {source.definition.rule(self.unloading) for source in sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
-        self.rule, self.state_names = rule.tag, rule.state
+        self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
+        if self.springs and not isinstance(self.rule, SLIP_RULES):
+            raise DemlawsError(
+                f"shear={SLIP!r} needs elastic, Hertz, Thornton or table unloading: the rule {self.unloading!r} unloads along "
+                "a curve that depends on the history"
+            )
         combined = [self.everywhere or Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
@@ -311,26 +322,39 @@ class Pairs:
         return given if isinstance(given, Source) else Source(given, options)
 
     def _key(self, pair):
-        if not isinstance(pair, tuple) or len(pair) != 2 or any(label not in self.labels for label in pair):
+        if not isinstance(pair, tuple) or len(pair) != 2:
             raise DemlawsError(f"law: {pair!r} is not a pair of labels out of {self.labels}")
+        for label in pair:
+            if label not in self.labels:
+                known = ", ".join(map(repr, self.labels))
+                raise DemlawsError(
+                    f"law: unknown label {label!r} in {pair!r}{did_you_mean(label, self.labels)} Labels: {known}"
+                )
         return tuple(sorted(pair))
 
     def _make_records(self, surfaces, widened):
         """False where the pairs' laws turn out to be of different kinds."""
         count = len(surfaces)
         self.numbers = np.zeros((count, count), np.int64)
-        self.shapes, self.roughnesses, self.only_for = [], [], []
+        self.shapes, self.roughnesses, self.only_for, self.combined = [], [], [], []
         for i in range(count):
             for j in range(i + 1):
                 self.numbers[i, j] = self.numbers[j, i] = len(self.shapes)
                 pair = surfaces[i].combined(surfaces[j])
-                shape, only_for = self._pair(pair, (self.labels[j], self.labels[i]), widened)
+                labels = self.labels[j], self.labels[i]
+                self.combined.append((pair, self.special.get(tuple(sorted(labels)), self.default)))
+                shape, only_for = self._pair(pair, labels, widened)
                 self.shapes.append(shape)
                 self.only_for.append(only_for)
                 self.roughnesses.append(pair.roughness)
         kinds = {numba.typeof(shape) for shape in self.shapes if shape is not None}
         if len(kinds) > 1:
             return False
+        if not kinds and self.rule_curve == "law":
+            raise DemlawsError(
+                f"law {self.name}: no pair of surfaces has what the law needs, and a smooth contact has no such unloading. "
+                "Give surfaces=demlaws.Surface(…) with the quantities of `demlaws laws` for this law"
+            )
         example, number = next(
             ((shape, n) for n, shape in enumerate(self.shapes) if shape is not None), (HertzShape(), len(self.shapes) - 1)
         )
@@ -338,7 +362,8 @@ class Pairs:
         radius, modulus = self.specimen(number)
         params = scale_one(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         self.params_kind = numba.typeof(params)
-        self.row_words = at.ROW_OWN // 8 + max(memory.own_words(self.params_kind, self.kind), 1)
+        self.springs_at = at.ROW_OWN // 8 + max(memory.own_words(self.params_kind, self.kind), 1)
+        self.row_words = self.springs_at + (FRAME_WORDS + SPRING_WORDS * self.springs if self.springs else 0)
         self._keep = []
         rows = []
         for shape, roughness, only_for in zip(self.shapes, self.roughnesses, self.only_for, strict=True):
@@ -364,14 +389,17 @@ class Pairs:
 
     def _pair(self, surface, labels, widened):
         source = self.special.get(tuple(sorted(labels)), self.default)
-        known = all(labels) or self.everywhere is not None
+        known = all(labels) or self.everywhere is not None or self.smooth
         if source is None:
             if surface.roughness == 0.0:
                 return None, (0.0, 0.0)
             if not known:
                 return None, (math.nan, math.nan)
             raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
-        names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
+        if len(self.labels) == 1:
+            names = "materials without a surface" if self.everywhere is None else "surface for all materials"
+        else:
+            names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
         span = self._spans(labels)
         if span is None:
             if source.needs_span and surface.roughness > 0.0 and known:
@@ -389,9 +417,10 @@ class Pairs:
         try:
             shape = source.shape(surface, self.unloading, span)
         except DemlawsError as error:
-            if not known:
+            text = f"{names}: {str(error).replace('Contact(', 'Surface(')}"
+            if not known and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
-            raise DemlawsError(f"{names}: {error}") from None
+            raise DemlawsError(text) from None
         return shape, (0.0, 0.0) if shape is None else source.only_for(span)
 
     def _known_spans(self):
@@ -405,7 +434,7 @@ class Pairs:
         """Record of two materials' labels."""
         return int(self.numbers[tuple(self.labels.index(x) if x in self.surfaces else 0 for x in (first, second))])
 
-    # --- what the law says of contacts outside YADE's objects
+    # --- contacts outside YADE's objects
 
     def respond(self, contacts):
         """What the law answers to an array of `layout.CONTACT`, whose state is updated in place: an array of
@@ -418,6 +447,17 @@ class Pairs:
         out = np.zeros(len(contacts), at.ENERGY)
         kernel.energies_loop(self.kind, self.rule, *self._where(), contacts, out)
         return out
+
+    def limits(self, number, radius, modulus):
+        """`Limit`s of the law of a record for a contact of this R [m] and E* [Pa]."""
+        surface, source = self.combined[number]
+        if self.shapes[number] is None:
+            source = Source(HERTZ, {})
+        dimension = 2.0 if surface.fractal_dimension is None and surface.roughness == 0.0 else surface.fractal_dimension
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)  # of the roughness
+            contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
+        return source.definition.limits(contact, **source.options)
 
     def serves(self, number, radius, modulus):
         """Whether the law of a record may be used at this R and E*."""
@@ -460,6 +500,7 @@ class Pairs:
             "smooth": self.smooth,
             "flats": self.flats,
             "shear": self.shear_name,
+            "radius": self.radii.portable(),
         }
         if self._own():
             content["answers"] = self._answers()
@@ -498,6 +539,7 @@ class Pairs:
             given = Source.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
         options = {name: content[name] for name in ("smooth", "flats", "shear")}
+        options["radius"] = Radii.from_portable(content.get("radius"))
         pairs = cls(given, content["surfaces"], content["unloading"], {}, spans, **options)
         answers = content.get("answers")
         if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):

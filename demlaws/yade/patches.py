@@ -1,6 +1,7 @@
 """The entry points of YADE that this package replaces; `remove` restores them.
 
-`O.engines` hides the guards; saving writes the laws to the scene, loading attaches them again. Importing a name from
+`O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
+energies; saving writes the laws to the scene, loading attaches them again. Importing a name from
 `demlaws.yade` installs the replacements.
 """
 
@@ -8,14 +9,18 @@ import yade
 
 from demlaws.yade import scene
 
-_originals = []  # (name, original) of class Omega
+_originals = []  # (class, name, original)
 
 
 def install():
     """Replace the entry points, and attach the laws of a scene that was loaded before."""
     if _originals:
         return
-    _put("engines", property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines)))
+    omega = yade.wrapper.Omega
+    _put(omega, "engines", property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines)))
+    energy = omega.energy
+    _put(omega, "energy", property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset))
+    _put(yade.LawDispatcher, "functors", property(scene.FUNCTORS.__get__, scene.set_functors))
     for name in ("save", "saveTmp", "sceneToString"):
         _wrap(name, _saving)
     for name in ("load", "loadTmp", "reload", "stringToScene"):
@@ -26,19 +31,19 @@ def install():
 def remove():
     """Restore YADE; laws at work are then attached to the scene without protection."""
     while _originals:
-        setattr(yade.wrapper.Omega, *_originals.pop())
+        setattr(*_originals.pop())
 
 
-def _put(name, new):
-    _originals.append((name, getattr(yade.wrapper.Omega, name)))
-    setattr(yade.wrapper.Omega, name, new)
+def _put(cls, name, new):
+    _originals.append((cls, name, getattr(cls, name)))
+    setattr(cls, name, new)
 
 
 def _wrap(name, wrapper):
     native = getattr(yade.wrapper.Omega, name)
     new = wrapper(native)
     new.__doc__ = native.__doc__
-    _put(name, new)
+    _put(yade.wrapper.Omega, name, new)
 
 
 def _saving(native):

@@ -5,60 +5,84 @@ contact; the forces are reset; Mindlin's law then acts through a LawDispatcher. 
 InteractionLoop and hides them.
 """
 
+import math
+
 import numpy as np
 import yade
 
+from demlaws.admissible import LARGEST_ROUGHNESS, outside
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
-from demlaws.yade import kernel
+from demlaws.yade import kernel, native
 from demlaws.yade import layout as at
-from demlaws.yade.contacts import is_ours, rows_of, write_history
+from demlaws.yade.contacts import is_ours
+from demlaws.yade.shear import Passive, kept_within
 
 
 class Held:
-    """A scene's contacts between steps: reading and writing YADE objects is the cost of the public way."""
+    """The history of a scene's contacts: reading and writing YADE objects is the cost of the public way."""
 
     def __init__(self):
         self.keys, self.objects, self.rows, self.tangents = [], [], np.zeros(0, at.CONTACT), ()
-        self.valid_at = None  # (scene, step) at which this may be used
 
-    def flush(self):
-        """Write the history to YADE's objects, where saving and reading look for it."""
-        for (_, phys, _), row in zip(self.objects, self.rows, strict=True):
-            write_history(phys, row)
+    def rows_of(self, contacts):
+        """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+        known = dict(zip(self.keys, self.rows, strict=True))
+        rows = np.zeros(len(contacts), at.CONTACT)
+        for n, contact in enumerate(contacts):
+            rows[n] = known.get(_key(contact), rows[n])
+        return rows
+
+    def saved(self, contacts):
+        """(id1, id2, then words of history) of contacts that the law has seen: what `restore` takes."""
+        rows = self.rows_of(contacts)
+        bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)
+        seen = rows["tag"] > 0
+        return np.hstack([bodies[seen], rows[seen].view(np.int64).reshape(-1, at.CONTACT.itemsize // 8)])
+
+    def restore(self, saved, contacts):
+        """Hold the history that `saved` has of contacts of a scene that was loaded."""
+        known = {(int(row[0]), int(row[1])): np.array(row[2:]).view(at.CONTACT)[0] for row in saved}
+        mine = [contact for contact in contacts if (contact.id1, contact.id2) in known]
+        self.keys, self.objects = [_key(contact) for contact in mine], []
+        self.rows = np.array([known[contact.id1, contact.id2] for contact in mine], at.CONTACT)
 
     def take(self, binding):
-        """The contacts of this step: those held if they are the same ones."""
-        omega = yade.O
-        contacts = [contact for contact in omega.interactions if contact.isReal]
-        keys = [(contact.id1, contact.id2, contact.iterMadeReal) for contact in contacts]
-        known = self.valid_at == (binding.scene, omega.iter)
-        if known and keys == self.keys:
+        """Read the contacts of this step."""
+        contacts = [contact for contact in yade.O.interactions if contact.isReal]
+        keys = [_key(contact) for contact in contacts]
+        if keys == self.keys and len(self.objects) == len(keys):
             self.rows["overlap"] = [geom.penetrationDepth for geom, _, _ in self.objects]
-        else:
-            if known:
-                self.flush()
-            for contact in contacts:
-                if not is_ours(contact):
-                    raise DemlawsError(f"contact {contact.id1}+{contact.id2} is not described by MindlinPhys")
-            self.keys, self.rows = keys, rows_of(contacts)
-            self.objects = [(contact.geom, contact.phys, contact) for contact in contacts]
-            for contact, row in zip(contacts, self.rows, strict=True):
-                if row["tag"] == 0.0:
-                    initialise_contact(binding, contact, row)
-            self.flush()
-        self.valid_at = binding.scene, omega.iter + 1
+            return
+        for contact in contacts:
+            if not is_ours(contact):
+                raise DemlawsError(f"contact {contact.id1}+{contact.id2} is not described by MindlinPhys")
+        self.rows = self.rows_of(contacts)
+        self.keys, self.objects = keys, [(contact.geom, contact.phys, contact) for contact in contacts]
+        for contact, row in zip(contacts, self.rows, strict=True):
+            row["overlap"] = contact.geom.penetrationDepth
+            if row["tag"] == 0.0:
+                initialise_contact(binding, contact, row)
+
+
+def _key(contact):
+    return contact.id1, contact.id2, contact.iterMadeReal
 
 
 def step(binding):
     """Set kno and kso of every contact and update its history."""
     yade.O.forces.f(0, True)  # or the threads' own sums survive the reset
     binding.answer()
-    if binding.held is None:
-        binding.held = Held()
-    held, pairs, context = binding.held, binding.pairs, binding.context
+    binding.guards += 1
+    if binding.guards % 50 == 0:
+        binding.judge_validity()
+    held, pairs, context = binding.memory, binding.pairs, binding.context
     held.take(binding)
     rows = held.rows
+    if pairs.radii.mode == at.CURVATURE_RADIUS:
+        for (_, _, contact), row in zip(held.objects, rows, strict=True):
+            if row["modulus"] > 0.0 and row["overlap"] > 0.0:
+                follow(binding, contact, row)
     ending = rows[rows["overlap"] <= 0]
     if len(ending):
         at_rest = ending.copy()
@@ -73,16 +97,20 @@ def step(binding):
     answer, bad = pairs.respond(rows)
     if bad >= 0:
         _stop(binding, held.keys[bad], at.NOT_FINITE, rows["overlap"][bad])
-    overlaps = rows["overlap"].tolist()
-    for (_, phys, _), overlap, (kno, kso, _) in zip(held.objects, overlaps, answer.tolist(), strict=True):
-        if overlap > 0.0:
-            share = kernel.kept_share(kso, overlap, phys.kso, phys.prevU[2])
+    reduced = isinstance(pairs.mode, Passive)
+    for (_, phys, _), row, (kno, kso, _, force) in zip(held.objects, rows, answer.tolist(), strict=True):
+        overlap = float(row["overlap"])
+        stiffness = kso * math.sqrt(overlap) if overlap > 0.0 else 0.0
+        if reduced:
+            limit = phys.tangensOfFrictionAngle * force if overlap > 0.0 else 0.0
+            share = kept_within(stiffness, row["shear"], limit, *phys.shearElastic)
             if share < 1.0:
                 phys.shearElastic = share * phys.shearElastic
-            phys.kno = kno
-            phys.kso = kso
-            phys.prevU = yade.Vector3(phys.prevU[0], 0, overlap)
+        if overlap > 0.0:
+            phys.kno, phys.kso = kno, kso
+        row["shear"] = stiffness
     held.tangents = answer["tangent"].tolist()
+    binding.warn_of_shapes()
 
 
 def _stop(binding, bodies, kind, value, radius=None):
@@ -93,26 +121,58 @@ def _stop(binding, bodies, kind, value, radius=None):
 def initialise_contact(binding, contact, row):
     """Python counterpart of `kernel.initialise_contact`."""
     pairs, phys, geom, bodies = binding.pairs, contact.phys, contact.geom, (contact.id1, contact.id2)
+    if phys.prevU[1] != 0.0:
+        _stop(binding, bodies, at.LOST_ROW, 0.0)
     radius = kernel.effective_radius(geom.refR1, geom.refR2)
     row["modulus"] = 0.75 * phys.kno / np.sqrt(radius)
     flat = any(isinstance(yade.O.bodies[n].shape, yade.Facet | yade.Wall | yade.Box) for n in bodies)
     row["radius"] = geom.refR2 if flat and pairs.flats == "plane" else radius
     labels = [yade.O.bodies[n].material.label for n in bodies]
+    row["radius"] = starting_radius(binding, contact, row["radius"], labels, flat)
     if any(label not in pairs.surfaces for label in labels):
         binding.judge_unlisted(bodies)
     number = pairs.number(*labels)
     row["ratio"] = 0.0
     if phys.kno != 0.0:
-        if not 0.0 < phys.kno < np.inf:
+        if outside("modulus", row["modulus"]):
             _stop(binding, bodies, at.WRONG_MODULUS, row["modulus"])
         if not pairs.serves(number, row["radius"], row["modulus"]):
             _stop(binding, bodies, at.WRONG_CONTACT, row["radius"])
-        if pairs.roughnesses[number] > row["radius"]:
+        if pairs.roughnesses[number] > LARGEST_ROUGHNESS * row["radius"]:
             _stop(binding, bodies, at.TOO_ROUGH, row["radius"])
         row["ratio"] = binding.ratio or phys.kso / (1.5 * phys.kno)
     row["tag"] = number + 1
-    phys.prevU = yade.Vector3(row["ratio"], 0, 0)
+    phys.prevU = yade.Vector3(0, row["tag"], 0)
     binding.context.words[at.OPEN] += 1
+
+
+def starting_radius(binding, contact, radius, labels, flat):
+    """Python counterpart of `kernel.chosen_radius`."""
+    radii, geom = binding.pairs.radii, contact.geom
+    if radii.mode == at.FUNCTION_RADIUS:
+        return radii.call(contact)
+    bodies = [yade.O.bodies[n] for n in (contact.id1, contact.id2)]
+    odd = [type(body.shape).__name__ not in (*native.ROUND_SHAPES, "Facet", "Wall", "Box") for body in bodies]
+    if not any(odd) or radii.mode != at.BODY_RADIUS:
+        return radius
+    places = [binding.pairs.labels.index(label) if label in binding.pairs.surfaces else 0 for label in labels]
+    edges = [radii.edges[place] if strange else 0.0 for place, strange in zip(places, odd, strict=True)]
+    if any(strange and edge == 0.0 for strange, edge in zip(odd, edges, strict=True)):
+        words = binding.context.words
+        words[at.ODD_SEEN] = max(words[at.ODD_SEEN], 1)
+        words[[at.ODD_BODY1, at.ODD_BODY2]] = contact.id1, contact.id2
+    return kernel.edged_radius(radius, geom.refR1, geom.refR2, *edges, flat)
+
+
+def follow(binding, contact, row):
+    """Python counterpart of `kernel.follow`."""
+    bodies = contact.id1, contact.id2
+    if all(isinstance(yade.O.bodies[n].shape, yade.Sphere | yade.Facet | yade.Wall | yade.Box) for n in bodies):
+        return
+    radius = binding.pairs.radii.shapes.of_contact(contact)
+    if not radius > 0.0:
+        _stop(binding, bodies, at.FLAT_GAP if radius < 0.0 else at.NO_CURVATURE, row["radius"])
+    row["radius"] = binding.checked_radius(contact, row, radius)
 
 
 def finish(binding, never_erase):

@@ -96,6 +96,7 @@ def _bounce(binding, lower, upper, mass, speed, en):
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="impact")
     binding.context.words[at.UNLISTED] = 1
     binding.attachment.patch(functor)
+    binding.attachment.watch_itself()
     physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if en is None or en == 1.0 else {"en": en, "es": en}))
     geometries = [yade.Ig2_Sphere_Sphere_ScGeom(), yade.Ig2_Wall_Sphere_ScGeom(), yade.Ig2_Facet_Sphere_ScGeom()]
     bounds = [yade.Bo1_Sphere_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Facet_Aabb()]

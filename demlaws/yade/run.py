@@ -91,7 +91,7 @@ def command(script, arguments=(), threads=1, gui=False, batch=None, *, stay=Fals
     if not script.endswith((".py", *SCENES)):
         raise DemlawsError(
             f"{script}: YADE runs scripts named *.py and saved scenes (*.xml, *.yade, *.bin, each also with .gz or .bz2); "
-            "one of another name it passes over without a word: give it such a name"
+            "it ignores other files silently: give this one such a name"
         )
     if batch is not None:
         if not os.path.exists(batch):

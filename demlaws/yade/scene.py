@@ -26,12 +26,16 @@ TOKEN = "demlaws-scene"
 """Tag of a scene that identifies it; a loaded scene gets another one."""
 LAW = "demlaws.{label}"
 """Tag that describes a law."""
+HISTORY = "demlaws-history.{label}"
+"""Tag with the history of a law's contacts."""
 CONTACT = ["ScGeom", "MindlinPhys"]
 """Classes of the contacts that a law acts on."""
 DUMMY = "demlaws_dummy_"
 """Label of a functor in the user's InteractionLoop whose forces the public way discards."""
 PREPARE = "__import__('demlaws.yade').yade.public_step({label!r})"
 FINISH = "__import__('demlaws.yade').yade.public_finish({label!r})"
+FUNCTORS = yade.LawDispatcher.functors
+"""YADE's own property, which `patches` replaces after this module is imported."""
 HIDDEN = 4
 """Engines of the public way behind the InteractionLoop: PyRunner, ForceResetter, LawDispatcher, PyRunner."""
 
@@ -119,10 +123,56 @@ def set_visible(engines):
         _warn(functor.binding.bound_steppers(engines))
 
 
+def set_functors(dispatcher, functors):
+    """`dispatcher.functors = …` for users: a law that comes into the scene so gets its guard, too."""
+    before, functors = list(dispatcher.functors), list(functors)
+    here = any(native.address(one) == native.address(dispatcher) for engine in get_engines() for one in dispatchers(engine))
+    if not here or not any(is_ours(one) or dummy_for(one) for one in (*before, *functors)):
+        FUNCTORS.__set__(dispatcher, functors)
+        return
+    if O.interactions.countReal():
+        raise DemlawsError(_switch_text())
+    gone = [f for f in before if is_ours(f) and not any(f is other for other in functors)]
+    try:
+        FUNCTORS.__set__(dispatcher, functors)
+        set_visible(get_visible())
+    except Exception:
+        FUNCTORS.__set__(dispatcher, before)
+        set_visible(get_visible())
+        raise
+    for functor in gone:
+        functor.binding.leave()
+
+
+def with_energies(tracker):
+    """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies."""
+    for label, functor in laws_here().items() if O.trackEnergy else ():
+        totals = functor.totals()
+        parts = {"Elastic": totals.stored, "Plastic": totals.dissipated}
+        parts |= {"ShearElastic": totals.shear_stored, "ShearLost": totals.shear_dissipated}
+        for name, energy in parts.items():
+            if energy == energy:  # the public way does not know those of shear
+                tracker[label + name] = energy
+    return tracker
+
+
+def _refuse_integrator(engine):
+    """An integrator that has the contacts computed at trial positions corrupts their history."""
+    slaves = () if isinstance(engine, yade.ParallelEngine) else getattr(engine, "slaves", ())
+    nested = [one for slave in slaves for one in (slave if isinstance(slave, list | tuple) else (slave,))]
+    if any(is_ours(functor) for _, _, functor in law_functors(nested)):
+        raise DemlawsError(
+            f"{type(engine).__name__} computes contacts several times per step, at trial positions that it may reject: the "
+            "history of a law (largest overlap, shear) would be of positions that never occurred. Use NewtonIntegrator, with "
+            "InteractionLoop in O.engines"
+        )
+
+
 def _laws_in(engines, old):
     """Label → functor of our laws in a list that a user assigns."""
     laws, live = {}, []
     for engine in engines:
+        _refuse_integrator(engine)
         _refuse_other_physics(engine)
         for dispatcher in dispatchers(engine):
             _refuse_rivals(dispatcher)
@@ -215,11 +265,15 @@ def _refuse_switch(engines, before, laws, old):
         known = old[label]
         same &= functor is known or (known.binding.same_as(functor.binding) and known.settings() == functor.settings())
     if not same:
-        raise DemlawsError(
-            f"the law is switched while {O.interactions.countReal()} contacts exist, which YADE would leave with the old one. "
-            "The same law made again (same arguments, label and attributes) continues them; for another one call "
-            "O.interactions.clear() first, which erases all contacts with their history (shear forces, plastic overlaps)"
-        )
+        raise DemlawsError(_switch_text())
+
+
+def _switch_text():
+    return (
+        f"the law is switched while {O.interactions.countReal()} contacts exist, which YADE would leave with the old one. "
+        "The same law made again (same arguments, label and attributes) continues them; for another one call "
+        "O.interactions.clear() first, which erases all contacts with their history (shear forces, plastic overlaps)"
+    )
 
 
 def completed(engines, laws, before):
@@ -243,7 +297,7 @@ def completed(engines, laws, before):
                 else:
                     if law is functor:
                         dummy = yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear(neverErase=True, label=DUMMY + law.label)
-                        dispatcher.functors = [dummy]
+                        FUNCTORS.__set__(dispatcher, [dummy])
                     behind = [
                         yade.PyRunner(command=PREPARE.format(label=law.label), iterPeriod=1, initRun=True),
                         yade.ForceResetter(),
@@ -280,16 +334,17 @@ class as_saved:
         for _, dispatcher, functor in law_functors(get_engines()):
             if is_ours(functor):
                 O.tags[LAW.format(label=functor.label)] = functor.binding.as_text(functor.attributes())
+                O.tags[HISTORY.format(label=functor.label)] = functor.binding.history()
                 self.kept.append((dispatcher, list(dispatcher.functors)))
         self.runners = [(engine, engine.nDone) for engine in get_engines() if _runs(engine, GUARD_COMMAND)]
         for dispatcher, listed in self.kept:
-            dispatcher.functors = [_placeholder(label=f.label) if is_ours(f) else f for f in listed]
+            FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_ours(f) else f for f in listed])
         for runner, _ in self.runners:
             runner.nDone = 0
 
     def __exit__(self, *error):
         for dispatcher, listed in self.kept:
-            dispatcher.functors = listed
+            FUNCTORS.__set__(dispatcher, listed)
         for runner, done in self.runners:
             runner.nDone = done
 
@@ -314,8 +369,9 @@ def attach_saved(known=None):
     token = O.tags[TOKEN] = uuid.uuid4().hex  # the one in the file may be that of another scene of this process
     for dispatcher, label, text in waiting:
         law = _restored(label, (known or {}).get(label), text)
-        dispatcher.functors = [law if f.label == label else f for f in dispatcher.functors]
+        FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         law.binding.enter(token, json.loads(text)["account"])
+        law.binding.restore(_tag(HISTORY.format(label=label)))
         commands = GUARD_COMMAND.format(label=label), PREPARE.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) in commands), None))
     set_engines(get_engines())  # YADE sets its variables named by labels

@@ -61,6 +61,7 @@ def _compare(binding, omega):
     pairs = binding.pairs
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
     binding.attachment.patch(functor)
+    binding.attachment.watch_itself()
     labels, number = pairs.of_a_law()
     effective_radius, modulus = pairs.specimen(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
@@ -82,7 +83,8 @@ def _compare(binding, omega):
     ]
     set_engines(engines)
     omega.dt = 1e-9
-    row = np.array([(0.0, 1.0, number + 1.0, effective_radius, modulus, 0.0, 0.0, 0.0)], at.CONTACT)
+    row = np.zeros(1, at.CONTACT)
+    row["ratio"], row["tag"], row["radius"], row["modulus"] = 1.0, number + 1.0, effective_radius, modulus
     wrong, largest, applied, steps = 0.0, 0.0, [], 0
     for overlap in _overlaps(_deepest(pairs, row, 4e-3 * effective_radius)):
         omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
@@ -101,8 +103,10 @@ def _compare(binding, omega):
             if not np.isclose(contact.phys.kn, tangent, rtol=1e-9):
                 raise SelfTestFailed(f"YADE has the tangent stiffness {contact.phys.kn:g} N/m, the law {tangent:g} N/m")
     if not largest > 0 or not wrong <= TOLERANCE * largest * 100:
-        raise SelfTestFailed(f"YADE applied up to {max(applied):g} N, the law says {largest:g} N; they differ by {wrong:g} N")
+        raise SelfTestFailed(f"YADE applied up to {max(applied):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
     if binding.context.take_fault() is not None:
         raise SelfTestFailed("the native code met contacts that it does not know")
-    binding.account = 0.0, 0
+    binding.account = 0.0, 0, 0.0
+    binding.attachment.forget_rows()
+    binding.attachment.watched_by(None)
     return steps, wrong / largest

@@ -1,6 +1,8 @@
-"""Docstrings of the package, plain text, as reStructuredText: stars and bars stay what they are, `x` is code."""
+"""Docstrings of the package, plain text, as reStructuredText: stars and bars are escaped, `x` is code."""
 
 import re
+
+SECTION = re.compile(r"-{4,}")
 
 
 def _prose(line):
@@ -47,11 +49,25 @@ def restructured(lines):
 
 
 def process(app, what, name, obj, options, lines):
-    """Sphinx: called with each docstring that autodoc shows."""
-    lines[:] = restructured(lines)
+    """Sphinx: called with each docstring that autodoc shows; numpydoc sections go through napoleon."""
+    start = next((n - 1 for n, line in enumerate(lines) if n and SECTION.fullmatch(line)), len(lines))
+    rest = lines[start:]
+    if rest:
+        from sphinx.ext.napoleon import Config, NumpyDocstring
+
+        rest = [re.sub(r"(?<!`)`([^`]+)`(?!`)", r"``\1``", line) for line in rest]
+        config = Config(napoleon_use_param=False, napoleon_use_rtype=False)
+        rest = str(NumpyDocstring(rest, config, app, "function", name, obj, options)).splitlines()
+    lines[:] = restructured(lines[:start]) + rest
+
+
+def skip(app, what, name, obj, skipped, options):
+    """Sphinx: leave out the fields of named tuples, which have no docstring of their own."""
+    return True if type(obj).__name__ == "_tuplegetter" else None
 
 
 def setup(app):
-    """Sphinx: take docstrings through `process`."""
+    """Sphinx: pass docstrings through `process`."""
+    app.connect("autodoc-skip-member", skip)
     app.connect("autodoc-process-docstring", process)
     return {"parallel_read_safe": True}

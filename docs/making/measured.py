@@ -44,8 +44,8 @@ def claims(folder, out, printed):
     said = "; ".join(f"{n} {verdict}" for verdict, n in counts.items())
     body = [tuple(prose(cell) for cell in row) for row in rows[1:]]
     return (
-        "Sentences of Altuhafi, Baudet & Coop (2023) that a run can be held against, what a run gives, and the verdict. *Built "
-        "in*: true by the rule or the parameter that was chosen. *Not decidable*: the paper prints no points.\n\n"
+        "Statements of Altuhafi, Baudet & Coop (2023) that a run can be compared with, the result of the run, and the verdict. "
+        "*Built in*: true by the choice of the rule or parameter. *Not decidable*: the paper prints no points.\n\n"
         f"**{said}.**\n\n{table(rows[0], body)}"
     )
 
@@ -66,7 +66,7 @@ def as_printed(folder, out, printed):
 PAGES = {
     "claims": ("What a paper says, and what runs give", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
     "report": (
-        "Answers that others wrote",
+        "Published and third-party results, and ours",
         [*STUDY, "studies.validation", "--out", "{out}"],
         ["--quick", "--no-engines"],
         report,
@@ -111,7 +111,7 @@ def measure(name, quick):
         head = (
             f"Measured {datetime.date.today().isoformat()} in {took:.0f} s: demlaws {demlaws.__version__} ({commit()}), Python "
             f"{platform.python_version()}, numpy {numpy.__version__}, numba {numba.__version__}, {processor()}; `{shown}`"
-            f"{', exit status 1: something is not as it must be' if done.returncode else ''}.\n"
+            f"{', exit status 1: a check failed' if done.returncode else ''}.\n"
         )
         path = DOCS / "validation" / f"{name}.md"
         path.write_text(f"# {title}\n\n{head}\n{text(path.parent, Path(out), done.stdout)}")

@@ -1,13 +1,17 @@
-"""Everything that is written into docs/made before Sphinx reads: laws, rules, commands, errors, pages from other folders."""
+"""Pages written to docs/made before Sphinx runs: laws, rules, commands, errors, gallery, pages from other folders."""
 
+import json
 import os
 import re
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 DOCS = Path(__file__).resolve().parents[1]
 ROOT = DOCS.parent
 MADE = DOCS / "made"
+TUTORIALS = sorted(path.stem for path in (DOCS / "tutorials").glob("*.md") if path.stem != "index")
 
 ELSEWHERE = {
     "yade_scripts/README.md": "made/yade-scripts.md",
@@ -20,7 +24,7 @@ ELSEWHERE = {
 """Pages of the repository outside docs/ → where the site shows them."""
 
 SECTIONS = {
-    "tutorials": [],
+    "tutorials": ["install", "made/gallery"],
     "theory": ["laws", "plastic-laws", "shear"],
     "how-to": [
         "own-laws",
@@ -33,18 +37,18 @@ SECTIONS = {
         "made/lammps-cases",
         "machines",
     ],
-    "reference": ["table-format", "made/changelog"],
-    "validation": ["trade"],
+    "reference": ["symbols", "bibliography", "table-format", "made/changelog"],
+    "validation": ["limits", "trade", "made/costs"],
     "inside": ["made/contributing"],
 }
-"""Pages that stand outside the folder of their section; any other page of docs/ itself is listed under how-to."""
+"""Pages outside the folder of their section; any other page of docs/ itself is listed under how-to."""
 
 
 def members(section):
-    """Pages that the index of a section does not name itself: those that stand outside its folder, or are made."""
+    """Pages that the index of a section does not name: those outside its folder and generated ones."""
     known = {page for pages in SECTIONS.values() for page in pages}
     pages = [page for page in SECTIONS[section] if (DOCS / f"{page}.md").exists()]
-    if section == "validation":  # what has been measured and kept
+    if section == "validation":
         pages = [*sorted(f"validation/{p.stem}" for p in (DOCS / section).glob("*.md") if p.stem != "index"), *pages]
     if section == "how-to":
         pages += sorted(p.stem for p in DOCS.glob("*.md") if p.stem not in known and p.stem not in ("index", "paper"))
@@ -55,9 +59,9 @@ LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\((?!\w+:)([^)#\s]*)(#[^)\s
 
 
 def relinked(text, source, target):
-    """Links of `source` (a file of the repository) as they must be on the page `target` of docs/.
+    """Links of `source` (a file of the repository) rewritten for the page `target` of docs/.
 
-    A file that the site shows elsewhere is linked there; one that it does not show is named, without a link.
+    A link to a file that the site has elsewhere leads there; other files are named, without a link.
     """
 
     def link(match):
@@ -73,25 +77,78 @@ def relinked(text, source, target):
         elif real.exists():
             return f"{words} (`{inside}`)"
         else:
-            raise ValueError(f"{source}: there is no {path}")
+            raise ValueError(f"{source}: {path} does not exist")
         return f"{picture}[{words}]({os.path.relpath(DOCS / shown, (DOCS / target).parent)}{anchor or ''})"
 
     return LINK.sub(link, text)
 
 
+def draw_gallery(folder):
+    """Run the scripts of docs/gallery in `folder`, where they write their figures; returns the page of the gallery."""
+    folder.mkdir(parents=True)
+    environment = {**os.environ, "MPLBACKEND": "agg", "PYTHONPATH": str(ROOT)}
+    lines = ["# Gallery\n", "Each figure with the script that draws it; the scripts are run when the site is built.\n"]
+    for script in sorted((DOCS / "gallery").glob("*.py")):
+        subprocess.run(
+            [sys.executable, "-W", "ignore", script], cwd=folder, env=environment, check=True, stdout=subprocess.DEVNULL
+        )
+        text = script.read_text()
+        caption, _, code = text.removeprefix('"""').partition('"""\n')
+        lines.append(
+            f"## {script.stem}\n\n![{caption}](gallery/{script.stem}.png)\n\n{caption}\n\n```python\n{code.strip()}\n```\n"
+        )
+    return "\n".join(lines)
+
+
+LISTING = re.compile(r"(?:^<!-- ([^\n]*?) -->\n)?^```(\w*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+
+
+def notebook(text):
+    """A page as a Jupyter notebook: files are written by %%writefile, commands run by !, Python run as it is."""
+    cells, place = [], 0
+
+    def add(kind, source):
+        if source.strip():
+            extra = {"execution_count": None, "outputs": []} if kind == "code" else {}
+            cells.append({"cell_type": kind, "metadata": {}, "source": source.strip("\n"), **extra})
+
+    for match in LISTING.finditer(text):
+        mark, kind, listing = match[1] or "", match[2], match[3]
+        add("markdown", text[place : match.start()])
+        place = match.end()
+        if mark.startswith("file: "):
+            add("code", f"%%writefile {mark[6:]}\n{listing}")
+        elif mark.startswith("run") and kind == "python":
+            add("code", listing)
+        elif mark.startswith("run"):
+            joined = listing.replace("\\\n", " ")
+            add("code", "\n".join(f"!{line[2:]}" for line in joined.splitlines() if line.startswith("$ ")))
+        else:
+            add("markdown", match.group())
+    add("markdown", text[place:])
+    kernel = {"kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"}}
+    return json.dumps({"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 4}, ensure_ascii=False, indent=1)
+
+
 def write():
-    """Write docs/made anew."""
+    """Write the folder docs/made."""
     from making import reference, theory
 
     shutil.rmtree(MADE, ignore_errors=True)
     MADE.mkdir()
+    (MADE / "gallery.md").write_text(draw_gallery(MADE / "gallery"))
+    (MADE / "notebooks").mkdir()
+    for tutorial in TUTORIALS:
+        (MADE / "notebooks" / f"{tutorial}.ipynb").write_text(notebook((DOCS / "tutorials" / f"{tutorial}.md").read_text()))
     for source, target in ELSEWHERE.items():
         if target.startswith("made/"):
             (DOCS / target).write_text(relinked((ROOT / source).read_text(), source, target))
     laws, rules = theory.write(MADE / "theory")
     commands = reference.command_pages(MADE / "commands")
+    (MADE / "costs.md").write_text(theory.cost_page())
     (MADE / "errors.md").write_text(reference.error_page())
     return {
+        "SYMBOLS": theory.symbol_table().splitlines(),
         "LAWS": [f"made/theory/{n}" for n in laws],
         "RULES": [f"made/theory/{n}" for n in rules],
         "COMMANDS": [f"made/commands/{n}" for n in commands],

@@ -50,7 +50,7 @@ def command_pages(folder):
 
 
 def _words(node):
-    """Text of a message as it stands in the source: what is filled in is shown as ‹what›."""
+    """Text of a message in the source; inserted values are shown as ‹expression›."""
     if isinstance(node, ast.Constant):
         return str(node.value)
     if isinstance(node, ast.JoinedStr):
@@ -90,7 +90,7 @@ def _without_holes(text):
 
 
 def error_page():
-    """All messages, by the part of the package that gives them."""
+    """All messages, by part of the package."""
     areas = {}
     for path, _, text in messages():
         area = AREAS.get(path.parts[0], "Quantities, contacts, tables, paths")
@@ -98,11 +98,11 @@ def error_page():
         areas.setdefault(area, {}).setdefault(shown, str(path))
     text = [
         "# Error messages\n",
-        "Every error that demlaws raises for a reason of its own is a `DemlawsError` (also a `ValueError`); the commands print "
-        "it as one line and end with status 2. The remedy stands in the message, after the colon or the semicolon. ‹…› is "
-        "filled in. "
-        "This page is made from the source; messages that are passed on from a library are not in it. `ValidityWarning` says "
-        "that a law was used outside the range of its source: the numbers come all the same.\n",
+        "Every error that demlaws raises itself is a `DemlawsError` (also a `ValueError`); the commands print "
+        "it as one line and end with status 2. The remedy is in the message, after the colon or the semicolon; ‹…› is an "
+        "inserted value. "
+        "This page is generated; messages of libraries are not included. A `ValidityWarning` is issued if a law "
+        "is used outside the range of its source; results are returned.\n",
     ]
     for area in sorted(areas):
         text.append(f"## {area}\n")

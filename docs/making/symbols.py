@@ -1,4 +1,4 @@
-"""The symbols of the equations: meaning and unit. A page lists those that its equation has; a test refuses an unknown one."""
+"""The symbols of the equations: meaning and unit. A page lists the symbols of its equation; a test refuses unknown symbols."""
 
 SYMBOLS = {
     "P": ("normal force", "N"),
@@ -17,8 +17,8 @@ SYMBOLS = {
     "a_L'": ("contact radius over Hertz's", ""),
     "p0'": ("pressure in the middle over Hertz's", ""),
     "κ": ("hardness of the asperities over the mean Hertz pressure, as Bahrami et al. define it", ""),
-    "A0": ("nominal contact area", "m²"),
-    "F": ("threshold: above it the stiffness is Hertz's", "N"),
+    "A0": ("Hertz contact area at the threshold F: A0 = π R κ σ, κ = (3√π/4) (20/(π^1.5 Df))^(1/(0.2567 Df))", "m²"),
+    "F": ("threshold force F = (4/3) E* √R (κ σ)^1.5, above which the stiffness is Hertz's", "N"),
     "β": ("slope of the flank", "rad"),
     "p_y": ("contact pressure at which the bulk yields", "Pa"),
     "K_rough": ("stiffness of the rough law before yield", "N/m"),
@@ -56,7 +56,7 @@ SYMBOLS = {
 OF_LAW = {
     "kogut-etsion": {"K": ("hardness factor: the largest pressure at first yield is K H", "")},
 }
-"""Law → symbols that mean something else in its paper."""
+"""Law → symbols with another meaning in its paper."""
 
 
 def meaning(law, symbol):

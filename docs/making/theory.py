@@ -1,6 +1,7 @@
-"""A page for each law and each rule, from its record: a new law or rule has its page by existing."""
+"""A page for each law and each rule, built from its record."""
 
 import ast
+import contextlib
 import inspect
 import json
 import math
@@ -15,17 +16,18 @@ from demlaws.errors import NotPassive
 from demlaws.laws.registry import registry
 from demlaws.make import example, example_curve
 from making.formula import latex, lines, symbols_of
-from making.symbols import meaning
+from making.symbols import SYMBOLS, meaning
+from making.words import WORDS
 
 ROOT = Path(__file__).resolve().parents[2]
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
-SHOWN = "R = 4.35 mm, E\\* = 32.32 GPa, σ = 2.40 µm, Df = 2.22, H_m = 6.266 GPa (granite test SS(12–18))"
+SHOWN = "R = 4.35 mm, E\\* = 32.32 GPa, σ = 2.40 µm, Df = 2.22, H_m = 6.266 GPa (granite test SS(18–18))"
 LOADS = np.geomspace(1e-2, 1e3, 241)
 UNITS = {"roughness": "m", "fractal_dimension": "", "hardness": "Pa"}
 
 
 def number(value):
-    """Three figures and words for no bound."""
+    """Three digits, or "any" for infinity."""
     return "any" if not math.isfinite(value) else f"{value:.3g}"
 
 
@@ -59,7 +61,7 @@ def prose(text):
 
 
 def fields_of(module, suffix):
-    """(name, what its comment says) of the fields of the NamedTuples in a law's file whose names end with `suffix`."""
+    """(name, comment) of the fields of the NamedTuples in a law's file whose names end with `suffix`."""
     source = inspect.getsource(module)
     cut = source.splitlines()
     found = []
@@ -77,7 +79,7 @@ def rounding(definition, law):
     """Largest error of force and stiffness against extended precision, in units of ε, over the loads shown; or None."""
     if definition.exact is None:
         return None
-    overlap = np.geomspace(law.overlap(LOADS[0]), law.overlap(LOADS[-1]), 400)
+    overlap = np.geomspace(*(quietly(law.overlap, load) for load in (LOADS[0], LOADS[-1])), 400)
     for kink in law.kinks():
         overlap = overlap[np.abs(overlap / kink - 1.0) > 1e-6]
     force, stiffness = definition.exact(law.contact, overlap, **law.options)
@@ -102,24 +104,26 @@ def kept_costs():
 
 
 def draw_law(law, folder):
-    """Force, and the exponent of the stiffness d ln K/d ln P, over the loads; Hertz beside it."""
+    """Force against overlap to 50 N with unloading, linear, and the stiffness over the loads, logarithmic; Hertz in grey."""
     from demlaws import plots
 
-    fig, (left, right) = plots.figure(columns=2, width=5.0, height=3.6)
-    hertz = example("hertz", law.contact)
-    for one, colour, label in (
-        (hertz, "0.6", "Hertz"),
-        (law, plots.colour(law.name), law.definition.drawing.label or law.name),
-    ):
-        overlap = np.asarray(quietly(one.overlap, LOADS))
-        stiffness = np.asarray(quietly(one.stiffness, overlap))
-        shown = (overlap > 0) & (stiffness > 0)  # below a seating load there is no curve
-        overlap, stiffness, loads = overlap[shown], stiffness[shown], LOADS[shown]
-        left.loglog(overlap * 1e6, loads, color=colour, label=label)
-        right.semilogx(loads, np.gradient(np.log(stiffness), np.log(loads)), color=colour, label=label)
-    left.set(xlabel="overlap δ [µm]", ylabel="force P [N]")
-    right.set(xlabel="force P [N]", ylabel="exponent of the stiffness d ln K / d ln P", ylim=(-0.05, 1.05))
-    left.legend(frameon=False)
+    fig, (left, right) = plots.figure(columns=2, width=4.6, height=3.6)
+    colour = plots.colour(law.name) if law.name != "hertz" else "tab:blue"
+    for curve, shade in ((example("hertz", law.contact), "0.6"), (law, colour)):
+        label = "Hertz" if curve.name == "hertz" else law.definition.drawing.label or law.name
+        if shade != "0.6" or law.name != "hertz":
+            path = quietly(dl.driver.force_controlled, curve, [50.0, 0.0])
+            peak = int(np.argmax(path.force))
+            path[: peak + 1].plot(left, color=shade, label=label)
+            if shade != "0.6":
+                path[peak:].plot(left, color=shade, ls="--", label=f"unloading, {law.unloading}")
+        overlap = np.asarray(quietly(curve.overlap, LOADS))
+        stiffness = np.asarray(quietly(curve.stiffness, overlap))
+        shown = (overlap > 0) & (stiffness > 0)
+        right.loglog(LOADS[shown], stiffness[shown] / 1e3, color=shade)
+    left.set(xlim=(0, None), ylim=(0, None), xlabel="overlap δ [µm]", ylabel="force P [N]")
+    right.set(xlabel="force P [N]", ylabel="stiffness K [N/mm]")
+    left.legend(frameon=False, fontsize=8)
     name = f"{law.name}.svg"
     plots.save(fig, folder / name)
     return name
@@ -155,35 +159,33 @@ def draw_rule(name, shown_by, folder):
 
 
 def cautions(definition, law):
-    """Sentences: when the law is not the one to take."""
-    said = []
+    """Sentences with the limits of a law."""
+    sentences = []
     if definition.advice.smooth:
-        said.append("It leaves roughness out: a rough contact at low load is far softer.")
+        sentences.append("It neglects roughness: a rough contact is far softer at low load.")
     if definition.needs:
-        said.append(f"It cannot be made without the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")
+        sentences.append(f"It cannot be made without the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")
     if definition.needs_map:
-        said.append("It needs a measured height map; from a roughness alone take another law.")
+        sentences.append("It needs a measured height map; with a roughness alone, use another law.")
     if definition.implicit:
-        said.append("Its force is the root of an equation, found anew at each call: for many contacts take its table.")
+        sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
     if definition.solved:
-        said.append(
+        sentences.append(
             "Its curve comes from a solver and is a table from the start: the first use at a new contact costs seconds."
         )
     if not definition.collapses:
-        said.append("One dimensionless curve does not serve all contacts: an engine needs a table for each radius.")
-    if definition.seated(**law.options):
-        said.append("It starts at a declared seating load: absolute overlaps depend on that, differences between loads do not.")
+        sentences.append("One dimensionless curve does not serve all contacts: an engine needs a table for each radius.")
     for limit in quietly(definition.limits, law.contact, **law.options):
         low, high = limit.minimum_force, limit.maximum_force
         side = f"below {number(low)} N" if low > 0 else f"above {number(high)} N"
         if low > 0 and math.isfinite(high):
             side = f"outside {number(low)} to {number(high)} N"
-        said.append(f"For this contact {side}: {limit.reason}.")
-    return said
+        sentences.append(f"For this contact {side}: {limit.reason}.")
+    return sentences
 
 
 def rules_of(name, law):
-    """(rule, "yes" or why not) for each rule that any law may take, and for the law's own."""
+    """(rule, "yes" or the reason against it) for each general rule and for the rules of this law only."""
     out = []
     for rule in {**RULES, **registry()[name].offered()}:
         try:
@@ -197,55 +199,76 @@ def rules_of(name, law):
     return out
 
 
-def law_page(name, definition, folder, costs):
+def worked_example(name, law):
+    """A listing for this law, and its output."""
+    reach = quietly(law.overlap, 10.0)
+    fields = "radius=4.35e-3, modulus=32.32e9, roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9"
+    printed = "{law.overlap(10.0) * 1e6:.4g} µm, {law.stiffness(law.overlap(10.0)) / 1e3:.4g} N/mm"
+    code = f'contact = dl.Contact(\n    {fields}\n)\nlaw = dl.law({call(name, law)})\nprint(f"{printed}")'
+    stiffness = quietly(law.stiffness, reach)
+    return f"```python\n{code}\n```\n\n```text\n{reach * 1e6:.4g} µm, {stiffness / 1e3:.4g} N/mm\n```\n"
+
+
+def law_page(name, definition, folder):
     """The page of one law, its picture written beside it."""
     module = inspect.getmodule(definition.prepare)
     law = quietly(example, name, GRANITE)
-    picture = draw_law(law, folder)
+    shown = law  # elastic unloading would not be seen
+    with contextlib.suppress(dl.DemlawsError):
+        shown = quietly(example, name, GRANITE, "hertz") if law.unloading == "elastic" else law
+    picture = draw_law(shown, folder)
+    physics, use = WORDS.get(name, (f"{definition.description}.", "see the source"))
     text = [
         f"# {name}\n",
-        f"{definition.description[:1].upper()}{definition.description[1:]}.\n",
+        f"{physics}\n\n**Use it for** {use}.\n",
+        f"![Force and stiffness of {name}]({picture})\n",
+        f"*Left: loading to 50 N and unloading. Right: tangent stiffness of first loading. {SHOWN}.*\n",
+        "## Equation\n",
         equation(definition.equation),
     ]
     known = [(s, meaning(name, s)) for s in symbols_of(definition.equation)]
-    rows = [(f"`{s}`", *reversed(found)) for s, found in known if found]
+    rows = [(f"`{s}`", *reversed(match)) for s, match in known if match]
     if rows:
         text.append(table(["symbol", "unit", "meaning"], rows))
+    needed = ", ".join(f"`{n}`" for n in ("radius", "modulus", *definition.needed(**law.options)))
+    text.append(f"## Example\n\nRequired of the contact: {needed}.\n")
+    text.append(worked_example(name, law))
+    if definition.options:
+        text.append("Options of `dl.law(name, contact, ...)` and of `--option NAME=VALUE`:\n")
+        text.append("\n".join(f"- {prose(line)}" for line in definition.option_lines()) + "\n")
+    text.append("## Limits\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["None known."]) + "\n")
+    text.append(f"## Unloading\n\nDefault: `{definition.default_unloading}`.\n")
+    text.append(table(["rule", "accepted"], rules_of(name, law)))
+    text.append(f"## Source\n\n{prose(definition.source)}. References in full: [bibliography](../../bibliography.md).\n")
+    text.append(f"{prose(module.__doc__)}\n")
+    worst = rounding(definition, law)
+    if worst is not None:
+        text.append(
+            f"Rounding errors against the equation in extended precision, {number(LOADS[0])} to {number(LOADS[-1])} N, this "
+            f"contact: force within {worst[0]:.1f} ε, stiffness within {worst[1]:.1f} ε (ε = 2.2e-16). "
+        )
+    text.append("Costs of all laws: [one table](../costs.md).\n")
     fields = fields_of(module, "Shape") + fields_of(module, "Params")
     if fields:
-        text.append("What the compiled law keeps of a contact:\n")
+        text.append("## Parameters of the compiled law\n\nFor maintainers.\n")
         text.append(table(["name", "meaning"], [(f"`{field}`", prose(comment)) for field, comment in fields]))
-    text.append(f"**Source.** {prose(definition.source)}.\n\n{prose(module.__doc__)}\n")
-    needed = ", ".join(f"`{n}`" for n in ("radius", "modulus", *definition.needed(**law.options)))
-    text.append(f"**Needs** of the contact: {needed}.\n")
-    if definition.options:
-        text.append("**Options** of `dl.law(name, contact, ...)` and of `--option NAME=VALUE`:\n")
-        text.append("\n".join(f"- {prose(line)}" for line in definition.option_lines()) + "\n")
-    text.append(f"```python\nlaw = dl.law({call(name, law)})\n```\n")
-    text.append(f"## Curve\n\n![Force and stiffness exponent of {name}]({picture})\n")
-    text.append(f"*{SHOWN}; a pure power law P ∝ δ^m has the exponent (m - 1)/m, Hertz's 1/3.*\n")
-    text.append(
-        "## When not to use it\n\n" + "\n".join(f"- {prose(s)}" for s in cautions(definition, law) or ["Nothing known."]) + "\n"
-    )
-    text.append(f"## Unloading\n\nWhere none is named: `{definition.default_unloading}`.\n")
-    text.append(table(["rule", "taken"], rules_of(name, law)))
-    text.append("## Error and cost\n")
-    worst = rounding(definition, law)
-    if worst is None:
-        text.append("The record names no closed form in extended precision; `make trade` and `make stability` measure it.\n")
-    else:
-        text.append(
-            f"Against the equation in extended precision, {number(LOADS[0])} to {number(LOADS[-1])} N, this contact, computed "
-            f"when the page was built: force within {worst[0]:.1f} ε, stiffness within {worst[1]:.1f} ε (ε = 2.2e-16).\n"
-        )
-    machine, date, all_costs = costs
-    rows = [(*key[1:], f"{ratio:.2f}") for key, ratio in sorted(all_costs.items()) if key[0] == name]
-    if rows:
-        text.append(f"Time of a batch over a copy of the same arrays, kept by `make bench KEEP=1` on {date} ({machine}):\n")
-        text.append(table(["unloading", "evaluation", "contact values", "× copy"], rows))
-    else:
-        text.append("No cost of it is kept in tests/benchmarks/ratios.json; `make trade` measures it.\n")
     return "\n".join(text)
+
+
+def cost_page():
+    """One table with the kept costs of all laws."""
+    machine, date, costs = kept_costs()
+    rows = [(f"[{law}](theory/{law}.md)", *key, f"{ratio:.2f}") for (law, *key), ratio in sorted(costs.items())]
+    return (
+        "# Costs of the laws\n\nTime of a batch of contacts, half of them loading and half unloading, over the time of a copy "
+        f"of the same arrays; kept by `make bench KEEP=1` on {date} ({machine}).\n\n"
+        + table(["law", "unloading", "evaluation", "contact values", "× copy"], rows)
+    )
+
+
+def symbol_table():
+    """All symbols with unit and meaning."""
+    return table(["symbol", "unit", "meaning"], [(f"`{s}`", unit, meaning) for s, (meaning, unit) in SYMBOLS.items()])
 
 
 def call(name, law):
@@ -260,11 +283,11 @@ def call(name, law):
 def rule_page(rule, shown_by, folder):
     """The page of one unloading rule."""
     picture = draw_rule(rule.name, shown_by, folder)
-    state = ", ".join(f"`{name}`" for name in rule.state) or "nothing: no state"
-    curves = {"own": "its own curve of first loading", "hertz": "a Hertz curve", "given": "a curve that you give"}
-    curves["law"] = f"a curve of the law's own parameters; only laws that bring the rule take it, such as `{shown_by}`"
+    state = ", ".join(f"`{name}`" for name in rule.state) or "nothing"
+    curves = {"own": "its own curve of first loading", "hertz": "a Hertz curve", "given": "a user-supplied curve"}
+    curves["law"] = f"a curve of the law's parameters; only for laws that define the rule, such as `{shown_by}`"
     spelled = f'unloading="{rule.name}"' if rule.curve != "given" else 'unloading=dl.law("hertz", contact)'
-    number_text = "none: C++ does not have it" if rule.number is None else f"{rule.number}"
+    number_text = "none (not available in C++)" if rule.number is None else f"{rule.number}"
     law = quietly(example, shown_by, GRANITE, rule.name)
     return "\n".join(
         [
@@ -275,15 +298,15 @@ def rule_page(rule, shown_by, folder):
                 ["", ""],
                 [
                     ("unloads along", curves.get(rule.curve, rule.curve)),
-                    ("a contact remembers", state),
+                    ("state of a contact", state),
                     ("number in demlaws_table.h", number_text),
                 ],
             ),
             f"```python\nlaw = dl.law({call(shown_by, law)}, {spelled})\n```\n",
             f"![Force against overlap, rule {rule.name}]({picture})\n",
             f"*{shown_by}, loaded to 50 N, released, loaded to 100 N, released; {SHOWN}.*\n",
-            "A law whose stiffness anywhere exceeds that of the unloading curve is refused a rule: it would return more "
-            "work than it took. A contact whose bodies part is virgin again.\n",
+            "The rule is refused for a law that is anywhere stiffer than the unloading curve, because the pair would create "
+            "energy. A contact is virgin again after separation.\n",
         ]
     )
 
@@ -291,9 +314,8 @@ def rule_page(rule, shown_by, folder):
 def write(folder):
     """Write all pages into `folder`; returns (names of law pages, names of rule pages)."""
     folder.mkdir(parents=True, exist_ok=True)
-    costs = kept_costs()
     for name, definition in registry().items():
-        (folder / f"{name}.md").write_text(law_page(name, definition, folder, costs))
+        (folder / f"{name}.md").write_text(law_page(name, definition, folder))
     for rule, shown_by in rules().values():
         (folder / f"rule-{rule.name}.md").write_text(rule_page(rule, shown_by, folder))
     return list(registry()), [f"rule-{name}" for name in rules()]

@@ -29,7 +29,7 @@ def work(stress, strain):
 
 
 def residual(strain, stress, turn):
-    """Permanent strain: on the way back against on the way there, at 5 % of the peak stress."""
+    """Permanent strain: unloading against loading, at 5 % of the peak stress."""
     low = 0.05 * stress[turn]
     there = strain[np.argmax(stress > low)]
     return float(np.interp(-low, -stress[turn:], strain[turn:]) - there)

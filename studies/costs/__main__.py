@@ -1,4 +1,4 @@
-"""`python -m studies.costs`: what a step of an engine costs with one law and with others, measured in turn."""
+"""`python -m studies.costs`: cost of an engine's step with one law and with others, measured in turn."""
 
 import sys
 
@@ -28,13 +28,13 @@ def parser():
 
 
 def print_costs(names, engine, overlap, repeats):
-    """Print a line a way: time a contact and step, over that with the engine's own Hertz, over that of the first."""
+    """Print one line per way: time per contact and step, over that with the engine's own Hertz, over that of the first."""
     costs = law_costs(names, engine, overlap, repeats=repeats)
-    print(f"{engine}: {'law':27} {'unloading':10} {'ns a contact':>12} {'own Hertz':>10} {names[0]:>16}")
+    print(f"{engine}: {'law':27} {'unloading':10} {'ns per contact':>14} {'own Hertz':>10} {names[0]:>16}")
     for cost in costs:
         over = cost.over_hertz / costs[0].over_hertz
         rule = cost.way.unloading if cost.way.law else ""
-        print(f"{'':{len(engine) + 1}} {cost.way.label:27} {rule:10} {cost.step:12.1f} {cost.over_hertz:10.3f} {over:16.3f}")
+        print(f"{'':{len(engine) + 1}} {cost.way.label:27} {rule:10} {cost.step:14.1f} {cost.over_hertz:10.3f} {over:16.3f}")
 
 
 def main(arguments=None):

@@ -11,7 +11,7 @@ from studies.trade.candidates import NAMES, Way
 
 
 class StepCost(NamedTuple):
-    """One way in one engine; times a contact and step, one thread."""
+    """One way in one engine; times per contact and step, one thread."""
 
     way: Way
     step: float  # ns of the whole step
@@ -21,7 +21,7 @@ class StepCost(NamedTuple):
 
 
 def available(engine):
-    """None where the engine can be started, else the line that says why not."""
+    """None where the engine can be started, else the line with the reason."""
     try:
         if engine == "yade":
             from demlaws.yade.run import environment
@@ -66,17 +66,17 @@ def under_yade(script, given, progress=None):
         with subprocess.Popen(
             line, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True
         ) as process:
-            said = []
+            lines = []
             try:
                 for text in process.stdout:
-                    said.append(text)
+                    lines.append(text)
                     if progress is not None and text.startswith("PROGRESS "):
                         progress(text.removeprefix("PROGRESS ").strip())
             except BaseException:
                 process.kill()
                 raise
         if not files[1].is_file():
-            raise DemlawsError(f"YADE stopped (exit {process.returncode}): {''.join(said).strip()[-300:]}")
+            raise DemlawsError(f"YADE stopped (exit {process.returncode}): {''.join(lines).strip()[-300:]}")
         return json.loads(files[1].read_text())
 
 
@@ -91,7 +91,7 @@ def yade_costs(ways, given, contact, side=8, repeats=40):
     # other engines' share of a step does not depend on the law, what they measured on it is noise
     rest = min(f["rest"] / f["contacts"] for f in found)
     native = found[0]["loop"] / found[0]["contacts"] + rest
-    # a functor of Mindlin's that does nothing: what is left of the loop
+    # a functor of Mindlin's that does nothing: the remaining cost of the loop
     nothing = [f["nothing"] / f["contacts"] for f in found if f["nothing"]]
     bare = min(nothing) if nothing else float("nan")
     costs = []

@@ -39,7 +39,7 @@ def close_packing(side, radius, overlap):
 
 
 def header_cost(table, contact, largest, folder):
-    """ns a contact of the law's step in the C++ header alone, at overlaps up to `largest` [m]."""
+    """ns per contact of the law's step in the C++ header alone, at overlaps up to `largest` [m]."""
     program = Path(folder) / "cost"
     if not program.is_file():
         flags = [flag for flag in PLUGIN.flags if flag not in ("-fPIC", "-shared")]
@@ -69,7 +69,7 @@ def write(folder, given, way, centres, width, steps):
 
 
 def measure(given, ways, side=12, rounds=5, steps=200, progress=lambda things: things, write=write, run=run, timings=timings):
-    """One dict a way: contacts, ns a step (whole, pair loop), ns a contact of the law alone (None for the engine's own).
+    """One dict per way: contacts, ns per step (whole, pair loop), ns per contact of the law alone (None for the engine's own).
 
     write, run, timings: those of the engine.
     """

@@ -113,8 +113,8 @@ def silent(attachment):
 
 
 def measure(given, ways, side, repeats):
-    """One dict a way: contacts, ns a step of the loop and of the rest, of Mindlin's own code, of no code (the last two: None
-    for YADE's own models and the public way)."""
+    """One dict per way: contacts, ns per step of the loop and of the rest, of Mindlin's own code, of no code (the last two:
+    None for YADE's own models and the public way)."""
     made, keep = [], []
     for way in ways:
         number, law = scene(side, given, way)

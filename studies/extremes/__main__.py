@@ -6,7 +6,8 @@ from tqdm import tqdm
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.arguments import law_name, output, whole
+from demlaws.cli.arguments import law_name, whole
+from demlaws.cli.output import output
 from demlaws.files import save_csv
 from demlaws.laws.registry import find
 from studies.costs.costs import available
@@ -19,7 +20,7 @@ def parser():
     parser = Parser(
         prog="python -m studies.extremes",
         description="Per law, unloading rule and evaluation: values not finite, paths that return work, rounding errors, "
-        "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if something is not as it must be.",
+        "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if a check failed.",
         **example(
             "  python -m studies.extremes --law pohrt-popov --paths 1e6\n"
             "  python -m studies.extremes --paths 1e7 --csv stability.csv\n"
@@ -88,7 +89,7 @@ def _laws(arguments, laws, paths, cycles):
 
 
 def _engines(arguments, laws, problems):
-    """Figures from inside the engines that were asked for, printed as they come; what is wrong is added to `problems`."""
+    """Figures from inside the engines that were asked for, printed as they come; faults are added to `problems`."""
     wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts, "LAMMPS": arguments.lammps}
     rows = []
     for engine in extremes.ENGINES:

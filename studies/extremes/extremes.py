@@ -1,6 +1,6 @@
 """The extremes inside the engines: two spheres on prescribed paths and in impacts, and a thousand spheres let go.
 
-What an engine computes is held step by step against the same law in Python, at the overlap that the engine's own
+Forces of an engine are compared step by step with the same law in Python, at the overlap that the engine's own
 arithmetic makes of the positions. The smallest overlap two spheres can have is the spacing of doubles at R1 + R2, since
 engines take it as (R1 + R2) - distance: some 2e-16 of the larger sphere; none below exists inside an engine.
 
@@ -32,7 +32,7 @@ from studies.extremes import stability
 from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case, impact
 
 POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
-MODULI = (1e3, 1e6, 32.32e9, 1e13)  # [Pa]
+MODULI = (2e3, 1e6, 32.32e9, 1e13)  # [Pa]
 # roughness of each of two like spheres [m], and the effective radii [m] that it goes with: σ/R from 0 to a tenth
 SURFACES = ((0.0, (1e-6, 1e-3, 1.0)), (1e-7, (1.5e-6, 1e-4, 1e-2)), (1e-4, (1.5e-3, 0.1, 1.0)))
 LARGEST_SPHERE = 2.5  # [m]
@@ -52,7 +52,7 @@ PACKINGS = {"soft": (1e5, 0.0, 1e6), "stiff": (1e13, 0.1, 100.0)}  # E* [Pa], σ
 
 
 class Group(NamedTuple):
-    """Pairs of like spheres that share a law; arrays with one entry a pair, SI units."""
+    """Pairs of like spheres that share a law; arrays with one entry per pair, SI units."""
 
     case: Case
     law: object  # a Law or Table over these contacts: the reference
@@ -123,7 +123,7 @@ def granite_group(case, count):
 
 
 def groups(case, random, quick=False):
-    """Pairs at the extremes that the law takes: radius ratios to 1e6, E* 1e3 to 1e13 Pa, σ 0 to R/10, Df 2 to 3."""
+    """Pairs at the extremes that the law takes: radius ratios to 1e6, E* 2e3 to 1e13 Pa, σ 0 to R/10, Df 2 to 3."""
     definition = registry()[case.law]
     table = case.evaluation == "table"
     if _one_contact(case):
@@ -207,7 +207,7 @@ class Compared(NamedTuple):
     closed: int  # paths back to nothing
     returned: float  # most work that one of them returned, over force × overlap at its top
     reload: float  # force at exactly the overlap of before, in ε
-    broken: int  # contacts made anew whose force is not the virgin one
+    broken: int  # contacts closed again whose force is not the virgin one
 
 
 def compare(group, prescribed, kinds, overlap, force):
@@ -430,7 +430,7 @@ class Released(NamedTuple):
 
 
 def release(engine, case, name, count=1000, steps=4000, every=100, shakes=3):
-    """Let a `packing` go; `shakes` times on the way every velocity is drawn anew, which starts a new balance."""
+    """Let a `packing` go; `shakes` times on the way every velocity is drawn again, which starts a new balance."""
     made = packing(case, name, count)
     random = np.random.default_rng(11)
     stretches = [made.velocities(random) for _ in range(shakes + 1)]

@@ -35,7 +35,7 @@ timestep {dt:.17g}
 
 
 class _Library(liggghts_extremes._Library):
-    """LAMMPS through the C interface of its library; an error is kept there until it is asked for."""
+    """LAMMPS through the C interface of its library; an error is kept there until it is read."""
 
     def __init__(self, screen=False):
         versions()

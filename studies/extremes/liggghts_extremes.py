@@ -227,7 +227,7 @@ class Liggghts:
         return found
 
     def stops(self):
-        """What stops the engine when a number is no number: (what was done, message or None) of touching and lone spheres."""
+        """The engine's reaction to NaN and infinity: (what was done, message or None) of touching and lone spheres."""
         names = {"nan": "NaN", "inf": "infinite"}
         return [
             (f"{names[value]} {where}, {'touching' if touching else 'alone'}", stopped_by(touching, where, value, self.name))

@@ -76,7 +76,7 @@ def csv_row(r):
 
 
 def failures(rows):
-    """What is not as it must be, as sentences."""
+    """Failed checks, as sentences."""
     found = []
     for r in rows:
         c, label = r.compared, f"{r.engine}, {r.law}, {r.unloading}"
@@ -96,7 +96,7 @@ def failures(rows):
         if not c.reload <= 16.0:
             found.append(f"{label}: the force at the maximum comes back {c.reload:.1e} ε away")
         if c.broken:
-            found.append(f"{label}: {c.broken} contacts made anew differ from virgin ones, or act without touching")
+            found.append(f"{label}: {c.broken} contacts closed again differ from virgin ones, or act without touching")
         if not r.impacts.rebound <= 1e-6:
             found.append(f"{label}: rebound speeds are {r.impacts.rebound:.1e} of the speed from Python's")
         for name, p in r.packings.items():

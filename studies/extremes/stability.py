@@ -15,8 +15,8 @@ from demlaws.checks.paths import finite_loop, path_loop
 from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
+from demlaws.core.loops import loading_part, one_of
 from demlaws.core.numba_compat import loop
-from demlaws.core.params import loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact, impact_loop
 from demlaws.errors import DemlawsError, ValidityWarning
@@ -80,13 +80,13 @@ def cases(laws=None, unloadings=None, evaluations=("closed form", "table")):
 
 
 def extreme_contacts(count, random, dimension=GRANITE.fractal_dimension):
-    """Contacts with R from 1e-6 to 1 m and radius ratios to 1e6, E* from 1e3 to 1e13 Pa, σ from 0 to R/10."""
+    """Contacts with R from 1e-6 to 1 m and radius ratios to 1e6, E* from 2e3 to 1e13 Pa, σ from 0 to R/10."""
     one = 10.0 ** random.uniform(-6.0, 0.0, count)
     radius = 1.0 / (1.0 / one + 1.0 / (one * 10.0 ** random.uniform(0.0, 6.0, count)))
     roughness = radius * 10.0 ** random.uniform(-15.0, -1.0, count)
     roughness[::10] = 0.0
     roughness[1::10] = 0.1 * radius[1::10]
-    modulus = 10.0 ** random.uniform(3.0, 13.0, count)
+    modulus = 10.0 ** random.uniform(3.3, 13.0, count)
     return Contact(radius, modulus, roughness, dimension, GRANITE.hardness)
 
 
@@ -205,7 +205,7 @@ class Figures(NamedTuple):
     ratcheting: float  # relative change of force over the tiny cycles
     kink: float  # jump of force across a kink, in ε
     reload: float  # force at exactly the maximum against the first time, in ε; one ulp below it in ε × 1.5 δ/δ_H
-    broken: int  # steps at which a contact made anew differs from a virgin one
+    broken: int  # steps at which a contact closed again differs from a virgin one
     gains: dict  # steps per contact → largest energy gain per impact
     safe_steps: float  # steps per contact from which on the gain stays below 1e-4
     step_ratio: tuple  # dl.timestep over the measured stable step: smallest and largest over contacts
@@ -500,7 +500,7 @@ def csv_row(r):
 
 
 def failures(rows):
-    """What is not as it must be, as sentences."""
+    """Failed checks, as sentences."""
     found = []
     for r in rows:
         label = f"{r.law}, {r.unloading}, {r.evaluation}"
@@ -514,7 +514,7 @@ def failures(rows):
         if r.ratcheting > 4.0 * EPS:
             found.append(f"{label}: tiny cycles change the force by {r.ratcheting:.1e}")
         if r.broken:
-            found.append(f"{label}: {r.broken} contacts made anew differ from virgin ones")
+            found.append(f"{label}: {r.broken} contacts closed again differ from virgin ones")
         if not 0.5 <= r.step_ratio[0] or r.step_ratio[1] > 1.001:
             found.append(f"{label}: dl.timestep is {r.step_ratio[0]:.3f} to {r.step_ratio[1]:.3f} of the measured stable step")
         if not r.refused:

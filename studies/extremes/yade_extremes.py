@@ -155,7 +155,7 @@ class Yade:
         return found
 
     def stops(self):
-        """What stops YADE when a number is no number: (what was done, message or None) of touching and lone spheres."""
+        """YADE's reaction to NaN and infinity: (what was done, message or None) of touching and lone spheres."""
         found = []
         for touching in (True, False):
             for what, value in (("NaN", math.nan), ("infinite", math.inf)):

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from demlaws import plots, surface
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.arguments import figures, output
+from demlaws.cli.arguments import figures
+from demlaws.cli.output import output
 from demlaws.errors import ValidityWarning
 from demlaws.granite.command import draw_figures, print_claims
 from demlaws.solvers.contact import MEMORIES

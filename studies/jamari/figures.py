@@ -1,7 +1,7 @@
 """The figures of Jamari & Schipper 2006 and 2008, each with the numbers in it and who says them.
 
-Every function returns (figure, lines of text). The papers' maps and measured profiles are not public: where they are needed a
-synthetic map of the printed roughness stands in (`published.published_contact`).
+Every function returns (figure, lines of text). The papers' maps and measured profiles are not public: they are replaced by
+a synthetic map of the printed roughness (`published.published_contact`).
 """
 
 import functools

@@ -37,12 +37,12 @@ class Match(NamedTuple):
 
 
 def phase_shift(first, second):
-    """Whole pixels (rows, columns) by which `second` is moved against `first`, by phase correlation; the way back, too."""
+    """Whole pixels (rows, columns) by which `second` is moved against `first`, by phase correlation, and the reverse shift."""
     rows, columns = first.shape
     window = np.hanning(rows)[:, None] * np.hanning(columns)
     spectrum = np.fft.rfft2((second - second.mean()) * window) * np.conj(np.fft.rfft2((first - first.mean()) * window))
     size = np.abs(spectrum)
-    # waves that the surface does not hold have a phase, too, but it says nothing
+    # waves that the surface does not hold have a phase, too, without information
     correlation = np.fft.irfft2(spectrum / np.maximum(size, 1e-5 * size.max() + 1e-300), s=first.shape)
     row, column = np.unravel_index(int(np.argmax(correlation)), correlation.shape)
     return row - rows * (row > rows // 2), column - columns * (column > columns // 2)

@@ -86,7 +86,7 @@ def published_contact(kind, seed=2, memory="pressure"):
     """The contact of the 2008 paper on a synthetic map: kind "isotropic" (Sq = 1.3 µm) or "anisotropic" (1.4 µm).
 
     SiC ball, R = 3.175 mm, on aluminium; the measured maps are not public, so a self-affine map of the paper's roughness and
-    field of view (260 by 240 µm) stands in, 0.5 µm pixels, waves of 6 to 40 µm, the anisotropic one 8 times longer
+    field of view (260 by 240 µm) replaces them, 0.5 µm pixels, waves of 6 to 40 µm, the anisotropic one 8 times longer
     along x [our choice].
     """
     from demlaws.solvers.contact import RoughContact

@@ -1,17 +1,26 @@
 """Total energy of a closed gas of 64 spheres without damping: a contact model that creates energy heats it."""
 
+import contextlib
+import csv
+import json
+import sys
 import tempfile
+import warnings
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from tqdm import tqdm
 
 import demlaws as dl
 from demlaws import lammps, liggghts
+from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.laws.registry import registry
+from demlaws.make import example
+from demlaws.yade.run import run as run_in_yade
 
-CONTACT = dl.Contact(
-    radius=4.35e-3, modulus=60.6e9 / (2 * (1 - 0.25**2)), roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9
-)
+ENGINES = {"liggghts": liggghts, "lammps": lammps}
+STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force"), "yade": ("native",)}
 DIAMETER, BOX = 0.0174, 0.08
 START = """\
 {style}
@@ -41,13 +50,27 @@ fix m1 all property/global youngsModulus peratomtype 60.6e9
 fix m2 all property/global poissonsRatio peratomtype {poisson}
 fix m3 all property/global coefficientRestitution peratomtypepair 1 1.0
 fix m4 all property/global coefficientFriction peratomtypepair 1 {friction}
-pair_style gran model {normal} tangential {tangential} {words}
+pair_style gran model {pair}
 pair_coeff * *
-{walls}"""
-LAMMPS = """\
-pair_style granular
-pair_coeff * * {normal} tangential {tangential} NULL 0 {friction} damping velocity
-{walls}"""
+"""
+
+
+def contact(poisson=0.25, radius=4.35e-3):
+    """Granite of that Poisson's ratio; radius: of two spheres of the gas, or 8.7e-3 for a sphere and a wall [m]."""
+    modulus = 60.6e9 / (2 * (1 - poisson**2))
+    return dl.Contact(radius=radius, modulus=modulus, roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
+
+
+CONTACT = contact()
+
+
+def cases():
+    """Names of (law, rule) pairs that are accepted."""
+    for name, definition in registry().items():
+        for rule in definition.offered():
+            with contextlib.suppress(DemlawsError):
+                example(name, CONTACT, rule)
+                yield name, rule
 
 
 class Result(NamedTuple):
@@ -57,74 +80,133 @@ class Result(NamedTuple):
     balance: np.ndarray  # with what the contacts report as dissipated; of stock models the same as kept
 
     @property
-    def gain(self) -> float:
-        """Largest gain of energy, 0 or more."""
-        return float(self.kept.max() - 1.0)
+    def largest(self) -> float:
+        """Largest energy."""
+        return float(self.kept.max())
+
+
+def places_and_speeds():
+    """Centres [m] and velocities [m/s] of the spheres at the start."""
+    speeds = np.random.default_rng(3).normal(0, 0.3, (64, 3))
+    return list(zip((0.01 + 0.02 * np.argwhere(np.ones((4, 4, 4)))).tolist(), speeds.tolist(), strict=True))
 
 
 def _places():
-    random = np.random.default_rng(3)
     lines = []
-    for n, (place, speed) in enumerate(
-        zip(0.01 + 0.02 * np.argwhere(np.ones((4, 4, 4))), random.normal(0, 0.3, (64, 3)), strict=True)
-    ):
+    for n, (place, speed) in enumerate(places_and_speeds()):
         lines.append("create_atoms 1 single {:.2f} {:.2f} {:.2f} units box".format(*place))
         lines.append("set atom {} vx {:.6f} vy {:.6f} vz {:.6f}".format(n + 1, *speed))
     return "\n".join(lines)
 
 
-def _simulate(engine, text, folder):
-    (folder / "in.gas").write_text(text)
-    log = engine.run(folder / "in.gas")
-    names = {name.removeprefix("c_").removeprefix("v_"): values for name, values in log.items()}
-    kept = names["ke"] + names["er"] + names["stored"]
-    return Result(kept / kept[0], (kept + names["lost"]) / kept[0])
+def save_tables(name, rule, poisson, folder):
+    """Write pair.tbl and wall.tbl of a law: one that does not collapse has another curve at a wall, whose radius is larger."""
+    for file, radius in (("pair.tbl", DIAMETER / 4), ("wall.tbl", DIAMETER / 2)):
+        law = example(name, contact(poisson, radius), rule)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", ValidityWarning)
+            for share in (0.9, 0.3, 0.1):  # of the radius: how far a height map goes is not known before
+                with contextlib.suppress(DemlawsError):
+                    law.tabulate(rtol=1e-5, max_force=min(2e4, float(law.force(share * radius)))).save(folder / file)
+                    break
 
 
-def simulate(engine, law, tangential, friction=100.0, poisson=0.25, words="", steps=150_000):
-    """`Result` of 30 ms in "liggghts" or "lammps" with a law (None: the engine's own Hertz) and one of its tangential models.
+def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, steps=150_000):
+    """`Result` of 30 ms in "liggghts" or "lammps" with one of its tangential models.
 
-    words: settings behind the table, such as "shear slip".
+    tables: folder with those of `save_tables` (None: the engine's own Hertz); words: settings behind them, as "shear slip".
     """
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         energy = "variable stored equal 0\nvariable lost equal 0"
-        if law is not None:
-            law.tabulate(rtol=1e-5, max_force=2e4).save(folder / "law.tbl")
+        if tables is not None:
             energy = 'compute en all demlaws/energy\nvariable stored equal "c_en[1]"\nvariable lost equal "c_en[2]"'
+
+        def terms(table, place=""):
+            file = f"{tables}/{table}.tbl"
+            if engine == "liggghts":
+                own = "" if tables is None else f"table {file} {words}"
+                return f"{'hertz' if tables is None else 'demlaws/table'} tangential {tangential} {place}{own}"
+            normal = f"{'hertz/material' if tables is None else f'demlaws/table {file}'} 60.6e9 0 {poisson} {words}"
+            own = f"demlaws 0 {friction}" if tangential == "demlaws" else f"{tangential} NULL 0 {friction}"
+            return f"{normal} tangential {own} damping velocity"
+
+        sides = [(a, i, p) for a in "xyz" for i, p in (("l", 0.0), ("h", BOX))]
         if engine == "liggghts":
-            normal = "hertz" if law is None else "demlaws/table"
-            walls = "".join(
-                f"fix {a}{i} all wall/gran model {normal} tangential {tangential.split()[0]} primitive type 1 {a}plane {p}\n"
-                for a in "xyz"
-                for i, p in (("l", 0.0), ("h", BOX))
-            )
-            model = LIGGGHTS.format(
-                poisson=poisson,
-                friction=friction,
-                normal=normal,
-                tangential=tangential,
-                words="" if law is None else f"table law.tbl {words}",
-                walls=walls,
-            )
             style, communication = "atom_style granular", "newton off\ncommunicate single vel yes\nhard_particles yes"
-        else:
-            normal = f"{'hertz/material' if law is None else 'demlaws/table law.tbl'} 60.6e9 0 {poisson} {words}".strip()
-            terms = f"granular {normal} tangential {tangential} NULL 0 {friction} damping velocity"
-            walls = "".join(
-                f"fix {a}{i} all wall/gran {terms} {a}plane {p}\n"
-                for a in "xyz"
-                for i, p in (("l", "0 NULL"), ("h", f"NULL {BOX}"))
+            model = LIGGGHTS.format(poisson=poisson, friction=friction, pair=terms("pair")) + "".join(
+                f"fix {a}{i} all wall/gran model {terms('wall', f'primitive type 1 {a}plane {p} ')}\n" for a, i, p in sides
             )
-            model = LAMMPS.format(normal=normal, tangential=tangential, friction=friction, walls=walls)
+        else:
             style, communication = "atom_style sphere", "comm_modify vel yes"
-        text = START.format(
-            style=style,
-            communication=communication,
-            places=_places(),
-            model=model,
-            energy=energy,
-            every=steps // 6,
-            steps=steps,
-        )
-        return _simulate({"liggghts": liggghts, "lammps": lammps}[engine], text, folder)
+            model = f"pair_style granular\npair_coeff * * {terms('pair')}\n" + "".join(
+                f"fix {a}{i} all wall/gran granular {terms('wall')} {a}plane {f'NULL {p}' if p else '0 NULL'}\n"
+                for a, i, p in sides
+            )
+        values = {"style": style, "communication": communication, "places": _places(), "model": model, "energy": energy}
+        (folder / "in.gas").write_text(START.format(**values, every=steps // 30, steps=steps))
+        log = ENGINES[engine].run(folder / "in.gas")
+    log = {key.removeprefix("c_").removeprefix("v_"): column for key, column in log.items()}
+    kept = log["ke"] + log["er"] + log["stored"]
+    return Result(kept / kept[0], (kept + log["lost"]) / kept[0])
+
+
+def simulate_in_yade(law, rule, shear, friction=100.0, poisson=0.25, steps=150_000):
+    """The same in YADE, with a law and one of its `shear=`; law None: YADE's own."""
+    given = {"law": law, "rule": rule, "shear": shear, "friction": friction, "poisson": poisson, "steps": steps}
+    done = run_in_yade(Path(__file__).with_name("yade_gas.py"), [json.dumps(given)], capture_output=True, text=True)
+    lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT ")]
+    result = json.loads(lines[-1].removeprefix("RESULT ")) if lines else {"refused": done.stderr.strip()[-200:]}
+    if isinstance(result, dict):
+        raise DemlawsError(result["refused"])
+    kept, balance = np.array(result).T
+    return Result(kept / kept[0], balance / balance[0])
+
+
+FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance")
+
+
+def run_all(engine, frictions, poissons, shears, steps, output=None):
+    """Write a row of FIELDS as CSV for each run; a refused run has its reason in `largest`."""
+    writer = csv.writer(output or sys.stdout)
+    writer.writerow(FIELDS)
+
+    def row(law, rule, shear, friction, poisson, **options):
+        try:
+            if engine == "yade":
+                ours = None if law == "stock hertz" else law
+                result = simulate_in_yade(ours, rule, shear, friction, poisson, steps)
+            else:
+                result = simulate(engine, friction=friction, poisson=poisson, steps=steps, **options)
+            values = [f"{result.largest:.5f}", f"{result.kept[-1]:.4f}", f"{result.balance[-1]:.5f}"]
+        except DemlawsError as error:
+            values = [f"refused: {error}", "", ""]
+        writer.writerow([engine, law, rule, shear, f"{friction:g}", f"{poisson:g}", *values])
+        (output or sys.stdout).flush()
+
+    for poisson in poissons:
+        for friction in frictions:
+            for tangential in STOCK[engine]:
+                row("stock hertz", "elastic", tangential, friction, poisson, tangential=tangential)
+        for name, rule in tqdm(list(cases()), disable=not sys.stderr.isatty()):
+            with tempfile.TemporaryDirectory() as folder:
+                if engine != "yade":
+                    save_tables(name, rule, poisson, Path(folder))
+                for friction in frictions:
+                    for shear in shears:
+                        options = {"tangential": "demlaws", "words": f"shear {shear}", "tables": folder}
+                        row(name, rule, shear, friction, poisson, **options)
+
+
+def summary(files):
+    """Rows (engine, shear, runs, refused, largest energy, largest error of the balance) of CSV files of `run_all`."""
+    rows = {}
+    for file in files:
+        with open(file, newline="") as text:
+            for line in csv.DictReader(text):
+                runs = rows.setdefault((line["engine"], line["shear"]), ([], []))
+                runs[line["largest"].startswith("refused")].append(line)
+    for (engine, shear), (runs, refused) in rows.items():
+        largest = max(float(line["largest"]) for line in runs)
+        balance = max(abs(float(line["balance"]) - 1.0) for line in runs)
+        yield engine, shear, len(runs), len(refused), largest, balance

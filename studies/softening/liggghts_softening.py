@@ -120,7 +120,7 @@ dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c
 run             0
 """
 )
-LOOKS = 100  # steps between two looks at the walls
+LOOKS = 100  # steps between two readings of the walls
 MOST = 20_000  # looks until the walls have come to their stress
 AIR = 30.0  # of a falling grain's speed [1/s]: it lands at a third of what it would freely, and has come to rest in the time
 

@@ -38,7 +38,7 @@ RESTING = 2870  # steps at half the unit to come to rest under gravity
 LEAST = 0.2  # of the stress, to which a cycle unloads
 
 STUDIED = (POHRT_POPOV, "hertz")
-"""Law and rule of the runs that others are held against."""
+"""Law and rule of the reference runs."""
 
 
 TRADED = ("factor", "scaled", "inertial", "part", "law", "unloading", "density")
@@ -117,14 +117,14 @@ class Run(NamedTuple):
         return float((0.5 * GRANITE.plane_modulus / self.factor / self.stress) ** (2 / 3))
 
     def given(self) -> dict:
-        """What an engine is told of this run."""
+        """Engine input of this run."""
         young, surface, options = self.softened()
         slower = math.sqrt(self.density)  # all of a heavier grain's motion
         unit, overlap = slower * self.unit, Softening(self.factor).overlap
         dt, density = self.part * unit, self.density * (GRANITE.density or DENSITY)
         rate = self.inertial / (self.size * DIAMETER * math.sqrt(density / self.stress))
         speed = rate * DEEP * self.size
-        # some 150 looks at the plate while it goes down
+        # some 150 readings of the plate while it goes down
         sunk = 0.0047 * DEEP * self.size * (self.stress / STRESS) ** 0.45 * overlap
         return {
             **self._asdict(),
@@ -156,7 +156,7 @@ def _copies(run, count):
 
 
 def plan(engine: str, quick: bool = False) -> list[Run]:
-    """The runs of a study in one engine, those that say most first. quick: some minutes, factors of 1, 10 and 100 only."""
+    """The runs of a study in one engine, the most informative first. quick: some minutes, factors of 1, 10 and 100 only."""
     one, softer = Run(engine, "cycles", cycles=1 if quick else 25), (10.0, 100.0)
 
     def softened(run):
@@ -233,7 +233,7 @@ TRIED = tuple(
     + [(10.0, rate, 0.7) for rate in (3e-4, 7e-4, 1.4e-3)]
 )
 """(factor, I, part of the unit of time step) with which each of the held-back scenes is run: the fastest of those that meet a
-tolerance is what advice is held against."""
+tolerance is compared with the advice."""
 SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
 """Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
 
@@ -288,7 +288,7 @@ def load(path: Path = KEPT) -> dict[Run, dict]:
         except (ValueError, TypeError, KeyError):
             continue
     if len(lines) > 1 and not rows:  # one line may be the cut-off first
-        raise DemlawsError(f"{path} is no file of a study: none of its {len(lines)} lines is a row; name another, or a new one")
+        raise DemlawsError(f"{path} is not a file of a study: none of its {len(lines)} lines is a row; name another file")
     return rows
 
 
@@ -384,7 +384,7 @@ def _rounded(value):
 def summary(run: Run, found: dict) -> dict:
     """The figures of a run, from what an engine wrote. Lengths and strains are those of the softened grains."""
     if "failed" in found:
-        return {"failed": found["failed"].strip().splitlines()[-1]}  # of a traceback what it says in the end
+        return {"failed": found["failed"].strip().splitlines()[-1]}  # the last line of a traceback
     held = found["held"]
     forces = np.array(held["forces"])
     if not forces.size or not np.all(np.isfinite(forces)):

@@ -8,7 +8,8 @@ from tqdm import tqdm
 
 from demlaws import plots, units
 from demlaws.cli import Parser, example, execute
-from demlaws.cli.arguments import law_name, output, pressure, whole
+from demlaws.cli.arguments import law_name, pressure, whole
+from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
 from demlaws.files import save_csv
 from demlaws.laws.names import POHRT_POPOV
@@ -28,7 +29,7 @@ def parser():
     """The command line."""
     parser = Parser(
         prog="python -m studies.trade",
-        description="Measures, in one run, ns a contact and errors in force, stiffness, energy and rebound of every law × "
+        description="Measures, in one run, ns per contact and errors in force, stiffness, energy and rebound of every law × "
         "unloading × evaluation, and of the time step; marks the Pareto front. With --engines also the share of a YADE, "
         "LIGGGHTS or LAMMPS step that a law takes, and the engines' own models; with --scene the errors of a whole packing; "
         "with --softening those of softer grains, faster loading and longer steps against time to solution.",

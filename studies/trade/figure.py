@@ -18,7 +18,7 @@ def _laws_panel(ax, entries, floor):
     front = sorted((e.ns, max(e.richest["force"], lowest)) for e in entries if e.front)
     ax.step([f[0] for f in front], [f[1] for f in front], "k-", where="post", lw=0.8, zorder=0)
     ax.axvline(floor, color="k", lw=0.8, ls=":")
-    ax.set(xscale="log", yscale="log", xlabel="ns a contact (dotted: copy kernel)", ylabel="largest error of force")
+    ax.set(xscale="log", yscale="log", xlabel="ns per contact (dotted: copy kernel)", ylabel="largest error of force")
     _limited(ax, [floor, *(e.ns for e in closed)])
     ax.set(title="what a law leaves out (closed forms; line: front of all ways)")
     number(ax, [(n + 1, (e.ns, max(e.richest["force"], lowest))) for n, e in enumerate(closed)])

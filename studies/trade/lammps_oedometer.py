@@ -1,6 +1,5 @@
 """The scene of `studies.trade.packings` in LAMMPS: one run a way of computing it, from the positions of the other engines."""
 
-import resource
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +7,7 @@ import numpy as np
 from demlaws.grains import Case
 from demlaws.lammps.export import Models, models, wall_lines
 from demlaws.lammps.run import HEAD, run
-from studies.trade.liggghts_oedometer import DRAG, EVERY, _data, grains
+from studies.trade.liggghts_oedometer import DRAG, EVERY, _data, grains, outcome, timed, turns
 
 START = """\
 boundary        f f f
@@ -92,15 +91,15 @@ def oedometer(folder, given, way, ranks=1):
     ]
     plates = wall_lines(said, [("plate", "wall/gran/region", "region plate contacts")])
     names = [line.split()[1] for line in plates if line.startswith("fix")]
-    several = len(names) > 1
+    pushed = [f"c_pushed[{n + 1}]" for n in range(len(names))] if len(names) > 1 else ["c_pushed"]
     values = {
         "dt": given["dt"],
         "drag": DRAG * given["density"] * 4 / 3 * np.pi * min(radii) ** 3,
         "walls": "\n".join(wall_lines(said, walls)),
         "plates": "\n".join(line for line in plates if line.startswith("fix")),
         "columns": " ".join(f"f_{name}[4]" for name in names),
-        "sum": "+".join(f"c_pushed[{n + 1}]" for n in range(len(names))) if several else "c_pushed",
-        "named": " ".join(f"c_pushed[{n + 1}]" for n in range(len(names))) if several else "c_pushed",
+        "sum": "+".join(pushed),
+        "named": " ".join(pushed),
         "area": width * width,
         "settle": round(given["settle"] / given["dt"]),
         "speed": given["speed"],
@@ -111,21 +110,6 @@ def oedometer(folder, given, way, ranks=1):
     }
     text = HEAD + START + "\n".join(said.pairs) + "\n" + CASE.format(**values)
     (folder / "in.oedometer").write_text(text)
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    log = run(folder / "in.oedometer", ranks, plugin=way["model"] != "hertz")
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    stress, steps, height = log["stress"], log["Step"], log["height"]
-    peak = int(np.argmax(stress >= given["stress"]))
-    held = int(np.argmin(np.abs(steps - steps[peak] - values["hold"])))
+    log, seconds = timed(lambda: run(folder / "in.oedometer", ranks, plugin=way["model"] != "hertz"))
     forces = np.abs(np.loadtxt(folder / "post" / "forces.txt", skiprows=9))
-    rows = np.stack([height, stress], 1)
-    return {
-        "height": float(log["centre"][0]),
-        "plate": float(height[held]),
-        "loading": rows[: peak + 1].tolist(),
-        "stress": float(stress[held]),
-        "forces": forces[forces > 0.0].tolist(),
-        "unloading": rows[held:].tolist(),
-        "steps": int(steps[-1]),
-        "seconds": after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime,
-    }
+    return outcome(log, log["height"], *turns(given, log, values["hold"]), forces[forces > 0.0], seconds)

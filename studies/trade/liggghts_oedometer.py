@@ -73,7 +73,7 @@ if              "${{stress}} < ${{least}}" then "jump SELF eased"
 jump            SELF easing
 label           eased
 """
-EVERY = 40  # steps between two looks at the plate
+EVERY = 40  # steps between two readings of the plate
 
 
 def _data(centres, radii, width, density, types=3):
@@ -205,11 +205,16 @@ def carry_out(path, plugin):
     """(log, forces [N] of the contacts at the end of the hold, processor seconds) of an input."""
     if plugin:
         library_path()  # compiled before the clock starts
+    log, seconds = timed(lambda: run(path, plugin=plugin))
+    return log, contact_forces(path.parent / "post" / "forces.txt"), seconds
+
+
+def timed(function):
+    """(result of a function, processor seconds of the programs that it starts)."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    log = run(path, plugin=plugin)
+    result = function()
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    forces = contact_forces(path.parent / "post" / "forces.txt")
-    return log, forces, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return result, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def contact_forces(path):
@@ -224,20 +229,29 @@ def oedometer(folder, given, way):
     back = given["speed"] / 3
     plugin = prepare(path, given, way, np.array(given["centres"]), CASE, back=back, every=EVERY)
     log, forces, seconds = carry_out(path, plugin)
-    stress, steps = log["stress"], log["Step"]
-    peak = int(np.argmax(stress >= given["stress"]))
-    held = int(np.argmin(np.abs(steps - steps[peak] - round(given["hold"] / given["dt"]))))
+    steps = log["Step"]
+    peak, held = turns(given, log, round(given["hold"] / given["dt"]))
     down = given["speed"] * (np.minimum(steps, steps[peak]) - steps[0]) * given["dt"]
     up = back * np.maximum(steps - steps[held], 0.0) * given["dt"]
-    height = log["touched"] - down + up
-    rows = np.stack([height, stress], 1)
+    return outcome(log, log["touched"] - down + up, peak, held, forces, seconds)
+
+
+def turns(given, log, hold):
+    """Rows of a log in which the stress is reached and in which the hold of so many steps ends."""
+    peak = int(np.argmax(log["stress"] >= given["stress"]))
+    return peak, int(np.argmin(np.abs(log["Step"] - log["Step"][peak] - hold)))
+
+
+def outcome(log, height, peak, held, forces, seconds):
+    """Results of a test as `studies.trade.packings.outcome` reads them; height: of the plate, in each row of the log."""
+    rows = np.stack([height, log["stress"]], 1)
     return {
         "height": float(log["centre"][0]),
         "plate": float(height[held]),
         "loading": rows[: peak + 1].tolist(),
-        "stress": float(stress[held]),
+        "stress": float(log["stress"][held]),
         "forces": forces.tolist(),
         "unloading": rows[held:].tolist(),
-        "steps": int(steps[-1]),
+        "steps": int(log["Step"][-1]),
         "seconds": seconds,
     }

@@ -64,7 +64,7 @@ class Setup:
         return centres * step + 0.49 * free * random.uniform(-1.0, 1.0, centres.shape), radii
 
     def given(self, radii, centres, width=None):
-        """What an engine's oedometer.py is told."""
+        """Input of an engine's oedometer.py."""
         return {
             **asdict(self),
             "width": width or self.width,
@@ -97,7 +97,7 @@ def packing(setup):
 
 
 def prepare(setup):
-    """Make the packing of a setup anew, in YADE (about a minute), and write its file."""
+    """Make the packing of a setup in YADE (about a minute), and write its file."""
     from studies.costs.costs import under_yade
 
     centres, radii = setup.start()

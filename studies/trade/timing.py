@@ -27,7 +27,7 @@ class Batch(NamedTuple):
 
 
 def nanoseconds(batches, rounds=7):
-    """ns a contact of each batch (name → Batch), and of a copy kernel that only reads and writes: (name → ns, floor)."""
+    """ns per contact of each batch (name → Batch), and of a copy kernel that only reads and writes: (name → ns, floor)."""
     work = {}
     for name, batch in batches.items():
         out = np.empty_like(batch.overlap), np.empty_like(batch.overlap)

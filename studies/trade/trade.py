@@ -1,7 +1,7 @@
 """Cost against error: law × unloading rule × evaluation, and the time step, measured in one run on one scene.
 
 The scene is a granite pair of the tests, SS(18-18), from 0.1 N to 2 kN (bulk yield included), loading and unloading.
-Costs are ns a contact of batches whose rounds are interleaved, with a copy kernel beside them; errors are those of
+Costs are ns per contact of batches whose rounds are interleaved, with a copy kernel beside them; errors are those of
 `errors.QUANTITIES`.
 """
 
@@ -252,14 +252,14 @@ def engine_table(entries):
     """Ways in an engine as text."""
     model = "Law2" if any(e.cost.way.model == "cdm" for e in entries) else "pair loop"
     lines = [
-        f"{'':36}{'force error':>12}{'ns a contact':>13}{'step over':>11}{'share of the step (%)':>24}",
-        f"{'':36}{'':>12}{'and step':>13}{'its Hertz':>11}{'normal law':>13}{model:>11}",
+        f"{'':36}{'force error':>12}{'ns per contact':>15}{'step over':>11}{'share of the step (%)':>24}",
+        f"{'':36}{'':>12}{'and step':>15}{'its Hertz':>11}{'normal law':>13}{model:>11}",
     ]
     for e in entries:
         c = e.cost
         law = "-" if math.isnan(c.law) else f"{100 * c.law:.1f}"
         lines.append(
-            f"{c.way.label:36}{e.error:12.1e}{c.step:13.1f}{c.over_hertz:11.3f}{law:>13}{100 * c.model:11.1f}"
+            f"{c.way.label:36}{e.error:12.1e}{c.step:15.1f}{c.over_hertz:11.3f}{law:>13}{100 * c.model:11.1f}"
             f"{'  *' if e.front else ''}"
         )
     return "\n".join(lines)

@@ -14,7 +14,7 @@ from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 
 O = yade.O  # noqa: E741
 GRAVITY = 9.81
-EVERY = 40  # steps between two looks at the plate
+EVERY = 40  # steps between two readings of the plate
 
 
 def material(given, label, friction, model="", young=None):
@@ -51,8 +51,13 @@ class Box:
         else:
             surface = dl.Surface(**given["surface"])
             law = Law2_ScGeom_MindlinPhys_Demlaws(
-                way["given"], way["unloading"], {"grains": surface, "walls": surface}, flats="yade", **way["options"]
-            )  # YADE's radius at the walls: its own laws stand beside
+                way["given"],
+                way["unloading"],
+                {"grains": surface, "walls": surface},
+                flats="yade",
+                shear=way["shear"],
+                **way["options"],
+            )  # YADE's radius at the walls, as its own laws have it
         newton = yade.NewtonIntegrator(damping=damping, gravity=(0, 0, -gravity))
         self.rows, self.reached = [], None
         looking = yade.PyRunner(command="__import__('__main__').box.look()", iterPeriod=EVERY, dead=True, label="looking")

@@ -11,7 +11,7 @@ def main(arguments=None):
     """Run all comparisons and write the page; exit status 1 where one fails."""
     parser = argparse.ArgumentParser(
         prog="python -m studies.validation",
-        description="Every answer that others wrote, held against ours: one page and figures.",
+        description="Published and third-party results compared with ours: one page and figures.",
     )
     parser.add_argument("--out", default="validation", help="folder of the page and its figures")
     parser.add_argument("--no-engines", action="store_true", help="only what needs no engine")

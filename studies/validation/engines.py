@@ -11,7 +11,17 @@ import numpy as np
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import HERTZ
 from studies.costs.costs import available
-from studies.validation.jobs import PROBE, array_jobs, contact_of, impact_jobs, kept_jobs, packing_jobs, shear_jobs
+from studies.validation.jobs import (
+    PROBE,
+    array_jobs,
+    contact_of,
+    impact_jobs,
+    kept_jobs,
+    oblique_jobs,
+    packing_jobs,
+    shear_jobs,
+)
+from studies.validation.oblique import spin_row
 from studies.validation.published import (
     BRANCHES,
     IMPACT_TOLERANCE,
@@ -199,7 +209,7 @@ def packing_rows(found):
 
 
 def rows(packing=True):
-    """Group, row of every engine; an engine that is not there gives one row that says so."""
+    """Group, row of every engine; a missing engine gives one row with the reason."""
     for engine, (name, ask) in ENGINES.items():
         why = available(name)
         if why:
@@ -209,9 +219,15 @@ def rows(packing=True):
         third = packing_jobs() if packing and name == "yade" else []
         fourth = shear_jobs() if name == "yade" else []
         kept = kept_jobs()
+        if name == "yade":
+            yield "Oblique impacts", spin_row(engine, ask(oblique_jobs())[0])
         answers = ask(kept + first + fourth + second + third)
         for one, answer in zip(KEPT, answers, strict=False):
             yield from (("LAMMPS's own tests", row) for row in kept_rows(one, engine, answer["places"]))
+        if name == "lammps":
+            from studies.validation.in_lammps import oblique_rows
+
+            yield from (("LAMMPS's own tests", row) for row in oblique_rows())
         found = answers[len(kept) :]
         impacts, found = found[: len(first)], found[len(first) :]
         sheared, found = found[: len(fourth)], found[len(fourth) :]

@@ -74,6 +74,29 @@ def impact(job):
     return {"peak": peak[0], "restitution": rebound / speed, "parted": bool(peak[1])}
 
 
+def oblique(job):
+    """Spin times radius over tangential speed limit, ω R/(μ V_n), of two like spheres after each of the oblique impacts.
+
+    By symmetry each of two like spheres that meet with opposite velocities moves as one sphere on a rigid plane.
+    """
+    found, radius = [], job["radius"]
+    for ratio in job["ratios"]:
+        O.reset()
+        _material(job, "grain")
+        O.materials[0].frictionAngle = float(np.arctan(job["friction"]))
+        for side in (-1, 1):
+            O.bodies.append(utils.sphere((0, 0, side * radius * (1.0 + 1e-9)), radius, material="grain"))
+            O.bodies[-1].state.vel = (side * ratio * job["friction"] * job["speed"], 0, -side * job["speed"])
+        O.engines = engines(_law(job), newton=yade.NewtonIntegrator(damping=0.0))
+        O.dt = job["dt"]
+        for _ in range(2 * job["steps"]):
+            O.step()
+        if any(i.isReal and i.geom.penetrationDepth > 0.0 for i in O.interactions):
+            raise RuntimeError(f"V_t/(μ V_n) = {ratio}: the spheres still touch after {2 * job['steps']} steps")
+        found.append(abs(O.bodies[1].state.angVel[1]) * radius / (job["friction"] * job["speed"]))
+    return found
+
+
 def lattice(job):
     """A periodic array along a path of strains: for each, rows of (mean overlap of the contacts, stress tensor)."""
     O.reset()
@@ -162,7 +185,7 @@ def packing(job):
     return found
 
 
-KINDS = {"impact": impact, "lattice": lattice, "packing": packing}
+KINDS = {"impact": impact, "oblique": oblique, "lattice": lattice, "packing": packing}
 
 if __name__ == "__main__":
     given, result = sys.argv[-2:]

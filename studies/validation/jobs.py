@@ -7,6 +7,7 @@ from demlaws.core.shear import CHOICES
 from demlaws.driver import impact
 from demlaws.laws.names import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
 from studies.validation.arrays import RIGID
+from studies.validation.oblique import ELEMENTS
 from studies.validation.published import BRANCHES, IMPACTS, KEPT, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
 SMOOTH = 1e-12
@@ -91,6 +92,15 @@ def kept_jobs():
     return jobs
 
 
+def oblique_jobs():
+    """Steel spheres that meet like those of the finite elements of `oblique.ELEMENTS`, with partial slip."""
+    job = {"kind": "oblique", "young": 208e9, "poisson": 0.3, "density": 7850.0, "radius": 0.01, "friction": 0.3, "speed": 0.1}
+    job |= {"law": HERTZ, "unloading": "elastic", "options": {"shear": "slip"}, "surface": {"roughness": 0.0}}
+    mass = 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
+    exact = quiet(impact, bound(HERTZ, contact_of(job)), 0.5 * mass, 2.0 * job["speed"], 1000)
+    return [job | {"ratios": [x for x, _ in ELEMENTS], "steps": 1000, "dt": exact.duration / 1000}]
+
+
 # --- regular arrays
 
 
@@ -121,7 +131,7 @@ def array_jobs():
 
 
 def shear_jobs(peaks=(PEAK,), steps=STEPS):
-    """FCC of rough grains, compressed and then sheared, for each stiffness that K_t may go by."""
+    """FCC of rough grains, compressed and then sheared, for each choice of the normal stiffness that K_t is computed from."""
     jobs = []
     for choice in CHOICES:
         for peak in peaks:

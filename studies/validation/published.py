@@ -29,8 +29,9 @@ from demlaws.laws.names import (
     YIP_VENART,
 )
 from demlaws.make import law
-from demlaws.solvers.axisymmetric import solve_greenwood_tripp, solve_yip_venart
+from demlaws.solvers.axisymmetric import solve
 from studies.jamari.published import PRINTED_RATIOS
+from studies.validation import oblique
 from studies.validation.maps import load_ratios, read_csv
 from studies.validation.row import between, near
 
@@ -38,7 +39,7 @@ PYTHON = "Python"
 
 
 def bound(name, contact, unloading="elastic", **options):
-    """A law, without the warnings that it gives outside its range: what it says there is what is looked at."""
+    """A law, without its warnings outside the validity range, which these rows leave on purpose."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ValidityWarning)
         return law(name, contact, unloading, **options)
@@ -215,7 +216,7 @@ def indentation():
     yield between(
         "rough-plastic, best p_y (4.1–4.4 S_y): largest force error", PYTHON, 0.17, 0.19, best, "jackson-green", note=note
     )
-    # Kogut & Etsion's fits stand on their own ω_c: K = 0.454 + 0.41 ν, H = 2.8 Y
+    # Kogut & Etsion's fits use their own ω_c: K = 0.454 + 0.41 ν, H = 2.8 Y
     k = 0.454 + 0.41 * 0.3
     critical = (math.pi * k * 2.8 * strength / (2.0 * contact.modulus)) ** 2 * contact.radius
     carried = float(quiet(bound(HERTZ, contact).force, critical))
@@ -342,14 +343,14 @@ def _force(alpha):
 def greenwood_tripp():
     """Rows: Greenwood & Tripp's contact against another author's code."""
     for mu, separation, force, radius in GT_CODE:
-        here = solve_greenwood_tripp(mu, np.array([force]))
+        here = solve("greenwood-tripp", mu, np.array([force]))
         # the force at that separation, from the one at ours: dP = K dδ
         found = force - float((here.approach[0] + separation) * here.stiffness[0])
         what = f"μ = {mu:g}, separation {separation:g} σ"
         yield near(f"force: {what}", PYTHON, force, found, 1e-3, "gt-code", "E* √R σ^1.5")
         yield near(f"a*/a_H: {what}", PYTHON, radius, here.effective_radius[0], 1e-3, "gt-code")
     for alpha, mu, pressure, radius in GT_PAPER:
-        here = solve_greenwood_tripp(mu, np.array([_force(alpha)]))
+        here = solve("greenwood-tripp", mu, np.array([_force(alpha)]))
         what = f"α = {alpha:g}, μ = {mu:g}"
         yield near(
             f"p(0)/p0: {what}", PYTHON, pressure, here.central_pressure[0], 4e-3, "gt-paper", note="three digits are given"
@@ -367,7 +368,7 @@ def central_pressures():
 def yip_venart():
     """Rows: p(0)/p0 as Yip & Venart print it."""
     for number, alpha, pressure in YV_PAPER:
-        here = solve_yip_venart(number, np.array([_force(alpha)]))
+        here = solve("yip-venart", number, np.array([_force(alpha)]))
         yield near(f"p(0)/p0: N_H = {number:g}, α = {alpha:g}", PYTHON, pressure, here.central_pressure[0], 7e-3, "yv-paper")
 
 
@@ -416,7 +417,7 @@ ELEMENT_LOADS = np.array([3.0, 6.0, 12.0, 25.0, 50.0])  # [N]: every map was pre
 def boundary_elements():
     """Rough elastic sphere of the granite tests (R = 4.35 mm, σ = 2.40 µm, H = 0.8): tangent stiffness at equal force.
 
-    One map scatters by a third; what is compared is the geometric mean of eight.
+    One map scatters by a third, so the geometric mean of eight is compared.
     """
     rows = read_csv("bem.csv")
     one = bound(POHRT_POPOV, Contact(4.35e-3, 32.32e9, 2.40e-6, 2.2, 6.266e9))
@@ -459,6 +460,7 @@ def asperities():
 GROUPS = {
     "Hertz impacts": impacts,
     "LAMMPS's own tests": lammps_impacts,
+    "Oblique impacts": oblique.rows,
     "Restitution of a yielding sphere": restitution,
     "A yielding sphere against finite elements": indentation,
     "Plastic laws of the literature": plastic_laws,

@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from packings import CELLS, lattice
 
 import demlaws as dl
 from demlaws.advice import modulus
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import Scene, stable_step
 from demlaws.materials import GRANITE
-from demlaws.timestep import STEP_SAFETY
+from demlaws.timestep import STEP_SAFETY, from_contacts, shear_ratio
 from studies.softening import results, study
 from studies.softening.curves import error_curve, fitted
 
@@ -116,6 +117,30 @@ def test_the_step_is_that_of_the_unloading_rule():
     assert advice.dt == pytest.approx(stable["thornton"]) and stable["elastic"] > 1.2 * stable["thornton"]
     given = modulus.predict(replace(scene, unloading="hertz"), 1.0, law="rough-plastic", options=options, part=STEP_SAFETY)
     assert given.dt == pytest.approx(stable["hertz"])
+
+
+@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+@pytest.mark.parametrize("kind", CELLS)
+def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
+    """It once held only for a density 140 times the grains'. Lattices whose contacts all have the scene's largest force."""
+    scene = Scene(
+        (8e-3, 8e-3),
+        GRANITE,
+        dl.Surface(2.4e-6, 2.22),
+        pressure=(1e4, 1e5),
+        quantity="force",
+        process="shear",
+        tolerance=0.3,
+        cyclic=True,
+    )
+    advice, grains = modulus.advise(scene), lattice(kind)
+    assert advice.factor > 1.0
+    contact = advice.scene.contacts(4e-3)[0]
+    law = dl.law("pohrt-popov", contact, "hertz")
+    stiffness = float(law.shear_stiffness(law.overlap(advice.scene.force_range(contact)[1]), 1.0))
+    masses = np.full(grains.radius.size, GRANITE.density * 4 / 3 * math.pi * 8e-3**3)
+    ratio = shear_ratio(GRANITE, GRANITE)
+    assert advice.dt < from_contacts(grains.pairs, grains.normals, stiffness, ratio * stiffness, masses).exact < 2.5 * advice.dt
 
 
 def test_each_process_has_its_own_advice():

@@ -23,8 +23,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.batch import in_threads
-from demlaws.core.loops import evaluate_loop
-from demlaws.core.params import leaves, map_leaves
+from demlaws.core.loops import evaluate_loop, leaves, map_leaves
 from demlaws.core.unloading import RULES
 from demlaws.laws.registry import registry
 from demlaws.make import example

@@ -1,4 +1,4 @@
-"""Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz model, in a block of touching spheres.
+"""Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz and shear, in a block of touching spheres.
 
     python tests/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
     python tests/benchmarks/bench_engines.py lammps --count [--tangent]
@@ -44,7 +44,7 @@ fix             m1 all property/global youngsModulus peratomtype 6.06e8
 fix             m2 all property/global poissonsRatio peratomtype 0.25
 fix             m3 all property/global coefficientRestitution peratomtypepair 1 0.3
 fix             m4 all property/global coefficientFriction peratomtypepair 1 0.5
-pair_style      gran model ${normal} tangential history ${words}
+pair_style      gran model ${model}
 pair_coeff      * *
 """
 LAMMPS = (
@@ -56,7 +56,7 @@ read_data       block.data
 neighbor        4e-4 bin
 neigh_modify    every 1 delay 0 check yes
 pair_style      granular
-pair_coeff      * * ${normal} 6.06e8 ${eta} 0.25 tangential mindlin NULL 1.0 0.5 damping ${damping}
+pair_coeff      * * ${model}
 """
 )
 RUN = """\
@@ -76,8 +76,10 @@ OURS = {
     "pohrt-popov, elastic": "elastic.tbl",
     "pohrt-popov, hertz unloading": "hysteretic.tbl",
     "pohrt-popov, thornton unloading": "thornton.tbl",
+    "pohrt-popov, elastic, slip": "elastic.tbl shear slip",
+    "pohrt-popov, hertz unloading, slip": "hysteretic.tbl shear slip",
 }
-WIDTH = 32
+WIDTH = 36
 
 
 def write_block(path, side, radius=2e-3, seed=1):
@@ -106,13 +108,14 @@ def write_tables(folder):
 def variables(engine, name, ranks, steps, warm, tangent):
     """Variables of the input for one law."""
     table = OURS.get(name)
-    shared = {"steps": steps, "warm": warm}
+    file, _, shear = (table or "").partition(" ")
     if engine == "liggghts":
-        model = {"normal": "demlaws/table", "words": f"table {table}"} if table else {"normal": "hertz", "words": ""}
-        return {**shared, **model, "ranks": ranks}
-    tangent = tangent and table
-    model = {"eta": 0.5, "damping": "demlaws/tangent"} if tangent else {"eta": 100.0, "damping": "viscoelastic"}
-    return {**shared, **model, "normal": f"demlaws/table {table}" if table else "hertz/material"}
+        model = f"demlaws/table tangential demlaws table {table}" if table else "hertz tangential history"
+        return {"steps": steps, "warm": warm, "model": model, "ranks": ranks}
+    eta, damping = (0.5, "demlaws/tangent") if tangent and table else (100.0, "viscoelastic")
+    model = f"demlaws/table {file} 6.06e8 {eta} 0.25 {shear} tangential demlaws" if table else None
+    model = model or f"hertz/material 6.06e8 {eta} 0.25 tangential mindlin NULL"
+    return {"steps": steps, "warm": warm, "model": f"{model} 1.0 0.5 damping {damping}"}
 
 
 def count(engine, folder, tangent):

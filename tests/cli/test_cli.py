@@ -1,6 +1,7 @@
 """The command line: help, results, and errors in one line without a traceback."""
 
 import inspect
+import json
 import os
 import subprocess
 import sys
@@ -37,7 +38,7 @@ def test_every_command_has_help(name, capsys):
     assert "usage: demlaws" in capsys.readouterr().out
 
 
-CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--sigma", "2e-6", "--fractal-dimension", "2.2"]
+CONTACT = ["--effective-radius", "4e-3", "--modulus", "3e10", "--combined-roughness", "2e-6", "--fractal-dimension", "2.2"]
 
 
 def test_curve(tmp_path, capsys):
@@ -52,7 +53,7 @@ def test_curve(tmp_path, capsys):
 
 def test_soften(capsys):
     """What to give an engine: the softened modulus, roughness and yield pressure, and how far E alone is off."""
-    options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT, "--force", "10"]
+    options = ["--law", "rough-plastic", "--option", "yield_pressure=1.6GPa", *CONTACT, "--load", "10"]
     assert main(["soften", "--factor", "8", *options]) == 0
     said = capsys.readouterr().out
     for name, before, after in (("modulus", 3e10, 3.75e9), ("roughness", 2e-6, 8e-6), ("yield_pressure", 1.6e9, 4e8)):
@@ -75,7 +76,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     """By the name of a law, then the file of that law's own table; both in one file."""
     both, curve, again, picture = (tmp_path / name for name in ("both.tbl", "curve.tbl", "again.tbl", "both.png"))
     smoother = [*CONTACT[:-3], "0.5e-6", *CONTACT[-2:]]
-    options = ["--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6"]
+    options = ["--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6"]
     assert main(["table", "--law", "pohrt-popov", *CONTACT, *options, "--out", str(both), "--figure", str(picture)]) == 0
     assert "unloading along 'pohrt-popov'" in capsys.readouterr().out
     assert picture.stat().st_size > 1000
@@ -87,7 +88,7 @@ def test_table_with_an_unloading_curve(tmp_path, capsys):
     assert one.unloading_law.curve.made_for.roughness == other.unloading_law.curve.made_for.roughness == 0.5e-6
     path = [1e-5, 9e-6, 8e-6]
     assert one.follow(path).force == pytest.approx(other.follow(path).force, rel=1e-4)
-    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-sigma", "0.5e-6", "--forces", "9", "0"]
+    forces = ["--unloading", "table", "--unloading-law", "pohrt-popov", "--unloading-roughness", "0.5e-6", "--forces", "9", "0"]
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, *forces]) == 0
     assert main(["curve", "--law", "pohrt-popov", *CONTACT, "--unloading-radius", "1e-3", "--forces", "9"]) == 2
     assert "name that law" in capsys.readouterr().err
@@ -106,11 +107,11 @@ def test_granite(tmp_path, capsys):
     ("arguments", "says"),
     [
         (["curve", "--law", "nonsense", *CONTACT, "--forces", "1"], "unknown law 'nonsense'"),
-        (["curve", "--law", "hertz", "--radius", "-1e-3", "--modulus", "1e9", "--forces", "1"], "radius = -0.001 m"),
-        (["curve", "--law", "hertz", "--radius", "1e-3", "--modulus", "nan", "--forces", "1"], "modulus = nan Pa"),
-        (["curve", "--law", "hertz", "--radius", "1e-3", "--forces", "1"], "--modulus missing"),
+        (["curve", "--law", "hertz", "--effective-radius", "-1e-3", "--modulus", "1e9", "--forces", "1"], "radius = -0.001 m"),
+        (["curve", "--law", "hertz", "--effective-radius", "1e-3", "--modulus", "nan", "--forces", "1"], "modulus = nan Pa"),
+        (["curve", "--law", "hertz", "--effective-radius", "1e-3", "--forces", "1"], "(or --modulus) missing"),
         (["curve", "--law", "pohrt-popov", *CONTACT[:-1], "3.5", "--forces", "1"], "fractal_dimension = 3.5"),
-        (["curve", "--law", "hertz", *CONTACT, "--sigma", "1", "--forces", "1"], "exceeds the effective radius"),
+        (["curve", "--law", "hertz", *CONTACT, "--combined-roughness", "1", "--forces", "1"], "roughness = 1 m"),
         (["curve", "--law", "hertz", *CONTACT, "--forces", "-1"], "no tension"),
         (["curve", "--law", "bahrami", *CONTACT, "--forces", "1"], "hardness"),
         (["curve", "--law", "hertz", *CONTACT, "--option", "x=1", "--forces", "1"], "'x'"),
@@ -163,23 +164,23 @@ def test_options_of_a_law_are_listed(name, capsys):
 def test_quantities_have_units(capsys):
     """Before: of a contact's arguments only some of `surface` and `regime` took a unit."""
     for contact, overlaps in (
-        (["--radius", "4mm", "--modulus", "30GPa", "--sigma", "2.4um"], ["1um", "0.2um"]),
-        (["--radius", "4e-3", "--modulus", "3e10", "--sigma", "2.4e-6"], ["1e-6", "2e-7"]),
+        (["--effective-radius", "4mm", "--modulus", "30GPa", "--combined-roughness", "2.4um"], ["1um", "0.2um"]),
+        (["--effective-radius", "4e-3", "--modulus", "3e10", "--combined-roughness", "2.4e-6"], ["1e-6", "2e-7"]),
     ):
         assert main(["curve", "--law", "rms", *contact, "--overlaps", *overlaps, "--steps", "3"]) == 0
     out = capsys.readouterr().out
     assert out[: len(out) // 2] == out[len(out) // 2 :]
     assert option("yield_pressure=1.66GPa") == ("yield_pressure", 1.66e9)
-    assert option("branch=power") == ("branch", "power")
+    assert option("loading=rms") == ("loading", "rms")
     with pytest.raises(SystemExit):
         main(["curve", "--law", "rms", "--radius", "4parsec", "--overlaps", "1"])
     (line,) = capsys.readouterr().err.splitlines()
-    assert "--radius: a length must be a number in m, or with one of the units m, mm, um" in line
+    assert "--radius: a radius must be a number in m, or with one of the units m, cm, mm, inch" in line
 
 
 FULL_OR_ASCII = """
 import os, sys
-sys.argv = ["demlaws", "curve", "--law", "hertz", "--radius", "4mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
+sys.argv = "demlaws curve --law hertz --effective-radius 4mm --modulus 30GPa --overlaps 1um --steps 2".split()
 from demlaws.cli import main
 sys.exit(main())
 """
@@ -235,7 +236,7 @@ def test_exports_take_units(engine, tmp_path):
     texts = []
     for number, (radius, sq, young, density, load) in enumerate(grains):
         case = tmp_path / str(number)
-        words = ["--radius", radius, "--sq", sq, "--young", young, "--density", density, "--load", load]
+        words = ["--radius", radius, "--roughness", sq, "--young", young, "--density", density, "--load", load]
         assert cli.main([engine, "export", str(case), *words, "--fractal-dimension", "2.22", "--count", "20"]) == 0
         texts.append(
             {path.name: path.read_text() for path in sorted(case.iterdir()) if path.suffix != ".tbl" and path.is_file()}
@@ -243,3 +244,69 @@ def test_exports_take_units(engine, tmp_path):
         forces = Table.load(next(case.glob("*.tbl"))).force(1e-6)
         texts[-1]["force"] = float(f"{forces:.10g}")  # 1.7 × 1e-6 and 1.7e-6 differ in the last bit
     assert texts[0] == texts[1] and len(texts[0]) > 2
+
+
+def test_one_radius_is_that_of_two_equal_spheres(capsys):
+    """Before: --radius was the effective radius in four commands and a sphere's in two."""
+    radii = [["--radius", "8mm"], ["--radius", "8mm", "8mm"], ["--radius", "4mm", "inf"], ["--effective-radius", "4mm"]]
+    for radius in radii:
+        words = ["curve", "--law", "rms", *radius, "--modulus", "30GPa", "--overlaps", "1um", "--json"]
+        assert main([*words, "--roughness", "3um", "4um"]) == 0
+        contact = json.loads(capsys.readouterr().out)["contact"]
+        assert contact["radius"] == pytest.approx(4e-3) and contact["roughness"] == pytest.approx(5e-6)
+    assert main(["curve", "--law", "hertz", *radii[0], *radii[3], "--modulus", "1e9", "--overlaps", "1um"]) == 2
+    assert "give either --radius or --effective-radius" in capsys.readouterr().err
+    assert main(["curve", "--law", "hertz", "--radius", "1mm", "1mm", "1mm", "--modulus", "1e9", "--overlaps", "1um"]) == 2
+    assert "--radius has 3 values" in capsys.readouterr().err
+
+
+HERTZ = ["curve", "--law", "hertz", "--radius", "8mm", "--modulus", "30GPa", "--overlaps", "1um", "--steps", "2"]
+
+
+def test_csv_on_standard_output(capsys):
+    assert main([*HERTZ, "--csv", "-"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out.startswith("overlap (m),force (N)") and len(captured.out.splitlines()) == 4
+    assert "contact: R = 4 mm" in captured.err
+    assert main([*HERTZ, "--csv", "-", "--json"]) == 2
+    assert "without --json" in capsys.readouterr().err
+    assert main([*HERTZ, "--figure", "-"]) == 2
+
+
+def test_files_are_overwritten_only_if_this_command_wrote_them(tmp_path, capsys):
+    for flag, name in (("--csv", "a.csv"), ("--figure", "a.png")):
+        file = tmp_path / name
+        for content in (b"notes of another program", b""):
+            file.write_bytes(content)
+            assert main([*HERTZ, flag, str(file)]) == (2 if content else 0)
+            assert ("exists and was not written by this command" in capsys.readouterr().err) == bool(content)
+        first = file.read_bytes()
+        assert main([*HERTZ, flag, str(file)]) == 0  # the same kind
+        file.write_bytes(b"notes")
+        assert main([*HERTZ, flag, str(file), "--force"]) == 0 and file.read_bytes() == first
+    table = tmp_path / "a.csv"
+    assert main(["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", str(table)]) == 2  # a curve, not a table
+
+
+@pytest.mark.parametrize(
+    ("words", "key"),
+    [
+        (["laws"], "laws"),
+        (["laws", "rough-plastic"], "options"),
+        (["regime", *CONTACT, "--hardness", "6GPa"], "transition_load"),
+        (["soften", "--factor", "10", "--law", "hertz", *CONTACT], "softened"),
+        (["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", "t.tbl"], "force_error"),
+        (["surface", "synthetic", "--size", "32", "--out", "map.asc"], "sq"),
+    ],
+)
+def test_results_as_json(words, key, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main([*words, "--json"]) == 0
+    assert key in json.loads(capsys.readouterr().out)
+
+
+def test_similar_options_and_commands_are_suggested(capsys):
+    for words, suggestion in ((["curve", "--modulos", "1"], "--modulus"), (["curv"], "curve"), (["curve", "--sigma", "1"], "")):
+        with pytest.raises(SystemExit):
+            main([*HERTZ, *words[1:]] if words[0] == "curve" else words)
+        assert (f"did you mean {suggestion}" if suggestion else "unrecognized") in capsys.readouterr().err

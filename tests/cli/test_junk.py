@@ -18,13 +18,24 @@ from examples import shared
 
 from demlaws import cli
 
-CONTACT = ["--radius", "4e-3", "--modulus", "3e10", "--fractal-dimension", "2.2", "--hardness", "6e9"]
+CONTACT = ["--effective-radius", "4e-3", "--modulus", "3e10", "--fractal-dimension", "2.2", "--hardness", "6e9"]
 # what a command needs to run at all, as cheaply as it can; a command that is not named here gets junk alone
 BASE = {
     "granite": ["--test", "SS(18-18)", "--law", "hertz"],
     "curve": ["--law", "hertz", *CONTACT, "--overlaps", "1e-6", "--steps", "2"],
     "table": ["--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", "t.tbl"],
-    "regime": ["--radius", "4e-3", "--young", "6e10", "--poisson", "0.2", "--hardness", "6e9", "--sigma", "1e-6"],
+    "regime": [
+        "--effective-radius",
+        "4e-3",
+        "--young",
+        "6e10",
+        "--poisson",
+        "0.2",
+        "--hardness",
+        "6e9",
+        "--combined-roughness",
+        "1e-6",
+    ],
     "surface": ["map.npy", "--pixel", "1um"],
     "fit": ["points.csv", *CONTACT, "--law", "hertz"],
     "choose": ["scene.toml"],

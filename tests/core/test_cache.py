@@ -73,7 +73,7 @@ def test_a_second_process_compiles_nothing():
     assert compiled == "0", which
 
 
-@pytest.mark.parametrize("file", ["laws/hertz.py", pytest.param("core/hertz.py", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("file", ["laws/hertz.py", pytest.param("core/fastmath.py", marks=pytest.mark.slow)])
 def test_editing_is_noticed(tmp_path, file):
     """The loop that holds a law's machine code is in another file than the law and its parts: its cache follows them all, by
     content, whatever the time of the file."""

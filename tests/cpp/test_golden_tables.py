@@ -240,7 +240,7 @@ def test_old_tables_are_written_again_as_the_same_table(tmp_path):
 
 
 def test_a_curve_of_one_contact_is_not_lent(reader):
-    """`Pair::checked` and `serves`: what a table that does not collapse holds for, and what one that does."""
+    """`Pair::checked` and `serves` of a table that does not collapse, and of one that does."""
     one = dl.Table.load(TABLES / "good" / "greenwood-tripp-elastic.tbl").contact
     modulus, radius = one.modulus, one.radius
     contacts = ((modulus, radius, 0.0), (modulus, 1.02 * radius, 0.0), (1.01 * modulus, radius, 0.0), (modulus, radius, 1e-6))

@@ -2,6 +2,8 @@
 
 import ast
 import doctest
+import inspect
+import re
 import types
 import warnings
 from pathlib import Path
@@ -66,3 +68,35 @@ def test_public_names_show_an_example_that_runs(name, registered_here):
             warnings.simplefilter("ignore", dl.ValidityWarning)
             runner.run(test, out=said.append)
         assert not runner.failures if hasattr(runner, "failures") else not said, "".join(said)
+
+
+NUMPYDOC = [
+    getattr(dl, name) for name in dl.__all__ if name not in ("Definition", "Law", "Option", "Parameter", "Table", "laws")
+]
+NUMPYDOC = [value for value in NUMPYDOC if not isinstance(value, types.ModuleType)]
+NUMPYDOC = [value for value in NUMPYDOC if not (isinstance(value, type) and issubclass(value, Exception | Warning))]
+NUMPYDOC += [dl.Contact.between, dl.driver.force_controlled, dl.driver.displacement_controlled, dl.driver.impact]
+NUMPYDOC += [dl.driver.sheared, dl.regime.assess, dl.regime.advise, dl.plots.plot]
+
+
+def sections(value):
+    """Title → lines of the numpydoc sections of a docstring."""
+    lines, found, title = inspect.getdoc(value).splitlines(), {}, ""
+    for line, following in zip(lines, [*lines[1:], ""], strict=True):
+        if re.fullmatch(r"-{4,}", following):
+            title = line
+            assert len(following) == len(title), f"{value}: underline of {title}"
+        found.setdefault(title, []).append(line)
+    return {title: lines[2:] for title, lines in found.items() if title}
+
+
+@pytest.mark.parametrize("value", NUMPYDOC, ids=lambda value: value.__qualname__)
+def test_public_names_are_documented_in_numpydoc_form(value):
+    """All parameters in their order, Returns of functions; Examples."""
+    found = sections(value)
+    named = [line.partition(" : ")[0] for line in found["Parameters"] if line and not line.startswith(" ")]
+    named = [name.strip("* ") for names in named for name in names.split(",")]
+    taken = [name for name in inspect.signature(value).parameters if name not in ("self", "cls")]
+    assert sorted(named) == sorted(taken)
+    assert isinstance(value, type) or "Returns" in found
+    assert "Examples" in found or value in (dl.Contact.between, dl.regime.advise)

@@ -40,7 +40,7 @@ def test_site(tmp_path):
     assert built.returncode == 0, built.stderr
     for name in registry():
         page = (tmp_path / "site" / "made" / "theory" / f"{name}.html").read_text()
-        assert "<math" in page and "<h2>When not to use it" in page
+        assert "<math" in page and "<h2>Limits" in page
     for page in (tmp_path / "site").rglob("*.html"):
         loaded = re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="(https?://[^"]*)"', page.read_text())
         assert loaded == [], f"{page} loads {loaded} from the network"

@@ -1,5 +1,7 @@
 """Pages that the site makes of the records: formulae, symbols, links."""
 
+import json
+
 import pytest
 from making import docstrings, formula, pages, reference
 from making.symbols import meaning
@@ -33,7 +35,7 @@ def test_links_of_moved_pages():
         "[t](docs/laws.md#limits) [y](yade_scripts/README.md) [c](.clang-format) [w](https://x.org)", "README.md", "made/a.md"
     )
     assert moved == "[t](../laws.md#limits) [y](yade-scripts.md) c (`.clang-format`) [w](https://x.org)"
-    with pytest.raises(ValueError, match=r"there is no none\.md"):
+    with pytest.raises(ValueError, match=r"none.md does not exist"):
         pages.relinked("[t](none.md)", "README.md", "made/a.md")
 
 
@@ -60,3 +62,12 @@ def test_docstrings_as_restructured_text():
         "2",
         "",
     ]
+
+
+@pytest.mark.parametrize("tutorial", pages.TUTORIALS)
+def test_tutorials_become_notebooks(tutorial):
+    text = (pages.DOCS / "tutorials" / f"{tutorial}.md").read_text()
+    cells = json.loads(pages.notebook(text))["cells"]
+    code = [cell["source"] for cell in cells if cell["cell_type"] == "code"]
+    assert code and all(source.startswith(("%%writefile ", "!", "import ")) for source in code)
+    assert sum(source.startswith("%%writefile") for source in code) == text.count("<!-- file: ")

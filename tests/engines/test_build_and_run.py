@@ -5,6 +5,7 @@ import os
 import shutil
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -63,6 +64,22 @@ def test_build_is_cached(plugin, tmp_path, monkeypatch):
     changed = library.stat().st_mtime_ns
     assert plugin.build() == library and library.stat().st_mtime_ns == changed
     assert plugin.build(portable=True) != library
+
+
+@both
+def test_processes_that_build_together_compile_once(plugin, tmp_path, monkeypatch):
+    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path / "cache"))
+    compiler, count = tmp_path / "compiler", tmp_path / "count"
+    compiler.write_text(f'#!/bin/bash\necho run >> {count}; sleep 1; touch "${{@: -1}}"\n')
+    compiler.chmod(0o755)
+    monkeypatch.setattr(plugin, "compile_command", lambda portable=False: [str(compiler)])
+    library = tmp_path / "cache" / "here" / plugin.file
+    monkeypatch.setattr(plugin, "library_path", lambda portable=False: library)
+    with ThreadPoolExecutor(3) as pool:
+        assert {job.result() for job in [pool.submit(plugin.build) for _ in range(3)]} == {library}
+    assert count.read_text().split() == ["run"]
+    plugin.build(force=True)
+    assert count.read_text().split() == ["run", "run"]
 
 
 @both
@@ -243,6 +260,55 @@ def test_unknown_arguments_go_to_the_engine(engine, tmp_path, capfd):
         assert (tmp_path / "named.log").is_file()
 
 
+@both
+def test_options_as_the_engine_has_them(engine, tmp_path, capfd):
+    """-in INPUT, -log FILE and -screen none, in any order; an input with a mesh survives -screen none in LIGGGHTS, too."""
+    mesh = "fix mesh all mesh/surface file plate.stl type 1\n" if engine == "liggghts" else ""
+    (tmp_path / "plate.stl").write_bytes((Path(dl.__file__).parents[1] / "liggghts_inputs/walls/plate.stl").read_bytes())
+    more = "fix m1 all property/global youngsModulus peratomtype 5e6\n" if mesh else ""
+    text = part(engine, "run").HEAD + "region box block -1 1 -1 1 -1 1 units box\ncreate_box 1 box\n" + more + mesh
+    (tmp_path / "in.case").write_text(text + 'print "value ${a}"\n')
+    words = ["-in", str(tmp_path / "in.case"), "-var", "a", "3", "-log", "named.log", "--stock"]
+    for arguments in (words, [*words[2:5], *words[:2], *words[5:]]):
+        assert cli.main([engine, "run", *arguments]) == 0
+        assert "value 3" in capfd.readouterr().out
+        assert cli.main([engine, "run", *arguments, "-screen", "none"]) == 0
+        assert capfd.readouterr().out == "" and "value 3" in (tmp_path / "named.log").read_text()
+
+
+@both
+def test_under_mpirun_the_command_says_who_starts_the_ranks(engine, tmp_path, capsys, monkeypatch):
+    (tmp_path / "in.case").write_text("print 'hello'\n")
+    monkeypatch.setenv("OMPI_COMM_WORLD_SIZE", "2")
+    assert cli.main([engine, "run", str(tmp_path / "in.case")]) == 2
+    assert "-np 2  without mpirun" in capsys.readouterr().err
+
+
+@both
+@pytest.mark.parametrize(
+    "program, message",
+    [
+        ("exit 1", "printed no message"),
+        (
+            "echo '[host:1] *** Process received signal ***'; echo reading; kill -SEGV $$",
+            "segmentation fault; last output: reading;",
+        ),
+    ],
+)
+def test_an_engine_without_an_error_of_its_own(engine, tmp_path, monkeypatch, program, message):
+    """The error of an earlier run, in a log that is still there, is not this run's; a stack is no message."""
+    binary = tmp_path / "engine"
+    binary.write_text(f"#!/bin/sh\n{program}\n")
+    binary.chmod(0o755)
+    (tmp_path / "in.case").write_text("")
+    module = part(engine, "run")
+    (tmp_path / module.ENGINE.log).write_text(f"{module.ENGINE.name} (old)\nERROR: of an earlier run\n")
+    monkeypatch.setattr(module.ENGINE, "start", lambda *_: (binary, dict(os.environ), {}, None))
+    with pytest.raises(EngineStopped) as caught:
+        module.run(tmp_path / "in.case")
+    assert message in str(caught.value) and "earlier run" not in str(caught.value) and "[host" not in str(caught.value)
+
+
 # --- export
 
 
@@ -307,7 +373,7 @@ def test_a_whole_case_is_exported_and_its_record_names_the_law(engine, tmp_path)
 
 @pytest.mark.parametrize("engine, tests", [("liggghts", 4), ("lammps", 6)])
 def test_command_line(engine, plugin, tests, tmp_path, capsys):
-    case, surface = str(tmp_path / "case"), ["--sq", "1.7e-6", "--fractal-dimension", "2.22"]
+    case, surface = str(tmp_path / "case"), ["--roughness", "1.7e-6", "--fractal-dimension", "2.22"]
     assert cli.main([engine, "check"]) == 0
     out = capsys.readouterr().out
     assert out.count("self-test") == tests and "all good" in out
@@ -317,8 +383,8 @@ def test_command_line(engine, plugin, tests, tmp_path, capsys):
     assert cli.main([engine, "run", case + "/in.case", "-np", "2", "-var", "steps", "100"]) == 0
     assert "Loop time" in capsys.readouterr().out
     assert cli.main([engine, "run", str(tmp_path / "none")]) == 2
-    assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "0.006", "--sq", "1e-6", "2e-6"]) == 2
-    assert "--sq has 2 values for 3 radii" in capsys.readouterr().err
+    assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "0.006", "--roughness", "1e-6", "2e-6"]) == 2
+    assert "--roughness has 2 values for 3 radii" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("engine", shared(ENGINES, "lammps".__eq__))

@@ -42,13 +42,32 @@ def test_the_family_is_its_own_inverse_and_integral(family):
     np.testing.assert_allclose(difference, force, rtol=1e-6)
 
 
-def test_overlap_zero_is_where_the_seating_load_is_carried():
-    low, high = (dl.law("yip-venart", GRANITE, seating_load=load) for load in (1e-3, 1.0))
-    for law, load in ((low, 1e-3), (high, 1.0)):
-        assert quiet(law.force, 1e-12) == pytest.approx(load, rel=1e-3)
-    # one curve, moved by what the search for its start leaves
-    ahead = quiet(low.overlap, 1.0)
-    assert quiet(low.force, ahead + 3e-6) == pytest.approx(quiet(high.force, 3e-6), rel=1e-7)
+@pytest.mark.parametrize("name", ["greenwood-tripp", "yip-venart"])
+def test_below_the_seating_load_the_curve_is_continued(name):
+    unit = GRANITE.modulus * GRANITE.radius**0.5 * GRANITE.roughness**1.5
+    low, high = (dl.law(name, GRANITE, seating_share=share) for share in (1e-4, 0.1))
+    for law, share in ((low, 1e-4), (high, 0.1)):
+        seat = quiet(law.overlap, share * unit)
+        below = seat * np.array([1e-6, 1e-3, 0.5, 1 - 1e-9])
+        np.testing.assert_allclose(quiet(law.force, below), share * unit * (below / seat) ** 1.5, rtol=1e-4)
+        assert quiet(law.stiffness, seat * (1 + 1e-9)) == pytest.approx(1.5 * share * unit / seat, rel=1e-2)
+        assert min(limit.minimum_force for limit in law.limits() if limit.minimum_force) == pytest.approx(share * unit)
+    # above both seats it is one curve, shifted
+    ahead = quiet(low.overlap, 0.2 * unit) - quiet(high.overlap, 0.2 * unit)
+    assert quiet(low.force, 8e-6 + ahead) == pytest.approx(quiet(high.force, 8e-6), rel=1e-5)
+
+
+@pytest.mark.parametrize("name", ["greenwood-tripp", "yip-venart"])
+def test_small_beads_are_never_stiffer_than_hertz(name):
+    """Two glass spheres of 25 µm: the seating load was 0.02 N, so that 20 nm gave 0.0222 N, 45 times Hertz's force."""
+    glass = dl.Material(70e9, 0.22, 5.5e9)
+    pair = dl.Contact.between(glass, glass, radius1=25e-6, radius2=25e-6, roughness1=0.07e-6, roughness2=0.07e-6)
+    law, hertz = dl.law(name, pair), dl.law("hertz", pair)
+    overlap = np.append(np.geomspace(1e-13, 1e-6, 300), 20e-9)
+    for quantity in ("force", "stiffness"):
+        assert np.all(quiet(getattr(law, quantity), overlap) <= quiet(getattr(hertz, quantity), overlap))
+    assert 0.0 < quiet(law.force, 20e-9) < 0.1 * quiet(hertz.force, 20e-9)
+    assert quiet(law.force, 1e-300) < 1e-30
 
 
 def test_a_smooth_contact_is_hertz():

@@ -166,6 +166,22 @@ def test_rule_thornton_is_refused_where_the_law_has_a_contact_radius_of_its_own(
         dl.law(name, GRANITE, "thornton", **OPTIONS[name])
 
 
+@pytest.mark.parametrize("name", ["jackson-green", "kogut-etsion"])
+def test_rule_jackson_is_the_fit_to_finite_elements(name):
+    """0.52 of the largest overlap stays at 20 ω_c, where the analytic form gives 0.39 with Jackson & Green's law."""
+    options = OPTIONS[name] | {"yield_strength": 1e8}
+    law, exact = dl.law(name, GRANITE, "jackson", **options), REFERENCES[name](GRANITE.radius, GRANITE.modulus, **options)
+    critical = float(exact.critical)
+    assert law.follow([20 * critical]).plastic_overlap[0] == pytest.approx(0.5207 * 20 * critical, rel=1e-4)
+    assert law.follow([critical]).plastic_overlap[0] == 0.0
+    for curve, tolerance in ((law, 1e-12), (law.tabulate(1e-6), 3e-6)):
+        for maximum in critical * np.array([1.2, 3.0, 20.0, 100.0, 144.0, 300.0]):
+            for share in (0.99, 0.9, 0.8):
+                wanted = float(exact.unloading_of_finite_elements(maximum, share * maximum))
+                found = curve.follow([maximum, share * maximum]).force[1]
+                assert found == pytest.approx(wanted, rel=tolerance, abs=tolerance * float(exact.force(maximum)))
+
+
 # --- Conical Damage Model
 
 

@@ -1,4 +1,4 @@
-"""Commands and studies with a law from a file outside the package: `--laws FILE.py`."""
+"""Commands and studies with a law from a file outside the package: `--law-file FILE.py`."""
 
 import csv
 
@@ -37,7 +37,7 @@ def file(tmp_path):
 @pytest.mark.slow
 def test_stability_of_a_law_with_a_rule_of_its_own(tmp_path, capsys):
     with registered(tmp_path, SPRING) as path:
-        assert extremes(["--laws", str(path), "--law", "spring", "--paths", "4e3", "--cycles", "1e3"]) == 0
+        assert extremes(["--law-file", str(path), "--law", "spring", "--paths", "4e3", "--cycles", "1e3"]) == 0
     lines = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("spring")]
     rules = ("elastic", "table", "slack")
     assert {(line[1], line[2]) for line in lines} == {(rule, form) for rule in rules for form in ("closed", "table")}
@@ -45,7 +45,7 @@ def test_stability_of_a_law_with_a_rule_of_its_own(tmp_path, capsys):
 
 @pytest.mark.slow
 def test_trade(file, capsys):
-    assert trade(["--laws", file, "--law", "near-hertz", "--contacts", "1000", "--rounds", "1"]) == 0
+    assert trade(["--law-file", file, "--law", "near-hertz", "--contacts", "1000", "--rounds", "1"]) == 0
     said = capsys.readouterr().out
     assert "near-hertz" in said
 
@@ -57,8 +57,8 @@ def test_fit(file, tmp_path, capsys):
     overlap = (force / (0.8 * coefficient)) ** (2 / 3)
     rows = "\n".join(f"{1e6 * d:.9g},{p:.9g}" for d, p in zip(overlap, force, strict=True))
     (tmp_path / "points.csv").write_text(f"displacement (um),force (N)\n{rows}\n")
-    arguments = ["fit", str(tmp_path / "points.csv"), "--laws", file, "--law", "near-hertz", "--law", "hertz"]
-    assert main([*arguments, "--radius", "4mm", "--modulus", "32GPa"]) == 0
+    arguments = ["fit", str(tmp_path / "points.csv"), "--law-file", file, "--law", "near-hertz", "--law", "hertz"]
+    assert main([*arguments, "--effective-radius", "4mm", "--modulus", "32GPa"]) == 0
     lines = capsys.readouterr().out.splitlines()
     first = next(line for line in lines if line.startswith(("near-hertz", "hertz")))
     assert first.startswith("near-hertz") and "factor 0.8 " in first
@@ -80,7 +80,7 @@ poisson = 0.3
 def test_choose(file, tmp_path):
     """Among the candidates, closed form and table, with the error that it has: 0.9 of Hertz's force."""
     (tmp_path / "scene.toml").write_text(SCENE)
-    assert main(["choose", str(tmp_path / "scene.toml"), "--laws", file, "--all", "--csv", str(tmp_path / "all.csv")]) == 0
+    assert main(["choose", str(tmp_path / "scene.toml"), "--law-file", file, "--all", "--csv", str(tmp_path / "all.csv")]) == 0
     with open(tmp_path / "all.csv", newline="") as written:
         rows = [row for row in csv.DictReader(written) if row["choice"].startswith("near-hertz")]
     assert {"closed form", "table"} <= {kind for row in rows for kind in ("closed form", "table") if kind in row["choice"]}

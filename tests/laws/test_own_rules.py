@@ -245,7 +245,7 @@ HOSTILE = {
     "says other energies": (
         "return 0.5 * state[1] * elastic",
         "return 0.4 * state[1] * elastic",
-        r"at overlap \S+ m .* it says \S+ J stored and \S+ J dissipated, ∫P dδ is \S+ J",
+        r"at overlap \S+ m .* the rule gives \S+ J stored and \S+ J dissipated, ∫P dδ is \S+ J",
     ),
 }
 

@@ -12,8 +12,8 @@ CONTACT = dl.Contact(4e-3, 32e9, 2e-6, 2.2, 6e9)
 
 
 def test_a_way_as_the_scripts_take_it(tmp_path):
-    closed = costs.describe(Way("a", "pohrt-popov", "hertz", options=(("branch", "power"),)), tmp_path, CONTACT, 0)
-    assert closed["options"] == {"branch": "power"} and closed["given"] == "pohrt-popov"
+    closed = costs.describe(Way("a", "bahrami", "hertz", options=(("constant", 1.6),)), tmp_path, CONTACT, 0)
+    assert closed["options"] == {"constant": 1.6} and closed["given"] == "bahrami"
     assert not list(tmp_path.iterdir())
     table = costs.describe(Way("b", "pohrt-popov", "hertz", rtol=1e-3), tmp_path, CONTACT, 7)
     assert table["given"] == str(tmp_path / "7.tbl") and table["options"] == {}

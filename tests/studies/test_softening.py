@@ -101,7 +101,7 @@ def test_an_end_that_came_too_early_spoils_no_later_row(tmp_path, monkeypatch):
 def test_a_file_of_something_else_is_left_alone(tmp_path):
     path = tmp_path / "mine.txt"
     path.write_bytes(bytes(range(256)) * 3)
-    with pytest.raises(DemlawsError, match="no file of a study"):
+    with pytest.raises(DemlawsError, match="not a file of a study"):
         study.execute(study.plan("yade", quick=True), path)
     assert path.read_bytes() == bytes(range(256)) * 3
 

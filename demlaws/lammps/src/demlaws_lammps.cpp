@@ -14,7 +14,7 @@
 #include "numbers.h"
 #include "slots.h"
 
-// What stands in the place of LAMMPS's functions; a std::string by value is passed by its address.
+// Replacements of LAMMPS's functions; a std::string by value is passed by its address.
 #define DEMLAWS_DECLARE(RESULT, NAME, ARGUMENTS, SYMBOL) extern "C" RESULT demlaws_##NAME ARGUMENTS;
 DEMLAWS_PAIRS(DEMLAWS_DECLARE)
 DEMLAWS_HOOKS(DEMLAWS_DECLARE)
@@ -29,7 +29,7 @@ namespace {
 
 typedef Abi<false>::Model AnyModel; // what both layouts begin with
 
-// LAMMPS's Force, which holds the constants of the units; NULL where it is not where it should be.
+// LAMMPS's Force, which holds the constants of the units; NULL: not found at the expected place.
 void *force_of(void *lmp) {
   std::vector<double> buffer(2048);
   const Stock &stock = Stock::get();
@@ -48,11 +48,12 @@ struct Layout {
   void (*compute)(void *);
   void (*construct)(void *, const std::string &, int, bool);
   int (*add)(void *, char **, int, int, int, bool);
+  void (*before_init)(void *);
   void (*after_init)(void *, bool, bool &, bool &, std::vector<int> &);
   template <bool LATE> static const Layout *of() {
     typedef Granular<LATE> All;
-    static const Layout layout = {Abi<LATE>::pairs_fit, All::check, All::compute,
-                                  All::construct,       All::add,   All::after_init};
+    static const Layout layout = {Abi<LATE>::pairs_fit, All::check,     All::compute, All::construct, All::add,
+                                  All::before_init,     All::after_init};
     return &layout;
   }
 };
@@ -106,7 +107,7 @@ std::string install() {
 
 bool ours(const char *name, int type) {
   return (type == NORMAL && !strncmp(name, "demlaws/table", 13) && (!name[13] || name[13] == ' ')) ||
-         (type == DAMPING && !strcmp(name, "demlaws/tangent"));
+         (type == DAMPING && !strcmp(name, "demlaws/tangent")) || (type == TANGENTIAL && !strcmp(name, "demlaws"));
 }
 
 // Before anything of ours is made: the layout, and the units of tables.
@@ -149,7 +150,7 @@ struct PairNow {
   ~PairNow() { pair_now = NULL; }
 };
 
-// A position that is no number touches nothing: a particle with one would drop out of the model silently.
+// A position that is not a number touches nothing: a particle with one would drop out of the model silently.
 void check_positions(void *object) {
   void *const lmp = instance_of(object), *const error = *((void ***)object)[3];
   const Stock &stock = Stock::get();
@@ -200,6 +201,7 @@ void demlaws_construct(void *model, std::string name, int type) {
   layout->construct(model, name, type, !under_hybrid(model));
 }
 void demlaws_init(void *model) {
+  if (layout) layout->before_init(model);
   Stock::get().init(model);
   if (!layout) return;
   bool has_table, keeps;
@@ -216,7 +218,7 @@ void demlaws_compute(void *model) { Stock::get().compute(model); }
 
 void demlaws_pair_make(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
-  prove(lmp); // preloaded, nobody asked before; the lines of stock models are to be counted, too
+  prove(lmp); // preloaded, this is the first call; the lines of stock models are to be counted, too
   Histories::all().erase(pair);
   Numbers::forget(lmp);
   Range::of(lmp) = Range();

@@ -1,12 +1,16 @@
 // Where the energy of the contacts is: what plastic flow took is kept with the particles (fix property/atom
 // d_demlaws_dissipated), so that it goes with them from rank to rank and into restart files; what contacts store is
-// summed when it is asked for. [our derivation: halves of a contact's energy to its two particles]
+// summed on request. LAMMPS drops a contact that parts without a call of its model, so the work of shear is kept with
+// the particles, and the energy of shear that contacts still store is subtracted on request.
+// [our derivation: halves of a contact's energy to its two particles]
 #ifndef DEMLAWS_ENERGY_H
 #define DEMLAWS_ENERGY_H
 
 #include "demlaws_table.h"
+#include "ranks.h"
 #include "stock.h"
 #include <map>
+#include <set>
 
 namespace {
 
@@ -22,6 +26,7 @@ public:
   bool collecting;  // `compute pair/local` is asking every pair contact once
   double collected; // what they store [J]
   double pending;   // what plastic flow took of them, and of walls, that no step has booked yet [J]
+  bool first;       // no work of shear was booked before this pass
 
   // One for each instance of LAMMPS.
   static Ledger &of(void *lmp) {
@@ -31,8 +36,8 @@ public:
     return one;
   }
   Ledger()
-      : busy(false), collecting(false), collected(0.), pending(0.), wanted_(false), lmp_(NULL), modify_(NULL),
-        taken_(NULL), wall_(NULL) {}
+      : busy(false), collecting(false), collected(0.), pending(0.), first(false), wanted_(false), empty_(false),
+        lmp_(NULL), modify_(NULL), taken_(NULL), wall_(NULL) {}
 
   // Before the pair style, or a wall, computes its forces.
   void begin(void *wall) {
@@ -45,6 +50,7 @@ public:
     local_ = stock.setting(lmp_, "nlocal");
     newton_ = stock.setting(lmp_, "newton_pair") != 0;
     const long long step = now();
+    first = empty_ && known_.insert(wall).second;
     if (wall) {
       Wall &book = walls_[wall];
       book.step = step;
@@ -59,7 +65,7 @@ public:
   void enter(const WallContact &contact) {
     if (wall_) walls_[wall_].contacts.push_back(contact);
   }
-  // Plastic flow took `energy` from the contact of the particles whose velocities stand at vi and vj; NULL: a wall.
+  // Plastic flow took `energy` from the contact of the particles whose velocities are at vi and vj; NULL: a wall.
   // (The models of walls are not told the number of their particle.)
   void take(const double *vi, const double *vj, double energy) {
     if (!taken_) return;
@@ -71,7 +77,7 @@ public:
       taken_[j] += 0.5 * energy;
     } else taken_[i] += newton_ ? energy : 0.5 * energy; // newton off: the other rank has this pair, too
   }
-  // The number of the particle whose position ("x") or velocity ("v") stands at `place`; -1: none.
+  // The number of the particle whose position ("x") or velocity ("v") is at `place`; -1: none.
   long particle(const char *array, const double *place) const {
     const double *const *const all = (const double *const *)Stock::get().atom(lmp_, array);
     const int count = Stock::get().setting(lmp_, "nall");
@@ -109,6 +115,10 @@ public:
     }
     *(void **)made = &table[2]; // after the offset and the type
     wanted_ = true;
+    // a restart file may have brought what was booked before; else contacts begin with the energy that they store now
+    const std::vector<int> any = Ranks(lmp_, error()).gather((int)(booked() != 0.));
+    empty_ = !*std::max_element(any.begin(), any.end());
+    known_.clear();
     return made;
   }
 
@@ -117,12 +127,13 @@ private:
     long long step;
     std::vector<WallContact> contacts;
   };
-  bool wanted_, newton_;
+  bool wanted_, newton_, empty_; // empty_: when the compute was defined
   void *lmp_, *modify_;
   double *taken_;
   int local_;
   void *wall_;
   std::map<void *, Wall> walls_;
+  std::set<void *> known_; // NULL, the pair style, and walls that have computed forces since
 
   void *error() const { return *((void ***)modify_)[3]; }
   static const char *fix() { return "demlaws_dissipated"; }
@@ -137,19 +148,20 @@ private:
     Ledger &ledger = of(instance_of(compute));
     return which == 0 ? ledger.stored() : ledger.dissipated();
   }
-  double dissipated() {
+  double dissipated() { return booked() + pending; }
+  double booked() const {
     const Stock &stock = Stock::get();
     const double *const taken = (const double *)stock.atom(lmp_, "d_demlaws_dissipated");
     const int local = stock.setting(lmp_, "nlocal");
     double sum = 0.;
     for (int i = 0; taken && i < local; i++) sum += taken[i];
-    return sum + pending;
+    return sum;
   }
   double stored() {
     const Stock &stock = Stock::get();
     void *const compute = stock.find_compute(modify_, pairs());
     if (!compute)
-      raise(error(), true, "compute demlaws/energy: its helper, compute demlaws_pairs, was deleted; define it anew");
+      raise(error(), true, "compute demlaws/energy: its helper, compute demlaws_pairs, was deleted; define it again");
     const bool was = busy;
     busy = collecting = true;
     collected = pending = 0.;

@@ -148,12 +148,23 @@ template <bool LATE> struct Abi {
     explicit DampingMod(Model *m) : SubMod(m, 0, 0), damp_prefactor(0.), damp(0.) {}
   };
 
+  struct TangentialMod : public SubMod {
+    virtual void calculate_forces() = 0;
+    double k, damp, mu;
+
+  protected:
+    TangentialMod(Model *m, int coefficients) : SubMod(m, coefficients, 0), k(0.), damp(0.), mu(0.) {
+      std::fill(this->allow_synchronization, this->allow_synchronization + LATE, 0);
+    }
+  };
+
   struct Model {
     void *vtable;
     Pointers of;
     NormalMod *normal_model;
     DampingMod *damping_model;
-    void *tangential_model, *rolling_model, *twisting_model, *heat_model;
+    TangentialMod *tangential_model;
+    void *rolling_model, *twisting_model, *heat_model;
     SubMod *sub_models[6];
     int beyond_contact, limit_damping, history_update;
     int synchronized_verlet[LATE ? 1 : 0];
@@ -232,14 +243,16 @@ template <bool LATE> struct Abi {
     for (int k = 0; k < 6; k++) good = good && !m->sub_models[k];
     if (!good) return false; // the buffer may be anything: leave it
     furnish(stock, m, NORMAL, {"hertz/material", "3.0", "0.25", "0.125"});
-    furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.0"});
+    furnish(stock, m, TANGENTIAL, {"linear_nohistory", "0.0", "0.375"});
     furnish(stock, m, DAMPING, {"viscoelastic"});
     NormalMod *const normal = m->normal_model;
     good = normal && m->sub_models[NORMAL] == normal && normal->gm == m && normal->num_coeffs == 3 &&
            normal->name == "hertz/material" && normal->coeffs[2] == 0.125 && !normal->size_history &&
            !normal->transfer_history_factor && normal->allocated == 1 && normal->contact_radius_flag == 1 &&
            !normal->nsvector && normal->damp == 0.25 && normal->Emod == 3. && normal->poiss == 0.125 &&
-           normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp;
+           normal->material_properties == 1 && !normal->cohesive_flag && normal->of.lmp == lmp && m->tangential_model &&
+           m->sub_models[TANGENTIAL] == m->tangential_model && !m->tangential_model->k &&
+           m->tangential_model->mu == 0.375;
     if (!good) return false;
     stock.init(m);
     double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};

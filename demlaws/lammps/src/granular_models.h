@@ -1,13 +1,17 @@
 // The granular sub-models of demlaws, for each layout of LAMMPS's classes (granular_abi.h).
 //   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X] [extrapolation on]
-//            [shear elastic|loading]
+//            [shear elastic|loading|slip] [springs N]
 //            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it:
-//            the length in FILE); against: the other body is of another material; shear: the normal stiffness of K_t
+//            the length in FILE); against: the other body is of another material; shear, springs: docs/shear.md
+//   tangential demlaws XT MU
+//            creates no energy: the contact sticks until it slides (demlaws_shear.h) or, with 'shear slip', slips in
+//            parts (demlaws_slip.h); XT, MU: damping and friction as those of stock models
 //   damping  demlaws/tangent
 //            eta is the coefficient of restitution; c = c(e) sqrt(m K) with the tangent stiffness K of the table
 #ifndef DEMLAWS_GRANULAR_MODELS_H
 #define DEMLAWS_GRANULAR_MODELS_H
 
+#include "demlaws_slip.h"
 #include "energy.h"
 #include "granular_abi.h"
 #include "range.h"
@@ -33,6 +37,7 @@ template <bool LATE> struct Granular {
   typedef typename Abi<LATE>::SubMod SubMod;
   typedef typename Abi<LATE>::NormalMod NormalMod;
   typedef typename Abi<LATE>::DampingMod DampingMod;
+  typedef typename Abi<LATE>::TangentialMod TangentialMod;
 
   class Table : public NormalMod {
   public:
@@ -46,14 +51,15 @@ template <bool LATE> struct Granular {
     using NormalMod::nsvector;
     using NormalMod::of;
     using NormalMod::poiss;
-    enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, SHEAR, FINGERPRINT, COEFFICIENTS };
+    enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, SHEAR, SPRINGS, FINGERPRINT, COEFFICIENTS };
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
     enum { MOST_STATE = 3 };
 
     // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
     Table(Model *m, const std::string &named, const demlaws::Table &table)
         : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
-          per_stiffness_(0.), shear_(demlaws::ELASTIC_SHEAR), whole_(false), speed_(true), damped_(OTHERWISE) {
+          shear_stiffness_(0.), per_stiffness_(0.), shear_(demlaws::ELASTIC_SHEAR), whole_(false), speed_(true),
+          damped_(OTHERWISE) {
       name = named;
       this->material_properties = 1;
       // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
@@ -65,6 +71,7 @@ template <bool LATE> struct Granular {
       std::fill(this->transfer_history_factor, this->transfer_history_factor + MOST_STATE, 1.);
       coeffs[TOLERANCE] = 0.01;
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
+      coeffs[SPRINGS] = 12.;
       coeffs[FINGERPRINT] = table.fingerprint();
     }
 
@@ -77,19 +84,31 @@ template <bool LATE> struct Granular {
         refuse(
             "Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from "
             "-1 to 0.5");
-      if (coeffs[SHEAR] != demlaws::ELASTIC_SHEAR && coeffs[SHEAR] != demlaws::LOADING_SHEAR)
-        refuse("the restart file has 'shear tangent', which created energy and is gone: write pair_coeff again");
+      if (coeffs[SPRINGS] != 2 * (int)(0.5 * coeffs[SPRINGS]) || coeffs[SPRINGS] < 2. ||
+          coeffs[SPRINGS] > demlaws::SpringRow::MOST)
+        refuse("springs must be an even number from 2 to 30");
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse(
             "this is not the table that the restart file was written with: bring that file back, or write pair_coeff "
-            "anew");
-      try { // two bodies of one material
-        pair_ = demlaws::Pair::checked(table_, Emod / (2. * (1. - poiss * poiss)), coeffs[ROUGHNESS]);
+            "again");
+      const double modulus = Emod / (2. * (1. - poiss * poiss)); // two bodies of one material
+      std::string doubt;
+      try {
+        doubt = demlaws::judge_modulus(table_, modulus);
+        pair_ = demlaws::Pair::checked(table_, modulus, coeffs[ROUGHNESS]);
       } catch (const std::exception &problem) {
         refuse(problem.what());
       }
+      if (!doubt.empty()) Range::of(of.lmp).announce(of.lmp, *of.error, doubt, name + ": " + doubt);
+      watch_ = demlaws::Watch(pair_);
       per_stiffness_ = 0.5 / pair_.modulus;
       shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
+      if (!slips()) return;
+      if (!demlaws::has_springs(pair_.rule))
+        refuse("'shear slip' needs elastic, hertz, thornton or table unloading, the table has " +
+               table_.text("unloading"));
+      curve_.reset(
+          new demlaws::SpringCurve(pair_.rule == demlaws::GIVEN ? table_.unloading_curve() : table_.loading_curve()));
     }
 
     void mix_coeffs(double *a, double *b) {
@@ -100,14 +119,33 @@ template <bool LATE> struct Granular {
       coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
       coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
       coeffs[EXTRAPOLATE] = std::min(a[EXTRAPOLATE], b[EXTRAPOLATE]);
-      if (a[SHEAR] != b[SHEAR]) refuse("both types must have the same 'shear' to be mixed");
+      if (a[SHEAR] != b[SHEAR] || a[SPRINGS] != b[SPRINGS])
+        refuse("both types must have the same 'shear' and 'springs' to be mixed");
       coeffs[SHEAR] = a[SHEAR];
+      coeffs[SPRINGS] = a[SPRINGS];
       coeffs[FINGERPRINT] = a[FINGERPRINT];
       coeffs_to_local();
     }
 
+    // Of numbers as they are typed: with eta and nu exchanged they would be those of the table, to its last digit.
+    void check_order() const {
+      const double made_for = table_.of_contact("modulus", 0.), E = coeffs[YOUNG] / 2.;
+      const double given = E / (1. - coeffs[POISSON] * coeffs[POISSON]), other = E / (1. - coeffs[ETA] * coeffs[ETA]);
+      if (fabs(other - made_for) <= 1e-6 * made_for && !(fabs(given - made_for) <= 1e-6 * made_for))
+        refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = " +
+               demlaws::limits::number("%g", coeffs[ETA]) + " E* is that of the table");
+    }
+
     double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
     double stiffness() const { return stiffness_; }
+    // For the tangential model: that of K_t, and K_t over it; whether there are springs, and how much they are pressed.
+    double shear_stiffness() const { return shear_stiffness_; }
+    double shear_ratio() const { return 2. * (1. - poiss) / (2. - poiss); }
+    bool slips() const { return shear_ == demlaws::SLIP_SHEAR; }
+    demlaws::Compression compression() const {
+      return demlaws::Compression(pair_, curve_.get(), gm->Reff, gm->delta, gm->history + history_index);
+    }
+    double effective_modulus() const { return pair_.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
@@ -123,7 +161,7 @@ template <bool LATE> struct Granular {
       for (int k = ROLLING; k <= HEAT; k++) whole_ = whole_ && m->sub_models[k]->name == "none";
       const std::string &tangential = m->sub_models[TANGENTIAL]->name;
       whole_ = whole_ && tangential != "none";
-      speed_ = tangential.compare(0, 7, "mindlin") != 0;
+      speed_ = tangential != "demlaws" && tangential.compare(0, 7, "mindlin") != 0;
       damped_ = m->damping_model->name == "demlaws/tangent" ? BY_TANGENT
                 : m->damping_model->name == "viscoelastic"  ? BY_RADIUS
                                                             : OTHERWISE;
@@ -133,17 +171,17 @@ template <bool LATE> struct Granular {
     template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
       Model *const m = gm;
       if (__builtin_expect(m->contact_type > WALL_REGION, 0)) refuse_contact();
-      if (__builtin_expect(now.outside || m->delta > SMALL_OVERLAP * m->Reff, 0)) far(now.force, now.outside);
+      if (__builtin_expect(now.outside | watch_.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!pair_.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
       stiffness_ = now.stiffness;
-      // K = 2 E* a: what mindlin, viscoelastic and heat scale with
+      shear_stiffness_ =
+          demlaws::shear_stiffness<RULE>(shear_, pair_, m->Reff, m->delta, now, m->history + history_index);
       m->contact_radius =
-          demlaws::shear_stiffness<RULE>(shear_, pair_, m->Reff, m->delta, now, m->history + history_index) *
-          per_stiffness_;
+          shear_stiffness_ * per_stiffness_; // K = 2 E* a: what mindlin, viscoelastic and heat scale with
       return now.force;
     }
     // After a step that somebody wants to know more of: the state that the contact had before, that it keeps, and that
-    // the step at this overlap gives it, which is not kept where histories are only looked at (setup, compute
+    // the step at this overlap gives it, which is not kept where histories are only read (setup, compute
     // pair/local).
     __attribute__((noinline, cold)) void account(const double *before, const double *kept, const double *state) {
       Model *const m = gm;
@@ -182,8 +220,10 @@ template <bool LATE> struct Granular {
     const demlaws::Table &table_;
     Ledger &ledger_;
     demlaws::Pair pair_;
-    double stiffness_, per_stiffness_;
+    demlaws::Watch watch_;
+    double stiffness_, shear_stiffness_, per_stiffness_;
     demlaws::Shear shear_;
+    std::unique_ptr<demlaws::SpringCurve> curve_;
     bool whole_, speed_; // speed_: the tangential model asks for that of the surfaces, vrel
     enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_; // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
 
@@ -191,53 +231,51 @@ template <bool LATE> struct Granular {
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
       raise(*of.error, true, name + ": " + what);
     }
-    // The bodies by their numbers, as far as they are known: a wall's model is told of its particle's velocity alone.
-    __attribute__((noinline, cold)) std::string who() const {
+    // The bodies by their numbers, as far as they are known: a wall's model knows its particle's velocity alone.
+    __attribute__((noinline, cold)) void numbers(long &first, long &second) const {
       const Stock &stock = Stock::get();
       const void *const tags = stock.atom(of.lmp, "id");
       const bool wall = gm->contact_type != PAIR;
-      const long at[2] = {wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", gm->xi),
-                          wall ? -1 : ledger_.particle("x", gm->xj)};
+      long at[2] = {wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", gm->xi),
+                    wall ? -1 : ledger_.particle("x", gm->xj)};
+      for (long &n : at)
+        if (tags && n >= 0)
+          n = stock.setting(of.lmp, "tagint") == 8 ? (long)((const long long *)tags)[n] : ((const int *)tags)[n];
+      first = at[0];
+      second = at[1];
+    }
+    __attribute__((noinline, cold)) std::string who() const {
+      long number[2];
+      numbers(number[0], number[1]);
       std::ostringstream what;
-      what << name << ": " << (wall ? "particle " : "particles ");
-      for (int k = 0; k < (wall ? 1 : 2); k++) {
-        if (k) what << " and ";
-        if (!tags || at[k] < 0) what << "?";
-        else if (stock.setting(of.lmp, "tagint") == 8) what << ((const long long *)tags)[at[k]];
-        else what << ((const int *)tags)[at[k]];
-      }
-      if (wall) what << " and the wall";
+      what << name << ": particle" << (gm->contact_type == PAIR ? "s " : " ") << number[0];
+      if (gm->contact_type == PAIR) what << " and " << number[1];
+      else what << " and the wall";
       what << ": ";
       return what.str();
     }
-    // An overlap that is large for any law of small strains is warned of and counted; beyond R, or the last row of the
-    // table, it is refused, or counted with `extrapolation on`.
-    __attribute__((noinline, cold)) void far(double force, bool outside) const {
-      const double ratio = gm->delta / gm->Reff, last = table_.last_overlap() * pair_.length_of(gm->Reff);
-      const bool extrapolates = coeffs[EXTRAPOLATE] > 0., counted = gm->history_update != 0;
-      Range &range = Range::of(of.lmp);
-      if (ratio > SMALL_OVERLAP * (1. + 1e-9)) {
-        std::ostringstream what;
-        const bool none = ratio > LARGEST_OVERLAP;
-        what << who() << "overlap " << gm->delta << " m is " << std::setprecision(3) << ratio
-             << (none ? " times" : " of") << std::setprecision(6) << " the effective radius R = " << gm->Reff
-             << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
-             << (none ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
-        if (none && !extrapolates) raise(*of.error, false, what.str() + ", or say 'extrapolation on'");
-        Range::report(of.lmp, *of.error, range.deep, ratio / SMALL_OVERLAP, counted, what.str());
+    // Reports what is wrong with one contact.
+    struct Report : demlaws::Findings {
+      const Table &table;
+      explicit Report(const Table &t) : table(t) {}
+      bool counts(demlaws::Excess excess, double factor, const std::string &reason) {
+        demlaws::Counts &counts = Range::of(table.of.lmp).counts;
+        demlaws::Count one;
+        one.steps = 1.;
+        one.worst = factor;
+        table.numbers(one.first, one.second);
+        if (table.gm->history_update) counts.of[excess].add(one);
+        return counts.reported.insert("0123456789"[excess] + reason).second;
       }
-      if (!outside) return;
-      std::ostringstream what;
-      what << who() << "overlap " << gm->delta << " m is beyond the last row of " << table_.path() << ", " << last
-           << " m";
-      if (extrapolates) {
-        what << ": its last power law goes on, uncertified";
-        Range::report(of.lmp, *of.error, range.beyond, gm->delta / last, counted, what.str());
-        return;
+      void warn(const std::string &text) {
+        Range::warn(table.of.lmp, *table.of.error,
+                    table.who() + text + " (reported once, counted at the end of the run)");
       }
-      what << " (some " << force << " N): make the table with a larger --max-force (`demlaws table --max-force N`), "
-           << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
-      raise(*of.error, false, what.str());
+      void refuse(const std::string &text) { raise(*table.of.error, false, table.who() + text); }
+    };
+    __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
+      Report report(*this);
+      watch_.examine(pair_, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATE] > 0., !gm->history_update, report);
     }
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;
@@ -316,6 +354,81 @@ template <bool LATE> struct Granular {
     const Table *normal_;
   };
 
+  class Passive : public TangentialMod {
+  public:
+    enum { DAMPING_RATIO, FRICTION, COEFFICIENTS };
+    using TangentialMod::coeffs;
+    using TangentialMod::gm;
+    using TangentialMod::history_index;
+    Passive(Model *m, const std::string &named)
+        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(m->of.lmp)), normal_(NULL), springs_(0) {
+      this->name = named;
+      this->nondefault_history_transfer = 1;
+    }
+    void coeffs_to_local() {
+      this->mu = coeffs[FRICTION];
+      if (!(coeffs[DAMPING_RATIO] >= 0.) || !(this->mu >= 0.))
+        raise(*this->of.error, true, "tangential demlaws XT MU: damping and friction must not be negative");
+    }
+    void mix_coeffs(double *a, double *b) {
+      for (int k = 0; k < COEFFICIENTS; k++) coeffs[k] = sqrt(a[k] * b[k]);
+      coeffs_to_local();
+    }
+    // Before GranularModel::init() deals the history: the normal model is known.
+    void settle() {
+      normal_ = dynamic_cast<Table *>(gm->normal_model);
+      if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
+      springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
+      this->size_history = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::STRETCH_SIZE;
+      delete[] this->transfer_history_factor;
+      this->transfer_history_factor = new double[this->size_history];
+      // scalars are the same seen from either particle, stretches are opposite
+      std::fill(this->transfer_history_factor, this->transfer_history_factor + this->size_history, -1.);
+      std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : 1), 1.);
+      this->k = 2. * normal_->shear_ratio() * normal_->effective_modulus(); // K_t over the contact radius: twisting
+    }
+    void calculate_forces() {
+      Model *const m = gm;
+      double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
+      const bool keep = m->history_update != 0;
+      if (!keep) {
+        std::copy(numbers, numbers + this->size_history, copy);
+        numbers = copy;
+      }
+      const double stiffness = normal_->shear_stiffness(), ratio = normal_->shear_ratio(), dt = keep ? m->dt : 0.,
+                   limit = this->mu * normal_->Fncrit;
+      const double displacement[3] = {m->vtr[0] * dt, m->vtr[1] * dt, m->vtr[2] * dt};
+      const demlaws::ShearStep step =
+          springs_ ? demlaws::SpringRow(numbers, springs_)
+                         .step(stiffness, ratio, limit, normal_->compression(), m->nx, displacement)
+                   : demlaws::shear_step(ratio * stiffness, limit, m->nx, displacement, *(demlaws::Stretch *)numbers);
+      this->damp = coeffs[DAMPING_RATIO] * m->damping_model->damp_prefactor;
+      const double damping = step.slides ? 0. : this->damp;
+      for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * m->vtr[k];
+      if (__builtin_expect(ledger_.busy, 0)) account(step);
+    }
+
+  private:
+    // The work of shear is booked; what of it the contact stores is not lost.
+    __attribute__((noinline, cold)) void account(const demlaws::ShearStep &step) {
+      if (ledger_.collecting) {
+        ledger_.collected += step.before;
+        ledger_.pending -= step.before;
+        return;
+      }
+      const bool wall = gm->contact_type != PAIR, keep = gm->history_update != 0;
+      const double work = (keep ? step.work : 0.) + (ledger_.first ? step.before : 0.);
+      if (work != 0.) ledger_.take(gm->vi, wall ? NULL : gm->vj, work);
+      if (!wall) return;
+      const double stored = keep ? step.energy : step.before;
+      const WallContact contact = {stored, -stored};
+      ledger_.enter(contact);
+    }
+    Ledger &ledger_;
+    const Table *normal_;
+    int springs_; // 0: the contact sticks until it slides
+  };
+
   // In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
   static inline bool in_pairs(const Model *m) {
     if (m->contact_type | (int)m->synchronized()) return false;
@@ -332,8 +445,19 @@ template <bool LATE> struct Granular {
   }
   static void compute(void *model) {
     Model *const m = (Model *)model;
-    if (in_pairs(m)) ((Table *)m->normal_model)->whole();
-    else compute_elsewhere(m);
+    if (in_pairs(m)) return ((Table *)m->normal_model)->whole();
+    if (m->contact_type != PAIR && !this_object.holds(*(const void *const *)m->normal_model)) look_at_wall(m);
+    compute_elsewhere(m);
+  }
+  // A contact with a wall whose line still has a stock model.
+  __attribute__((noinline)) static void look_at_wall(Model *m) {
+    Range &range = Range::of(m->of.lmp);
+    const std::string &name = m->normal_model->name;
+    if (range.used && range.counts.reported.insert("wall " + name).second)
+      Range::warn(m->of.lmp, *m->of.error,
+                  "a fix wall/gran has the stock model " + name +
+                      ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
+                      "'granular demlaws/table FILE E eta nu ...' at the wall, too (`demlaws lammps convert`)");
   }
 
   template <int RULE> static Table *make_table(Model *m, const std::string &named, const demlaws::Table &table) {
@@ -352,7 +476,8 @@ template <bool LATE> struct Granular {
       made = m->normal_model = make_table<0>(m, name, Tables::get(name.substr(space + 1), m->of.lmp, *m->of.error));
       if (!outputs) made->nsvector = 0;
       Range::of(m->of.lmp).used = true;
-    } else made = m->damping_model = new Tangent(m, name);
+    } else if (type == DAMPING) made = m->damping_model = new Tangent(m, name);
+    else made = m->tangential_model = new Passive(m, name);
     delete m->sub_models[type];
     m->sub_models[type] = made;
   }
@@ -366,16 +491,26 @@ template <bool LATE> struct Granular {
       if (at + 4 > count)
         raise(error, true,
               "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-              "[extrapolation on] [shear elastic|loading]");
+              "[extrapolation on] [shear elastic|loading|slip] [springs N]");
       name += std::string(" ") + arg[at++];
     }
     double c[Table::FINGERPRINT] = {0.};
     static const char *const names[3] = {"E", "eta", "nu"};
-    for (int k = 0; type == NORMAL && k < 3; k++) c[k] = number(error, names[k], arg[at++]);
+    for (int k = 0; type == NORMAL && k < 3; k++, at++)
+      c[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
     construct(m, name, type, outputs);
-    if (type != NORMAL) return at;
     double *const into = m->sub_models[type]->coeffs;
+    if (type == TANGENTIAL) {
+      if (at + 2 > count)
+        raise(error, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
+      into[Passive::DAMPING_RATIO] = number(error, "the damping of tangential demlaws", arg[at]);
+      into[Passive::FRICTION] = number(error, "the friction of tangential demlaws", arg[at + 1]);
+      m->sub_models[type]->coeffs_to_local();
+      return at + 2;
+    }
+    if (type != NORMAL) return at;
     std::copy(c, c + 3, into);
+    ((Table *)m->normal_model)->check_order();
     while (at < count) {
       const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
       const int values = word == "against" ? 2 : 1;
@@ -385,16 +520,17 @@ template <bool LATE> struct Granular {
           raise(error, true, "demlaws/table: extrapolation is on or off, not " + value);
         into[Table::EXTRAPOLATE] = value == "on";
       } else if (word == "shear") {
-        if (!demlaws::shear_from_name(value, shear) || shear == demlaws::SLIP_SHEAR)
-          raise(error, true, "demlaws/table: shear is elastic or loading, not " + value);
+        if (!demlaws::shear_from_name(value, shear))
+          raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);
         into[Table::SHEAR] = shear;
-      } else if (word != "roughness" && word != "against" && word != "radius_tolerance") break;
+      } else if (word != "roughness" && word != "against" && word != "radius_tolerance" && word != "springs") break;
       else {
         if (at + values >= count)
           raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
         const double first = number(error, word, arg[at + 1]);
         if (word == "roughness" && !(first > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
         if (word == "roughness") into[Table::ROUGHNESS] = first;
+        else if (word == "springs") into[Table::SPRINGS] = first;
         else if (word == "radius_tolerance") into[Table::TOLERANCE] = first;
         else {
           const double other = number(error, word, arg[at + 2]);
@@ -408,6 +544,24 @@ template <bool LATE> struct Granular {
     }
     m->sub_models[type]->coeffs_to_local();
     return at;
+  }
+
+  // Before GranularModel::init.
+  static void before_init(void *model) {
+    Model *const m = (Model *)model;
+    Passive *const passive = dynamic_cast<Passive *>(m->tangential_model);
+    if (passive) return passive->settle();
+    const Table *const table = dynamic_cast<Table *>(m->normal_model);
+    if (!table || !m->tangential_model) return;
+    if (table->slips()) raise(*m->of.error, true, table->name + ": 'shear slip' needs  tangential demlaws XT MU");
+    const std::string &name = m->tangential_model->name;
+    if (name.compare(0, 7, "mindlin") || name == "mindlin_rescale/force") return;
+    Range::of(m->of.lmp).announce(
+        m->of.lmp, *m->of.error, "tangential",
+        "tangential " + name +
+            " creates energy where the stiffness changes while a contact is sheared: with mindlin a closed "
+            "box of rough spheres had 2.4 times its energy after 30 ms; use 'tangential demlaws XT MU' or "
+            "mindlin_rescale/force (docs/shear.md)");
   }
 
   // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the

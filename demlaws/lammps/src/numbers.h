@@ -1,5 +1,5 @@
 // LAMMPS finds the history of a contact by the number of the partner, and `delete_atoms` (with compress yes, its
-// default) and `reset_atoms id` deal new numbers without a word to it: contacts then start as virgin ones, or go on
+// default) and `reset_atoms id` deal new numbers without changing it: contacts then start as virgin ones, or go on
 // with the history of others. Here the histories follow their contacts.
 #ifndef DEMLAWS_NUMBERS_H
 #define DEMLAWS_NUMBERS_H
@@ -70,7 +70,7 @@ private:
   }
   static long long now(const Renamed &renamed, long long old) {
     const Renamed::const_iterator it = renamed.find(old);
-    return it == renamed.end() ? -1 : it->second; // -1: a particle that is gone, whose number may be dealt anew
+    return it == renamed.end() ? -1 : it->second; // -1: a particle that is gone, whose number may be dealt again
   }
   static long long number(void *lmp, int i) {
     const Stock &stock = Stock::get();

@@ -1,58 +1,48 @@
-// How far overlaps may go: a warning beyond SMALL_OVERLAP of the effective radius, no answer beyond LARGEST_OVERLAP of
-// it (both as in demlaws/units.py), and no certified force beyond the last row of a table.
-#ifndef DEMLAWS_RANGE_H
-#define DEMLAWS_RANGE_H
+// What left the range of its law in one instance of LAMMPS (demlaws_range.h): reported at once, counted for each run.
+#ifndef DEMLAWS_REPORTS_H
+#define DEMLAWS_REPORTS_H
 
+#include "demlaws_range.h"
 #include "ranks.h"
-#include <iomanip>
 #include <map>
-#include <sstream>
 
 namespace {
 
-const double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.0;
-
-// Contact steps of one run on this rank with an overlap above a limit.
-struct Excess {
-  double count, furthest; // contact steps; largest overlap over the limit
-  bool told;              // since the pair style was made
-};
-
 // Of one instance of LAMMPS.
 struct Range {
-  Excess deep, beyond; // than SMALL_OVERLAP; the last row
-  bool used;           // there is a table
-  bool thin_told;      // that the box is thin
-  long long checked;   // the step in which positions were looked at
-  Range() : deep(), beyond(), used(false), thin_told(false), checked(-1) {}
+  demlaws::Counts counts;
+  bool used;         // there is a table
+  bool thin_told;    // that the box is thin
+  long long checked; // the step in which positions were checked
+  Range() : used(false), thin_told(false), checked(-1) {}
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;
     return all[lmp];
   }
-  // Tells of the first one at once, on whatever rank it is.
-  static void report(void *lmp, void *error, Excess &excess, double ratio, bool counted, const std::string &what) {
-    if (counted) {
-      excess.count++;
-      excess.furthest = std::max(excess.furthest, ratio);
-    }
-    if (excess.told) return;
-    excess.told = true;
+  // On whatever rank the contact is: LAMMPS shows only what rank 0 warns of.
+  static void warn(void *lmp, void *error, const std::string &text) {
     const Stock &stock = Stock::get();
-    const std::string text = what + " (told once, counted at the end of the run)";
     if (stock.setting(lmp, "world_rank") == 0 && stock.warn) stock.warn(error, "demlaws", 0, text);
-    else fprintf(stderr, "WARNING: %s\n", text.c_str()); // LAMMPS shows only what rank 0 warns of
+    else fprintf(stderr, "WARNING: %s\n", text.c_str());
+  }
+  // Once, of what all ranks know: rank 0 says it.
+  void announce(void *lmp, void *error, const std::string &what, const std::string &text) {
+    if (counts.reported.insert(what).second && Stock::get().setting(lmp, "world_rank") == 0) warn(lmp, error, text);
   }
   // At the end of a run, on all ranks: the sums.
   void tell(void *lmp, void *error) {
     if (!used) return;
     const Ranks ranks(lmp, error);
-    sum(ranks, error, deep, "deeper than a tenth of R", "that: the laws hold for small overlaps");
-    sum(ranks, error, beyond, "beyond the last row of their table", "its overlap: extrapolated, not certified");
+    for (int k = 0; k < demlaws::EXCESSES; k++) {
+      demlaws::Count sum;
+      for (const demlaws::Count &one : ranks.gather(counts.of[k])) sum.add(one);
+      counts.of[k] = demlaws::Count();
+      const std::string line = demlaws::Counts::summary((demlaws::Excess)k, sum);
+      if (ranks.me == 0 && !line.empty()) warn(lmp, error, line);
+    }
   }
 
-  // Where a box is periodic and less than two contacts long, two particles can touch through both sides: two contacts
-  // with the same two numbers, by which LAMMPS finds their histories.
   void look_across(void *lmp, void *error) {
     const Stock &stock = Stock::get();
     const int *const periodic = (const int *)stock.global(lmp, "periodicity");
@@ -68,31 +58,9 @@ struct Range {
                                                                                        lmp, ends[k][1]);
       if (!periodic[k] || !low || !high || *high - *low >= 2. * reach) continue;
       thin_told = true;
-      std::ostringstream what;
-      what << "demlaws/table: the box is " << *high - *low << " m long in "
-           << "xyz"[k]
-           << ", where it is periodic: two particles can touch through both sides, and their two histories are mixed "
-              "up, which LAMMPS finds by their numbers; from "
-           << 2. * reach << " m on they cannot";
-      if (stock.setting(lmp, "world_rank") == 0 && stock.warn) stock.warn(error, "demlaws", 0, what.str());
+      if (stock.setting(lmp, "world_rank") == 0 && stock.warn)
+        stock.warn(error, "demlaws", 0, demlaws::thin_box(k, *high - *low, 2. * reach, "LAMMPS"));
     }
-  }
-
-private:
-  static void sum(const Ranks &ranks, void *error, Excess &excess, const char *where, const char *meaning) {
-    const std::vector<Excess> all = ranks.gather(excess);
-    double count = 0., furthest = 0.;
-    for (size_t n = 0; n < all.size(); n++) {
-      count += all[n].count;
-      furthest = std::max(furthest, all[n].furthest);
-    }
-    excess.count = excess.furthest = 0.;
-    if (ranks.me != 0 || count == 0.) return;
-    std::ostringstream what;
-    what.precision(3);
-    what << "demlaws/table: in this run " << (long long)count << " contact steps were " << where << ", by up to "
-         << furthest << " times " << meaning;
-    if (Stock::get().warn) Stock::get().warn(error, "demlaws", 0, what.str());
   }
 };
 

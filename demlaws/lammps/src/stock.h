@@ -65,7 +65,7 @@ namespace {
 enum { NORMAL = 0, DAMPING, TANGENTIAL, ROLLING, TWISTING, HEAT };
 const char here = 0; // an address in this object
 
-// Loaded objects, and where they stand in memory.
+// Loaded objects, and their addresses.
 struct Object {
   std::string name;
   ElfW(Addr) from, to;
@@ -119,7 +119,7 @@ struct Stock {
     return stock;
   }
 
-  // A function, or other object, that LAMMPS or a library of its has; NULL where there is none.
+  // A function, or other object, that LAMMPS or a library of its has; NULL: not found.
   template <class F> void look_for(const char *name, F &found) const { found = (F)dlsym(library_, name); }
 
 private:

@@ -45,7 +45,7 @@ inline void keep_for_particles(Modify *modify, const char *name, bool in_restart
   static_cast<FixPropertyAtom *>(modify->find_fix_id(name))->set_internal();
 }
 
-// compute ID GROUP demlaws/energy: what the contacts of the group's particles hold and what their plastic flow took,
+// compute ID GROUP demlaws/energy: stored and dissipated energy of the contacts of the group's particles,
 // [1] and [2], pairs and walls. Each particle of a pair has half.
 class ComputeEnergy : public Compute {
 public:
@@ -88,7 +88,7 @@ private:
   const std::shared_ptr<Instance> instance_;
 };
 
-// Takes the ledger's sum through restart files, tells of overlaps beyond the tables, and keeps the histories with their
+// Takes the ledger's sum through restart files, reports the counts of a run, and keeps the histories with their
 // contacts where delete_atoms gives the particles new numbers. The plugin makes it; there is one.
 class FixEnergy : public Fix {
 public:
@@ -103,6 +103,7 @@ public:
     keep_for_particles(modify, numbers(), false);
     follow_new_numbers();
     keep_neighbour_lists();
+    if (instance_->source) look_at_walls();
   }
   void setup_pre_force(int vflag) {
     look_across();
@@ -116,8 +117,7 @@ public:
   void post_run() {
     double *const number = kept_for_particles(modify, numbers());
     for (int i = 0; number && i < atom->nlocal; i++) number[i] = atom->tag[i];
-    tell(instance_->beyond, "beyond the last row of their table", "its overlap: extrapolated, not certified");
-    tell(instance_->deep, "deeper than a tenth of R", "that: the laws hold for small overlaps");
+    report_counts();
   }
   void write_restart(FILE *file) {
     double sum = 0.;
@@ -148,8 +148,6 @@ private:
     one_ = neighbor->oneatom;
   }
 
-  // Where a box is periodic and less than two contacts long, two particles can touch through both sides: two contacts
-  // with the same two numbers, by which LIGGGHTS finds their histories.
   void look_across() {
     bool keeps = false;
     for (const auto &one : instance_->pair.tables) keeps = keeps || state_size(one.second->unloading()) > 0;
@@ -157,31 +155,39 @@ private:
     for (int k = 0; k < domain->dimension && keeps && !told_; k++) {
       if (!domain->periodicity[k] || domain->prd[k] >= 2. * reach) continue;
       told_ = true;
-      std::ostringstream what;
-      what << "model demlaws/table: the box is " << domain->prd[k] << " long in "
-           << "xyz"[k]
-           << ", where it is periodic: two particles can touch through both sides, and their two histories are mixed "
-              "up, which LIGGGHTS finds by their numbers; from "
-           << 2. * reach << " on they cannot";
-      if (comm->me == 0) error->warning(FLERR, what.str().c_str());
+      if (comm->me == 0) error->warning(FLERR, thin_box(k, domain->prd[k], 2. * reach, "LIGGGHTS").c_str());
     }
   }
 
-  // Adds up the ranks' counts of the run that ends, and starts anew.
-  void tell(Excess &excess, const char *where, const char *meaning) {
-    double count = 0., furthest = 0.;
-    MPI_Reduce(&excess.count, &count, 1, MPI_DOUBLE, MPI_SUM, 0, world);
-    MPI_Reduce(&excess.furthest, &furthest, 1, MPI_DOUBLE, MPI_MAX, 0, world);
-    excess.count = excess.furthest = 0.;
-    if (comm->me != 0 || count == 0.) return;
-    for (FILE *file : {screen, logfile})
-      if (file)
-        fprintf(file, "demlaws/table: in this run %.0f contact steps were %s, by up to %.3g times %s\n", count, where,
-                furthest, meaning);
+  // Adds up the ranks' counts of the run that ends, and sets them to 0.
+  void report_counts() {
+    const int size = sizeof instance_->counts.of;
+    std::vector<Count> all(EXCESSES * comm->nprocs);
+    MPI_Gather(instance_->counts.of, size, MPI_BYTE, &all[0], size, MPI_BYTE, 0, world);
+    for (int k = 0; k < EXCESSES; k++) {
+      Count sum;
+      for (int rank = 0; rank < comm->nprocs; rank++) sum.add(all[rank * EXCESSES + k]);
+      instance_->counts.of[k] = Count();
+      const std::string line = Counts::summary((Excess)k, sum);
+      for (FILE *file : {screen, logfile})
+        if (comm->me == 0 && file && !line.empty()) fprintf(file, "%s\n", line.c_str());
+    }
+  }
+  // A wall whose line still has a stock model: its contacts have another law than the pairs.
+  void look_at_walls() {
+    for (int k = 0; k < modify->nfix; k++) {
+      const Fix *const fix = modify->fix[k];
+      if (strncmp(fix->style, "wall/gran", 9) != 0 || instance_->walls.count(fix->id)) continue;
+      const std::string what =
+          std::string("fix ") + fix->id + " wall/gran has a model of LIGGGHTS, the pair style has " +
+          "demlaws/table: its contacts do not follow the law; write 'model demlaws/table' at the " +
+          "wall, too (`demlaws liggghts convert`)";
+      if (instance_->counts.reported.insert(what).second && comm->me == 0) error->warning(FLERR, what.c_str());
+    }
   }
 
   // LIGGGHTS finds a contact's history by the numbers of its particles, and `delete_atoms ... compress yes` deals new
-  // ones without a word to it. The number that each particle had at the end of the last run tells which is which.
+  // ones without notice. The number that each particle had at the end of the last run tells which is which.
   void follow_new_numbers() {
     double *const number = kept_for_particles(modify, numbers());
     std::vector<int> mine, all; // old and new number of each particle
@@ -211,7 +217,7 @@ private:
         for (int n = 0; n < history->n_partner(i); n++) {
           std::map<int, int>::const_iterator it = renamed.find(partner[i][n]);
           partner[i][n] =
-              it == renamed.end() ? -1 : it->second; // -1: a deleted particle, whose number may be dealt anew
+              it == renamed.end() ? -1 : it->second; // -1: a deleted particle, whose number may be given again
         }
     }
     for (int i = 0; i < atom->nlocal; i++) number[i] = atom->tag[i];

@@ -5,6 +5,7 @@
 #define DEMLAWS_INSTANCE_H
 #include "stock.h"
 
+#include "demlaws_range.h"
 #include "demlaws_rule.h"
 #include "demlaws_table.h"
 #include <algorithm>
@@ -34,13 +35,13 @@ struct Line {
   Line() : shear(ELASTIC_SHEAR) {}
 };
 
-// What walls take over from the pair style unless their own line says otherwise.
+// What walls take over from the pair style except for the words of their own line.
 struct PairSettings {
   Files files;
   std::map<std::string, std::shared_ptr<Table>> tables; // as read: since then the folder, or the file, may be another
   bool use_roughness, extrapolate;
   double radius_tolerance, springs;
-  Shear shear; // what K_t goes by
+  Shear shear; // the normal stiffness used to compute K_t
   PairSettings()
       : use_roughness(false), extrapolate(false), radius_tolerance(0.01), springs(12.), shear(ELASTIC_SHEAR) {}
 };
@@ -52,11 +53,11 @@ public:
   // Adds what the contacts of particles in the group hold [energy], and what their plastic flow has taken that no step
   // has booked yet.
   virtual void add_energies(int groupbit, double &stored, double &pending) const = 0;
-  virtual void forget() = 0; // before forces are computed anew
+  virtual void forget() = 0; // before forces are computed again
 };
 
 // Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended
-// and in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without a word to the
+// and in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without notice to the
 // model; so the dissipation of walls is added up while it happens, not when a contact ends.
 struct Ledger {
   double taken;
@@ -76,17 +77,6 @@ struct Ledger {
   }
 };
 
-// Contact steps of one run on this rank with an overlap above a limit: the last row of the table, or a tenth of R.
-struct Excess {
-  double count, furthest; // contact steps; largest overlap over the limit
-  bool told;              // in this instance
-  Excess() : count(0.), furthest(0.), told(false) {}
-  void add(double overlap, double limit) {
-    count++;
-    furthest = std::max(furthest, overlap / limit);
-  }
-};
-
 struct EnergySource {
   virtual ~EnergySource() {}
   // of this rank; each particle of a pair has half
@@ -98,9 +88,10 @@ struct Instance {
   std::string owner; // whose properties are being connected: "pair" or "wall ID"
   PairSettings pair;
   Ledger ledger;
-  Excess beyond, deep;
+  Counts counts; // of the run that goes on
   EnergySource *source;
   std::map<std::string, Fingerprints> used, stored; // by owner: of this run, of the restart file
+  std::set<std::string> walls;                      // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {
     std::weak_ptr<Instance> &slot = all()[lmp];

@@ -19,6 +19,7 @@ static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "d
 
 struct TypePair {
   Pair pair;
+  Watch watch;
   double damping;                       // -2 sqrt(5/6) beta
   double tangential;                    // kt / K = 4 G* / E*
   double tangential_damping;            // gamma_t / gamma_n, or 0
@@ -140,7 +141,7 @@ public:
     if (state_size_ > reserved_)
       error->all(FLERR,
                  "model demlaws/table: the pair style's tables were changed, and this wall keeps too little history "
-                 "for them: define the wall anew (unfix, fix) below the pair_style line");
+                 "for them: define the wall again (unfix, fix) below the pair_style line");
     registry.registerProperty("Yeff", &MODEL_PARAMS::createYeff, me);
     registry.registerProperty("Geff", &MODEL_PARAMS::createGeff, me);
     registry.registerProperty("betaeff", &MODEL_PARAMS::createBetaEff, me);
@@ -170,9 +171,9 @@ public:
     of_file.swap(instance_->stored[instance_->owner]); // which concerns the first init only
     if (!check_restart_) return;
     compare(used, of_file, "the restart file was written with", "take that table, or say 'restart_check off'");
-    if (state_size_ > 0) // a wall; a pair style that is given anew starts with virgin contacts
+    if (state_size_ > 0) // a wall; a pair style that is given again starts with virgin contacts
       compare(used, before, "it had in the run before",
-              "define the wall anew (unfix, fix), or say 'restart_check off' in its line");
+              "define the wall again (unfix, fix), or say 'restart_check off' in its line");
   }
 
   // Refuses other tables than before: the overlaps that contacts keep are of those laws.
@@ -190,7 +191,19 @@ public:
     }
   }
 
-  double stressStrainExponent() { return 1.5; }
+  // For `area_correction`, which makes the contact area of the unsoftened grains by one power for all overlaps.
+  double stressStrainExponent() {
+    for (const auto &one : tables_) {
+      const demlaws::Curve &curve = one.second->loading_curve();
+      double first, slope;
+      curve.evaluate(curve.first(), first, slope);
+      if (fabs(first / curve.first() - 1.) < 1e-6 && fabs(curve.last_s() / curve.last() - 1.) < 1e-6) continue;
+      error->all(FLERR, ("model demlaws/table: area_correction holds for Hertz's law, force as overlap^1.5, which " +
+                         one.first + " is not; leave it out and give grains their own Young's modulus")
+                            .c_str());
+    }
+    return 1.5;
+  }
 
   inline void surfacesIntersect(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     if (data.is_wall) touch<true>(data, on_i, on_j);
@@ -209,7 +222,8 @@ public:
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
     const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
-    if (__builtin_expect(now.outside || data.deltan > 0.1 * radius, 0)) beyond(data, radius, type, update, now.outside);
+    if (__builtin_expect(now.outside | type.watch.sees(data.deltan, radius), 0))
+      examine(data, radius, type, now, update);
 
     const double damping = type.damping * sqrt(now.stiffness * data.meff);
     double normal = now.force - damping * data.vn;
@@ -265,6 +279,16 @@ public:
     warned = true;
   }
 
+  // The overlap at which Hertz's contact is as wide as the law's in first loading at this overlap: a^2/R.
+  double overlap_as_wide(const SurfacesIntersectData &data) const {
+    const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
+    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
+    const double length = type.pair.length_of(radius);
+    double s, slope;
+    type.pair.table->evaluate(data.deltan / length, s, slope);
+    return type.pair.table->area(s) * length;
+  }
+
   // For the tangential model: K_t / K, and the springs of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
   double shear_ratio(const SurfacesCloseData &data) const {
@@ -295,7 +319,7 @@ private:
   }
 
   // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether
-  // it stands above or below that.
+  // it precedes or follows that.
   void settle() {
     const demlaws::PairSettings &from = instance_->pair;
     now_ = own_;
@@ -318,7 +342,7 @@ private:
     if (!wall_) instance_->pair.tables = tables_;
   }
 
-  // The file of two types; empty where there is none.
+  // The file of two types; empty without one.
   std::string file_of(int i, int j) const {
     demlaws::Files::const_iterator it = now_.files.find(demlaws::types_of(i, j));
     if (it == now_.files.end()) it = now_.files.find(demlaws::Types(0, 0));
@@ -339,12 +363,17 @@ private:
       if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive").c_str());
     }
     const double E = effective_modulus_[i][j] / force->nktv2p;
+    std::string doubt;
     try {
+      doubt = demlaws::judge_modulus(table, E / units_.pressure);
       type.pair = demlaws::Pair::checked(table, E / units_.pressure, sigma);
     } catch (const std::exception &problem) {
       error->all(FLERR, (who.str() + problem.what()).c_str());
     }
+    if (!doubt.empty() && instance_->counts.reported.insert(doubt).second && comm->me == 0)
+      error->warning(FLERR, (who.str() + doubt).c_str());
     type.pair.in_units(E, units_.length, units_.pressure);
+    type.watch = demlaws::Watch(type.pair);
     if (now_.shear == demlaws::SLIP_SHEAR) {
       if (!demlaws::has_springs(type.pair.rule))
         error->all(FLERR, (who.str() + "'shear slip' needs elastic, hertz, thornton or table unloading, " +
@@ -365,46 +394,40 @@ private:
     else what << "particles " << atom->tag[data.i] << " and " << atom->tag[data.j];
     what << " (types " << data.itype << " and " << data.jtype << "): ";
   }
-  // An overlap that is large for any law of small strains is warned of and counted; beyond R, or the last row of the
-  // table, it is refused, or counted with `extrapolation on`.
-  __attribute__((noinline, cold)) void beyond(const SurfacesIntersectData &data, double radius,
-                                              const demlaws::TypePair &type, bool update, bool outside) {
-    const double overlap = data.deltan, last = type.pair.table->last_overlap() * type.pair.length_of(radius);
-    std::ostringstream what;
-    place(what, data);
-    what << "overlap " << overlap / units_.length << " m is ";
-    const std::string which = what.str();
-    if (overlap > 0.1 * radius) {
-      what << "more than " << (overlap > radius ? "" : "a tenth of ") << "the contact's R = " << radius / units_.length
-           << " m, where no law of small overlaps holds";
-      if (overlap > radius && !now_.extrapolate) refuse(what, "");
-      report(instance_->deep, overlap, 0.1 * radius, update, what);
+  // Reports what is wrong with one contact: on the rank that has it, at its step.
+  struct Report : demlaws::Findings {
+    const NormalModel &model;
+    const SurfacesCloseData &data;
+    const bool keeps; // else the forces of a step are computed once more
+    Report(const NormalModel &m, const SurfacesCloseData &d, bool k) : model(m), data(d), keeps(k) {}
+    bool counts(demlaws::Excess excess, double factor, const std::string &reason) {
+      demlaws::Counts &counts = model.instance_->counts;
+      demlaws::Count one;
+      one.steps = keeps;
+      one.worst = factor;
+      one.first = model.atom->tag[data.i];
+      if (!data.is_wall) one.second = model.atom->tag[data.j];
+      if (keeps) counts.of[excess].add(one);
+      return counts.reported.insert("0123456789"[excess] + reason).second;
     }
-    if (!outside) return;
-    what.str("");
-    what << which << "beyond the last row of " << type.pair.table->path() << ", " << last / units_.length << " m";
-    if (now_.extrapolate) {
-      what << ": its last power law goes on, uncertified";
-      report(instance_->beyond, overlap, last, update, what);
-      return;
+    void warn(const std::string &text) {
+      std::ostringstream what;
+      model.place(what, data);
+      what << text << " (reported once, counted at the end of the run)";
+      model.error->warning(FLERR, what.str().c_str());
     }
-    double s, slope;
-    type.pair.table->evaluate(overlap / type.pair.length_of(radius), s, slope);
-    const double hertz_overlap = s * type.pair.length_of(radius),
-                 newton = units_.length * units_.length * units_.pressure;
-    what << " (some " << 4. / 3. * type.pair.modulus * sqrt(radius * hertz_overlap) * hertz_overlap / newton << " N)";
-    refuse(what, "make the table with a larger --max-force (`demlaws table --max-force N`), ");
-  }
-  void report(demlaws::Excess &excess, double overlap, double limit, bool update, std::ostringstream &what) {
-    if (update) excess.add(overlap, limit);
-    if (excess.told) return;
-    excess.told = true;
-    what << " (told once, counted at the end of the run)";
-    error->warning(FLERR, what.str().c_str());
-  }
-  void refuse(std::ostringstream &what, const char *remedy) const {
-    what << ": " << remedy << "take a smaller time step if no such force was meant, or say 'extrapolation on'";
-    error->one(FLERR, what.str().c_str());
+    void refuse(const std::string &text) {
+      std::ostringstream what;
+      model.place(what, data);
+      what << text;
+      model.error->one(FLERR, what.str().c_str());
+    }
+  };
+  __attribute__((noinline, cold)) void examine(const SurfacesIntersectData &data, double radius,
+                                               const demlaws::TypePair &type, const demlaws::Force &now, bool keeps) {
+    Report report(*this, data, keeps);
+    const bool starts = update->ntimestep == update->firststep;
+    type.watch.examine(type.pair, radius, data.deltan, now, now_.extrapolate, starts, report);
   }
   __attribute__((noinline, cold)) void refuse_radius(const SurfacesIntersectData &data, double radius,
                                                      const demlaws::TypePair &type) const {

@@ -13,9 +13,9 @@ namespace demlaws {
 using namespace LIGGGHTS;
 using namespace LIGGGHTS::ContactModels;
 
-// The pair loop: what the stock loop does for spheres, in two passes. The first finds the touching neighbours without a
+// The pair loop: as the stock loop for spheres, in two passes. The first finds the touching neighbours without a
 // branch for each (whether a neighbour touches is what the processor cannot predict); the second computes the contacts.
-// A contact that opens is seen by its flag, so its history starts anew whatever contact_distance_factor is.
+// A contact that opens is seen by its flag, so its history starts from zeros whatever contact_distance_factor is.
 template <class MODEL> class PairStyle : public PairStyles::IGranularPairStyle, public EnergySource, private Pointers {
 public:
   PairStyle(LAMMPS *lmp, PairGran *parent, const int64_t hash)
@@ -175,7 +175,7 @@ private:
   SurfacesIntersectData data_;
   std::vector<Touch> touches_;
 
-  // A position that is no number touches nothing: without this the particle would drop out of the model silently.
+  // A position that is not finite touches nothing: without this the particle would drop out of the model silently.
   __attribute__((noinline, cold)) void refuse_position(int i) const {
     const double *const x = atom->x[i], *const v = atom->v[i];
     std::ostringstream what;

@@ -68,24 +68,23 @@ public:
     const bool keep = data.computeflag && data.shearupdate;
     const double dt = keep ? update->dt : 0., limit = friction_[data.itype][data.jtype] * fabs(data.Fn);
     const double displacement[3] = {data.vtr1 * dt, data.vtr2 * dt, data.vtr3 * dt};
-    double force[3], lost, energy;
-    bool slides;
-    if (slips_) slip(data, keep, limit, displacement, force, lost, energy, slides);
-    else {
-      demlaws::Stretch &kept = stretch(data.contact_history), now = kept;
-      lost = demlaws::shear_step(data.kt, limit, data.en, displacement, now, slides);
-      for (int k = 0; k < 3; k++) force[k] = now.stiffness * now.vector[k];
-      energy = wall_ ? demlaws::stretch_energy(now) : 0.;
-      if (keep) kept = now;
-    }
-    if (keep && data.is_wall) instance_->ledger.take_at_wall(lost, data.i);
-    else if (keep) instance_->ledger.take(lost, data.i, data.j, atom->nlocal);
-    if (wall_ && data.computeflag && instance_->ledger.readers) enter(data.i, energy);
+    double copy[demlaws::SpringRow::MOST_SIZE], *const kept = data.contact_history + offset_;
+    if (!keep) std::copy(kept, kept + size(), copy);
+    double *const numbers = keep ? kept : copy;
+    demlaws::ShearStep step;
+    if (slips_) {
+      const double ratio = normal_->shear_ratio(data);
+      step = demlaws::SpringRow(numbers, (int)springs_)
+                 .step(data.kt / ratio, ratio, limit, normal_->compression(data), data.en, displacement);
+    } else step = demlaws::shear_step(data.kt, limit, data.en, displacement, *(demlaws::Stretch *)numbers);
+    if (keep && data.is_wall) instance_->ledger.take_at_wall(step.lost(), data.i);
+    else if (keep) instance_->ledger.take(step.lost(), data.i, data.j, atom->nlocal);
+    if (wall_ && data.computeflag && instance_->ledger.readers) enter(data.i, step.energy);
 
-    const double damping = slides ? 0. : data.gammat, share = data.is_wall ? data.area_ratio : 1.;
+    const double damping = step.slides ? 0. : data.gammat, share = data.is_wall ? data.area_ratio : 1.;
     const double relative[3] = {data.vtr1, data.vtr2, data.vtr3};
-    for (int k = 0; k < 3; k++) force[k] = -force[k] - damping * relative[k];
-    double moment[3];
+    double force[3], moment[3];
+    for (int k = 0; k < 3; k++) force[k] = -step.force[k] - damping * relative[k];
     vectorCross3D(data.en, force, moment);
     for (int k = 0; k < 3; k++) {
       on_i.delta_F[k] += share * force[k];
@@ -110,32 +109,13 @@ public:
   // Energy that the shear of a contact stores.
   double stored(const SurfacesCloseData &data) const {
     if (!data.contact_history) return 0.;
-    if (!slips_) return demlaws::stretch_energy(stretch(data.contact_history));
-    return demlaws::SpringRow(data.contact_history + offset_, (int)springs_).energy(normal_->shear_ratio(data));
+    double *const kept = data.contact_history + offset_;
+    if (!slips_) return demlaws::stretch_energy(*(const demlaws::Stretch *)kept);
+    return demlaws::SpringRow(kept, (int)springs_).energy(normal_->shear_ratio(data));
   }
 
 private:
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::STRETCH_SIZE; }
-  demlaws::Stretch &stretch(double *history) const { return *reinterpret_cast<demlaws::Stretch *>(history + offset_); }
-  void slip(const SurfacesIntersectData &data, bool keep, double limit, const double *displacement, double *force,
-            double &lost, double &energy, bool &slides) const {
-    double copy[2 + 3 * demlaws::SpringRow::MOST];
-    double *const kept = data.contact_history + offset_;
-    if (!keep) std::copy(kept, kept + size(), copy);
-    demlaws::SpringRow row(keep ? kept : copy, (int)springs_);
-    const double ratio = normal_->shear_ratio(data), stiffness = data.kt / ratio;
-    force[0] = force[1] = force[2] = lost = energy = 0.;
-    slides = false;
-    if (!(stiffness > 0.)) { // an overlap that carries no force: every spring has opened
-      lost = row.energy(ratio);
-      if (keep) std::fill(kept, kept + size(), 0.);
-      return;
-    }
-    lost = row.step(stiffness, ratio, limit, normal_->compression(data), data.en, displacement, force);
-    energy = wall_ ? row.energy(ratio) : 0.;
-    slides = vectorMag3DSquared(force) >= limit * limit * (1. - 1e-9);
-  }
-
   // Energies of this wall's contacts in the last step.
   void enter(int particle, double energy) {
     if (update->ntimestep != step_) energies_.clear();

@@ -1,4 +1,4 @@
-// Walls: what the stock wall does, but where two triangles claim one and the same contact only one of them pushes.
+// Walls: as the stock wall, but where two triangles claim one and the same contact only one of them pushes.
 #ifndef DEMLAWS_WALL_STYLE_H
 #define DEMLAWS_WALL_STYLE_H
 #include "stock.h"
@@ -17,8 +17,12 @@ public:
       : Walls::Granular<MODEL>(lmp, parent, hash), lmp_(lmp), parent_(parent), instance_(Instance::of(lmp)), step_(-1),
         mesh_(-1), triangle_(-1) {
     register_styles(lmp->modify);
+    instance_->walls.insert(parent->id);
   }
-  ~WallStyle() { instance_->used.erase(owner()); }
+  ~WallStyle() {
+    instance_->used.erase(owner());
+    instance_->walls.erase(parent_->id);
+  }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp_, count, arguments);
     Walls::Granular<MODEL>::settings(count, arguments, setup);
@@ -71,7 +75,7 @@ private:
     double delta[3]; // from the contact point to the centre
   };
   static size_t none() { return (size_t)-1; }
-  // A primitive wall looks at the particles near it only: the history of one that was put elsewhere between two runs
+  // A primitive wall tests the particles near it only: the history of one that was put elsewhere between two runs
   // (displace_atoms, set) would wait there for it to come back.
   void forget_opened() {
     if (parent_->is_mesh_wall() || parent_->dnum() == 0) return;

@@ -8,7 +8,7 @@ from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
 
 LOAD_UNLOAD = [(-0.2, 0, 1000), (0.2, 0, 600), (-0.2, 0, 800), (0.2, 0, 1800), (-0.2, 0, 800)]
-MINDLIN = "tangential mindlin NULL 1.0 0.5 damping demlaws/tangent"
+SHEAR = "tangential demlaws 1.0 0.5 damping demlaws/tangent"
 
 SCENE = """\
 boundary        f f f

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 from examples import shared
-from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, continued, moves_of, simulate, two_spheres
+from inputs_for_lammps import LOAD_UNLOAD, SHEAR, continued, moves_of, simulate, two_spheres
 from own_spring import registered
 
 import demlaws as dl
 
 CONTACT = dl.Contact(radius=4e-3, modulus=32e9)
 YOUNG = 2 * CONTACT.modulus * (1 - 0.25**2)
-TABLE = f"demlaws/table law.tbl {YOUNG!r} 1.0 0.25 {MINDLIN}"
+TABLE = f"demlaws/table law.tbl {YOUNG!r} 1.0 0.25 {SHEAR}"
 ENERGY = "compute e all demlaws/energy"
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs_for_lammps import LOAD_UNLOAD, MINDLIN, error_of, modulus, moves_of, save, simulate, two_spheres
+from inputs_for_lammps import LOAD_UNLOAD, SHEAR, error_of, modulus, moves_of, save, simulate, two_spheres
 
 import demlaws as dl
 import demlaws.lammps as lm
@@ -22,7 +22,7 @@ from demlaws.lammps.run import HEAD, command, executable
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
+TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
 HERTZ = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
 ROOT = Path(dl.__file__).parents[1]
 
@@ -355,7 +355,7 @@ def test_a_box_so_thin_that_histories_are_mixed_up_is_told(folder, width, told):
     text = two_spheres(TABLE, [(-0.2, 0, 2)]).replace("boundary        f f f", "boundary        f p f")
     text = text.replace("-0.02 0.02 -0.02 0.02 units box", f"{-width / 2} {width / 2} -0.02 0.02 units box")
     simulate(folder, text)
-    said = f"the box is {width} m long in y, where it is periodic" in (folder / "log.lammps").read_text()
+    said = f"the box is {width} long in y, where it is periodic" in (folder / "log.lammps").read_text()
     assert said == told
 
 

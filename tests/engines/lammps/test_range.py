@@ -6,18 +6,17 @@ import subprocess
 
 import numpy as np
 import pytest
-from inputs_for_lammps import MINDLIN, continued, modulus, save, simulate, two_spheres
+from inputs_for_lammps import SHEAR, continued, modulus, save, simulate, two_spheres
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
-from demlaws.lammps.build import PLUGIN
 from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import command, read_log
-from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, large_overlap
+from demlaws.units import large_overlap
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
+TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
 SOFT = TABLE.replace("60.6e9", "60.6e5")
 PRESS = [(-20, 0, 1000)]
 """1 mm in 50 µs, a quarter of the spheres' R = 4 mm."""
@@ -41,11 +40,6 @@ def press(words, moves=PRESS, **options):
     return two_spheres(words, moves, 16e-3, 16e-3, **options)
 
 
-def test_the_limits_are_those_of_python():
-    text = (PLUGIN.sources / "range.h").read_text()
-    assert f"SMALL_OVERLAP = {SMALL_OVERLAP:g}, LARGEST_OVERLAP = {LARGEST_OVERLAP:.1f}" in text
-
-
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_overlaps_that_no_law_holds_for_are_told(folder, ranks):
     """Beyond a tenth of R: one warning, in the words of Python, and a count. On two ranks both have the pair."""
@@ -55,7 +49,7 @@ def test_overlaps_that_no_law_holds_for_are_told(folder, ranks):
     said = said_in(folder)
     count = counted(said, "deeper than a tenth of R")
     assert count == ranks * deep.sum()
-    assert said.count("told once") <= 1
+    assert said.count("reported once") <= 1
     if ranks == 1:
         first = log["overlap"][1:][deep][0]
         assert large_overlap(first, 4e-3) in said.replace("\n", " ")
@@ -67,7 +61,7 @@ def test_every_run_counts_anew_and_tells_nothing_again(folder):
     simulate(folder, press(SOFT, [*PRESS, (20, 0, 100), (0, 0, 50)], every=1))
     said = said_in(folder)
     counts = [int(found) for found in re.findall(r"in this run (\d+) contact steps were deeper", said)]
-    assert len(counts) == 3 and counts[1:] == [100, 50] and said.count("told once") == 1
+    assert len(counts) == 3 and counts[1:] == [100, 50] and said.count("reported once") == 1
 
 
 def test_what_a_compute_asks_is_not_counted(folder):
@@ -108,7 +102,14 @@ def test_walls_tell(tmp_path, wall):
     assert re.search(r"particle 2 and the wall: overlap 0\.00040\d* m is 0\.1 of the effective radius R = 0\.004 m", said)
     runs = [int(found) for found in re.findall(r"in this run (\d+) contact steps were deeper", said)]
     assert sum(runs) == pytest.approx(np.sum(log["overlap"] > 0.4e-3), abs=3)
-    assert said.count("told once") == 1
+    assert said.count("reported once") == 1
+
+
+@pytest.mark.parametrize(("model", "count"), [("hertz/material 60.6e9 1.0 0.25", 1), (TABLE.partition(" tangential")[0], 0)])
+def test_a_wall_left_with_a_stock_model_is_reported(folder, model, count):
+    wall = f"fix wall all wall/gran granular {model} tangential linear_nohistory 1.0 0.5 xplane NULL 16e-3\n"
+    simulate(folder, press(TABLE, [(0.2, 0, 100)], left=-8e-3 - 1e-7, more=wall))
+    assert said_in(folder).count("has the stock model hertz/material") == count
 
 
 def test_the_message_beyond_the_table_names_the_ways_out(tmp_path, granite_pair):
@@ -131,6 +132,33 @@ def test_the_message_beyond_the_table_names_the_ways_out(tmp_path, granite_pair)
     said = said_in(tmp_path)
     assert said.count("its last power law goes on") == 1
     assert counted(said, "beyond the last row") == pytest.approx(beyond.sum(), abs=3)
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (("60.6e9 1.0 0.25", "60.6 1.0 0.25"), "did you mean GPa"),
+        (("60.6e9 1.0 0.25", "60.6e9 0.25 0.4"), "eta and nu are exchanged"),
+        (("60.6e9 1.0 0.25", "60.6e9 1.0 tangential"), "FILE E eta nu"),
+        (("60.6e9 1.0 0.25", "60.6e9 1.0 0.25 roughness 2.4"), "did you mean µm"),
+    ],
+)
+def test_numbers_in_the_wrong_unit_or_order_are_refused(tmp_path, granite_pair, change, message):
+    dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus())).tabulate().save(tmp_path / "law.tbl")
+    with pytest.raises(DemlawsError, match=message):
+        simulate(tmp_path, two_spheres(TABLE.replace(*change), [(-0.2, 0, 1000)]))
+
+
+def test_limits_of_the_law_are_counted(tmp_path, granite_pair):
+    """As many steps as there are forces outside of `law.limits()`, each limit reported once with its contact."""
+    law = dl.law("rms", granite_pair.with_values(modulus=modulus()))
+    law.tabulate().save(tmp_path / "law.tbl")
+    log = simulate(tmp_path, two_spheres(TABLE, [(-0.2, 0, 1000)], every=1))
+    said, force = said_in(tmp_path), log["force"]
+    expected = sum(np.sum((force > 0) & (force < limit.minimum_force)) for limit in law.limits())
+    assert said.count("reported once") == 2 and "α > 5" in said and "α > 1" in said
+    assert counted(said, "below the range of force of their law") == pytest.approx(expected, abs=3) and expected > 10
+    assert "worst: particles 1 and 2" in said.replace("\n", " ")
 
 
 def test_extrapolation_is_on_or_off_and_goes_through_restarts(tmp_path, granite_pair):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from inputs_for_lammps import HEAD, LOAD_UNLOAD, MINDLIN, continued, modulus, moves_of, save, simulate, two_spheres
+from inputs_for_lammps import HEAD, LOAD_UNLOAD, SHEAR, continued, modulus, moves_of, save, simulate, two_spheres
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 
 STOCK = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
 OURS = "demlaws/table law.tbl 60.6e9 1.0 0.25"
-TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {MINDLIN}"
+TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
 
 
 @pytest.fixture

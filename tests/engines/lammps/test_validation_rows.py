@@ -29,3 +29,10 @@ def test_the_places_that_lammps_keeps_are_met_in_lammps():
     found = engines.in_lammps(kept_jobs())
     rows = [row for one, answer in zip(KEPT, found, strict=True) for row in kept_rows(one, "LAMMPS", answer["places"])]
     assert len(rows) == 6 and [row for row in rows if row.verdict != "pass"] == []
+
+
+@pytest.mark.parametrize("one", in_lammps.OBLIQUE, ids=lambda one: one.name)
+def test_oblique_impacts_are_those_of_hertz_material_to_round_off(one):
+    ours, stock = in_lammps.oblique(one), in_lammps.oblique(one, "hertz/material")
+    assert ours == pytest.approx(stock, rel=1e-13)
+    assert ours == pytest.approx(list(one.kept), rel=in_lammps.OBLIQUE_TOLERANCE)

@@ -26,7 +26,7 @@ GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650
 ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
 
 
-# so that subprocesses find the package where it is not installed
+# so that subprocesses find the package without an installation
 HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
 
 
@@ -59,7 +59,7 @@ def test_mpi_is_what_libliggghts_loads(monkeypatch):
 
 
 def test_library_and_headers_are_those_of_the_binary(tmp_path, monkeypatch):
-    """A LIGGGHTS of one's own stands beside Debian's: nothing of the one goes into a plugin for the other."""
+    """A user-built LIGGGHTS beside Debian's: nothing of the one goes into a plugin for the other."""
     binary, own, system = tmp_path / "liggghts", tmp_path / "lib" / "libliggghts.so", "/usr/lib/libliggghts.so"
     binary.touch(0o755)
     monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(binary))

@@ -1,4 +1,4 @@
-"""A law of a user's own file, and a table of a user's function, inside LIGGGHTS."""
+"""A law of a user's file, and a table of a user's function, inside LIGGGHTS."""
 
 import re
 from pathlib import Path
@@ -44,7 +44,7 @@ def test_a_table_of_a_function_within_its_certificate():
 
 @pytest.mark.slow
 def test_a_rule_of_ones_own_goes_on_after_a_restart(tmp_path):
-    """Half way back a restart file is written; a new process goes on as the first would have."""
+    """Half way through unloading a restart file is written; a new process goes on as the first would have."""
     with registered(tmp_path):
         law = dl.law("spring", CONTACT, lost=0.3)
         law.tabulate(1e-6).save(tmp_path / "law.tbl")

@@ -125,7 +125,7 @@ def test_a_contact_that_carried_no_force_has_lost_its_shear(tmp_path, shear):
     ],
 )
 def test_a_gas_gains_no_energy(tmp_path, name, shear, friction, poisson):
-    """`tangential history` doubles this energy with rough elastic contacts. What is lost is in the balance."""
+    """`tangential history` doubles this energy with rough elastic contacts. The losses are in the balance."""
     save(tmp_path, name)
     log = simulate(tmp_path, inputs(friction, shear, poisson)[1] + "thermo 5000\nrun 100000\n")
     kept = log["KinEng"] + log["spin"] + log["en[1]"]

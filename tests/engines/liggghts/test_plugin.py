@@ -39,7 +39,7 @@ def error_of(log, law):
 
 
 def test_the_history_has_the_names_of_the_rules_states():
-    """What the plugin calls a contact's values, in their order, against the record of each rule that C++ has."""
+    """The plugin's names of a contact's values, in their order, against the record of each rule that C++ has."""
     source = (PLUGIN.sources / "normal_model_demlaws.h").read_text()
     names = re.findall(r'"demlaws_(\w+)"', source.split("STATE_NAMES[MOST_STATE]")[1].split(";")[0])
     most = int(re.search(r"MOST_STATE = (\d+)", source)[1])
@@ -239,7 +239,7 @@ def test_energies_across_ranks(tmp_path, granite_pair):
 @pytest.mark.parametrize("unloading", ["elastic", "hertz"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
-    """Within 1e-8 m of an edge both triangles claim the sphere: one force all the same, there and back."""
+    """Within 1e-8 m of an edge both triangles claim the sphere: one force all the same, in both directions."""
     walls = Path(__file__).parents[3] / "liggghts_inputs" / "walls"
     law = dl.law("pohrt-popov", dl.Contact(6.05e-3, modulus(), 2.4e-6, 2.22), unloading=unloading)
     law.tabulate(rtol=1e-8).save(tmp_path / "granite.tbl")
@@ -348,8 +348,6 @@ def test_type_that_the_box_does_not_have(tmp_path, granite_pair):
 @pytest.mark.parametrize(
     "models",
     [
-        "cohesion sjkr",
-        "cohesion sjkr2",
         "cohesion washino/capillary/viscous",
         "cohesion easo/capillary/viscous",
         "rolling_friction epsd3",

@@ -163,13 +163,13 @@ def test_a_wall_has_the_table_that_the_pair_style_has_read(granite):
 
 
 def test_a_wall_whose_contacts_are_of_another_table_is_refused(granite):
-    """A pair_style line that is given again starts its contacts anew, a wall's go on."""
+    """A pair_style line that is given again starts with virgin contacts, a wall's go on."""
     contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=1e-6, fractal_dimension=2.22)
     dl.law("pohrt-popov", contact, unloading="hertz").tabulate().save(granite / "other.tbl")
     text = falling("table granite.tbl").replace("run 3000", "run 800")
     again = GRAN.join(["pair_style ", "table {}\npair_coeff * *\nrun 200\n"]).replace("pair_style pair_style", "pair_style")
     message = refused(granite, text + again.format("other.tbl"))
-    assert "wall floor, types 1 and 1: other.tbl" in message and "define the wall anew" in message
+    assert "wall floor, types 1 and 1: other.tbl" in message and "define the wall again" in message
     simulate(granite, text + again.format("granite.tbl"))
     simulate(granite, text + "unfix floor\n" + again.format("other.tbl").replace("run", WALL + "\nrun"))
 
@@ -184,7 +184,7 @@ def test_a_box_so_thin_that_histories_are_mixed_up_is_told(granite, table, width
     assert said == told
 
 
-def test_a_sphere_that_is_put_elsewhere_and_back_meets_the_wall_anew(granite):
+def test_a_sphere_that_is_put_elsewhere_and_back_meets_the_wall_as_a_virgin(granite):
     """Stock keeps the wall's history of a particle that goes without passing the gap above the wall."""
     text = falling("table granite.tbl", after=WALL + "\ncompute e all demlaws/energy").replace("nve/sphere", "nve/noforce")
     text = (
@@ -271,11 +271,12 @@ def test_overlaps_that_no_law_holds_for_are_told(granite):
     log = simulate(granite, text)
     deep = log["overlap"] > 0.1 * 4e-3
     said = (granite / "log.liggghts").read_text()
-    assert said.count("WARNING: model demlaws/table") == said.count("a tenth of the contact's R = 0.004 m") == 1
+    assert said.count("WARNING: model demlaws/table") == said.count("the effective radius R = 0.004 m") == 1
     counted = int(re.search(r"in this run (\d+) contact steps were deeper than a tenth of R", said)[1])
     assert counted == pytest.approx(100 * deep.sum(), rel=0.02) and deep.sum() > 50
     message = refused(granite, text.replace("run 10000", "run 25000"))
-    assert "more than the contact's R = 0.004 m" in message and "time step" in message
+    assert "times the effective radius R = 0.004 m" in message and "time step" in message
+    assert "soften the grains less" in said and "worst: particles 1 and 2" in said
 
 
 # --- instances

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from examples import rules_of, shared, telling
-from yade_scenes import FLATS, GRANITE, MODULUS, Recorder, cloud, functor, material, set_engines, two_spheres
+from yade_scenes import FLATS, GRANITE, MODULUS, Recorder, cloud, force, functor, material, set_engines, two_spheres
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
@@ -229,16 +229,17 @@ def test_material_outside_the_scene_list(omega):
     assert law.contacts().roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
 
 
-def test_bodies_come_and_go(omega):
-    """Contacts end because bodies are erased, others begin with new bodies; rows of params run out and are renewed."""
+def test_bodies_come_and_go(omega, monkeypatch):
+    """Contacts end because bodies are erased, others begin with new bodies, whose history is where that of others was."""
     import yade
     from yade.utils import sphere
 
-    from demlaws.yade import layout
+    from demlaws.yade import layout, native
 
+    monkeypatch.setattr(native, "FEW_ROWS", 4)
+    monkeypatch.setattr("demlaws.yade.scene.PERIOD", 5)
     law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
     attachment = law.binding.attachment
-    attachment.renew(8)
     stone = material()
     omega.bodies.append([sphere((n, 0, 0), 0.01, fixed=True, material=stone) for n in range(12)])
     set_engines(law)
@@ -254,7 +255,7 @@ def test_bodies_come_and_go(omega):
             omega.bodies.erase(body)
     recorder.exact("rough-plastic", "hertz", yield_pressure=1.66e9)
     assert len(recorder.lives) == 72
-    assert attachment.context.words[layout.CAPACITY] > 8
+    assert attachment.context.words[layout.ROWS_USED] <= 40
 
 
 @pytest.mark.parametrize("way", ["native", "public"])
@@ -361,3 +362,56 @@ def test_solved_law_needs_the_contacts(omega):
         two_spheres(functor("yip-venart", "hertz", bridge="native", **spans))
         with pytest.raises(RuntimeError, match="no finite force"):
             omega.run(50, True)
+
+
+@pytest.mark.parametrize("damping", [{}, {"betan": 0.05, "betas": 0.05}])
+def test_moments_are_those_of_native_mindlin(omega, damping):
+    """A packing that is compressed and sheared with rolling and twisting resistance: Hertz's law beside YADE's own."""
+    import yade
+
+    ends = []
+    for law in (yade.Law2_ScGeom_MindlinPhys_Mindlin(), functor("hertz", "elastic", {}, bridge="native", shear="native")):
+        omega.reset()
+        law.includeMoment = True
+        physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(krot=1.0, ktwist=2.0, eta=2e-3, **damping)
+        cloud(law, physics=physics)
+        omega.cell.velGrad = yade.Matrix3(-140, 100, 0, 0, -140, 0, 0, 0, -140)
+        generator = np.random.default_rng(5)
+        for body in omega.bodies:
+            body.state.angVel = yade.Vector3(*generator.uniform(-300, 300, 3))
+        omega.run(1400, True)  # rounding grows tenfold every 300 steps, from collision to collision
+        touching = [i.phys for i in omega.interactions if i.isReal and i.phys.normalForce.norm() > 0]
+        bend = [phys.momentBend.norm() / (phys.maxBendPl * phys.normalForce.norm()) for phys in touching]
+        bodies = omega.bodies
+        ends.append(
+            np.array([(*b.state.pos, *omega.forces.f(b.id), *omega.forces.t(b.id), *b.state.angVel) for b in bodies]).reshape(
+                -1, 4, 3
+            )
+        )
+    assert len(bend) > 100 and max(bend) == pytest.approx(1.0) and min(bend) < 0.9  # some contacts roll, some do not
+    scale = np.abs(ends[0]).max(axis=(0, 2), keepdims=True)
+    assert np.all(np.abs(ends[0] - ends[1]) <= 1e-9 * scale)
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_moments_beside_a_law_with_history(omega, tmp_path, way):
+    """They change neither the normal force nor the history, also over saving and loading."""
+    ends = []
+    for moments in (False, True):
+        omega.reset()
+        import yade
+
+        law = functor(bridge=way, includeMoment=moments)
+        two_spheres(law)
+        set_engines(law, physics=yade.Ip2_FrictMat_FrictMat_MindlinPhys(krot=30.0, ktwist=20.0, eta=2e-4))
+        omega.bodies[1].state.angVel = (30, 0, 20)
+        omega.run(300, True)
+        omega.saveTmp()
+        omega.run(300, True)
+        first = force(), law.totals(), omega.interactions[0, 1].phys.momentBend
+        omega.loadTmp()
+        omega.run(300, True)
+        assert (force(), law.totals(), omega.interactions[0, 1].phys.momentBend) == first
+        assert (first[2].norm() > 0) == moments and law.totals().dissipated > 0
+        ends.append((force(), *law.totals()))
+    assert ends[0] == pytest.approx(ends[1], rel=1e-6)

@@ -284,7 +284,7 @@ open({str(tmp_path)!r} + f"/out{{abs(table.speed)}}", "w").write(repr(yade.O.bod
 # --- refusals: never silently the native law
 
 
-@pytest.mark.parametrize("name", ["includeMoment", "includeAdhesion"])
+@pytest.mark.parametrize("name", ["includeAdhesion"])
 def test_refused_features(omega, name):
     with pytest.raises(dl.DemlawsError):
         functor(bridge="native", **{name: True})

@@ -111,7 +111,7 @@ def test_a_table_of_one_contact_is_refused_for_another(omega):
 
 @pytest.mark.slow
 def test_the_pages_script(page):
-    line = [sys.executable, "-m", "demlaws", "yade", "run", "--laws", "my_law.py", "-x", "mine_yade.py"]
+    line = [sys.executable, "-m", "demlaws", "yade", "run", "--law-file", "my_law.py", "-x", "mine_yade.py"]
     done = subprocess.run(line, capture_output=True, text=True, cwd=page, timeout=600, env={**os.environ, "DEMLAWS_LAWS": ""})
     assert done.returncode == 0, done.stdout + done.stderr
     overlap, force = map(float, re.search(r"at (\S+) m (\S+) N", done.stdout).groups())

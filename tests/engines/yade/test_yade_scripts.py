@@ -5,7 +5,11 @@ import sys
 from pathlib import Path
 
 import pytest
+import size
 
+import demlaws
+
+PACKAGE = Path(demlaws.__file__).parent
 SCRIPTS = Path(__file__).parents[3] / "yade_scripts"
 SAID = {
     "two_spheres": "largest error",
@@ -43,6 +47,13 @@ def test_a_failing_script_fails(tmp_path):
     command = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=SCRIPTS.parent)
     assert done.returncode == 1 and "on purpose" in done.stderr + done.stdout
+
+
+def test_a_script_with_one_law_loads_no_code_of_other_features():
+    loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in size.run_in_yade()["loaded"]}
+    assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
+    others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "solvers/ellipsoid", "criterion", "curves/tabulate"}
+    assert not loaded & (others | {"batch", "files", "path", "results", "shear"})
 
 
 def test_missing_script():

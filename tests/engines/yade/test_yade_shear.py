@@ -1,13 +1,17 @@
 """Shear in YADE: K_t, the shear force along paths, regular arrays."""
 
+import math
+
 import numpy as np
 import pytest
 from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
 from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines
 
 import demlaws as dl
+from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.driver import sheared
 from demlaws.make import example
+from demlaws.yade.shear import SPRINGS
 
 CHOICES = ("elastic", "loading")
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -17,14 +21,14 @@ PAIR = GRANITE.combined(GRANITE)
 CONTACT = dl.Contact(RADIUS / 2, MODULUS, PAIR.roughness, PAIR.fractal_dimension, PAIR.hardness)
 
 
-def taken_along(law, overlaps, displacements):
+def taken_along(law, overlaps, displacements, friction=14.0):
     """Two spheres led along a path: K_t, elastic shear force and normal force of their contact at each point."""
     import yade
     from yade.utils import sphere
 
     omega = yade.O
     omega.reset()
-    stone = material(friction=1.5)
+    stone = material(friction=math.atan(friction))
     for height in (0.0, 2 * RADIUS):
         omega.bodies.append(sphere((0, 0, height), RADIUS, fixed=True, material=stone))
     set_engines(law, 1.0)
@@ -110,3 +114,47 @@ def test_choice_is_saved_and_checked(omega, tmp_path):
     for wrong in ("secant", "tangent", ["elastic"]):
         with pytest.raises(dl.DemlawsError):
             functor(shear=wrong)
+
+
+# --- partial slip
+
+
+def slip_along(law, overlaps, displacements, friction, springs):
+    """Shear force of `dl.shear.sheared(..., "slip")`, with 128 times as many points of the unloading curve."""
+    results, rows = np.empty((6, len(overlaps))), (np.zeros((2, springs)), np.empty((2, 128 * SAMPLES)))
+    largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
+    still = np.zeros(len(overlaps))
+    state = law.new_state(1).arrays
+    slip_loop(law.rule, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
+    return results[2]
+
+
+@pytest.mark.parametrize(("name", "rule"), [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz")])
+def test_partial_slip_is_that_of_python(omega, name, rule):
+    """From a first step to the largest overlap on, so that both have the same springs."""
+    one = example(name, CONTACT, rule)
+    generator = np.random.default_rng(2)
+    depth = float(one.overlap(60.0))
+    overlaps = depth * np.concatenate([[1.0, 1.0, 1.0], generator.uniform(0.7, 1.0, 60)])
+    sideways = 0.6 * depth * np.concatenate([[0.0, 0.2, 1.0], generator.uniform(-1.0, 1.0, 60)])
+    surfaces = {} if name == "hertz" else {"granite": GRANITE}
+    law = functor(name, rule, surfaces, bridge="native", shear="slip")
+    reached, _, shear, normal = taken_along(law, overlaps, sideways, friction=0.5)
+    expected = slip_along(one, reached, sideways, 0.5, SPRINGS)
+    assert -shear == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+    close = sheared(one, reached, sideways, GRANITE_RATIO, "slip", friction=0.5, springs=SPRINGS)
+    assert expected == pytest.approx(close.shear_force, abs=1e-4 * np.abs(expected).max())
+    assert np.any(np.abs(shear) < 0.2 * normal) and np.any(np.abs(shear) > 0.49 * normal)
+    totals = law.totals()
+    assert totals.shear_stored == pytest.approx(close.stored[-1], rel=1e-3)
+    assert totals.shear_dissipated == pytest.approx(close.dissipated[-1], rel=1e-3)
+
+
+def test_partial_slip_of_a_contact_that_grows(omega):
+    """Springs are joined as the contact becomes stiffer: within the error of 12 springs."""
+    one = example("pohrt-popov", CONTACT, "hertz")
+    forces, displacements = PATHS["wild"]
+    overlaps = overlaps_at(one, forces)
+    reached, _, shear, _ = taken_along(functor(bridge="native", shear="slip"), overlaps, displacements, friction=0.5)
+    limit = sheared(one, reached, displacements, GRANITE_RATIO, "slip", friction=0.5, springs=1000)
+    assert -shear == pytest.approx(limit.shear_force, abs=0.02 * 0.5 * max(forces))

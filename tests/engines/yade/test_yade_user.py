@@ -4,6 +4,7 @@ import copy
 import pickle
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -158,8 +159,8 @@ def test_patches_can_be_taken_back(omega):
     from demlaws.yade import patches
 
     still(functor(bridge="native"))
-    names = [name for name, _ in patches._originals]
-    assert len(names) == len(set(names)) <= 8
+    names = [(cls, name) for cls, name, _ in patches._originals]
+    assert len(names) == len(set(names)) <= 10
     patches.remove()
     try:
         assert yade.wrapper.Omega.engines is native._engines and len(omega.engines) == 5
@@ -355,7 +356,7 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
 def test_an_invalid_modulus_stops(omega, way, wrong):
     """By YADE's own law these contacts attract: -71 N with poisson=1.2, without a message."""
     still(functor(bridge=way), **wrong)
-    with pytest.raises(RuntimeError, match=r"contact 0\+1: its materials make E\* = \S+ Pa, .*'granite' young="):
+    with pytest.raises(RuntimeError, match=r"contact 0\+1: its materials make E\* = \S+ Pa; .*'granite' young="):
         omega.run(3, True)
     functor(bridge=way, label="later")  # can be made while such bodies are in the scene
 
@@ -449,7 +450,7 @@ def test_roughness_is_compared_with_the_radius_of_each_contact(omega):
             omega.run(3, True)
             assert 0 < force() < omega.interactions[0, 1].phys.kno * 0.01**1.5 * 1.001
         else:
-            with pytest.raises(RuntimeError, match=r"0\.00848528 m exceeds its effective radius 0\.005 m"):
+            with pytest.raises(RuntimeError, match=r"0\.00848528 m is 1\.7 of the radius 0\.005 m"):
                 omega.run(3, True)
 
 
@@ -642,6 +643,7 @@ def test_totals_while_it_runs(omega):
             assert len(law.contacts().force) == 1
     finally:
         omega.pause()
+        time.sleep(0.5)  # the last step ends: O.reset waits for it with the lock that Python in this step needs (stock YADE)
 
 
 def test_a_law_made_while_it_runs_says_why_it_is_slow(omega):
@@ -731,7 +733,7 @@ def test_only_the_precision_of_a_yade_matters(bridge, monkeypatch, name, value, 
             bridge.layout()
 
 
-@pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved vector"])
+@pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved member"])
 def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     native, real = bridge, bridge.read_memory
 
@@ -749,9 +751,12 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     elif doctored == "another class":
         monkeypatch.setattr(native, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
     else:
-        vector = native.Layout._vector
-        shift = {"momentTwist": 8}
-        monkeypatch.setattr(native.Layout, "_vector", staticmethod(lambda name: vector(name) + shift.get(name, 0)))
+        find = native._find
+
+        def moved(cls, name, *more, **options):
+            return find(cls, name, *more, **options) + 8 * (cls.__name__ == "ScGeom6D" and name == "refR2")
+
+        monkeypatch.setattr(native, "_find", moved)
     with pytest.raises(native.BridgeUnavailable):
         native.layout()
 

@@ -1,1 +1,2 @@
-// no cohesion model is supported
+#include "cohesion_model_sjkr.h"
+#include "cohesion_model_sjkr2.h"

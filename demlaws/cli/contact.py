@@ -1,0 +1,147 @@
+"""Arguments that describe a contact, a law and its unloading, shared by the commands."""
+
+from demlaws.cli import option
+from demlaws.cli.arguments import law_name, length, plain, pressure, radius
+from demlaws.errors import DemlawsError
+
+
+def add_law_arguments(parser, law_required=True):
+    """Arguments that name a law and its contact."""
+    parser.add_argument(
+        "--law", type=law_name, required=law_required, help="name of the law (--law ? or demlaws laws lists them)"
+    )
+    parser.add_argument(
+        "--unloading",
+        help="elastic, hertz, thornton, a rule of this law only (demlaws laws NAME), or a table file with the curve along "
+        "which the contact unloads (default: the law's default rule, else elastic)",
+    )
+    parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
+    curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
+    curve.add_argument("--unloading-law", type=law_name, help="name of that law")
+    curve.add_argument(
+        "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
+    )
+    curve.add_argument("--unloading-roughness", type=length, help="its combined roughness σ in m (default: the contact's)")
+    curve.add_argument("--unloading-radius", type=length, help="its effective radius R in m (default: the contact's)")
+    add_contact_arguments(parser)
+
+
+def add_contact_arguments(parser, test=True):
+    """Arguments that describe one contact of two bodies. test: also by the name of a granite test."""
+    contact = parser.add_argument_group(
+        "contact (SI units, or with a unit: 4.35mm, 2.4um, 60GPa)",
+        "Options with one or two values: one value is that of both bodies, two are of the first and of the second.",
+    )
+    if test:
+        contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
+    pair = {"nargs": "+", "metavar": "VALUE"}
+    contact.add_argument("--radius", type=radius, **pair, help="radius of each sphere in m; inf is a flat")
+    contact.add_argument("--effective-radius", type=length, help="R in m, 1/R = 1/R1 + 1/R2, in place of --radius")
+    contact.add_argument("--young", type=pressure, **pair, help="Young's modulus of each body in Pa")
+    contact.add_argument("--poisson", type=plain, **pair, help="Poisson's ratio of each body, with --young")
+    contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
+    contact.add_argument("--roughness", type=length, **pair, help="rms roughness Sq of each surface in m (default 0)")
+    contact.add_argument(
+        "--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness (default 0)"
+    )
+    contact.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
+    contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
+
+
+def contact_from(arguments, **measured):
+    """The contact that the arguments describe, with the measured fields in place of arguments."""
+    import numpy as np
+
+    from demlaws import granite
+    from demlaws.contact import Contact, Material
+
+    def pair(name, replaced_by):
+        values = getattr(arguments, name)
+        if values is None:
+            return None
+        if getattr(arguments, replaced_by) is not None:
+            raise DemlawsError(f"give either --{name} or --{replaced_by.replace('_', '-')}")
+        if len(values) > 2:
+            raise DemlawsError(f"--{name} has {len(values)} values: give one for both bodies, or one for each")
+        return values[0], values[-1]
+
+    flat = (Material(1e9, 0.0), Material(1e9, 0.0))
+    fields = {
+        "radius": arguments.effective_radius,
+        "modulus": arguments.modulus,
+        "roughness": arguments.combined_roughness,
+        "fractal_dimension": arguments.fractal_dimension,
+        "hardness": arguments.hardness,
+    }
+    if (radii := pair("radius", "effective_radius")) is not None:
+        fields["radius"] = Contact.between(*flat, radius1=radii[0], radius2=radii[1]).radius
+    if (sq := pair("roughness", "combined_roughness")) is not None:
+        fields["roughness"] = float(np.hypot(*sq))
+    if (arguments.young is None) != (arguments.poisson is None):
+        raise DemlawsError("--young and --poisson belong together: give both, or --modulus")
+    if (young := pair("young", "modulus")) is not None:
+        poisson = pair("poisson", "modulus")
+        moduli = [Material(*body).plane_modulus for body in zip(young, poisson, strict=True)]
+        fields["modulus"] = 1.0 / (1.0 / moduli[0] + 1.0 / moduli[1])
+    fields.update(measured)
+    fields = {name: value for name, value in fields.items() if value is not None}
+    if getattr(arguments, "test", None) is not None:
+        return granite.find_test(arguments.test).contact.with_values(**fields)
+    options = {"radius": "--radius (or --effective-radius)", "modulus": "--young and --poisson (or --modulus)"}
+    missing = [text for name, text in options.items() if name not in fields]
+    if missing:
+        tests = ", or --test for that of a granite test" if hasattr(arguments, "test") else ""
+        raise DemlawsError(f"{' and '.join(missing)} missing: give the contact{tests}")
+    return Contact(**fields)
+
+
+def law_from(arguments):
+    """The law that the arguments name."""
+    from demlaws import granite
+    from demlaws.laws.registry import find
+    from demlaws.make import law
+
+    definition = find(arguments.law)
+    options = dict(arguments.option)
+    if arguments.test is not None:
+        options = {**granite.options_for(definition.name, granite.find_test(arguments.test)), **options}
+    contact = contact_from(arguments)
+    return law(definition.name, contact, _unloading_from(arguments, contact), **options)
+
+
+def describe(contact):
+    """One line with the effective quantities of a contact."""
+    text = f"contact: R = {contact.radius * 1e3:.5g} mm, E* = {contact.modulus / 1e9:.5g} GPa"
+    return text + f", σ = {contact.roughness * 1e6:.4g} µm"
+
+
+def _unloading_from(arguments, contact):
+    """A rule, or the law whose curve the contact unloads along."""
+    from demlaws import granite
+    from demlaws.laws.registry import find
+    from demlaws.make import law
+
+    changes = {n: getattr(arguments, f"unloading_{n}") for n in ("roughness", "radius")}
+    changes = {name: value for name, value in changes.items() if value is not None}
+    if arguments.unloading_law is None:
+        if changes or arguments.unloading_option:
+            raise DemlawsError(
+                "--unloading-option, --unloading-roughness and --unloading-radius describe the curve of --unloading-law: "
+                "name that law"
+            )
+        return arguments.unloading
+    if arguments.unloading not in (None, "elastic", "table"):
+        raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
+    options = dict(arguments.unloading_option)
+    if arguments.test is not None:
+        options = {**granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test)), **options}
+    return law(arguments.unloading_law, contact.with_values(**changes), **options)
+
+
+def draw(path, make):
+    """Save the figure that `make(plots.surface)` returns, if a path is given; print the path."""
+    if path is not None:
+        from demlaws import plots
+        from demlaws.plots import surface as plots_surface
+
+        print(plots.save(make(plots_surface), path))

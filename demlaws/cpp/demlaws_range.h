@@ -1,0 +1,199 @@
+// demlaws_range.h: where a contact leaves the range of its law. Overlaps, roughness, moduli, and the limits that a
+// table names: the checks of the plugins of LIGGGHTS and LAMMPS, their messages, their counts.
+// Limits and words are those of demlaws/units.py, admissible.py and criterion.py.
+#ifndef DEMLAWS_RANGE_H
+#define DEMLAWS_RANGE_H
+
+#include "demlaws_limits.h"
+#include "demlaws_table.h"
+#include <set>
+
+namespace demlaws {
+
+const double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.; // over R: warned of beyond the first, refused beyond the other
+const double LARGE_ROUGHNESS = 0.1;                     // sigma over R, warned of beyond it
+const double SOFTENED = 1e-5, STIFFENED = 10.;          // E* over the table's, warned of beyond them
+
+// What a contact can leave. Each kind is counted by itself.
+enum Excess { DEEP, BEYOND, ROUGH, YIELDS, ABOVE, BELOW, EXCESSES };
+
+// Contact steps of one run that left a limit.
+struct Count {
+  double steps, worst; // how many; by the largest factor
+  long first, second;  // numbers of the particles of that one; second -1: a wall
+  Count() : steps(0.), worst(0.), first(-1), second(-1) {}
+  void add(const Count &other) {
+    steps += other.steps;
+    if (other.worst <= worst) return;
+    worst = other.worst;
+    first = other.first;
+    second = other.second;
+  }
+};
+
+// The counts of one run on one rank, and what was reported already.
+struct Counts {
+  Count of[EXCESSES];
+  std::set<std::string> reported;
+  // Line for the end of a run, from the sum over all ranks; empty where there is nothing to report.
+  static std::string summary(Excess excess, const Count &sum) {
+    static const char *const where[EXCESSES][2] = {
+        {"deeper than a tenth of R", "times that: the laws hold for small overlaps"},
+        {"beyond the last row of their table", "times its overlap: extrapolated, not certified"},
+        {"rougher than a tenth of R", "times that: the laws take roughness for small beside the radius"},
+        {"above the load at which the bulk yields", "times the pressure 0.6 H_m: the law keeps the bulk elastic"},
+        {"above the range of force of their law", "times its end"},
+        {"below the range of force of their law", "times (its end over the force)"}};
+    if (!(sum.steps > 0.)) return "";
+    std::ostringstream text;
+    text.precision(3);
+    text << "demlaws/table: in this run " << (long long)sum.steps << " contact steps were " << where[excess][0]
+         << ", by up to " << sum.worst << " " << where[excess][1] << "; worst: particle";
+    if (sum.second < 0) text << " " << sum.first << " and a wall";
+    else text << "s " << sum.first << " and " << sum.second;
+    return text.str();
+  }
+};
+
+// Text about the modulus of a pair, "" for a plausible value; throws for an inadmissible one.
+inline std::string judge_modulus(const Table &table, double modulus) {
+  const Finding alone = judge("modulus", modulus);
+  if (!alone.admissible) throw std::runtime_error(alone.text);
+  const double made_for = table.of_contact("modulus", modulus);
+  if (modulus >= SOFTENED * made_for && modulus <= STIFFENED * made_for) return "";
+  std::ostringstream what;
+  what << "modulus = " << modulus << " Pa is " << modulus / made_for << " times the effective modulus of "
+       << table.path() << ", " << made_for << " Pa: check the units of Young's modulus and Poisson's ratio";
+  return what.str();
+}
+
+// Where a box is periodic and less than two contacts long, two particles can touch through both sides: two contacts
+// with the same two numbers, by which the engine finds their histories.
+inline std::string thin_box(int axis, double length, double enough, const char *engine) {
+  std::ostringstream what;
+  what << "demlaws/table: the box is " << length << " long in "
+       << "xyz"[axis]
+       << ", where it is periodic: two particles can touch through both sides, and their two histories are mixed up, "
+       << "which " << engine << " finds by their numbers; from " << enough << " on they cannot";
+  return what.str();
+}
+
+// What an engine does with the findings on one contact.
+struct Findings {
+  virtual ~Findings() {}
+  // Counts an excess by this factor; whether its text, which `reason` identifies, is still to be reported.
+  virtual bool counts(Excess excess, double factor, const std::string &reason) = 0;
+  virtual void warn(const std::string &text) = 0;
+  virtual void refuse(const std::string &text) = 0;
+};
+
+// Checks of one contact. Its pair is in the engine's units; messages are in SI.
+class Watch {
+public:
+  Watch() : deep_(SMALL_OVERLAP), above_(HUGE_VAL), below_(0.), below_per_radius_(0.), smallest_(0.), hardness_(0.) {}
+  explicit Watch(const Pair &pair) : Watch() {
+    const Table &table = *pair.table;
+    deep_ = SMALL_OVERLAP * (1. + 1e-9);
+    hardness_ = table.number("hardness", 0.) * pair.pascal;
+    smallest_ = pair.sigma * pair.metre / LARGE_ROUGHNESS;
+    for (const Limit &limit : table.limits()) {
+      if (limit.kind == Limit::BULK_YIELD && !(hardness_ > 0.)) continue;
+      if (limit.kind == Limit::BULK_YIELD) { // what roughness takes from the pressure is left to examine()
+        const double root = 0.5 * M_PI * limit.value * hardness_ / pair.modulus;
+        deep_ = std::min(deep_, root * root);
+        continue;
+      }
+      const double root = cbrt(0.75 * limit.value), u = table.overlap_where(root * root);
+      if (limit.kind == Limit::FORCE_BELOW) (pair.length > 0. ? below_ : below_per_radius_) = u * pair.length_of(1.);
+      else if (pair.length > 0.) above_ = std::min(above_, u * pair.length);
+      else deep_ = std::min(deep_, u * pair.length_per_radius);
+    }
+  }
+  // Whether there may be something to report; asked at every step of every contact.
+  inline bool sees(double overlap, double radius) const {
+    return (overlap > deep_ * radius) | (overlap > above_) | (overlap < below_ + below_per_radius_ * radius) |
+           (radius < smallest_);
+  }
+  // Reports it. starts: in the first forces of a run, before anything has moved.
+  void examine(const Pair &pair, double radius, double overlap, const Force &now, bool extrapolates, bool starts,
+               Findings &findings) const {
+    check_overlap(pair, radius, overlap, now, extrapolates, starts, findings);
+    check_roughness(pair, radius, findings);
+    if (now.force > 0.)
+      for (const Limit &limit : pair.table->limits()) check_limit(limit, pair, radius, now.force, findings);
+  }
+
+private:
+  double deep_, above_, below_, below_per_radius_, smallest_, hardness_;
+
+  static std::string remedy(bool starts) {
+    return starts ? "the particles overlap so before the first step: move them apart"
+                  : "take a smaller time step if no such force was meant";
+  }
+  static void check_overlap(const Pair &pair, double radius, double overlap, const Force &now, bool extrapolates,
+                            bool starts, Findings &findings) {
+    const double ratio = overlap / radius, newton = pair.pascal * pair.metre * pair.metre;
+    std::ostringstream what;
+    what << "overlap " << overlap / pair.metre << " m is ";
+    const std::string overlap_is = what.str();
+    if (ratio > SMALL_OVERLAP * (1. + 1e-9)) {
+      const bool undefined = ratio > LARGEST_OVERLAP;
+      const double softened = pair.modulus / pair.pascal / pair.table->of_contact("modulus", HUGE_VAL);
+      what.precision(3);
+      what << ratio << (undefined ? " times" : " of") << " the effective radius R = ";
+      what.precision(6);
+      what << radius / pair.metre << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
+           << (undefined ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
+      if (softened > 0. && softened < 0.99)
+        what << "; E* is " << softened << " of the table's: soften the grains less (`demlaws soften`)";
+      if (undefined && !extrapolates) findings.refuse(what.str() + "; " + remedy(starts) + ", or 'extrapolation on'");
+      if (findings.counts(DEEP, ratio / SMALL_OVERLAP, "")) findings.warn(what.str());
+    }
+    if (!now.outside) return;
+    const double last = pair.table->last_overlap() * pair.length_of(radius);
+    what.str("");
+    what << overlap_is << "beyond the last row of " << pair.table->path() << ", " << last / pair.metre << " m";
+    if (extrapolates) {
+      what << ": its last power law goes on, uncertified";
+      if (findings.counts(BEYOND, overlap / last, "")) findings.warn(what.str());
+      return;
+    }
+    what << " (some " << now.force / newton << " N): make the table with a larger --max-force (`demlaws table "
+         << "--max-force N`), " << remedy(starts) << ", or say 'extrapolation on'";
+    findings.refuse(what.str());
+  }
+  static void check_roughness(const Pair &pair, double radius, Findings &findings) {
+    const double ratio = pair.sigma * pair.metre / radius;
+    if (!(ratio > LARGE_ROUGHNESS)) return;
+    const Finding found = judge_roughness(pair.sigma, radius / pair.metre);
+    if (!found.admissible) findings.refuse(found.text);
+    if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS, "")) findings.warn(found.text);
+  }
+  // Central pressure over hardness: Hertz's p0 times 1 - exp(-2/(3 alpha^0.6)), alpha = sigma over Hertz's overlap.
+  double pressure(const Pair &pair, double radius, double force) const {
+    const double root = cbrt(0.75 * force / (pair.modulus * sqrt(radius))), hertz_overlap = root * root;
+    const double alpha = pair.sigma * pair.metre / hertz_overlap;
+    const double drop = alpha > 0. ? -expm1(-2. / (3. * pow(alpha, 0.6))) : 1.;
+    return 2. * pair.modulus / M_PI * sqrt(hertz_overlap / radius) * drop / hardness_;
+  }
+  void check_limit(const Limit &limit, const Pair &pair, double radius, double force, Findings &findings) const {
+    if (limit.kind == Limit::BULK_YIELD && !(hardness_ > 0.)) return;
+    const double length = pair.length_of(radius), newton = pair.pascal * pair.metre * pair.metre;
+    const double end = limit.value * pair.modulus * sqrt(radius * length) * length;
+    const bool yields = limit.kind == Limit::BULK_YIELD, below = limit.kind == Limit::FORCE_BELOW;
+    const double factor = (yields  ? pressure(pair, radius, force) / limit.value
+                           : below ? end / force
+                                   : force / end) *
+                          (1. - 1e-9);
+    if (!(factor > 1.) || !findings.counts(yields ? YIELDS : below ? BELOW : ABOVE, factor, limit.reason)) return;
+    std::ostringstream what;
+    what.precision(3);
+    what << "force " << force / newton << " N of law " << pair.table->text("law");
+    if (!yields) what << ", " << (below ? "below " : "above ") << end / newton << " N";
+    what << ": " << limit.reason;
+    findings.warn(what.str());
+  }
+};
+
+} // namespace demlaws
+#endif

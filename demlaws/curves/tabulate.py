@@ -1,0 +1,241 @@
+"""Making tables: the fewest cells whose force and stiffness lie within a tolerance of a curve."""
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from demlaws.contact import Contact
+from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, shape_from_nodes
+from demlaws.core.loops import (
+    bind_params,
+    clamped_roughness,
+    clamped_roughnesses,
+    first_loading,
+    inverse_loop,
+    loading_part,
+    one_of,
+)
+from demlaws.curves.table import Certificate, TableCurve
+from demlaws.errors import DemlawsError
+from demlaws.laws.definition import Definition
+from demlaws.unloading import Unloading, joined_shape
+
+
+class Source(NamedTuple):
+    """A curve to tabulate, of one contact, and the scales of the table."""
+
+    exact: Callable  # overlaps [m] → force [N], stiffness [N/m]
+    length: float  # [m]
+    hertz_coefficient: float  # [N/m^1.5]
+    kinks: list  # u
+    solved: bool
+    aside: float = 1e-14  # how far beside a kink its one-sided stiffness is read, over its overlap
+
+    def curve(self, u):
+        """s(u) and ds/du."""
+        force, stiffness = self.exact(u * self.length)
+        equivalent = np.cbrt(force / self.hertz_coefficient) ** 2
+        return equivalent / self.length, stiffness / (1.5 * self.hertz_coefficient * np.sqrt(equivalent))
+
+    def nodes(self, lowest, highest, bits_per_octave):
+        """Rows of the table from `lowest` to `highest` u."""
+        u, kinks = grid(lowest, highest, self.kinks, bits_per_octave)
+        place = u.copy()
+        for kink in kinks:  # one-sided stiffness: just left and just right of the kink
+            first, second = np.flatnonzero(u == kink)
+            place[first] = kink * (1.0 - self.aside)
+            place[second] = kink * (1.0 + self.aside)
+        s, slope = self.curve(place)
+        for kink in kinks:
+            second = np.flatnonzero(u == kink)[1]
+            if abs(s[second] / s[second - 1] - 1.0) < 1e-10:  # no jump of force: one value for both sides
+                s[second] = s[second - 1]
+        return Nodes.from_curve(u, s, slope)
+
+    def lowest(self, rtol, largest):
+        """Largest u, but at least 2^-30, below which the curve is its own power law within a small part of rtol."""
+        u = 2.0 ** np.arange(-30.0, 1.0)
+        u = u[u <= max(largest, u[0])]
+        s, slope = self.curve(u)
+        exponent = u * slope / s
+        with np.errstate(all="ignore"):
+            bend = np.abs(exponent - exponent[0])
+        good = np.flatnonzero(bend <= 0.02 * rtol)
+        return min(float(u[good[-1]]) if good.size else float(u[0]), largest / 64.0)
+
+    def certify(self, shape, table):
+        """`Certificate` of a table's shape, bound to the contact as `table`."""
+        starts = shape.grid.starts
+        u = np.append(starts[:, 3] + starts[:, 4] * starts[:, 0], shape.grid.highest)
+        # where cubics through exact ends err most in value and in slope; closer together for laws that have cells of their own
+        fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
+        width = np.diff(u)
+        points = (u[:-1, None] + width[:, None] * fractions).ravel() * self.length
+        force, stiffness = _curve_of(table)(points)
+        exact_force, exact_stiffness = self.exact(points)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
+        return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
+
+
+def _curve_of(params):
+    """`Source.exact` of a law's params."""
+
+    def exact(overlap):
+        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+        first_loading(params, overlap, force, stiffness)
+        return force, stiffness
+
+    return exact
+
+
+def _smallest_table(source, contact, lengths, rtol, name, span, first_bits=1, bulk=None, straight=False, floor=None):
+    """(shape, nodes, certificate) of the table with the fewest cells whose certificate is within rtol.
+
+    span: bits per octave → largest u; bulk: largest u of the nodes → `BulkYield`.
+    """
+    certificate = (math.inf,)
+    for bits_per_octave in range(first_bits, MOST_BITS + 1):
+        largest = span(bits_per_octave)
+        nodes = source.nodes(source.lowest(rtol, largest), largest, bits_per_octave)
+        if not np.all(np.isfinite(nodes.force)):  # an unloading curve that is a table ends within the last cell
+            continue
+        yields = NO_YIELD if bulk is None else bulk(nodes.u[-1])
+        shape = shape_from_nodes(nodes, bits_per_octave, *lengths, yields, straight, floor)
+        certificate = source.certify(shape, bind_params(shape, contact))
+        if max(certificate) <= rtol:
+            return shape, nodes, certificate
+    raise DemlawsError(
+        f"rtol = {rtol:g} is out of reach: with {2**MOST_BITS} cells per octave the table of {name!r} errs by "
+        f"{max(certificate):.2g}; use a larger tolerance"
+    )
+
+
+RADII_SERVED = 10.0  # a table that collapses reaches to a tenth of so many times its contact's radius
+
+
+def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float | np.ndarray | None = None) -> TableCurve:
+    """The smallest table of a curve whose force and stiffness are within `rtol`, measured between the nodes.
+
+    The range ends at `largest_overlap` [m], one per contact, or at a tenth of the radius (of ten times the radius where the
+    curve collapses), and goes down to where the curve is a power law within `rtol`.
+    """
+    rtol = tolerance(rtol)
+    definition = curve.definition
+    _refuse_too_fine(definition, rtol)
+    curve.check_collapse(contact)
+    index, one = _one_contact(contact)
+    lengths = (0.0, 1.0) if definition.length == "radius" or np.all(contact.is_smooth) else (1.0, 0.0)
+    roughness = clamped_roughness(one.roughness, one.radius)
+    length = lengths[0] * roughness + lengths[1] * one.radius
+    if largest_overlap is None:
+        every = np.asarray(contact.radius) if lengths[1] else clamped_roughnesses(contact)
+        largest = 0.1 * np.max(np.asarray(contact.radius) / every) * (RADII_SERVED if curve.collapses else 1.0)
+    else:
+        largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
+    params = loading_part(bind_params(curve.shape, one))
+    kinks = [k / length for k in curve.kinks(one_of(bind_params(curve.shape, contact), index))]
+    source = Source(_curve_of(params), length, params.hertz_coefficient, kinks, definition.solved)
+    shape, nodes, certificate = _smallest_table(
+        source,
+        one,
+        lengths,
+        rtol,
+        definition.name,
+        lambda bits: largest,
+        bulk=lambda highest: curve.bulk(params, length, highest),
+        straight=curve.starts_from_force,
+    )
+    return TableCurve(definition, curve.options, shape, nodes, certificate, rtol, contact, curve.collapses)
+
+
+def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> TableCurve:
+    """`TableCurve` of an unloading curve in the scales of `table`, as far as this one reaches in force."""
+    curve = unloading.curve
+    _refuse_too_fine(curve.definition, table.rtol)
+    index, one = _one_contact(contact)
+    joined = joined_shape(table.shape, contact, unloading)
+    params = bind_params(joined, one)
+    length, coefficient = params.loading.length, params.hertz_coefficient
+    own = one_of(bind_params(curve.shape, unloading.contact), index)
+    kinks = [k / length for k in curve.kinks(own)]
+    source = Source(_curve_of(params.unloading), length, coefficient, kinks, curve.definition.solved)
+    end, top = 0.75 * coefficient * length**1.5 * table.nodes.force[-1], np.empty(1)
+
+    def span(bits):
+        # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
+        inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits)]), top)
+        if not np.isfinite(top[0]):
+            raise DemlawsError(
+                f"the unloading curve, a table of {curve.definition.name!r}, must reach beyond this table's {end:.4g} N: "
+                "make it with a larger max_force, or this one with a smaller"
+            )
+        return top[0] / length
+
+    shape, nodes, certificate = _smallest_table(
+        source,
+        one,
+        (table.shape.length_over_roughness, table.shape.length_over_radius),
+        table.rtol,
+        curve.definition.name,
+        span,
+        first_bits=52 - table.shape.grid.shift,
+        straight=curve.starts_from_force,
+        floor=table.floor,
+    )
+    made_for: Any = unloading.contact
+    knots = None
+    if curve.tabulated:
+        made_for, knots = curve.made_for, curve.knots
+    return TableCurve(curve.definition, curve.options, shape, nodes, certificate, table.rtol, made_for, curve.collapses, knots)
+
+
+def tabulate_given(curve: Any, definition: Definition, contact: Contact, rtol: float) -> TableCurve:
+    """The table of a curve of a user's function or points (`curves.given`, `curves.points`)."""
+    rtol = tolerance(rtol)
+    rough = definition.length == "roughness"
+    length = float(contact.roughness if rough else contact.radius)
+    coefficient = 4.0 * float(contact.modulus) * math.sqrt(contact.radius) / 3.0
+    source = Source(curve.evaluate, length, coefficient, [k / length for k in curve.kinks], False, 1e-10)
+    largest = curve.largest / length * (1.0 - 1e-12)
+    smallest = source.lowest(rtol, largest)
+    start, slope = (float(v[0]) for v in curve.evaluate(np.array([smallest * length])))
+    exponent = slope * smallest * length / start
+    if exponent < 1.0 - 1e-6:
+        raise DemlawsError(
+            f"{definition.name}: towards overlap 0 the force goes as δ^{exponent:.4g} (at overlap {smallest * length:.3g} m it "
+            f"is {start:.3g} N), and the stiffness grows without bound: it must go as δ or a higher power"
+        )
+    shape, nodes, certificate = _smallest_table(
+        source, contact, (float(rough), float(not rough)), rtol, definition.name, lambda bits: largest
+    )
+    return TableCurve(definition, {}, shape, nodes, certificate, rtol, contact, definition.collapses)
+
+
+def tolerance(rtol: Any) -> float:
+    """A relative tolerance of a table, or DemlawsError."""
+    try:
+        rtol = float(rtol)
+    except (TypeError, ValueError):
+        rtol = math.nan
+    if not 1e-12 <= rtol <= 0.1:
+        raise DemlawsError(f"rtol = {rtol:g}: give a relative tolerance from 1e-12 to 0.1")
+    return rtol
+
+
+def _refuse_too_fine(definition, rtol):
+    if definition.solved and rtol < 1e-5:
+        raise DemlawsError(
+            f"rtol = {rtol:g}: the curve of {definition.name!r} comes from a solver, to 1e-6 itself; ask for 1e-5 or more"
+        )
+
+
+def _one_contact(contact):
+    """(index, contact) of an array of contacts for which its one table is made: the smoothest has the longest range."""
+    if contact.size is None:
+        return 0, contact
+    index = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
+    names = ("radius", "modulus", "roughness")
+    return index, contact.with_values(**{n: float(np.broadcast_to(getattr(contact, n), contact.size)[index]) for n in names})

@@ -1,0 +1,340 @@
+"""R of a contact whose bodies are not spheres and flats: from the curvature of level sets, or from a measured edge radius.
+
+YADE's R of such a shape is the distance from its centre to the contact. Here the curvature of a level set is fitted once: a
+quadratic by weighted least squares around each node of the grid that is near the surface. At a contact both bodies' curvatures
+are interpolated and added in the common tangent plane, which gives the principal relative radii of the gap, Rx ≥ Ry. Hertz's
+elliptical contact of these has the force of a sphere with R = 2 Rm/γ̄³, 1/Rm = 1/Rx + 1/Ry, γ̄ by exact elliptic integrals
+(`solvers.ellipsoid`). [The equivalent R is our derivation from Johnson 1985, Eq. 4.26; the force is exact, the true contact
+area is smaller than that sphere's, and the mean pressure higher: by 3 % at Rx/Ry = 2, 10 % at 4, 31 % at 16 (`area_share`).]
+"""
+
+import functools
+import math
+
+import numba
+import numpy as np
+import yade
+
+from demlaws.core.numba_compat import callback, kernel, loop
+from demlaws.errors import DemlawsError
+from demlaws.solvers.ellipsoid import quick_factors, shape_factors
+from demlaws.yade import layout as at
+from demlaws.yade.layout import FIELD, PLANE, SPHERE
+from demlaws.yade.layout import SHAPE_RECORD as RECORD
+from demlaws.yade.memory import load_double, load_word
+from demlaws.yade.native import address
+
+WINDOW = 4.5
+"""Reach of the fit in cells. Fields of YADE's fast marching method are rough on a smaller scale: at spacing R/10 the
+largest error of an ellipsoid's curvature is 57 % with a reach of 2 cells, 8 % with 3.5 and 6 % with 4.5."""
+BAND = 2.3  # cells from the surface within which nodes have a curvature: corners of a cell with a contact are within 1.8
+FAR = 100.0
+"""A gap is flat where its smaller principal radius is above this multiple of the bodies' R."""
+_PLACE = {name: RECORD.fields[name][1] for name in RECORD.names or ()}  # type: ignore[index]
+KIND_AT, INDEX_AT, TENSORS_AT, COUNTS_AT, LOW_AT, SIZE_AT = (
+    _PLACE[name] for name in ("kind", "index", "tensors", "n0", "low0", "size")
+)
+
+
+def area_share(ratio):
+    """True contact area of Hertz's ellipse over that of the sphere with the same force, for this ratio Rx/Ry ≥ 1."""
+    alpha, beta, gamma, _ = shape_factors(ratio)
+    return alpha * beta * gamma**2
+
+
+# --- the fit
+
+
+@loop
+def fit_loop(field, band, index, tensors):
+    """Curvature tensors (xx, yy, zz, yz, xz, xy) [1/cell] of a level set in cells, at its nodes within `band` of the surface.
+
+    index: number of a node's tensor or -1. Returns the number of nodes; tensors of negative length are only counted.
+    """
+    n0, n1, n2 = field.shape
+    reach = int(WINDOW)
+    normal_matrix, right = np.empty((10, 10)), np.empty(10)
+    terms, solution = np.empty(10), np.empty(10)
+    count = 0
+    for i in range(n0):
+        for j in range(n1):
+            for k in range(n2):
+                index[i, j, k] = -1
+                if not abs(field[i, j, k]) < band:
+                    continue
+                index[i, j, k] = count
+                count += 1
+                if tensors.shape[0] == 0:
+                    continue
+                normal_matrix[:] = 0.0
+                right[:] = 0.0
+                for a in range(max(i - reach, 0), min(i + reach + 1, n0)):
+                    for b in range(max(j - reach, 0), min(j + reach + 1, n1)):
+                        for c in range(max(k - reach, 0), min(k + reach + 1, n2)):
+                            x, y, z = float(a - i), float(b - j), float(c - k)
+                            weight = 1.0 - (x * x + y * y + z * z) / (WINDOW * WINDOW)
+                            value = field[a, b, c]
+                            if weight <= 0.0 or value - value != 0.0:
+                                continue
+                            weight *= weight
+                            terms[0], terms[1], terms[2], terms[3] = 1.0, x, y, z
+                            terms[4], terms[5], terms[6] = 0.5 * x * x, 0.5 * y * y, 0.5 * z * z
+                            terms[7], terms[8], terms[9] = y * z, x * z, x * y
+                            for row in range(10):
+                                w = weight * terms[row]
+                                right[row] += w * value
+                                for column in range(row + 1):
+                                    normal_matrix[row, column] += w * terms[column]
+                _solve(normal_matrix, right, solution)
+                _tensor(solution, tensors[count - 1])
+    return count
+
+
+@kernel
+def _solve(matrix, right, out):
+    """Cholesky's solution of a symmetric system, whose lower half is overwritten; NaN where it is singular."""
+    n = right.size
+    for j in range(n):
+        for k in range(j):
+            matrix[j, j] -= matrix[j, k] * matrix[j, k]
+        matrix[j, j] = math.sqrt(matrix[j, j]) if matrix[j, j] > 1e-9 else math.nan
+        for i in range(j + 1, n):
+            for k in range(j):
+                matrix[i, j] -= matrix[i, k] * matrix[j, k]
+            matrix[i, j] /= matrix[j, j]
+    for i in range(n):
+        out[i] = right[i]
+        for k in range(i):
+            out[i] -= matrix[i, k] * out[k]
+        out[i] /= matrix[i, i]
+    for i in range(n - 1, -1, -1):
+        for k in range(i + 1, n):
+            out[i] -= matrix[k, i] * out[k]
+        out[i] /= matrix[i, i]
+
+
+@kernel
+def _tensor(fit, out):
+    """P H P/|∇φ| of a fitted quadratic, P = 1 - n nᵀ."""
+    x, y, z = fit[1], fit[2], fit[3]
+    size = math.sqrt(x * x + y * y + z * z)
+    x, y, z = x / size, y / size, z / size
+    xx, yy, zz, yz, xz, xy = fit[4] / size, fit[5] / size, fit[6] / size, fit[7] / size, fit[8] / size, fit[9] / size
+    hx, hy, hz = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
+    nn = x * hx + y * hy + z * hz
+    out[0], out[1], out[2] = (xx - 2 * x * hx + nn * x * x), (yy - 2 * y * hy + nn * y * y), (zz - 2 * z * hz + nn * z * z)
+    out[3] = yz - y * hz - z * hy + nn * y * z
+    out[4] = xz - x * hz - z * hx + nn * x * z
+    out[5] = xy - x * hy - y * hx + nn * x * y
+
+
+def fit(field):
+    """(index, tensors) of `fit_loop` for a level set in cells."""
+    field = np.ascontiguousarray(field)
+    index = np.empty(field.shape, np.int64)
+    count = fit_loop(field, BAND, index, np.empty((0, 6)))
+    tensors = np.empty((count, 6))
+    fit_loop(field, BAND, index, tensors)
+    return index, tensors
+
+
+# --- at a contact
+
+
+@kernel
+def _turned_back(q, x, y, z):
+    """A vector in the axes of a body whose orientation, a quaternion (x, y, z, w), is at address q."""
+    a, b, c, w = -load_double(q), -load_double(q + 8), -load_double(q + 16), load_double(q + 24)
+    u, v, t = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
+    return x + w * u + b * t - c * v, y + w * v + c * u - a * t, z + w * t + a * v - b * u
+
+
+@kernel
+def _quadratic(k0, k1, k2, k3, k4, k5, u, v):
+    """uᵀ K v."""
+    return (
+        u[0] * (k0 * v[0] + k5 * v[1] + k4 * v[2])
+        + u[1] * (k5 * v[0] + k1 * v[1] + k3 * v[2])
+        + u[2] * (k4 * v[0] + k3 * v[1] + k2 * v[2])
+    )
+
+
+@kernel
+def _curvatures(record, position, orientation, point, t, s):
+    """tᵀKt, tᵀKs, sᵀKs [1/m] of a body at a point, for two tangents of the contact; NaN where it has no curvature."""
+    kind, size = load_word(record + KIND_AT), load_double(record + SIZE_AT)
+    if kind == PLANE:
+        return 0.0, 0.0, 0.0
+    if kind == SPHERE:
+        return 1.0 / size, 0.0, 1.0 / size
+    x, y, z = _turned_back(
+        orientation,
+        load_double(point) - load_double(position),
+        load_double(point + 8) - load_double(position + 8),
+        load_double(point + 16) - load_double(position + 16),
+    )
+    x = (x - load_double(record + LOW_AT)) / size
+    y = (y - load_double(record + LOW_AT + 8)) / size
+    z = (z - load_double(record + LOW_AT + 16)) / size
+    n0, n1, n2 = load_word(record + COUNTS_AT), load_word(record + COUNTS_AT + 8), load_word(record + COUNTS_AT + 16)
+    if not (0.0 <= x <= n0 - 1.0 and 0.0 <= y <= n1 - 1.0 and 0.0 <= z <= n2 - 1.0):
+        return math.nan, math.nan, math.nan
+    i, j, k = min(int(x), n0 - 2), min(int(y), n1 - 2), min(int(z), n2 - 2)
+    x, y, z = x - i, y - j, z - k
+    k0 = k1 = k2 = k3 = k4 = k5 = 0.0
+    for corner in range(8):
+        a, b, c = corner & 1, corner >> 1 & 1, corner >> 2
+        weight = (x if a else 1.0 - x) * (y if b else 1.0 - y) * (z if c else 1.0 - z)
+        number = load_word(load_word(record + INDEX_AT) + 8 * (((i + a) * n1 + j + b) * n2 + k + c))
+        if number < 0:
+            return math.nan, math.nan, math.nan
+        tensor = load_word(record + TENSORS_AT) + 48 * number
+        k0 += weight * load_double(tensor)
+        k1 += weight * load_double(tensor + 8)
+        k2 += weight * load_double(tensor + 16)
+        k3 += weight * load_double(tensor + 24)
+        k4 += weight * load_double(tensor + 32)
+        k5 += weight * load_double(tensor + 40)
+    u, v = _turned_back(orientation, t[0], t[1], t[2]), _turned_back(orientation, s[0], s[1], s[2])
+    return (
+        _quadratic(k0, k1, k2, k3, k4, k5, u, u) / size,
+        _quadratic(k0, k1, k2, k3, k4, k5, u, v) / size,
+        _quadratic(k0, k1, k2, k3, k4, k5, v, v) / size,
+    )
+
+
+@kernel
+def equivalent_radius(sharp, blunt):
+    """R of the sphere on a flat with the force of Hertz's elliptical contact; sharp ≥ blunt: curvatures of the gap [1/m]."""
+    _, gamma = quick_factors(sharp / blunt)
+    return 2.0 / ((sharp + blunt) * gamma * gamma * gamma)
+
+
+@loop
+def gap_radius(first, position1, orientation1, second, position2, orientation2, point, normal, radius, largest):
+    """Equivalent R [m] of the gap between two bodies; all but the last two are addresses.
+
+    NaN: a body has no curvature there; -1: flat on flat. radius: YADE's R; largest: bound of principal radii, 0: none.
+    """
+    n = load_double(normal), load_double(normal + 8), load_double(normal + 16)
+    # two tangents: the axis least along the normal, made normal to it
+    if abs(n[0]) <= abs(n[1]) and abs(n[0]) <= abs(n[2]):
+        t = (0.0, n[2], -n[1])
+    elif abs(n[1]) <= abs(n[2]):
+        t = (-n[2], 0.0, n[0])
+    else:
+        t = (n[1], -n[0], 0.0)
+    size = math.sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
+    t = (t[0] / size, t[1] / size, t[2] / size)
+    s = (n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0])
+    a1, b1, c1 = _curvatures(first, position1, orientation1, point, t, s)
+    a2, b2, c2 = _curvatures(second, position2, orientation2, point, t, s)
+    a, b, c = a1 + a2, b1 + b2, c1 + c2
+    if a - a != 0.0:
+        return math.nan
+    mean, half = 0.5 * (a + c), math.hypot(0.5 * (a - c), b)
+    sharp, blunt = mean + half, mean - half
+    least = 1.0 / largest if largest > 0.0 else 1.0 / (FAR * radius)
+    if largest <= 0.0 and sharp < least:
+        return -1.0
+    spacing = 0.0
+    for record in (first, second):
+        if load_word(record + KIND_AT) == FIELD:
+            spacing = max(spacing, load_double(record + SIZE_AT))
+    return max(equivalent_radius(max(sharp, least), max(blunt, least)), spacing)
+
+
+# --- a scene
+
+
+@functools.cache
+def _compiled_gap_radius():
+    """`gap_radius` for C callers."""
+    kinds = [numba.types.int64] * 8 + [numba.types.float64] * 2
+    return callback(numba.types.float64(*kinds), gap_radius.py_func, {})
+
+
+class Shapes:
+    """The scene's shapes as compiled code reads them; largest: upper bound of the principal radii [m], 0: none."""
+
+    def __init__(self, largest):
+        self.largest = largest
+        self.table, self._shapes = np.zeros(0, RECORD), {}
+
+    def gap_address(self):
+        """Address of the compiled `gap_radius`."""
+        return _compiled_gap_radius().address
+
+    def record_of(self, body):
+        """`RECORD` of a body; a shape is fitted once, and kept so that no other shape can have its address."""
+        if yade.O.periodic:
+            raise DemlawsError('radius="curvature" is not available with periodic boundaries: use walls, or give a number')
+        shape = body.shape
+        place = address(shape)
+        if place not in self._shapes:
+            record = np.zeros(1, RECORD)
+            record["shape"], kept = place, [shape]
+            if isinstance(shape, yade.Facet | yade.Wall | yade.Box):
+                record["kind"] = PLANE
+            elif type(shape) is yade.Sphere:
+                record["kind"], record["size"] = SPHERE, shape.radius
+            elif hasattr(yade, "LevelSet") and isinstance(shape, yade.LevelSet):
+                field, spacing = np.array(shape.distField, float), float(shape.lsGrid.spacing)
+                if field.ndim != 3 or min(field.shape) < 5:
+                    raise DemlawsError(
+                        f"body {body.id}: a level set with {field.shape} nodes has no curvature; at least 5 per axis are needed"
+                    )
+                index, tensors = fit(field / spacing)
+                record["kind"], record["size"] = FIELD, spacing
+                record["n0"], record["n1"], record["n2"] = field.shape
+                record["low0"], record["low1"], record["low2"] = shape.lsGrid.min
+                record["index"], record["tensors"] = index.ctypes.data, tensors.ctypes.data
+                kept += [index, tensors]
+            self._shapes[place] = record, kept
+        return self._shapes[place][0]
+
+    def refresh(self, context):
+        """Write the shapes of all bodies to where compiled code reads them."""
+        bodies = yade.O.bodies
+        if not context.words[at.SHAPES_STALE] and len(self.table) == len(bodies):
+            return
+        table = np.zeros(len(bodies), RECORD)
+        for number in range(len(bodies)):
+            body = bodies[number]
+            if body is not None and body.shape is not None:
+                table[number] = self.record_of(body)[0]
+        self.table = table
+        context.words[at.SHAPES], context.words[at.SHAPE_COUNT] = table.ctypes.data, len(table)
+        context.words[at.SHAPES_STALE] = 0
+
+    def of_contact(self, contact):
+        """Equivalent R [m] of a contact from the curvature of its bodies: as compiled code finds it."""
+        places, keep = [], []
+        for number in (contact.id1, contact.id2):
+            body = yade.O.bodies[number]
+            record = self.record_of(body)
+            if record["kind"][0] == 0:
+                return math.nan
+            pose = np.array([*body.state.pos, *(body.state.ori[n] for n in range(4))])
+            keep.append(pose)
+            places += [record.ctypes.data, pose.ctypes.data, pose.ctypes.data + 24]
+        geom = contact.geom
+        where = np.array([*geom.contactPoint, *geom.normal])
+        first, second = geom.refR1 if geom.refR1 > 0 else geom.refR2, geom.refR2
+        radius = first * second / (first + second)
+        return gap_radius(*places, where.ctypes.data, where.ctypes.data + 24, radius, self.largest)
+
+
+def fault_text(kind, value, shapes):
+    """Message about a contact without a curvature; value: R of the bodies [m]; shapes: names of their classes."""
+    pair = " on ".join(shapes)
+    if kind == at.FLAT_GAP:
+        return (
+            f" ({pair}): flat on flat, whose radius of curvature is above {FAR:g} times the bodies' R of {value:g} m, so "
+            "that Hertz's contact has no R: give an upper bound, radius=demlaws.yade.Curvature(largest=…), or the measured "
+            "edge radius in m, radius=…"
+        )
+    return (
+        f' ({pair}): radius="curvature" needs level sets, spheres, facets, walls or boxes, and a contact point within '
+        f"{BAND:g} cells of the surface of a level set: give the measured edge radius in m, radius=…"
+    )

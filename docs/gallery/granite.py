@@ -1,0 +1,52 @@
+"""Force and overlap of a rough granite contact: Hertz, the recommended law with its unloading, the other laws in grey."""
+
+import warnings
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import demlaws as dl
+
+granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
+surfaces = {"roughness1": 1.56e-6, "roughness2": 1.84e-6, "fractal_dimension": 2.22}
+pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, **surfaces)
+
+fig, ax = plt.subplots(figsize=(6.4, 4.2), layout="constrained")
+force = np.geomspace(0.02, 50.0, 200)
+rough = dl.law("pohrt-popov", pair, unloading="hertz")
+names = {
+    "bahrami": "Bahrami",
+    "rms": "rms",
+    "greenwood-tripp": "Greenwood–\nTripp",
+    "hertz": "Hertz",
+    "pohrt-popov": "Pohrt–Popov",
+}
+for name, text in names.items():
+    colour = {"hertz": "tab:blue", "pohrt-popov": "tab:red"}.get(name, "0.65")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", dl.ValidityWarning)  # rms at low load
+        overlap = dl.law(name, pair).overlap(force) * 1e6
+    ax.plot(overlap, force, color=colour, lw=1.2 if colour == "0.65" else 2.2)
+    ax.text(
+        overlap[-1],
+        51,
+        text,
+        color=colour if colour != "0.65" else "0.4",
+        ha="right" if name == "rms" else "center",
+        va="bottom",
+        fontsize=9,
+    )
+
+path = dl.driver.force_controlled(rough, [50, 0])
+peak = int(np.argmax(path.force))
+path[peak:].plot(ax, color="tab:red", ls="--", lw=2.2)
+remains = path.plastic_overlap[-1] * 1e6
+ax.annotate(
+    f"unloading: {remains:.1f} µm\nof overlap remain", (remains + 0.1, 0.4), (7.2, 3.0), color="tab:red", fontsize=9,
+    arrowprops={"arrowstyle": "->", "color": "tab:red"},
+)  # fmt: skip
+ax.set(xlabel="overlap (µm)", ylabel="force (N)", xlim=(0, 13.4), ylim=(0, 57))
+ax.grid(alpha=0.3)
+ax.spines[["top", "right"]].set_visible(False)
+fig.savefig("granite.png", dpi=130)
+print(f"plastic overlap after 50 N: {remains:.2f} µm")

@@ -1,0 +1,16 @@
+"""The quickstart: one rough contact, loaded and unloaded twice, beside Hertz."""
+
+import demlaws as dl
+
+granite = dl.Material(young="60.6GPa", poisson=0.25)
+pair = dl.Contact.between(
+    granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1="1.56um", roughness2="1.84um", fractal_dimension=2.22
+)
+law = dl.law("pohrt-popov", pair, unloading="hertz")
+path = dl.driver.force_controlled(law, [25, 0, 50, 0])
+print(path)
+
+ax = dl.law("hertz", pair).plot(unload_at=50.0, label="Hertz, smooth")
+path.plot(ax, color="tab:red", label="Pohrt–Popov, rough, two cycles")
+ax.legend()
+ax.figure.savefig("quickstart.png")

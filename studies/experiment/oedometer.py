@@ -1,0 +1,170 @@
+"""The oedometer test of glass beads of Cheng et al. 2019 (CMAME 350, 268), and a packing of spheres predicted with each law.
+
+`glass_beads.dat`: axial strain, p and q [MPa], porosity, as kept in GrainLearning's repository (tests/data/oedo_sim_data/
+obsdata.dat, BSD-3-Clause, copyright 2025 Hongyang Cheng). Density, Poisson's ratio and the result of their calibration are in
+grainLearning/mcTriax_e.py of version 0.2 there; the size distribution is that of grainLearning/Packs/PeriSp_10000_0.68.txt.
+E = 70 GPa, the modulus of glass, is the default of their two-bead script. The diameter of the beads is in none of these files:
+60 µm is assumed, and only the roughness over the diameter matters.
+"""
+
+import json
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from demlaws.laws.names import HERTZ, POHRT_POPOV
+
+HERE = Path(__file__).parent
+RESULTS = HERE / "oedometer.jsonl"
+RADIUS = 30e-6  # [m], median of the beads: assumed
+FITTED = {"young": 137.459e9, "friction": 0.36298}
+"""E [Pa] and friction of their calibration.
+
+Its resistance to rolling (krot 2459, eta 0.399 in YADE) is left out: rolling is √(krot/0.4) = 78 times as fast as the
+contact and asks for a step as many times smaller; a trial at this step did not end.
+"""
+SETUP = {
+    "poisson": 0.2,
+    "density": 2465.9,
+    "damping": 0.2,
+    "timestep": 0.7,
+    "radius": RADIUS,
+    "sizes": [[0.567, 0.69, 0.752, 0.891, 1.0, 1.074, 1.128, 1.248, 1.6], [0, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 1]],
+    "loose_friction": 0.6,
+    "porosity": 0.391059,
+    "margin": 0.0005,
+    "inertial": 1e-3,
+}
+
+
+class Case(NamedTuple):
+    """One prediction: a law in YADE, and what it assumes of the beads."""
+
+    label: str
+    law: str = "native"  # or a law of demlaws
+    roughness: float = 0.0  # Sq of each bead [m]
+    young: float = 70e9
+    friction: float = 0.36
+    fractal_dimension: float = 2.2
+    unloading: str = "elastic"
+
+
+CASES = (
+    Case("YADE's Hertz–Mindlin"),
+    Case("hertz", HERTZ),
+    *(Case(f"pohrt-popov, Sq = {sq:g} µm", POHRT_POPOV, 1e-6 * sq, unloading=HERTZ) for sq in (0.07, 0.15, 0.3)),
+    Case("YADE's Hertz–Mindlin, E and friction as calibrated by Cheng et al.", **FITTED),
+)
+
+
+SAME = ", from one packing"
+"""Ends the label of runs that start from the same packing."""
+
+
+class Curve(NamedTuple):
+    """Rows of a test, and the rows at which the axial strain turns."""
+
+    strain: np.ndarray
+    stress: np.ndarray  # axial [Pa]
+    radial: np.ndarray  # [Pa]
+    porosity: np.ndarray
+
+    @property
+    def turns(self):
+        """Numbers of the rows at which the strain turns, with the first and the last."""
+        moved = 1 + np.flatnonzero(np.diff(self.strain))  # a row may be repeated
+        step = np.sign(np.diff(self.strain)[moved - 1])
+        return [0, *moved[:-1][step[1:] != step[:-1]].tolist(), len(self.strain) - 1]
+
+    def gained(self, branch, low, high):
+        """Axial strain between two axial stresses [Pa] on a branch: 0 loading, 1 unloading, 2 reloading."""
+        first, last = self.turns[branch : branch + 2]
+        stress, strain = self.stress[first : last + 1], self.strain[first : last + 1]
+        order = np.argsort(stress)
+        if stress.min() > 1.02 * low or stress.max() < 0.98 * high:
+            raise DemlawsError(
+                f"branch {branch} reaches from {stress.min():g} to {stress.max():g} Pa: not {low:g} to {high:g} Pa"
+            )
+        return float(np.diff(np.interp([low, high], stress[order], strain[order]))[0])
+
+    def exponent(self, low=10e6, high=50e6):
+        """m of M ∝ σ^m on first loading: the strain is fitted by a + b σ^(1 - m)."""
+        last = self.turns[1]
+        chosen = (self.stress[: last + 1] >= low) & (self.stress[: last + 1] <= high)
+        stress, strain = self.stress[: last + 1][chosen] / high, self.strain[: last + 1][chosen]
+
+        def misfit(m):
+            return float(np.polyfit(stress ** (1.0 - m), strain, 1, full=True)[1][0])
+
+        trial = np.linspace(0.0, 0.9, 181)
+        return float(trial[np.argmin([misfit(m) for m in trial])])
+
+    def stress_ratio(self):
+        """Radial over axial stress at the first turn."""
+        return float(self.radial[self.turns[1]] / self.stress[self.turns[1]])
+
+
+def measured():
+    """The measured curve."""
+    strain, p, q, porosity = np.loadtxt(HERE / "glass_beads.dat").T
+    return Curve(strain, 1e6 * (p + 2.0 * q / 3.0), 1e6 * (p - q / 3.0), porosity)
+
+
+def axial_stresses():
+    """Axial stresses [Pa] at the measured start, turns and end, which every run follows."""
+    curve = measured()
+    return [float(curve.stress[turn]) for turn in curve.turns]
+
+
+def run(count, seeds, path=RESULTS, cases=CASES, progress=print):
+    """Run what `path` does not have yet, one YADE at a time, and add a line to it after each run."""
+    from studies.costs.costs import under_yade
+
+    done = {(row["count"], row["seed"], row["label"]) for row in read(path)}
+    curve = measured()
+    for seed in range(1, seeds + 1):
+        wanted = [case for case in cases if (count, seed, case.label) not in done]
+        if not wanted:
+            continue
+        given = {**SETUP, "count": count, "seed": seed, "radial": float(curve.radial[0]), "axial": axial_stresses()}
+        script = "experiment/yade_oedometer.py"
+        given["packing"] = under_yade(script, given)
+        progress(f"{count} grains, seed {seed}: loose packing after {given['packing']['seconds']:.0f} s")
+        for case in wanted:
+            found = under_yade(script, {**given, "case": case._asdict()})
+            found["rows"] = [[float(f"{value:.6g}") for value in row] for row in found["rows"]]
+            row = {"count": count, "seed": seed, **case._asdict(), **found}
+            with open(path, "a") as file:
+                file.write(json.dumps(row) + "\n")
+            progress(f"{count} grains, seed {seed}, {case.label}: {found['steps']} steps, {found['seconds']:.0f} s")
+
+
+def run_from_one_packing(count, seed=1, path=RESULTS, progress=print):
+    """YADE's law and ours, both Hertz, from the same packing at the start of the test: what differs is the code."""
+    from studies.costs.costs import under_yade
+
+    given = {**SETUP, "count": count, "seed": seed, "radial": float(measured().radial[0]), "axial": axial_stresses()}
+    script, (native, hertz) = "experiment/yade_oedometer.py", CASES[:2]
+    given["packing"] = under_yade(script, given)
+    given["packing"] = under_yade(script, {**given, "case": native._asdict(), "keep": True})
+    with open(path, "a") as file:
+        for case in (native, hertz):
+            found = under_yade(script, {**given, "case": case._asdict()})
+            found["rows"] = [[float(f"{value:.6g}") for value in row] for row in found["rows"]]
+            row = {"count": count, "seed": seed, **case._asdict(), "label": f"{case.label}{SAME}", **found}
+            file.write(json.dumps(row) + "\n")
+            progress(f"{row['label']}: {found['steps']} steps, {found['seconds']:.0f} s")
+
+
+def read(path=RESULTS):
+    """Rows of a file of results; [] without the file."""
+    if not Path(path).is_file():
+        return []
+    return [json.loads(line) for line in Path(path).read_text().splitlines()]
+
+
+def curve_of(row):
+    """The curve of one run."""
+    return Curve(*np.array(row["rows"]).T)

@@ -1,0 +1,75 @@
+"""Bytes that one particle keeps for one contact: restart files of two spheres that touch, and that do not."""
+
+import tempfile
+from pathlib import Path
+
+from demlaws.make import example
+from studies.shear.gas import CONTACT, DIAMETER, ENGINES
+
+START = """\
+{style}
+atom_modify map array
+boundary f f f
+units si
+{communication}
+region box block -0.03 0.03 -0.03 0.03 -0.03 0.03 units box
+create_box 1 box
+create_atoms 1 single 0 0 0 units box
+create_atoms 1 single {distance} 0 0 units box
+set group all diameter {diameter} density 2650
+neighbor 0.002 bin
+{model}
+timestep 1e-7
+fix integr all nve/sphere
+run 2
+write_restart now.restart
+"""
+LIGGGHTS = """\
+fix m1 all property/global youngsModulus peratomtype 60.6e9
+fix m2 all property/global poissonsRatio peratomtype 0.25
+fix m3 all property/global coefficientRestitution peratomtypepair 1 0.5
+fix m4 all property/global coefficientFriction peratomtypepair 1 0.5
+pair_style gran model {}
+pair_coeff * *"""
+LAMMPS = "pair_style granular\npair_coeff * * {} damping viscoelastic"
+MODELS = {
+    "liggghts": {
+        "stock hertz, history": "hertz tangential history",
+        "elastic law, history": "demlaws/table tangential history table elastic.tbl",
+        "Hertz unloading, history": "demlaws/table tangential history table hertz.tbl",
+        "elastic law, demlaws": "demlaws/table tangential demlaws table elastic.tbl",
+        "Hertz unloading, demlaws": "demlaws/table tangential demlaws table hertz.tbl",
+        "elastic law, slip": "demlaws/table tangential demlaws table elastic.tbl shear slip",
+        "Hertz unloading, slip": "demlaws/table tangential demlaws table hertz.tbl shear slip",
+    },
+    "lammps": {
+        "stock hertz, mindlin": "hertz/material 60.6e9 0.5 0.25 tangential mindlin NULL 1 0.5",
+        "any law, mindlin_rescale/force": "demlaws/table hertz.tbl 60.6e9 0.5 0.25 tangential mindlin_rescale/force NULL 1 0.5",
+        "any law, demlaws": "demlaws/table hertz.tbl 60.6e9 0.5 0.25 tangential demlaws 1 0.5",
+        "any law, slip": "demlaws/table hertz.tbl 60.6e9 0.5 0.25 shear slip tangential demlaws 1 0.5",
+    },
+}
+
+
+def bytes_per_contact():
+    """Rows (engine, model, bytes)."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        for rule in ("elastic", "hertz"):
+            example("pohrt-popov", CONTACT, rule).tabulate().save(folder / f"{rule}.tbl")
+        for engine, models in MODELS.items():
+            liggghts = engine == "liggghts"
+            style = "granular" if liggghts else "sphere"
+            communication = "newton off\ncommunicate single vel yes\nhard_particles yes" if liggghts else "comm_modify vel yes"
+            for label, words in models.items():
+                model = (
+                    LIGGGHTS.format(words) if liggghts else f"pair_style granular\npair_coeff * * {words} damping viscoelastic"
+                )
+                values = {"style": f"atom_style {style}", "communication": communication, "model": model}
+                sizes = []
+                for distance in (DIAMETER - 1e-6, DIAMETER + 1e-6):
+                    text = START.format(**values, distance=distance, diameter=DIAMETER)
+                    (folder / "in.pair").write_text(text)
+                    ENGINES[engine].run(folder / "in.pair")
+                    sizes.append((folder / "now.restart").stat().st_size)
+                yield engine, label, (sizes[0] - sizes[1]) // 2

@@ -1,0 +1,105 @@
+"""What leaves the range of a law is reported once, with its contact, and counted at the end of the run."""
+
+import re
+
+import numpy as np
+import pytest
+from inputs_for_liggghts import modulus, two_spheres
+
+import demlaws as dl
+from demlaws.errors import DemlawsError
+from demlaws.liggghts import run
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+GRAN = "pair_style gran model demlaws/table tangential demlaws "
+PRESS = [(-0.2, 0, 3000), (0.2, 0, 1500)]
+CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
+
+
+def press(folder, words, moves=PRESS, change=("", "")):
+    """Log and text of the log of two spheres of 17.4 mm that are pressed together."""
+    (folder / "in.case").write_text(two_spheres(GRAN + words, moves, every=1).replace(*change))
+    return run(folder / "in.case"), (folder / "log.liggghts").read_text()
+
+
+def counted(text, words):
+    return [int(n) for n in re.findall(rf"in this run (\d+) contact steps were {words}", text)]
+
+
+@pytest.mark.parametrize(
+    "name, words, reported",
+    [
+        ("rms", "below the range of force of their law", 2),  # α > 1 and α > 5
+        ("hertz", "above the load at which the bulk yields", 1),
+        ("pohrt-popov", "above the load at which the bulk yields", 1),
+        ("bahrami", "below the range of force of their law", 1),
+    ],
+)
+def test_limits_of_the_law_are_those_of_python(tmp_path, name, words, reported):
+    """As many steps as there are forces outside of `law.limits()`, and one warning per limit with its reason."""
+    law = dl.law(name, CONTACT, unloading="elastic")
+    law.tabulate().save(tmp_path / "law.tbl")
+    pressed = [(-8.0, 0, 3000), (8.0, 0, 1500)] if "bulk" in words else PRESS
+    log, text = press(tmp_path, "table law.tbl", pressed)
+    force = log["force"][np.diff(log["Step"], prepend=-1.0) > 0]
+    limits = [limit for limit in law.limits() if limit.reason in text]
+    assert len(limits) == reported == text.count("reported once")
+    outside = [(force > limit.maximum_force) | ((force > 0) & (force < limit.minimum_force)) for limit in limits]
+    expected = sum(int(each.sum()) for each in outside)
+    assert 0 < expected and sum(counted(text, words)) == pytest.approx(expected, abs=3)
+    assert "worst: particles 1 and 2" in text
+
+
+def test_roughness_in_the_wrong_unit(tmp_path):
+    """A tenth of R is warned of, half of R is refused, as in Python."""
+    dl.law("pohrt-popov", CONTACT).tabulate().save(tmp_path / "law.tbl")
+    words = "table law.tbl surfaceRoughness on"
+    _, text = press(tmp_path, words, change=("1e-6 2e-6", "6e-4 2e-6"))
+    assert text.count("WARNING: model demlaws/table") == text.count("0.138 of the radius 0.00435 m, above 0.1") == 1
+    assert counted(text, "rougher than a tenth of R")
+    with pytest.raises(DemlawsError, match="did you mean µm"):
+        press(tmp_path, words, change=("1e-6 2e-6", "2.4 2e-6"))
+
+
+def test_modulus_in_the_wrong_unit(tmp_path):
+    dl.law("hertz", CONTACT).tabulate().save(tmp_path / "law.tbl")
+    _, text = press(tmp_path, "table law.tbl", change=("60.6e9 60.6e9", "60.6e11 60.6e11"))
+    # LIGGGHTS itself refuses moduli below 5e6 Pa
+    assert "100 times the effective modulus of law.tbl" in text
+
+
+def test_particles_that_overlap_at_the_start_are_told_apart(tmp_path):
+    dl.law("hertz", CONTACT).tabulate(max_force=100.0).save(tmp_path / "law.tbl")
+    with pytest.raises(DemlawsError, match="move them apart") as caught:
+        press(tmp_path, "table law.tbl", change=("create_atoms    2 single", "create_atoms    2 single 0.017 0 0 units box #"))
+    assert "time step" not in str(caught.value)
+
+
+def test_a_wall_with_a_stock_model_is_named(tmp_path):
+    dl.law("hertz", CONTACT).tabulate().save(tmp_path / "law.tbl")
+    walls = "".join(
+        f"fix {name} all wall/gran model {model} tangential history primitive type 1 zplane -0.01\n"
+        for name, model in (("old", "hertz"), ("new", "demlaws/table"))
+    )
+    _, text = press(tmp_path, "table law.tbl", change=("fix             move", walls + "fix             move"))
+    assert text.count("fix old wall/gran has a model of LIGGGHTS") == 1 and "fix new wall/gran has" not in text
+
+
+HEAT = """\
+fix heat all heat/gran initial_temperature 300. area_correction yes
+fix t1 all property/global thermalConductivity peratomtype 5. 5.
+fix t2 all property/global thermalCapacity peratomtype 10. 10.
+fix t3 all property/global youngsModulusOriginal peratomtype 60.6e9 60.6e9
+fix move"""
+
+
+@pytest.mark.parametrize("name, served", [("hertz", True), ("pohrt-popov", False)])
+def test_area_correction_holds_for_hertz_only(tmp_path, name, served):
+    dl.law(name, CONTACT).tabulate().save(tmp_path / "law.tbl")
+    change = ("fix             move", HEAT)
+    if served:
+        assert press(tmp_path, "table law.tbl", change=change)[0]["Step"][-1] == 4500
+    else:
+        with pytest.raises(DemlawsError, match="area_correction holds for Hertz"):
+            press(tmp_path, "table law.tbl", change=change)

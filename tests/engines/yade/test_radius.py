@@ -1,0 +1,458 @@
+"""R of level sets, polyhedra and other shapes that are neither spheres nor flats: body, curvature, edge radius, function."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+from yade_scenes import GRANITE, MODULUS, functor, material, set_engines
+
+import demlaws as dl
+from demlaws.errors import DemlawsError
+from demlaws.solvers.ellipsoid import shape_factors
+
+R = 0.01
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
+def law(radius=None, **options):
+    return functor("hertz", "elastic", None, smooth=True, radius=radius, **{"bridge": "native", **options})
+
+
+def has_polyhedra():
+    """Debian 12's YADE has polyhedra, Debian 13's is built without them."""
+    import yade
+
+    return hasattr(yade, "Ig2_Polyhedra_Polyhedra_ScGeom")
+
+
+def engines(functor, timestep=1e-9):
+    import yade
+
+    geometries = [
+        yade.Ig2_LevelSet_LevelSet_ScGeom(),
+        yade.Ig2_Wall_LevelSet_ScGeom(),
+        yade.Ig2_Sphere_Sphere_ScGeom(),
+    ]
+    bounds = [yade.Bo1_LevelSet_Aabb(), yade.Bo1_Wall_Aabb(), yade.Bo1_Sphere_Aabb()]
+    if has_polyhedra():
+        geometries += [yade.Ig2_Polyhedra_Polyhedra_ScGeom(), yade.Ig2_Sphere_Polyhedra_ScGeom()]
+        bounds.append(yade.Bo1_Polyhedra_Aabb())
+    set_engines(functor, timestep, geometries=geometries, bounds=bounds, verlet=0)
+    next(e for e in yade.O.engines if isinstance(e, yade.Collider)).verletDist = 0
+
+
+def ellipsoid(axes, centre=(0, 0, 0), spacing=R / 10, dynamic=False, nodes=402):
+    import yade
+
+    stone = yade.O.materials["granite"]
+    options = {"spacing": spacing, "nSurfNodes": nodes, "nodesPath": 1, "dynamic": dynamic, "material": stone}
+    if len(set(axes)) == 1:
+        return yade.utils.levelSetBody("sphere", center=centre, radius=axes[0], **options)
+    return yade.utils.levelSetBody("superellipsoid", center=centre, extents=axes, epsilons=(1, 1), **options)
+
+
+def shaped(distance, reach, spacing, centre=(0, 0, 0), nodes=2502):
+    """A body whose surface is distance(x, y, z) = 0, as a scan would give it."""
+    import yade
+
+    half = math.ceil(reach / spacing) + 2
+    grid = yade.RegularGrid(-half * spacing, half * spacing, 2 * half + 1)
+    ticks = np.arange(-half, half + 1) * spacing
+    field = distance(*np.meshgrid(ticks, ticks, ticks, indexing="ij")).tolist()
+    return yade.utils.levelSetBody(
+        grid=grid,
+        distField=field,
+        center=centre,
+        nSurfNodes=nodes,
+        nodesPath=1,
+        dynamic=False,
+        material=yade.O.materials["granite"],
+    )
+
+
+def rounded_cube(half, edge):
+    """Signed distance of a cube with rounded edges and corners."""
+
+    def distance(x, y, z):
+        q = np.abs(np.stack([x, y, z])) - (half - edge)
+        return np.sqrt((np.maximum(q, 0) ** 2).sum(axis=0)) + np.minimum(q.max(axis=0), 0) - edge
+
+    return distance
+
+
+def equivalent(radius_x, radius_y):
+    """R of the sphere with the force of Hertz's elliptical contact, by exact elliptic integrals."""
+    large, small = max(radius_x, radius_y), min(radius_x, radius_y)
+    gamma = shape_factors(large / small)[2]
+    return 2 / (1 / large + 1 / small) / gamma**3
+
+
+def principal_radii(axes, point):
+    """Of an ellipsoid at a point of its surface."""
+    gradient, curved = 2 * point / np.square(axes), np.diag(2 / np.square(axes))
+    normal = gradient / np.linalg.norm(gradient)
+    across = np.eye(3) - np.outer(normal, normal)
+    values = np.linalg.eigvalsh(across @ curved @ across / np.linalg.norm(gradient))
+    return 1 / np.delete(values, np.argmin(np.abs(values))), normal
+
+
+def twins(omega, axes, direction, radius="curvature", spacing=R / 10, overlap=4e-4, nodes=2502, **options):
+    """Two equal ellipsoids that touch at a point of the first one, each the other's mirror image in it; (state, closed R)."""
+    omega.reset()
+    material()
+    point = np.array(direction) / np.linalg.norm(np.array(direction) / axes)
+    radii, normal = principal_radii(axes, point)
+    omega.bodies.append(ellipsoid(axes, (0, 0, 0), spacing, nodes=nodes))
+    omega.bodies.append(ellipsoid((R, R, R), tuple(map(float, 2 * point - overlap * normal)), R / 2, nodes=102))
+    omega.bodies[1].shape = omega.bodies[0].shape
+    functor = law(radius, **options)
+    engines(functor)
+    omega.step()
+    omega.step()
+    return functor.contacts(), equivalent(*(radii / 2))
+
+
+def test_a_sphere_as_level_set_equals_the_sphere(omega):
+    """Force at the same places of the bodies: the error is that of nodes (overlap) and grid (R), and falls with both."""
+    axes, overlap = np.array([R, R, R]), 4e-4
+    sphere = float(dl.law("hertz", dl.Contact(R / 2, MODULUS)).force(overlap))
+    errors, of_radius = [], []
+    for spacing, nodes in ((R / 5, 402), (R / 15, 6402)):
+        ways = (0, 0, 1), (1, 2, 3), (-1, 1, 0.2)
+        states = [twins(omega, axes, way, "curvature", spacing, overlap, nodes)[0] for way in ways]
+        errors.append(max(abs(state.force[0] / sphere - 1) for state in states))
+        of_radius.append(max(abs(state.radius[0] / (R / 2) - 1) for state in states))
+    assert errors[1] < 0.08 and errors[1] < 0.5 * errors[0]
+    assert of_radius[1] < 0.04 and of_radius[1] < 0.6 * of_radius[0]
+
+
+AXES = {"oblate": (2 * R, 2 * R, R), "prolate": (R, R, 2 * R), "three axes": (2 * R, 1.5 * R, R)}
+WAYS = ((0, 0, 1), (1, 0, 0), (0, 1, 0), (1, 0, 1), (1, 2, 2))
+
+
+@pytest.mark.parametrize("name", AXES)
+def test_ellipsoids_against_the_closed_form(omega, name):
+    """Tips, poles and in between: the force of Hertz's elliptical contact within 5 %, where the body's is wrong by up to 2."""
+    axes, errors, bodys = np.array(AXES[name]), [], []
+    for way in WAYS:
+        state, closed = twins(omega, axes, way)
+        exact = dl.law("hertz", dl.Contact(closed, MODULUS)).force(state.overlap[0])
+        errors.append(abs(state.force[0] / exact - 1))
+        contact = omega.interactions[0, 1]
+        of_body = 1 / (1 / contact.geom.refR1 + 1 / contact.geom.refR2)
+        bodys.append(max(math.sqrt(of_body / closed), math.sqrt(closed / of_body)))
+    assert max(errors) < 0.05
+    assert max(bodys) > 1.7
+
+
+def test_the_error_of_the_curvature_falls_with_the_spacing(omega):
+    errors = []
+    for spacing in (R / 5, R / 12):
+        pairs = [twins(omega, np.array(AXES["three axes"]), way, spacing=spacing) for way in WAYS]
+        errors.append([abs(math.sqrt(state.radius[0] / closed) - 1) for state, closed in pairs])
+    assert np.mean(errors[1]) < 0.6 * np.mean(errors[0])
+
+
+def test_an_impact_is_that_of_hertz_elliptical_contact(omega):
+    """Tips of two ellipsoids with three axes: peak force and deepest overlap from ½ m v² = ∫ F dδ; the rebound is elastic."""
+    axes, speed = np.array(AXES["three axes"]), 0.3
+    material()
+    omega.bodies.append(ellipsoid(axes))
+    omega.bodies.append(ellipsoid(axes, (0, 0, 2 * axes[2] + 1e-6), dynamic=True))
+    engines(law("curvature"), 2e-7)
+    moving = omega.bodies[1]
+    moving.state.vel = (0, 0, -speed)
+    peak = deepest = 0.0
+    while moving.state.vel[2] < 0 or omega.interactions.countReal():
+        omega.run(5, True)
+        for contact in omega.interactions:
+            peak, deepest = max(peak, contact.phys.normalForce.norm()), max(deepest, contact.geom.penetrationDepth)
+        assert omega.iter < 20000
+    exact = dl.law("hertz", dl.Contact(equivalent(axes[0] ** 2 / axes[2] / 2, axes[1] ** 2 / axes[2] / 2), MODULUS))
+    overlap = (15 * moving.state.mass * speed**2 / (16 * MODULUS * math.sqrt(exact.contact.radius))) ** 0.4
+    assert peak == pytest.approx(float(exact.force(overlap)), rel=0.03)
+    assert deepest == pytest.approx(overlap, rel=0.02)
+    assert moving.state.vel[2] == pytest.approx(speed, rel=2e-3)
+
+
+@pytest.mark.parametrize("radius", ["body", "curvature"])
+def test_work_on_a_closed_path_of_a_rotating_contact(omega, radius):
+    """Pressed on a wall at the pole, rolled to the tip at constant overlap, released: -∮F dδ.
+
+    F = 4/3 E* √R δ^1.5 has a potential for constant R only: if R changes as the contact rotates, a cycle yields
+    8/15 E* (√R_tip - √R_pole) δ^2.5, here a loss of energy; the reverse path gains as much.
+    """
+    import yade
+
+    a, c, largest, steps = 2 * R, R, 4e-4, 60
+    stone = material()
+    omega.bodies.append(yade.utils.wall((0, 0, 0), 2, material=stone))
+    omega.bodies.append(ellipsoid((a, a, c), (0, 0, 2 * R), nodes=6402))
+    functor = law(radius)
+    engines(functor)
+    up = np.linspace(-0.02, 1, steps)
+    angles = np.concatenate([np.zeros(steps), np.linspace(0, math.pi / 2, 3 * steps), np.full(steps, math.pi / 2)])
+    depths = largest * np.concatenate([up, np.ones(3 * steps), up[::-1]])
+    path = []
+    for angle, depth in zip(angles, depths, strict=True):
+        height = math.hypot(a * math.sin(angle), c * math.cos(angle))
+        state = omega.bodies[1].state
+        state.ori = yade.Quaternion(yade.Vector3(0, 1, 0), angle)
+        state.pos = (0, 0, height - depth)
+        omega.step()
+        contacts = functor.contacts()
+        path.append((contacts.overlap[0], contacts.force[0]) if len(contacts.force) else (depth, 0))
+    overlap, force = np.array(path).T
+    work = -np.sum(0.5 * (force[1:] + force[:-1]) * np.diff(overlap))
+    stored = 8 / 15 * MODULUS * math.sqrt(a * a / c) * largest**2.5
+    closed = 8 / 15 * MODULUS * (math.sqrt(equivalent(c * c / a, a)) - math.sqrt(a * a / c)) * largest**2.5
+    if radius == "body":
+        assert abs(work) < 0.01 * stored
+    else:
+        assert work == pytest.approx(closed, abs=0.05 * stored) and work < -0.3 * stored
+
+
+CHOICES = {"body": "body", "curvature": "curvature", "edge": 3e-3}
+
+
+def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5, bridge="native"):
+    """A cube with rounded edges that stands on a corner on a wall: (state, distance from its centre to the contact)."""
+    import yade
+
+    omega.reset()
+    stone = material()
+    omega.bodies.append(yade.utils.wall((0, 0, 0), 2, material=stone))
+    reach = math.sqrt(3) * (half - edge) + edge
+    omega.bodies.append(shaped(rounded_cube(half, edge), half, 5e-4, (0, 0, reach - overlap), 10002))
+    turned = yade.Quaternion()
+    turned.setFromTwoVectors(yade.Vector3(1, 1, 1), yade.Vector3(0, 0, -1))
+    omega.bodies[1].state.ori = turned
+    functor = law(radius, bridge=bridge)
+    engines(functor)
+    omega.step()
+    omega.step()
+    return functor.contacts(), reach
+
+
+def test_a_scanned_grain_with_rounded_edges(omega):
+    """A corner of 3 mm on a flat: curvature and edge radius agree, the body's R is four times as large, its force twice."""
+    forces = {}
+    for name, choice in CHOICES.items():
+        state, reach = on_corner(omega, choice)
+        exact = dl.law("hertz", dl.Contact({"body": reach}.get(name, 3e-3), MODULUS)).force(state.overlap[0])
+        forces[name] = state.force[0] / exact
+    assert forces["body"] == pytest.approx(1, rel=1e-2) and forces["edge"] == pytest.approx(1, rel=1e-9)
+    assert forces["curvature"] == pytest.approx(1, rel=0.05)
+    assert reach / 3e-3 > 3.8
+
+
+def test_a_pair_of_scanned_grains(omega):
+    """Force against overlap of two crossed edges: with curvature R is that of crossed cylinders, the edge radius."""
+    import yade
+
+    edge, half, found = 2e-3, 8e-3, {}
+    reach = math.sqrt(2) * (half - edge) + edge
+    for name, choice in (("curvature", "curvature"), ("edge", edge), ("body", "body")):
+        omega.reset()
+        material()
+        turns = [yade.Quaternion(yade.Vector3(0, 1, 0), math.pi / 4), yade.Quaternion(yade.Vector3(1, 0, 0), math.pi / 4)]
+        for z, turned in zip((0, 2 * reach - 1e-6), turns, strict=True):
+            omega.bodies.append(shaped(rounded_cube(half, edge), half, 4e-4, (0, 0, z), 10002))
+            omega.bodies[-1].state.ori = turned
+        functor = law(choice)
+        engines(functor)
+        curve = []
+        for overlap in (5e-5, 1e-4, 1.5e-4):
+            omega.bodies[1].state.pos = (0, 0, 2 * reach - overlap)
+            omega.step()
+            omega.step()
+            state = functor.contacts()
+            curve.append(state.force[0] / dl.law("hertz", dl.Contact(edge, MODULUS)).force(state.overlap[0]))
+        found[name] = curve
+    assert found["edge"] == pytest.approx(np.ones(3), rel=1e-9)
+    assert found["curvature"] == pytest.approx(np.ones(3), rel=0.1)
+    assert found["body"] == pytest.approx(np.full(3, math.sqrt(reach / 2 / edge)), rel=0.02)
+
+
+# --- choices, refusals
+
+
+def cubes(functor, kind, overlap=1e-5, half=8e-3):
+    """Two cubes, face on face: level sets or polyhedra."""
+    import yade
+
+    stone = yade.O.materials["granite"]
+    for z in (0.0, 2 * half - overlap):
+        if kind == "level set":
+            yade.O.bodies.append(shaped(rounded_cube(half, 2e-3), half, 1e-3, (0, 0, z), 402))
+        else:
+            from yade import polyhedra_utils
+
+            corners = [(x, y, w) for x in (-half, half) for y in (-half, half) for w in (-half, half)]
+            body = polyhedra_utils.polyhedra(stone, v=corners, fixed=True)
+            body.state.pos = (0, 0, z)
+            yade.O.bodies.append(body)
+    engines(functor)
+
+
+@pytest.mark.parametrize("bridge", ["native", "public"])
+def test_flat_on_flat_has_no_curvature(omega, bridge):
+    from demlaws.yade import Curvature
+
+    material()
+    cubes(law("curvature", bridge=bridge), "level set")
+    with pytest.raises(RuntimeError, match=r"(?s)contact 0\+1 \(LevelSet on LevelSet\): flat on flat.*Curvature\(largest"):
+        omega.run(3, True)
+    omega.reset()
+    material()
+    bounded = law(Curvature(largest=0.02), bridge=bridge)
+    cubes(bounded, "level set")
+    omega.run(2, True)
+    assert bounded.contacts().radius == pytest.approx([0.02], rel=1e-6)
+
+
+def test_polyhedra_take_an_edge_radius_and_no_curvature(omega):
+    if not has_polyhedra():
+        return  # nothing to serve; a skipped engine test would stop continuous integration
+    material()
+    cubes(law("curvature"), "polyhedra")
+    with pytest.raises(RuntimeError, match=r"(?s)Polyhedra on Polyhedra\).*edge radius in m"):
+        omega.run(3, True)
+    for options in ({"radius": 4e-4}, {"surfaces": dl.Surface(edge_radius=4e-4)}):
+        omega.reset()
+        material()
+        functor = law(**options) if "radius" in options else _with_surface(options["surfaces"])
+        cubes(functor, "polyhedra")
+        omega.run(2, True)
+        assert functor.contacts().radius == pytest.approx([4e-4], rel=1e-12)
+
+
+def _with_surface(surface):
+    return functor("hertz", "elastic", {"granite": surface}, bridge="native")
+
+
+@pytest.mark.parametrize("bridge", ["native", "public"])
+def test_without_a_choice_one_warning_names_shape_and_radius(omega, bridge):
+    from demlaws.yade import ShapeWarning
+
+    material()
+    functor = law(bridge=bridge)
+    cubes(functor, "level set")
+    with pytest.warns(ShapeWarning, match=r"LevelSet on LevelSet\) has R = 0.004 m") as caught:
+        omega.run(4, True)
+    assert len([w for w in caught if w.category is ShapeWarning]) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", ShapeWarning)
+        for chosen in ("body", 1e-3):
+            omega.reset()
+            material()
+            cubes(law(chosen, bridge=bridge), "level set")
+            omega.run(4, True)
+
+
+@pytest.mark.parametrize("bridge", ["native", "public"])
+def test_a_function_of_the_contact(omega, bridge):
+    import yade
+
+    seen = []
+
+    def radius(contact):
+        seen.append((contact.id1, contact.id2))
+        return 2e-3 if isinstance(yade.O.bodies[contact.id2].shape, yade.LevelSet) else -1.0
+
+    material()
+    functor = law(radius, bridge=bridge)
+    cubes(functor, "level set")
+    omega.run(4, True)
+    assert functor.contacts().radius == pytest.approx([2e-3], rel=1e-12) and seen == [(0, 1)]
+    state = functor.contacts()
+    assert state.force[0] == pytest.approx(float(dl.law("hertz", dl.Contact(2e-3, MODULUS)).force(state.overlap[0])), rel=1e-12)
+    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(state.force[0], rel=1e-12)
+    with pytest.raises(DemlawsError, match="function, which cannot be saved"):
+        omega.saveTmp("state")
+    omega.reset()
+    material()
+    functor = law(lambda contact: 0.0, bridge=bridge)
+    cubes(functor, "level set")
+    with pytest.raises(RuntimeError, match=r"radius= returned 0.0 for contact 0\+1"):
+        omega.run(4, True)
+
+
+def test_the_public_way_finds_the_same_radius(omega):
+    native, _ = on_corner(omega, "curvature")
+    public, _ = on_corner(omega, "curvature", bridge="public")
+    assert public.radius == pytest.approx(native.radius, rel=1e-12) and public.force == pytest.approx(native.force, rel=1e-12)
+
+
+def test_saving_and_loading_keeps_the_choice(omega, tmp_path):
+    state, _ = on_corner(omega, "curvature")
+    omega.save(str(tmp_path / "scene.yade"))
+    omega.reset()
+    omega.load(str(tmp_path / "scene.yade"))
+    omega.step()
+    omega.step()
+    law = next(f for e in omega.engines if hasattr(e, "lawDispatcher") for f in e.lawDispatcher.functors)
+    assert law.contacts().radius == pytest.approx(state.radius, rel=1e-9)
+    assert law.binding.pairs.radii.choice == "curvature"
+
+
+def test_spheres_keep_their_radius_under_every_choice(omega):
+    """Also a rough law: the same numbers to the last digit, natively."""
+    from yade_scenes import force, two_spheres
+
+    found = []
+    for choice in (None, "body", "curvature", 1e-4):
+        omega.reset()
+        two_spheres(functor(bridge="native", radius=choice))
+        omega.run(60, True)
+        found.append(force())
+    assert found[0] > 0 and len(set(found)) == 1
+
+
+def test_a_rough_contact_follows_the_curvature(omega):
+    """What the law needs of R besides Hertz's coefficient is renewed, too."""
+    axes = np.array(AXES["oblate"])
+    state, _ = twins(omega, axes, (0, 0, 1))
+    options = {"radius": "curvature", "bridge": "native"}
+    omega.reset()
+    material()
+    rough = functor("pohrt-popov", "hertz", {"granite": GRANITE}, **options)
+    omega.bodies.append(ellipsoid(axes))
+    omega.bodies.append(ellipsoid(axes, (0, 0, 2 * R - 2e-5)))
+    engines(rough)
+    omega.run(2, True)
+    state = rough.contacts()
+    pair = GRANITE.combined(GRANITE)
+    exact = dl.law("pohrt-popov", dl.Contact(state.radius[0], MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness))
+    assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(float(exact.force(state.overlap[0])), rel=1e-12)
+    assert state.radius[0] == pytest.approx(0.02, rel=0.05)
+
+
+@pytest.mark.parametrize("value", [0, -1e-3, math.inf, True, "edges"])
+def test_what_is_no_choice_is_refused(omega, value):
+    from demlaws.yade import Curvature
+
+    with pytest.raises(DemlawsError, match="radius="):
+        law(value)
+    if value != "edges" and value is not True:
+        with pytest.raises(DemlawsError, match=r"Curvature\(largest="):
+            law(Curvature(largest=value))
+
+
+def test_periodic_boundaries_are_refused(omega):
+    import yade
+
+    material()
+    omega.periodic = True
+    omega.cell.hSize = yade.Matrix3(0.1, 0, 0, 0, 0.1, 0, 0, 0, 0.1)
+    cubes(law("curvature"), "level set")
+    with pytest.raises(RuntimeError, match="not available with periodic boundaries"):
+        omega.run(3, True)
+
+
+@pytest.mark.parametrize(("ratio", "share"), [(1, 1.0), (2, 0.973), (4, 0.902), (16, 0.687)])
+def test_the_area_of_the_equivalent_sphere(ratio, share):
+    from demlaws.yade.curvature import area_share
+
+    assert area_share(ratio) == pytest.approx(share, abs=1e-3)

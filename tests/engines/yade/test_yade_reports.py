@@ -1,0 +1,183 @@
+"""What the YADE user is told: limits of laws, inadmissible input, engines that are not served, energies."""
+
+import warnings
+
+import numpy as np
+import pytest
+from yade_scenes import GRANITE, SURFACES, force, functor, material, set_engines, two_spheres
+
+import demlaws as dl
+
+
+def issued(run):
+    """Texts of the ValidityWarnings that `run` causes."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        run()
+    return [str(one.message) for one in caught if issubclass(one.category, dl.ValidityWarning)]
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega, way):
+    from yade.utils import sphere
+
+    soft = dl.Surface(2.4e-6, 2.22, 1e9)
+    pair = soft.combined(soft)
+    contact = dl.Contact(0.005, 60.6e9 / (2 * (1 - 0.25**2)), pair.roughness, pair.fractal_dimension, pair.hardness)
+    limit = dl.law("pohrt-popov", contact).limits()[0].maximum_force
+    law = functor(surfaces={"granite": soft}, bridge=way)
+    two_spheres(law, speed=-1.0)
+    for x in (0.1, 0.2):
+        omega.bodies.append([sphere((x, 0, z), 0.01, fixed=True, material="granite") for z in (0, 0.02 - 3e-5 * x)])
+    texts = issued(lambda: (omega.run(280, True), law.totals(), omega.run(20, True), law.contacts()))
+    (text,) = (text for text in texts if "0.6 H_m" in text)
+    assert "1 of 3 contacts are above" in text and "0+1" in text and f"above {limit:.3g} N" in text
+    omega.reset()
+    two_spheres(functor(surfaces={"granite": soft}, bridge=way), speed=-0.05)
+    assert not issued(lambda: omega.run(300, True)) and force() < limit
+
+
+def test_roughness_beside_the_radius(omega):
+    """Both the combined value and what was typed are shown."""
+    two_spheres(functor(surfaces={"granite": dl.Surface(5e-4, 2.22)}, bridge="native"), speed=-0.3)
+    (text,) = issued(lambda: omega.run(200, True))
+    assert "0.141 of the radius 0.005 m" in text and "Sq = 0.0005 m and 0.0005 m" in text
+    omega.reset()
+    two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}, bridge="native"), speed=-0.3)
+    with pytest.raises(RuntimeError, match=r"0\.679 of the radius 0\.005 m"):
+        omega.run(200, True)
+
+
+@pytest.mark.parametrize(("young", "poisson", "text"), [(60.6, 0.25, "did you mean GPa"), (60.6e9, 0.7, "at most 0.5")])
+def test_inadmissible_materials(omega, young, poisson, text):
+    from yade.utils import sphere
+
+    law = functor(bridge="native")
+    stone = material(young=young, poisson=poisson)
+    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - 1e-6)])
+    set_engines(law)
+    with pytest.raises(RuntimeError, match=text):
+        omega.run(10, True)
+
+
+def test_engines_within_an_integrator_are_refused(omega):
+    """They compute contacts at trial positions; without a guard a contact has no force rather than native Mindlin's."""
+    import yade
+
+    def engines_of(law):
+        return [
+            yade.ForceResetter(),
+            yade.GeneralIntegratorInsertionSortCollider([yade.Bo1_Sphere_Aabb()]),
+            yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law]),
+        ]
+
+    two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin(), gap=-1e-6)
+    law = functor(bridge="native")
+    with pytest.raises(dl.DemlawsError, match="RungeKuttaCashKarp54Integrator computes contacts several times"):
+        omega.engines = [yade.RungeKuttaCashKarp54Integrator(engines_of(law))]
+    integrator = yade.RungeKuttaCashKarp54Integrator([])
+    integrator.rel_err = integrator.abs_err = 1e-6
+    omega.engines = [integrator]
+    integrator.slaves = engines_of(law)
+    omega.step()
+    assert not np.isfinite(force())
+    with pytest.raises(dl.DemlawsError, match="contact 0\\+1"):
+        law.totals()
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
+    import yade
+
+    law = functor(bridge=way)
+    two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    omega.engines[2].lawDispatcher.functors = [law]
+    omega.run(300, True)
+    assert law.contacts().force[0] == pytest.approx(force(), rel=1e-12) and law.totals().dissipated > 0
+    with pytest.raises(dl.DemlawsError, match="switched"):
+        omega.engines[2].lawDispatcher.functors = [yade.Law2_ScGeom_MindlinPhys_Mindlin()]
+    omega.interactions.clear()
+    if way == "native":
+        omega.engines[2].lawDispatcher.functors = [functor(bridge=way, surfaces={"granit": GRANITE}, label="other")]
+        with pytest.raises(RuntimeError, match=r"label 'granit', for which .* did you mean 'granite'"):
+            omega.run(5, True)
+
+
+@pytest.mark.parametrize(
+    ("law", "options", "text"),
+    [
+        ("walton-braun", {"unloading": None, "smooth": True}, "needs loading_stiffness"),
+        ("luding", {"unloading": None, "smooth": True}, "needs loading_stiffness"),
+        ("thornton-ning", {"unloading": "thornton", "smooth": True}, "materials without a surface.*needs yield_pressure"),
+        ("pohrt-popov", {"surfaces": dl.Surface(2.4e-6)}, r"surface for all materials.*give Surface\(.*fractal_dimension"),
+    ],
+)
+def test_what_is_missing_is_named(omega, law, options, text):
+    with pytest.raises(dl.DemlawsError, match=text):
+        functor(law, **{"surfaces": None, **options})
+
+
+@pytest.mark.parametrize(
+    ("wrong", "meant"),
+    [
+        ({"law": "pohrt-popv"}, "pohrt-popov"),
+        ({"unloading": "herz"}, "hertz"),
+        ({"surfces": {}}, "surfaces"),
+        ({"neverErase_": True}, "neverErase"),
+        ({"law": "jackson-green", "unloading": "jackson", "yield_strengh": 1e9}, "yield_strength"),
+        ({"law": {("granite", "granit"): "hertz"}}, "granite"),
+        ({"surfaces": {"granite": {"roughnes": 1e-6}}}, "roughness"),
+    ],
+)
+def test_a_misspelt_word_is_named_with_the_one_meant(omega, wrong, meant):
+    with pytest.raises(dl.DemlawsError, match=f"did you mean '{meant}'"):
+        functor(**wrong)
+
+
+@pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
+def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
+    """O.energy is constant, also over saving and loading, and the same numbers are in totals()."""
+    law = functor(bridge="native", shear=shear)
+    two_spheres(law, sideways=0.2)
+    omega.trackEnergy = True
+    omega.dt = 2e-8
+    omega.step()
+    start = omega.energy.total()
+    for _ in range(3):
+        omega.run(800, True)
+        assert omega.energy.total() == pytest.approx(start, rel=2e-3)
+    totals, energy = law.totals(), dict(omega.energy.items())
+    assert energy["demlawsElastic"] == totals.stored and energy["demlawsShearLost"] == totals.shear_dissipated
+    omega.save(str(tmp_path / "scene.xml"))
+    first = []
+    for again in (False, True):
+        if again:
+            omega.load(str(tmp_path / "scene.xml"))
+        omega.run(9000, True)
+        first.append((*omega.bodies[1].state.vel, *omega.bodies[1].state.angVel, law.totals().shear_dissipated))
+    assert first[0] == pytest.approx(first[1], rel=1e-9)
+    assert not omega.interactions.countReal() and omega.energy.total() == pytest.approx(start, rel=2e-3)
+    assert law.totals().shear_stored == 0.0 < law.totals().shear_dissipated < 0.1 * start
+
+
+def test_physics_of_another_class_stops_the_run(omega):
+    """Those of the Conical Damage Model without its law: the message names shapes, geometry and physics."""
+    import yade
+    from yade.utils import sphere
+
+    strength = {"sigmaMax": 1e9, "alpha": 0.1}
+    stone = yade.FrictMatCDM(young=60.6e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite", **strength)
+    omega.materials.append(stone)
+    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - 1e-6)])
+    set_engines(functor(bridge="native"), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
+    with pytest.raises(RuntimeError, match="contact 0\\+1 of Sphere and Sphere is described by ScGeom and MindlinPhysCDM"):
+        omega.run(3, True)
+
+
+def test_native_shear_warns_and_slip_needs_the_bridge(omega):
+    with pytest.warns(dl.ValidityWarning, match="can create energy"):
+        functor("hertz", "elastic", {}, bridge="native", shear="native")
+    with pytest.raises(dl.DemlawsError, match="native bridge"):
+        functor(bridge="public", shear="slip")
+    with pytest.raises(dl.DemlawsError, match="depends on the history"):
+        functor("walton-braun", None, SURFACES, bridge="native", shear="slip", loading_stiffness=3e6, stiffness_ratio=2.0)

@@ -1,0 +1,129 @@
+"""Spheres on grids, facets between grid nodes and chained cylinders, and capillary physics: Hertz's law beside YADE's own.
+
+The bodies are those of YADE's examples (grids, pfacet, chained-cylinders), the contacts those of Mindlin's physics.
+"""
+
+import functools
+
+import numpy as np
+import pytest
+from yade_scenes import functor, material
+
+RADIUS = 0.01
+pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
+
+
+def _grid(corners):
+    def build(yade):
+        from yade.gridpfacet import gridConnection, gridNode, pfacet
+
+        node = yade.CohFrictMat(young=1e9, poisson=0.3, density=1e3, frictionAngle=0.5, label="node")
+        yade.O.materials.append(node)
+        for place in corners:
+            yade.O.bodies.append(gridNode(list(place), 0.005, fixed=True, material=node))
+        for first, second in ((0, 1), (1, 2), (2, 0))[: 1 if len(corners) == 2 else 3]:
+            yade.O.bodies.append(gridConnection(first, second, 0.005, material="granite"))
+        if len(corners) == 3:
+            yade.O.bodies.append(pfacet(0, 1, 2, material="granite"))
+
+    return build
+
+
+def _cylinder(yade):
+    from yade.gridpfacet import chainedCylinder
+
+    for begin, end in (((-0.05, 0, 0), (0.05, 0, 0)), ((0.05, 0, 0), (0.1, 0, 0))):
+        chainedCylinder(yade.Vector3(begin), yade.Vector3(end), 0.005, fixed=True, material="granite")
+
+
+def _sphere(yade):
+    from yade.utils import sphere
+
+    yade.O.bodies.append(sphere((0.003, 0, -0.005), RADIUS, fixed=True, material="granite"))
+
+
+NODES = ("Ig2_GridNode_GridNode_GridNodeGeom6D",)
+SHAPES = {
+    "ScGridCoGeom": (
+        _grid([(-0.05, 0, 0), (0.05, 0, 0)]),
+        ["Bo1_GridConnection_Aabb"],
+        ["Ig2_Sphere_GridConnection_ScGridCoGeom", *NODES],
+    ),
+    "ScGridCoGeom of a PFacet": (
+        _grid([(-0.05, -0.03, 0), (0.05, -0.03, 0), (0, 0.05, 0)]),
+        ["Bo1_PFacet_Aabb", "Bo1_GridConnection_Aabb"],
+        ["Ig2_Sphere_PFacet_ScGridCoGeom", *NODES],
+    ),
+    "CylScGeom": (_cylinder, ["Bo1_ChainedCylinder_Aabb"], ["Ig2_Sphere_ChainedCylinder_CylScGeom"]),
+    "CylScGeom6D": (_cylinder, ["Bo1_ChainedCylinder_Aabb"], ["Ig2_Sphere_ChainedCylinder_CylScGeom6D"]),
+    "MindlinCapillaryPhys": (_sphere, [], ["Ig2_Sphere_Sphere_ScGeom"]),
+}
+
+
+def _impact(name, law):
+    """Forces and torques on a sphere and its places at every step, and the classes of its contacts."""
+    import yade
+    from yade.utils import sphere
+
+    omega = yade.O
+    omega.reset()
+    material()
+    build, bounds, geometries = SHAPES[name]
+    physics = ["Ip2_FrictMat_FrictMat_MindlinPhys"]
+    laws = [law]
+    if name.endswith("CapillaryPhys"):
+        physics = ["Ip2_FrictMat_FrictMat_MindlinCapillaryPhys"]
+    if NODES[0] in geometries:
+        physics = [*physics, "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys"]
+        laws = [law, yade.Law2_ScGeom6D_CohFrictPhys_CohesionMoment()]
+    bounds, geometries, physics = ([getattr(yade, kind)() for kind in kinds] for kinds in (bounds, geometries, physics))
+    omega.engines = [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), *bounds], verletDist=1e-3),
+        yade.InteractionLoop(geometries, physics, laws),
+        yade.NewtonIntegrator(damping=0),
+    ]
+    build(yade)
+    ball = omega.bodies.append(sphere((0.003, 0.0005, 0.015 + 1e-6), RADIUS, material="granite"))
+    omega.bodies[ball].state.vel, omega.bodies[ball].state.angVel = (0.05, 0.02, -0.3), (3, -5, 2)
+    omega.dt = 1e-7
+    rows, classes = [], set()
+    for _ in range(1200):
+        omega.step()
+        for contact in omega.interactions:
+            if contact.isReal and ball in (contact.id1, contact.id2):
+                classes.add((type(contact.geom).__name__, type(contact.phys).__name__))
+        rows.append((*omega.forces.f(ball), *omega.forces.t(ball), *omega.bodies[ball].state.pos))
+    return np.array(rows), classes
+
+
+@pytest.mark.parametrize("name", SHAPES)
+def test_hertz_is_native_mindlin(omega, name):
+    import yade
+
+    if not hasattr(yade, "MindlinCapillaryPhys") and name.endswith("CapillaryPhys"):
+        pytest.skip("this YADE is built without capillarity")
+    native, classes = _impact(name, yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    assert name.split()[0] in {part for pair in classes for part in pair}
+    mine, same = _impact(name, functor("hertz", "elastic", {}, bridge="native", shear="native"))
+    assert same == classes and np.abs(native[:, 2]).max() > 20.0
+    assert np.abs(native[:, 3:6]).max() > 1e-3  # it is sheared
+    for columns in (slice(0, 3), slice(3, 6), slice(6, 9)):
+        scale = np.abs(native[:, columns]).max()
+        assert mine[:, columns] == pytest.approx(native[:, columns], rel=0, abs=1e-11 * scale)
+
+
+@pytest.mark.parametrize("name", ["ScGridCoGeom", "CylScGeom6D"])
+def test_a_rough_law_is_softer_there(omega, name):
+    law = functor(bridge="native")
+    rough, _ = _impact(name, law)
+    totals = law.totals()
+    smooth, _ = _impact(name, functor("hertz", "elastic", {}, bridge="native"))
+    assert 0.2 * smooth[:, 2].max() < rough[:, 2].max() < 0.95 * smooth[:, 2].max() and totals.dissipated > 0
+
+
+@pytest.mark.parametrize("name", ["ScGridCoGeom", "ScGridCoGeom of a PFacet", "CylScGeom"])
+def test_an_inadmissible_material_is_refused(omega, monkeypatch, name):
+    monkeypatch.setitem(globals(), "material", functools.partial(material, poisson=0.7))
+    with pytest.raises(RuntimeError, match=r"'granite': poisson = 0\.7"):
+        _impact(name, functor("hertz", "elastic", {}, bridge="native"))

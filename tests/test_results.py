@@ -1,0 +1,128 @@
+"""Results as tables, data frames and plots; laws as values; types of a user's script."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import demlaws as dl
+
+PAIR = dl.Contact(radius=4e-3, modulus=32e9, roughness=2e-6, fractal_dimension=2.2)
+
+
+@pytest.fixture(scope="module")
+def path():
+    return dl.driver.force_controlled(dl.law("pohrt-popov", PAIR, unloading="hertz"), [10.0, 0.0], 20)
+
+
+def test_a_path_is_a_sequence_of_points(path):
+    """Before: a path was a tuple of its seven columns, which pandas reads as seven rows."""
+    assert len(path) == 41 and path[20].force == pytest.approx(10.0)
+    assert np.array_equal(path[:21].overlap, path.overlap[:21]) and isinstance(path[:21], type(path))
+    assert [point.force for point in path] == path.force.tolist()
+
+
+def test_a_path_is_a_data_frame(path):
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame(path)
+    assert frame.shape == (41, 7) and np.array_equal(frame["force"], path.force)
+    named = path.to_dataframe()
+    assert list(named.columns)[:2] == ["overlap (m)", "force (N)"] and len(named) == 41
+
+
+def test_a_data_frame_needs_pandas(path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(dl.DemlawsError, match="pip install pandas"):
+        path.to_dataframe()
+
+
+def test_text_of_results_is_short(path):
+    """Before: a ranking printed 8,989 characters."""
+    ranking = dl.fit(np.column_stack([path.overlap, path.force]), PAIR, laws=["hertz", "rms", "pohrt-popov"])
+    granite = dl.Material(young=60.6e9, poisson=0.25)
+    scene = dl.Scene(radii=(0.01, 0.02), materials=granite, surfaces=dl.Surface(1.7e-6, 2.22), force=(1, 50))
+    for result in (path, ranking, dl.choose(scene)):
+        lines = str(result).splitlines()
+        assert len(lines) <= 13 and max(map(len, lines)) < 160
+        page = result._repr_html_()
+        assert page.count("<tr>") == page.count("</tr>") <= 12 and "<table>" in page
+    assert str(ranking).splitlines()[1].split()[0] == "pohrt-popov" == ranking[0].name
+    assert repr(path) == f"<demlaws path of 41 points: overlap to {path.overlap.max():.4g} m, force to 10 N>"
+
+
+def test_text_is_escaped_for_notebooks():
+    from demlaws.results import Tabular
+
+    class Row(Tabular):
+        def columns(self):
+            return {"<b>": ["<script>"]}
+
+    assert "<script>" not in Row()._repr_html_() and "&lt;b&gt;" in Row()._repr_html_()
+
+
+def test_laws_and_paths_are_plotted(path):
+    pytest.importorskip("matplotlib")
+    law = dl.law("pohrt-popov", PAIR, unloading="hertz")
+    axes = law.plot(unload_at=10.0)
+    (curve,) = axes.lines
+    assert curve.get_ydata().max() == pytest.approx(10.0) and "pohrt-popov" in curve.get_label()
+    assert curve.get_ydata()[-1] == 0.0 and len(curve.get_xdata()) == 401  # loading and unloading
+    assert path.plot(axes) is axes and len(axes.lines) == 2
+
+
+def test_text_with_a_unit_is_an_overlap_or_a_force():
+    law = dl.law("pohrt-popov", PAIR)
+    assert law.force("1um") == law.force(1e-6) and law.overlap("0.05kN") == law.overlap(50.0)
+    assert law.force(["1um", 2e-6]).tolist() == law.force([1e-6, 2e-6]).tolist()
+    with pytest.raises(dl.DemlawsError, match="one of the units m, cm, mm, inch"):
+        law.force("1 parsec")
+    assert dl.Material("60600 N/mm²", 0.25).young == pytest.approx(60.6e9)
+    assert dl.Contact("1cm", 1e10).radius == 0.01 and dl.Contact("1 inch", 1e10).radius == 0.0254
+
+
+def test_equal_laws_are_equal():
+    law = dl.law("pohrt-popov", PAIR, unloading="hertz")
+    assert law == dl.law("pohrt-popov", PAIR, unloading="hertz") and hash(law) == hash(dl.law("pohrt-popov", PAIR, "hertz"))
+    others = [
+        dl.law("pohrt-popov", PAIR),
+        dl.law("rms", PAIR, unloading="hertz"),
+        dl.law("pohrt-popov", PAIR.with_values(roughness=3e-6), unloading="hertz"),
+        law.tabulate(1e-3),
+        "pohrt-popov",
+    ]
+    assert not any(law == other for other in others)
+    assert law.tabulate(1e-3) == law.tabulate(1e-3) != law.tabulate(1e-4)
+
+
+SCRIPT = """
+import numpy as np
+
+import demlaws as dl
+
+granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
+pair = dl.Contact.between(granite, granite, radius1=8.76e-3, radius2=8.63e-3, roughness1="1.56um", fractal_dimension=2.22)
+law = dl.law("pohrt-popov", pair, unloading="hertz")
+force: float = law.force("1um")
+forces = law.force(np.linspace(0, 1e-6, 5))
+print(force, forces.max(), law.overlap(50.0), law.stiffness([1e-6]))
+path = dl.driver.force_controlled(law, [50, 0, 100, 0])
+print(path.overlap.max(), path[0].force, path.to_dataframe())
+law.plot(unload_at=50.0)
+table = law.tabulate(rtol=1e-5)
+state = law.new_state(3)
+print(table.evaluate([1e-6, 2e-6, 3e-6], state)[0], state.maximum_overlap)
+print(dl.driver.impact(law, 1e-3, 0.1).restitution, dl.timestep(law, 1e-3, 10.0))
+scene = dl.Scene(radii=[1e-3], materials=[granite], force=[1, 10])
+print(dl.choose(scene).best.describe(), dl.laws(), dl.regime.assess(pair, 10.0))
+print(dl.fit(np.column_stack([path.overlap, path.force]), pair).best.misfit)
+"""
+
+
+@pytest.mark.slow
+def test_a_users_script_passes_strict_types(tmp_path):
+    pytest.importorskip("mypy")
+    (tmp_path / "script.py").write_text(SCRIPT)
+    command = [sys.executable, "-m", "mypy", "--strict", "--cache-dir", str(tmp_path / "cache"), "script.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
