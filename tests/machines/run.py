@@ -85,24 +85,26 @@ def apt_options(suite):
 
 
 def pip_mounts():
-    """[(path on the host, path in the root)]: pip's configuration files and the local folders that they name."""
+    """[(path on the host, path in the root)]: pip's configuration files and the local files and folders that they name."""
     home = Path.home()
     files = [(Path(p), p) for p in ("/etc/pip.conf", "/etc/xdg/pip/pip.conf")]
     files += [(home / ".pip/pip.conf", "/root/.pip/pip.conf"), (home / ".config/pip/pip.conf", "/root/.config/pip/pip.conf")]
     if os.environ.get("PIP_CONFIG_FILE", os.devnull) != os.devnull:
         files.append((Path(os.environ["PIP_CONFIG_FILE"]), os.environ["PIP_CONFIG_FILE"]))
     files = [(path, inside) for path, inside in files if path.is_file()]
-    values = [os.environ.get(f"PIP_{name}", "") for name in ("FIND_LINKS", "INDEX_URL", "EXTRA_INDEX_URL")]
+    values = [os.environ.get(f"PIP_{name}", "") for name in ("FIND_LINKS", "INDEX_URL", "EXTRA_INDEX_URL", "CONSTRAINT")]
     for path, _ in files:
         parser = configparser.RawConfigParser()
         parser.read(path)
-        values += [parser[s][key] for s in parser.sections() for key in parser[s] if key.endswith(("links", "index-url"))]
-    folders = set()
+        values += [
+            parser[s][key] for s in parser.sections() for key in parser[s] if key.endswith(("links", "index-url", "constraint"))
+        ]
+    named = set()
     for word in " ".join(values).split():
-        folder = Path(word.removeprefix("file://"))
-        if folder.is_absolute() and folder.is_dir():
-            folders.add(folder.parent if folder.name == "simple" else folder)  # its pages point to files beside it
-    return [*files, *((folder, str(folder)) for folder in sorted(folders))]
+        path = Path(word.removeprefix("file://"))
+        if path.is_absolute() and path.exists():
+            named.add(path.parent if path.is_dir() and path.name == "simple" else path)  # its pages point to files beside it
+    return [*files, *((path, str(path)) for path in sorted(named))]
 
 
 def certificates():

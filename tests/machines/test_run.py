@@ -100,15 +100,20 @@ def test_a_folder_that_is_not_a_root_stays(machines, tmp_path):
     assert (tmp_path / "debian-13" / "thesis.tex").exists()
 
 
-def test_pip_gets_the_local_folders_of_its_configuration(machines, monkeypatch, tmp_path):
+def test_pip_gets_the_local_files_that_its_configuration_names(machines, monkeypatch, tmp_path):
     wheels, index, configuration = tmp_path / "wheels", tmp_path / "index" / "simple", tmp_path / ".config/pip/pip.conf"
     for folder in (wheels, index, configuration.parent):
         folder.mkdir(parents=True)
     for name in [name for name in machines.os.environ if name.startswith("PIP_")]:
         monkeypatch.delenv(name)
     monkeypatch.setenv("HOME", str(tmp_path))
-    configuration.write_text(f"[global]\nfind-links = {wheels}\nextra-index-url = file://{index} https://example.org/simple\n")
+    limits = tmp_path / "constraints.txt"
+    limits.touch()
+    configuration.write_text(
+        f"[global]\nfind-links = {wheels}\nextra-index-url = file://{index} https://example.org/simple\nconstraint = {limits}\n"
+    )
     mounts = dict(machines.pip_mounts())
     assert mounts[configuration] == "/root/.config/pip/pip.conf"
     assert mounts[wheels] == str(wheels)
+    assert mounts[limits] == str(limits)
     assert mounts[index.parent] == str(index.parent)  # an index links to files beside it
