@@ -14,6 +14,9 @@ from demlaws.units import real
 _OPTIONAL = ("fractal_dimension", "hardness", "density", "edge_radius")
 LOWEST_HARDNESS = 1e-6
 """Hardness over effective modulus below which one of them is in another unit: 1e-4 of sodium is the softest solid's."""
+HIGHEST_HARDNESS = 10.0
+"""Hardness over effective modulus above which a warning is issued. An elastic sphere's mean pressure is 4 E*/(3π), 0.42 E*,
+where a = R; the hardest solids have some 0.3 E* (glass), and softening the modulus by s raises the ratio by s^(1/3)."""
 
 
 def _check(owner: Any, *names: str, scalar: bool = True) -> None:
@@ -175,6 +178,12 @@ class Contact:
             raise DemlawsError(
                 f"hardness = {self.hardness:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
                 '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)'
+            )
+        if self.hardness is not None and np.any(self.hardness > HIGHEST_HARDNESS * np.asarray(self.modulus)):
+            share = self.hardness / float(np.min(self.modulus))
+            warn(
+                f"hardness = {self.hardness:g} Pa is {share:.3g} times the effective modulus: no sphere reaches this pressure "
+                "(0.42 E* where a = R), so that nothing deforms plastically; give the hardness of the softer body in Pa"
             )
         # the relatively roughest contact and the largest one
         radius, roughness = (np.atleast_1d(v) for v in np.broadcast_arrays(self.radius, self.roughness))

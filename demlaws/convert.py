@@ -40,13 +40,19 @@ def convert(text, engine, table):
     if re.search(r"\s", str(table)):
         raise DemlawsError(f"table {str(table)!r}: the engines split names at blanks; rename the file")
     change, lines, notes = {"liggghts": _liggghts, "lammps": _lammps}[engine], [], []
+    commands = set()
     for number, line in _whole_lines(text):
         code, mark, comment = line.partition("#")
         words = re.sub(r"&[ \t]*\n", " ", code).split()
         found = []
+        commands.update(words[:1])
+        if words[:1] == ["units"] and words[1:2] and words[1] not in _UNITS[engine]:
+            found.append((f"units {words[1]}: tables are in SI; write the input in units {' or '.join(_UNITS[engine])}", False))
         new = change(words, str(table), lambda text, served=True, into=found: into.append((text, served)))
         notes += [Note(number, *entry) for entry in found]
         lines.append(line if new is None else " ".join(new) + (f" {mark}{comment}" if mark else ""))
+    if engine == "lammps" and not commands & {"units", "include", "read_restart"}:
+        notes.insert(0, Note(1, "no units line, so that LAMMPS takes units lj: write the input in units si", False))
     if not any(note.served for note in notes):
         raise DemlawsError(f"no pair_style or wall/gran line of {engine}'s granular models in this input: nothing to convert")
     return Converted("\n".join(lines) + "\n", notes)
@@ -64,6 +70,9 @@ def convert_file(path, engine, table, out=None):
     converted = convert(read_text(path), engine, os.path.relpath(table, out.parent))
     write_atomically(out, converted.text)
     return out, converted
+
+
+_UNITS = {"liggghts": ("si", "cgs", "micro", "nano"), "lammps": ("si",)}
 
 
 def _whole_lines(text):

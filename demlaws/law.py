@@ -156,7 +156,11 @@ class Law(Response):
             )
         largest = None
         if max_force is not None:
-            largest = self.overlap(np.broadcast_to(number(max_force, "max_force", "N"), self.contact.size or ()))
+            force = number(max_force, "max_force", "N")
+            try:
+                largest = self.overlap(np.broadcast_to(force, self.contact.size or ()))
+            except DemlawsError as error:
+                raise DemlawsError(f"max_force = {force:g} N is too large for this contact: {error}") from None
         curve = tabulate(self.contact, self.curve, rtol, largest)
         return Table(self.contact, curve, _adapted(self.unloads, self.contact, curve))
 

@@ -122,6 +122,8 @@ def test_unlikely_values_warn_at_the_line_of_the_caller():
         dl.Contact(radius=8.76, modulus=32e9)
     assert ["roughness = 0.0007 m" in str(one.message) for one in seen] == [True, False]
     assert {one.filename for one in seen} == {__file__}
+    with pytest.warns(dl.ValidityWarning, match="hardness = 3.2e.13 Pa is 1e.03 times"):
+        dl.Contact(radius=5e-3, modulus=[32e9, 64e9], hardness=32e12)
     with pytest.warns(dl.ValidityWarning):
         boulder = dl.Contact.between(GRANITE, GRANITE, radius1="8.76m")
     assert boulder.radius == 8.76

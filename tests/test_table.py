@@ -175,6 +175,8 @@ def test_range_errors():
             make("pohrt-popov").tabulate(rtol=bad)
     with pytest.raises(dl.DemlawsError, match="max_force"):
         make("pohrt-popov").tabulate(max_force=-1.0)
+    with pytest.raises(dl.DemlawsError, match=r"max_force = 1e\+09 N"):
+        make("pohrt-popov").tabulate(max_force="1e6kN")
 
 
 @pytest.mark.parametrize("name", [n for n, d in registry().items() if d.collapses])

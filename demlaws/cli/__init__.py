@@ -158,11 +158,11 @@ def example(text):
 
 
 def _show_warnings():
-    """Validity warnings as one line; any other as Python does."""
+    """Warnings for users as one line without a place, which would be in our files; any other as Python does."""
     otherwise = warnings.showwarning
 
     def show(message, category, filename, lineno, file=None, line=None):
-        if issubclass(category, ValidityWarning):
+        if issubclass(category, UserWarning):
             print(f"demlaws: warning: {message}", file=sys.stderr)
         else:
             otherwise(message, category, filename, lineno, file, line)

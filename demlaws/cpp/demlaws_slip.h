@@ -79,7 +79,7 @@ private:
 
 // Whether contacts with this rule have springs: those that unload along a curve which does not depend on the history.
 inline bool has_springs(Unloading rule) {
-  return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN;
+  return rule == ELASTIC || rule == HERTZ || rule == THORNTON || rule == GIVEN || rule == ETSION;
 }
 
 // Compression of the springs of one contact, from the curve along which it would unload now.
@@ -94,7 +94,8 @@ public:
       stiffness_ = pair.modulus * sqrt(radius * length);
       scale_ = stiffness_ * length;
     } else {
-      const double root = 2. * pair.modulus * sqrt(pair.rule == THORNTON ? radius * state[2] : radius);
+      const double root =
+          2. * pair.modulus * sqrt(pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius);
       stiffness_ = 1.;
       scale_ = 1. / (3. * root * root); // K = root sqrt(z)
     }

@@ -307,11 +307,8 @@ class Pairs:
         records = {source.definition.rule(self.unloading) for source in sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
-        if self.springs and not isinstance(self.rule, SLIP_RULES):
-            raise DemlawsError(
-                f"shear={SLIP!r} needs elastic, Hertz, Thornton or table unloading: the rule {self.unloading!r} unloads along "
-                "a curve that depends on the history"
-            )
+        if self.springs and rule.name not in SLIP_RULES:
+            raise DemlawsError(f"shear={SLIP!r} needs unloading {', '.join(SLIP_RULES)}; the law has {rule.name!r}")
         combined = [self.everywhere or Surface(), *self.surfaces.values()]
         if not self._make_records(combined, False) and not self._make_records(combined, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")

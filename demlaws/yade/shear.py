@@ -12,7 +12,7 @@ from numba.extending import overload
 
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
-from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
+from demlaws.core.unloading import GIVEN
 from demlaws.yade import layout as at
 from demlaws.yade.memory import call_go, load_double, load_word, scratch, store_double, store_word
 
@@ -22,8 +22,8 @@ SPRING_WORDS = 4
 FRAME_WORDS = 8
 """Two tangents, the stiffness of a spring, one unused."""
 SPRINGS = 12
-SLIP_RULES = (Elastic, Hertz, Thornton, Given)
-"""Rules that unload along a curve that does not depend on the history but for its place and its radius."""
+SLIP_RULES = ("elastic", "hertz", "thornton", GIVEN, "etsion", "jackson")
+"""Names of the rules that unload along a curve that does not depend on the history but for its place and its radius."""
 
 
 class Passive(NamedTuple):
@@ -166,7 +166,7 @@ def compress(mode, rule, p, context, row, overlap, force, stiffness, state):
 
 @overload(compress, jit_options=INLINED)
 def _compress(mode, rule, p, context, row, overlap, force, stiffness, state):
-    if mode.instance_class is not Slip or rule.instance_class not in SLIP_RULES:
+    if mode.instance_class is not Slip:
         return lambda mode, rule, p, context, row, overlap, force, stiffness, state: None
 
 

@@ -8,11 +8,11 @@ from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.slip import stretched
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
+from demlaws.laws.etsion import Etsion, Jackson
 from demlaws.yade import layout as at
 from demlaws.yade.memory import call_go, load_double, load_word, store_double
 from demlaws.yade.shear import (
     FRAME_WORDS,
-    SLIP_RULES,
     Slip,
     account,
     compress,
@@ -56,7 +56,7 @@ def _spring_end(rule, p, place, reach, state, stiffness):
     kind = rule.instance_class
     if kind is Hertz:
         return lambda rule, p, place, reach, state, stiffness: legendre_of_hertz(p.hertz_coefficient, stiffness)
-    if kind is Thornton:
+    if kind in (Thornton, Etsion, Jackson):
         return lambda rule, p, place, reach, state, stiffness: legendre_of_hertz(
             p.hertz_coefficient * sqrt(state[2]), stiffness
         )
@@ -104,7 +104,7 @@ def join(springs, count, held, share):
 
 @overload(compress, jit_options=INLINED)
 def _compress(mode, rule, p, context, row, overlap, force, stiffness, state):
-    if mode.instance_class is not Slip or rule.instance_class not in SLIP_RULES:
+    if mode.instance_class is not Slip:
         return None
 
     def write(mode, rule, p, context, row, overlap, force, stiffness, state):

@@ -310,3 +310,11 @@ def test_similar_options_and_commands_are_suggested(capsys):
         with pytest.raises(SystemExit):
             main([*HERTZ, *words[1:]] if words[0] == "curve" else words)
         assert (f"did you mean {suggestion}" if suggestion else "unrecognized") in capsys.readouterr().err
+
+
+def test_warnings_show_no_place_in_our_files(tmp_path, capsys):
+    (tmp_path / "t.tbl").write_text("notes")
+    arguments = ["table", "--law", "hertz", *CONTACT, "--rtol", "1e-2", "--out", str(tmp_path / "t.tbl"), "--force"]
+    assert main(arguments) == 0
+    warned = [line for line in capsys.readouterr().err.splitlines() if "t.tbl" in line]
+    assert warned and all(line.startswith("demlaws: warning: ") for line in warned)

@@ -60,6 +60,9 @@ def test_every_line_of_lammps():
         ("lammps", "pair_coeff * * jkr 1e9 50 0.3 10 tangential mindlin NULL 1.0 0.4"),
         ("lammps", "pair_coeff * * hertz 1e5 50 tangential mindlin NULL 1.0 0.4"),
         ("lammps", "pair_style gran/hertz/history 1e5 NULL 50 NULL 0.4 1"),
+        ("lammps", "units cgs"),
+        ("lammps", "timestep 1e-6"),  # no units line: lj
+        ("liggghts", "units lj"),
     ],
 )
 def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):

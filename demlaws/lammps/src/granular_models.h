@@ -105,7 +105,7 @@ template <bool LATE> struct Granular {
       shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
       if (!slips()) return;
       if (!demlaws::has_springs(pair_.rule))
-        refuse("'shear slip' needs elastic, hertz, thornton or table unloading, the table has " +
+        refuse("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, the table has " +
                table_.text("unloading"));
       curve_.reset(
           new demlaws::SpringCurve(pair_.rule == demlaws::GIVEN ? table_.unloading_curve() : table_.loading_curve()));

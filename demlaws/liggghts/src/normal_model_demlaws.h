@@ -376,7 +376,7 @@ private:
     type.watch = demlaws::Watch(type.pair);
     if (now_.shear == demlaws::SLIP_SHEAR) {
       if (!demlaws::has_springs(type.pair.rule))
-        error->all(FLERR, (who.str() + "'shear slip' needs elastic, hertz, thornton or table unloading, " +
+        error->all(FLERR, (who.str() + "'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " +
                            table.path() + " has " + table.text("unloading"))
                               .c_str());
       type.springs.reset(

@@ -129,7 +129,10 @@ def slip_along(law, overlaps, displacements, friction, springs):
     return results[2]
 
 
-@pytest.mark.parametrize(("name", "rule"), [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz")])
+@pytest.mark.parametrize(
+    ("name", "rule"),
+    [("hertz", "elastic"), ("pohrt-popov", "elastic"), ("pohrt-popov", "hertz"), ("jackson-green", "jackson")],
+)
 def test_partial_slip_is_that_of_python(omega, name, rule):
     """From a first step to the largest overlap on, so that both have the same springs."""
     one = example(name, CONTACT, rule)
@@ -138,7 +141,7 @@ def test_partial_slip_is_that_of_python(omega, name, rule):
     overlaps = depth * np.concatenate([[1.0, 1.0, 1.0], generator.uniform(0.7, 1.0, 60)])
     sideways = 0.6 * depth * np.concatenate([[0.0, 0.2, 1.0], generator.uniform(-1.0, 1.0, 60)])
     surfaces = {} if name == "hertz" else {"granite": GRANITE}
-    law = functor(name, rule, surfaces, bridge="native", shear="slip")
+    law = functor(name, rule, surfaces, bridge="native", shear="slip", **one.options)
     reached, _, shear, normal = taken_along(law, overlaps, sideways, friction=0.5)
     expected = slip_along(one, reached, sideways, 0.5, SPRINGS)
     assert -shear == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
