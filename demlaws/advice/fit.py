@@ -282,7 +282,6 @@ def _fit_law(model, displacement_noise, force_noise):
             model.sigma = np.hypot(displacement_noise, force_noise / model.overlap(x)[1])
             x, squares = model.minimise()
     notes = []
-    notes = []
     if displacement_noise is None and not _correlation(model.residual(x)):
         for _ in range(2):
             stiffness = model.overlap(x)[1]

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from inputs_for_lammps import (
+    HEAD,
     LOAD_UNLOAD,
     SHEAR,
     continued,
@@ -83,6 +84,42 @@ def test_every_rule_on_one_and_two_ranks(granite_pair, unloading, ranks, newton)
 def test_walls(granite_pair, unloading, wall):
     law = example("pohrt-popov", granite_pair, unloading)
     same(*follow(law, text=WALL, rtol=1e-8, wall=wall, every=20), limit=1e-7)
+
+
+@pytest.mark.parametrize(
+    "wall, caps, side, curved",
+    [
+        ("zcylinder", "", -1, True),
+        ("region", "", -1, True),
+        ("region", " open 1 open 2", -1, True),
+        ("region", "", 1, True),
+        ("region", " open 1 open 2", 1, False),
+    ],
+)
+def test_radius_at_cylinders(tmp_path, wall, caps, side, curved):
+    """1/R = 1/r - 1/(2 ρ) within a cylinder of radius ρ, 1/r + 1/(2 ρ) outside, 1/r outside of an open one: stock LAMMPS's."""
+    radius, cylinder, overlap = 5e-3, 20e-3, 10e-6
+    contact = dl.Contact(radius=radius, modulus=modulus())
+    save(dl.law("hertz", contact), tmp_path / "law.tbl", rtol=1e-6)
+    granular = "granular demlaws/table law.tbl 60.6e9 1.0 0.25 tangential demlaws 0 0"
+    text = f"""{HEAD}boundary f f f
+region box block -0.06 0.06 -0.06 0.06 -0.02 0.02 units box
+create_box 1 box
+create_atoms 1 single {cylinder + side * (radius - overlap)!r} 0 0 units box
+set atom 1 diameter {2 * radius!r} density 2650
+neighbor 1e-4 bin
+pair_style granular
+pair_coeff * * demlaws/table law.tbl 60.6e9 1.0 0.25 tangential demlaws 0 0
+region drum cylinder z 0 0 {cylinder} -0.02 0.02 side {"in" if side < 0 else "out"} units box{caps}
+fix wall all wall/gran{f"/region {granular} region drum" if wall == "region" else f" {granular} zcylinder {cylinder}"}
+compute pull all reduce sum fx
+thermo_style custom step c_pull
+thermo_modify format float %.17e norm no
+run 0
+"""
+    force = abs(simulate(tmp_path, text)["pull"][0])
+    seen = (0.75 * force / contact.modulus) ** 2 / overlap**3
+    assert seen == pytest.approx(1.0 / (1.0 / radius + curved * side / (2.0 * cylinder)), rel=1e-5)
 
 
 def test_unequal_spheres_roughness_of_types_and_mixing(tmp_path):
