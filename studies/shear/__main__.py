@@ -24,12 +24,12 @@ def parser():
             "  python -m studies.shear --summary gas.csv"
         ),
     )
-    parser.add_argument("--gas", choices=sorted(gas.STOCK), help="CSV of every law with every rule in this engine")
+    parser.add_argument("--gas", nargs="+", choices=sorted(gas.STOCK), help="CSV of every law with every rule in these engines")
     parser.add_argument("--summary", nargs="+", metavar="CSV", help="largest energy per engine and model in files of --gas")
     parser.add_argument("--friction", type=float, nargs="+", default=[100.0], help="coefficients, with --gas (default 100)")
     parser.add_argument("--poisson", type=float, nargs="+", default=[0.25], help="Poisson's ratios, with --gas (default 0.25)")
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
-    parser.add_argument("--steps", type=int, default=150_000, help="of 0.2 µs, with --gas (default 150,000)")
+    parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--paths", type=int, help="so many random paths of every law, rule and choice: work returned")
     parser.add_argument("--bytes", action="store_true", help="what a particle keeps per contact, by engine and model")
     parser.add_argument("--cycles", nargs="+", help="settlement and loss of a bed in 25 cycles with these choices, in LAMMPS")

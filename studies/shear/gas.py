@@ -2,6 +2,7 @@
 
 import contextlib
 import csv
+import itertools
 import json
 import sys
 import tempfile
@@ -21,7 +22,7 @@ from demlaws.yade.run import run as run_in_yade
 
 ENGINES = {"liggghts": liggghts, "lammps": lammps}
 STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force"), "yade": ("native",)}
-DIAMETER, BOX = 0.0174, 0.08
+DIAMETER, BOX, TIME = 0.0174, 0.08, 0.03  # [m, m, s]
 START = """\
 {style}
 atom_modify map array
@@ -35,7 +36,7 @@ set group all diameter 0.0174
 set group all density 2650
 neighbor 0.002 bin
 {model}
-timestep 2e-7
+timestep {step}
 fix integr all nve/sphere
 compute ke all ke
 compute er all erotate/sphere
@@ -101,6 +102,7 @@ def _places():
 
 def save_tables(name, rule, poisson, folder):
     """Write pair.tbl and wall.tbl of a law: one that does not collapse has another curve at a wall, whose radius is larger."""
+    folder.mkdir(exist_ok=True)
     for file, radius in (("pair.tbl", DIAMETER / 4), ("wall.tbl", DIAMETER / 2)):
         law = example(name, contact(poisson, radius), rule)
         with warnings.catch_warnings():
@@ -112,7 +114,7 @@ def save_tables(name, rule, poisson, folder):
 
 
 def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, steps=150_000):
-    """`Result` of 30 ms in "liggghts" or "lammps" with one of its tangential models.
+    """`Result` of TIME in "liggghts" or "lammps" with one of its tangential models.
 
     tables: folder with those of `save_tables` (None: the engine's own Hertz); words: settings behind them, as "shear slip".
     """
@@ -144,58 +146,67 @@ def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=
                 for a, i, p in sides
             )
         values = {"style": style, "communication": communication, "places": _places(), "model": model, "energy": energy}
-        (folder / "in.gas").write_text(START.format(**values, every=steps // 30, steps=steps))
+        (folder / "in.gas").write_text(START.format(**values, step=TIME / steps, every=steps // 30, steps=steps))
         log = ENGINES[engine].run(folder / "in.gas")
     log = {key.removeprefix("c_").removeprefix("v_"): column for key, column in log.items()}
     kept = log["ke"] + log["er"] + log["stored"]
     return Result(kept / kept[0], (kept + log["lost"]) / kept[0])
 
 
-def simulate_in_yade(law, rule, shear, friction=100.0, poisson=0.25, steps=150_000):
-    """The same in YADE, with a law and one of its `shear=`; law None: YADE's own."""
-    given = {"law": law, "rule": rule, "shear": shear, "friction": friction, "poisson": poisson, "steps": steps}
-    done = run_in_yade(Path(__file__).with_name("yade_gas.py"), [json.dumps(given)], capture_output=True, text=True)
-    lines = [line for line in done.stdout.splitlines() if line.startswith("RESULT ")]
-    result = json.loads(lines[-1].removeprefix("RESULT ")) if lines else {"refused": done.stderr.strip()[-200:]}
-    if isinstance(result, dict):
-        raise DemlawsError(result["refused"])
-    kept, balance = np.array(result).T
-    return Result(kept / kept[0], balance / balance[0])
+def simulate_in_yade(runs):
+    """The same in YADE for a list of arguments of `yade_gas.simulate`, in one process: `Result`s or refusals."""
+    done = run_in_yade(Path(__file__).with_name("yade_gas.py"), [json.dumps(runs)], capture_output=True, text=True)
+    lines = [json.loads(line.removeprefix("RESULT ")) for line in done.stdout.splitlines() if line.startswith("RESULT ")]
+    for energies in [*lines, *[done.stderr.strip()[-200:]] * (len(runs) - len(lines))]:
+        if isinstance(energies, str):
+            yield DemlawsError(energies)
+        else:
+            kept, balance = np.array(energies).T
+            yield Result(kept / kept[0], balance / balance[0])
 
 
 FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance")
 
 
-def run_all(engine, frictions, poissons, shears, steps, output=None):
-    """Write a row of FIELDS as CSV for each run; a refused run has its reason in `largest`."""
-    writer = csv.writer(output or sys.stdout)
+def run_all(chosen, frictions, poissons, shears, steps, output=None):
+    """Write a row of FIELDS as CSV for each run in these engines; a refused run has its reason in `largest`."""
+    output = output or sys.stdout
+    writer = csv.writer(output)
     writer.writerow(FIELDS)
 
-    def row(law, rule, shear, friction, poisson, **options):
-        try:
-            if engine == "yade":
-                ours = None if law == "stock hertz" else law
-                result = simulate_in_yade(ours, rule, shear, friction, poisson, steps)
-            else:
-                result = simulate(engine, friction=friction, poisson=poisson, steps=steps, **options)
+    def row(result, *first):
+        values = [f"refused: {result}", "", ""]
+        if isinstance(result, Result):
             values = [f"{result.largest:.5f}", f"{result.kept[-1]:.4f}", f"{result.balance[-1]:.5f}"]
-        except DemlawsError as error:
-            values = [f"refused: {error}", "", ""]
-        writer.writerow([engine, law, rule, shear, f"{friction:g}", f"{poisson:g}", *values])
-        (output or sys.stdout).flush()
+        writer.writerow([*first, *values])
+        output.flush()
 
-    for poisson in poissons:
-        for friction in frictions:
-            for tangential in STOCK[engine]:
-                row("stock hertz", "elastic", tangential, friction, poisson, tangential=tangential)
-        for name, rule in tqdm(list(cases()), disable=not sys.stderr.isatty()):
-            with tempfile.TemporaryDirectory() as folder:
-                if engine != "yade":
-                    save_tables(name, rule, poisson, Path(folder))
-                for friction in frictions:
-                    for shear in shears:
-                        options = {"tangential": "demlaws", "words": f"shear {shear}", "tables": folder}
-                        row(name, rule, shear, friction, poisson, **options)
+    def attempt(engine, name, model, friction, poisson, folder):
+        own = {"tangential": model}
+        if name is not None:
+            own = {"tangential": "demlaws", "words": f"shear {model}", "tables": Path(folder, f"{poisson:g}")}
+        try:
+            return simulate(engine, friction=friction, poisson=poisson, steps=steps, **own)
+        except DemlawsError as error:
+            return error
+
+    def compute(name, rule, models, folder=None):
+        """name None: the engine's own Hertz; models: shear models of each engine."""
+        for engine in chosen:
+            runs = list(itertools.product(poissons, frictions, models[engine]))
+            if engine == "yade":
+                results = simulate_in_yade([(name, rule, model, *case, steps) for *case, model in runs])
+            else:
+                results = (attempt(engine, name, model, friction, poisson, folder) for poisson, friction, model in runs)
+            for (poisson, friction, model), result in zip(runs, results, strict=True):
+                row(result, engine, name or "stock hertz", rule, model, f"{friction:g}", f"{poisson:g}")
+
+    compute(None, "elastic", STOCK)
+    for name, rule in tqdm(list(cases()), disable=not sys.stderr.isatty()):
+        with tempfile.TemporaryDirectory() as folder:
+            for poisson in poissons if chosen != ["yade"] else []:
+                save_tables(name, rule, poisson, Path(folder, f"{poisson:g}"))
+            compute(name, rule, dict.fromkeys(chosen, shears), folder)
 
 
 def summary(files):

@@ -15,17 +15,18 @@ from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.registry import find
 from demlaws.make import example
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
-from studies.shear.gas import BOX, CONTACT, DIAMETER, places_and_speeds
+from studies.shear.gas import BOX, DIAMETER, TIME, contact, places_and_speeds
 
 O = yade.O  # noqa: E741  YADE's name
 
 
-def functor(law, rule, shear):
-    """A law of ours on the surfaces of CONTACT, or YADE's own for `law` None."""
+def functor(law, rule, shear, poisson):
+    """A law of ours on the surfaces of `contact`, or YADE's own for `law` None."""
     if law is None:
         return yade.Law2_ScGeom_MindlinPhys_Mindlin()
-    surface = Surface(CONTACT.roughness / math.sqrt(2.0), CONTACT.fractal_dimension, CONTACT.hardness)
-    given, options = (example(law, CONTACT, rule), {}) if rule == GIVEN else (law, find(law).example)
+    pair = contact(poisson)
+    surface = Surface(pair.roughness / math.sqrt(2.0), pair.fractal_dimension, pair.hardness)
+    given, options = (example(law, pair, rule), {}) if rule == GIVEN else (law, find(law).example)
     unloading = None if rule == GIVEN else rule
     return Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, surface, shear=shear, bridge="native", **options)
 
@@ -36,15 +37,15 @@ def kinetic():
     return sum(0.5 * (s.mass * s.vel.squaredNorm() + s.inertia[0] * s.angVel.squaredNorm()) for s in spheres)
 
 
-def main(law, rule, shear, friction, poisson, steps):
+def simulate(law, rule, shear, poisson, friction, steps):
     """[(energy of bodies and contacts, the same with what contacts have lost), ...]."""
     stone = yade.FrictMat(young=60.6e9, poisson=poisson, frictionAngle=math.atan(friction), density=2650, label="granite")
     O.materials.append(stone)
     for place, speed in places_and_speeds():
         O.bodies[O.bodies.append(sphere(place, DIAMETER / 2, material=stone))].state.vel = speed
     O.bodies.append([wall(place, axis, material=stone) for axis in range(3) for place in (0.0, BOX)])
-    acting = functor(law, rule, shear)
-    O.engines, O.dt = engines(acting), 2e-7
+    acting = functor(law, rule, shear, poisson)
+    O.engines, O.dt = engines(acting), TIME / steps
     energies = []
     for _ in range(31):
         kept = lost = kinetic()
@@ -59,9 +60,11 @@ def main(law, rule, shear, friction, poisson, steps):
 
 if __name__ == "__main__":
     warnings.simplefilter("ignore", ValidityWarning)
-    try:
-        result = main(**json.loads(sys.argv[1]))
-    except (DemlawsError, RuntimeError) as error:
-        result = {"refused": str(error)}
-    print("RESULT " + json.dumps(result), flush=True)
+    for run in json.loads(sys.argv[1]):
+        try:
+            result = simulate(*run)
+        except (DemlawsError, RuntimeError) as error:
+            result = str(error)
+        print("RESULT " + json.dumps(result), flush=True)
+        O.reset()
     os._exit(0)
