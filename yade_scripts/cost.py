@@ -48,6 +48,9 @@ BRIDGE = {
     "the same as a table": lambda: (table(), "hertz", {}),
     "rough-plastic, thornton unloading": lambda: ("rough-plastic", "thornton", {"yield_pressure": 1.66e9}),
     "rms, hertz unloading": lambda: ("rms", "hertz", {}),
+    "hertz, shear native": lambda: ("hertz", "elastic", {"shear": "native"}),
+    "pohrt-popov, slip": lambda: ("pohrt-popov", "elastic", {"shear": "slip"}),
+    "pohrt-popov, hertz unloading, slip": lambda: ("pohrt-popov", "hertz", {"shear": "slip"}),
 }
 
 

@@ -1,15 +1,15 @@
 """Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz and shear, in a block of touching spheres.
 
     python tests/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
-    python tests/benchmarks/bench_engines.py lammps --count [--tangent]
+    python tests/benchmarks/bench_engines.py lammps --count [--tangent] [--springs 12]
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
 every law. The laws are timed in turn, round after round. Printed are medians of the ratio to the stock model of the same
 round, the ratio of the fastest rounds (what is left where other programs share the machine), and the parallel efficiency
-T1/(n Tn) of the fastest rounds. --portable: the plugin compiled for any processor. --tangent (LAMMPS): our laws with
-demlaws/tangent, which takes one more square root per contact. --count: instructions per step instead of times, under
-valgrind, of 1,000 spheres with the portable plugin: independent of other programs on the machine.
+T1/(n Tn) of the fastest rounds. --springs: partial slip, too. --portable: the plugin compiled for any processor. --tangent
+(LAMMPS): our laws with demlaws/tangent, which takes one more square root per contact. --count: instructions per step instead of
+times, under valgrind, of 1,000 spheres with the portable plugin: independent of other programs on the machine.
 """
 
 import argparse
@@ -39,7 +39,7 @@ hard_particles  yes
 processors      ${ranks} 1 1
 read_data       block.data
 neighbor        4e-4 bin
-neigh_modify    delay 0 contact_distance_factor 1.01
+neigh_modify    delay 0 contact_distance_factor 1.01 one 200
 fix             m1 all property/global youngsModulus peratomtype 6.06e8
 fix             m2 all property/global poissonsRatio peratomtype 0.25
 fix             m3 all property/global coefficientRestitution peratomtypepair 1 0.3
@@ -76,10 +76,8 @@ OURS = {
     "pohrt-popov, elastic": "elastic.tbl",
     "pohrt-popov, hertz unloading": "hysteretic.tbl",
     "pohrt-popov, thornton unloading": "thornton.tbl",
-    "pohrt-popov, elastic, slip": "elastic.tbl shear slip",
-    "pohrt-popov, hertz unloading, slip": "hysteretic.tbl shear slip",
 }
-WIDTH = 36
+WIDTH = 48
 
 
 def write_block(path, side, radius=2e-3, seed=1):
@@ -176,7 +174,10 @@ def main():
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
     parser.add_argument("--count", action="store_true", help="count instructions, in valgrind, instead of time")
     parser.add_argument("--tangent", action="store_true", help="LAMMPS: our laws with demlaws/tangent, stock with viscoelastic")
+    parser.add_argument("--springs", type=int, nargs="*", default=[], help="partial slip, too, with these numbers of springs")
     options = parser.parse_args()
+    for name in ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
+        OURS.update({f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs})
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         (folder / "in.cost").write_text((LIGGGHTS if options.engine == "liggghts" else LAMMPS) + RUN)
