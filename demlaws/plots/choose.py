@@ -23,7 +23,7 @@ def fit_figure(ranking, source=""):
         right.plot(force, (displacement - fit.displacement) * 1e6, ".", ms=3, color=shade, label=fit.name)
     left.set(xlabel="displacement (µm)", ylabel="force (N)", title="measured points and laws fitted to them")
     right.axhline(0.0, color="k", lw=0.8)
-    right.set(title="what the laws leave of the displacement")
+    right.set(title="misfit of the fitted laws")
     right.set(xlabel="force (N)", ylabel="measured - fitted displacement (µm)", ylim=(-1.2e6 * widest, 1.2e6 * widest))
     left.legend(fontsize=7)
     right.legend(fontsize=7)

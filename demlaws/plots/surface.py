@@ -101,7 +101,7 @@ def surface_figure(heights, wavelengths=None):
     boxes = heights.fractal_dimension_by_boxes(wavelengths)
     missed = np.exp(box_correction(3.0 - boxes, sizes) - box_correction(3.0 - boxes, sizes[-1:]))
     ax.loglog(sizes * pixel * MICRO, number, "o", mfc="none", ms=5, label="counted")
-    ax.loglog(sizes * pixel * MICRO, number / missed, "o", ms=5, label="with what pixels miss")
+    ax.loglog(sizes * pixel * MICRO, number / missed, "o", ms=5, label="corrected for pixel size")
     fit = (sizes / sizes[-1]) ** -boxes
     ax.loglog(sizes * pixel * MICRO, fit, "k--", lw=1.2, label=f"N ∝ size$^{{-{boxes:.2f}}}$")
     ax.set(xlabel="box side (µm)", ylabel="boxes N / N(largest side)")
