@@ -27,15 +27,9 @@ for name, text in names.items():
         warnings.simplefilter("ignore", dl.ValidityWarning)  # rms at low load
         overlap = dl.law(name, pair).overlap(force) * 1e6
     ax.plot(overlap, force, color=colour, lw=1.2 if colour == "0.65" else 2.2)
-    ax.text(
-        overlap[-1],
-        51,
-        text,
-        color=colour if colour != "0.65" else "0.4",
-        ha="right" if name == "rms" else "center",
-        va="bottom",
-        fontsize=9,
-    )
+    place = (np.interp(40.0, force, overlap) - 0.1, 40.0) if name == "rms" else (overlap[-1], 51.0)
+    horizontal = "right" if name == "rms" else "center"
+    ax.text(*place, text, color=colour if colour != "0.65" else "0.4", ha=horizontal, va="bottom", fontsize=9)
 
 path = dl.driver.force_controlled(rough, [50, 0])
 peak = int(np.argmax(path.force))
@@ -45,7 +39,7 @@ ax.annotate(
     f"unloading: {remains:.1f} µm\nof overlap remain", (remains + 0.1, 0.4), (7.2, 3.0), color="tab:red", fontsize=9,
     arrowprops={"arrowstyle": "->", "color": "tab:red"},
 )  # fmt: skip
-ax.set(xlabel="overlap (µm)", ylabel="force (N)", xlim=(0, 13.4), ylim=(0, 57))
+ax.set(xlabel="overlap (µm)", ylabel="force (N)", xlim=(0, 14.2), ylim=(0, 57))
 ax.grid(alpha=0.3)
 ax.spines[["top", "right"]].set_visible(False)
 fig.savefig("granite.png", dpi=130)

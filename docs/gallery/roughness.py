@@ -18,6 +18,6 @@ for sigma, shade in zip((0.3e-6, 1e-6, 2.4e-6, 5e-6), plt.colormaps["plasma"]([0
     ax.annotate(
         f"σ = {sigma * 1e6:g} µm", (force[0], stiffness[0]), (-4, 0), textcoords="offset points", color=shade, ha="right"
     )
-ax.set(xlim=(0.02, 1000), xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
+ax.set(xlim=(0.008, 1000), xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
 ax.grid(alpha=0.3)
 fig.savefig("roughness.png", dpi=130)
