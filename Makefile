@@ -14,7 +14,7 @@
 # make mutations change one number or condition of the package at a time and check that the tests notice (some ten minutes)
 # make readme-check  recompute the numbers that README and docs state (a minute)
 # make size      lines and kB of the package, what a YADE script loads, circles: figures with their goals
-# make lint      format and lint of Python and C++, types of the public names
+# make lint      format and lint of Python and C++, types and docstrings of the public names
 
 # Debian's own interpreter: YADE's modules are built for it.
 PYTHON ?= /usr/bin/python3
@@ -40,7 +40,6 @@ test: engines
 
 test-all: engines
 	@$(MAKE) --no-print-directory -j2 -Otarget lint plugins
-	-@test -e $(VENV)/.docs || $(MAKE) --no-print-directory $(VENV)/.docs
 	$(BIN)/python -m pytest -n $(CORES) --hypothesis-profile=thorough $(PYTEST)
 
 # what the tests of the engines would wait for, on the core that pip leaves free: needs nothing of the venv; what fails, they say
@@ -48,10 +47,11 @@ plugins:
 	-@for engine in liggghts lammps; do DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} \
 		PYTHONPATH=. $(PYTHON) -m demlaws $$engine build >/dev/null 2>&1; done; true
 
-lint: $(VENV)/.test
+lint: $(VENV)/.test $(VENV)/.docs
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
+	$(BIN)/python -m pytest -q -n0 tests/docs/test_docstrings.py -k numpydoc
 	@files=$$(git ls-files '*.cpp' '*.h' 2>/dev/null); \
 	if [ ! -f .clang-format ]; then echo "lint: no .clang-format: C++ is not looked at"; \
 	elif command -v clang-format >/dev/null; then clang-format --dry-run -Werror $$files; \

@@ -112,9 +112,18 @@ class Surface:
         _check(self, "roughness", "fractal_dimension", "hardness", "edge_radius")
 
     def combined(self, other: "Surface") -> "Surface":
-        """The surface that, against a smooth flat, stands for this one against `other`.
+        """The surface that, against a smooth flat, is equivalent to this one against `other`.
 
         σ = √(Sq1² + Sq2²); Df is the mean of the two (our choice: the papers do not say), the hardness the lower one.
+
+        Parameters
+        ----------
+        other : Surface
+            The second body's surface.
+
+        Returns
+        -------
+        Surface
         """
         if not isinstance(other, Surface):
             raise DemlawsError(f"a Surface is combined with another Surface, got {other!r:.60}")
@@ -292,7 +301,17 @@ class Contact:
         return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
 
     def with_values(self, **changes: Any) -> "Contact":
-        """A copy with some fields changed."""
+        """A copy with some fields changed.
+
+        Parameters
+        ----------
+        **changes
+            Fields of the contact and their new values.
+
+        Returns
+        -------
+        Contact
+        """
         unknown = changes.keys() - {field.name for field in fields(self)}
         if unknown:
             known = ", ".join(field.name for field in fields(self))
@@ -306,7 +325,17 @@ class Contact:
         return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
 
     def roughness_parameter(self, force: ArrayLike) -> float | np.ndarray:
-        """α = σ (16 R E*²/(9 P²))^(1/3): roughness over Hertz overlap at `force` [N] (Greenwood, Johnson & Matsubara 1984)."""
+        """Ratio of the roughness to the Hertz overlap, α = σ (16 R E*²/(9 P²))^(1/3) (Greenwood, Johnson & Matsubara 1984).
+
+        Parameters
+        ----------
+        force : float or array_like
+            Force P [N].
+
+        Returns
+        -------
+        float or ndarray
+        """
         return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * real(force, "force", "N", array=True) ** 2)) ** (
             1 / 3
         )

@@ -245,7 +245,22 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
 
 
 def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
-    """Overlap [m] at which first loading has taken the kinetic energy, and twice the time that takes."""
+    """Largest overlap and duration of an elastic impact, from the energy of first loading.
+
+    Parameters
+    ----------
+    law : Law
+        Law of one contact.
+    mass : float
+        Effective mass [kg].
+    speed : float
+        Relative normal speed at first touch [m/s].
+
+    Returns
+    -------
+    tuple of float
+        Overlap [m] at which first loading has taken the kinetic energy, and twice the time until then [s].
+    """
     from scipy.optimize import brentq
 
     mass, speed = number(mass, "mass", "kg"), number(speed, "speed", "m/s")

@@ -409,11 +409,30 @@ def _between(coarse, fine_index, axis):
 
 
 def self_affine(shape, pixel, hurst, roughness, seed, *, shortest=0.0, longest=math.inf, anisotropy=1.0, periodic=False):
-    """A Gaussian self-affine map: C(q) ∝ q^(-2-2H), flat beyond the wavelength `longest`, zero below `shortest` [m].
+    """A Gaussian self-affine map with the spectrum C(q) ∝ q^(-2-2H).
 
-    shape: (rows, columns); pixel [m]; hurst: H in (0, 1], Df = 3 - H; roughness: Sq [m], met exactly; seed: any
-    numpy seed, the same seed gives the same map; anisotropy: how much longer features are along x than along y;
-    periodic: else a window cut out of a periodic map of twice the size, which holds waves longer than itself.
+    Parameters
+    ----------
+    shape : int or pair of int
+        Rows and columns.
+    pixel : float or str
+        Pixel size [m].
+    hurst : float
+        Hurst exponent H in (0, 1], Df = 3 - H.
+    roughness : float or str
+        Sq [m] of the map, exactly.
+    seed : int
+        Seed of numpy's generator: the same seed gives the same map.
+    shortest, longest : float
+        Wavelengths [m]: the spectrum is zero below the shortest and flat beyond the longest.
+    anisotropy : float
+        Ratio of the lengths of features along x and along y.
+    periodic : bool
+        Default: a window cut out of a periodic map of twice the size, which contains waves longer than the window.
+
+    Returns
+    -------
+    HeightMap
     """
     sides = shape if np.ndim(shape) else (shape, shape)
     if len(sides) != 2:

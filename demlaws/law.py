@@ -126,14 +126,36 @@ class Law(Response):
         return self.curve.kinks(one_of(loading_part(self.params), 0))
 
     def joined(self, unloading: "str | os.PathLike | Law") -> "Law":
-        """The same law of first loading with another unloading rule: a name, or a law or a `Table` as the curve to follow.
+        """The same law of first loading with another unloading rule.
 
-        Raises DemlawsError where the pair is not passive.
+        Parameters
+        ----------
+        unloading : str or Law
+            Name of a rule, or the law, `Table` or table file along whose curve the contact unloads.
+
+        Returns
+        -------
+        Law
+
+        Raises
+        ------
+        DemlawsError
+            If a cycle of the pair could return more work than was done on it.
         """
         return join(self.contact, self.curve, unloading)
 
     def bound_to(self, contact: Contact) -> "Law":
-        """The same law and options for another contact (or array of contacts), elastic."""
+        """The same law and options for another contact, elastic.
+
+        Parameters
+        ----------
+        contact : Contact
+            One contact or an array of contacts.
+
+        Returns
+        -------
+        Law
+        """
         return Law(as_contact(contact), ClosedForm(self.definition, contact, self.options))
 
     def for_unloading(self, contact: Contact) -> "Law":
@@ -143,9 +165,18 @@ class Law(Response):
     def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
         """The smallest `Table` of this law whose force and stiffness lie within `rtol`, measured between the nodes.
 
-        The range ends at the overlap of `max_force` [N] or at a tenth of the radius, and goes down to where the law is a
-        power law within `rtol`. A law whose curve collapses gives one table for every radius, modulus and roughness; without
-        `max_force` it ends at a tenth of a radius ten times as large.
+        Parameters
+        ----------
+        rtol : float
+            Largest relative error of force and stiffness.
+        max_force : float, optional
+            Force [N] at which the table ends. Default: the force at a tenth of the radius; a law whose curve collapses gives
+            one table for every radius, modulus and roughness, which ends at a tenth of a radius ten times as large.
+
+        Returns
+        -------
+        Table
+            It starts where the law is a power law within `rtol`.
         """
         from demlaws.curves.tabulate import tabulate, tolerance
 
@@ -287,7 +318,18 @@ class Table(Law):
         return Table(contact, self.curve, unloading)
 
     def uncertainty(self, overlap: ArrayLike) -> float | np.ndarray:
-        """Standard uncertainty [N] of the force at overlaps [m], between those of the knots; NaN where unknown."""
+        """Standard uncertainty of the force of a table made of measured points.
+
+        Parameters
+        ----------
+        overlap : float or array_like
+            Overlaps [m].
+
+        Returns
+        -------
+        float or ndarray
+            Uncertainty [N], interpolated between the knots; NaN where it is unknown.
+        """
         if self.knots is None:
             raise DemlawsError(
                 f"the table of {self.name!r} was not made of measured points: it has no uncertainty but its certificate"
@@ -313,6 +355,16 @@ class Table(Law):
 
         The code of a user-defined rule is written, too, beside the file: PATH.so (takes g++); both files or none. A warning
         names the content of a file that is replaced, unless it is a table of the same law and contact.
+
+        Parameters
+        ----------
+        path : str or os.PathLike
+            File to write.
+
+        Returns
+        -------
+        pathlib.Path
+            The file.
         """
         from demlaws.files import as_path, write_atomically, write_together
 
@@ -343,9 +395,21 @@ class Table(Law):
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Table":
-        """Read a table written by `save`. A truncated, edited or foreign file is refused with its line number.
+        """Read a table written by `save`; a law that this version of demlaws does not have is no error.
 
-        A law that this version of demlaws does not have is no error: its table is its curve.
+        Parameters
+        ----------
+        path : str or os.PathLike
+            File to read.
+
+        Returns
+        -------
+        Table
+
+        Raises
+        ------
+        DemlawsError
+            If the file is truncated, edited or not a table; the message gives the line.
         """
         from demlaws.curves.saved import read
 
@@ -367,17 +431,38 @@ class Table(Law):
         name: str = "function",
         description: str = "a user-defined function",
     ) -> "Table":
-        """The smallest `Table` of any rising force(overlap) [N] of overlap [m], within `rtol` of it and of its derivative.
+        """The smallest `Table` of a rising force(overlap), within `rtol` of it and of its derivative.
 
-        force: takes one number or an array; from overlap 0, where it is 0 and goes as δ or a higher power, to
-        largest_overlap [m] (default a tenth of R; the last cell may go on a little, as a power law). stiffness(overlap) [N/m]:
-        its derivative, checked, else found from the force; kinks: overlaps [m] where it jumps (those that are not given are
-        looked for). unloading: a rule, a law or a `Table` as `law` takes it, or another function of the overlap past the foot
-        δp, the curve that the contact unloads along. The table holds for `contact` only, unless scales_with says that P/(E* R²)
-        is a function of δ/R ("radius"), or P/(E* √R σ^1.5) of δ/σ ("roughness").
+        Parameters
+        ----------
+        force : callable
+            Force [N] of one overlap or an array [m]; 0 at overlap 0, where it rises as δ or a higher power.
+        contact : Contact
+            The contact that the function describes.
+        largest_overlap : float, optional
+            End of the table [m]; default: a tenth of R. The last cell may continue a little, as a power law.
+        stiffness : callable, optional
+            Derivative of the force [N/m], which is checked; default: computed from the force.
+        unloading : str, Law or callable
+            A rule, a law or a `Table` as for `demlaws.law`, or a function of the overlap past the plastic overlap, along
+            which the contact unloads.
+        kinks : array_like
+            Overlaps [m] where the stiffness jumps; others are searched for.
+        scales_with : {"radius", "roughness"}, optional
+            The table serves other contacts, too: P/(E* R²) is a function of δ/R, or P/(E* √R σ^1.5) one of δ/σ.
+        rtol : float
+            Largest relative error of force and stiffness.
+        name, description : str
+            Name and description of the law.
 
-        Raises DemlawsError, with the overlap and the value, where the function raises, is not finite, negative, falls, jumps,
-        or has another derivative.
+        Returns
+        -------
+        Table
+
+        Raises
+        ------
+        DemlawsError
+            If the function raises, is not finite, is negative, falls, jumps, or has another derivative; with the overlap.
         """
         from demlaws.curves.given import from_function
 
@@ -401,18 +486,41 @@ class Table(Law):
         name: str = "points",
         description: str = "measured points",
     ) -> "Table":
-        """`Table` of a rising curve through measured points: overlaps [m] and forces [N] of first loading, in any order.
+        """`Table` of a rising curve through measured points, smoothed by generalised cross-validation.
 
-        Points are smoothed by generalised cross-validation (`MeasuredCurve`); with `knots` they are interpolated, averaged
-        to so many where there are more. `table.knots` has points of it with the standard uncertainty of their force, from
-        `uncertainty` [N] (one, or one per point) or from the scatter, and the smoothing; `rtol` is the table's distance from
-        that curve. unloading: a rule, a law, a `Table`, or
-        (overlaps, forces) measured after the largest force, whose curve past their foot δp (`residual` [m]; else found,
-        `residual_overlap`) the contact then unloads along from any largest force. Below the first point the curve is a
-        power law. The table holds for `contact` only, see `from_function`.
+        Below the first point the curve is a power law. `table.knots` has points of the curve with the standard uncertainty
+        of their force.
 
-        Raises DemlawsError, with overlap and force, where points do not follow a rising curve or unloading does not begin where
-        loading ends.
+        Parameters
+        ----------
+        overlap, force : array_like
+            Overlaps [m] and forces [N] of first loading, in any order.
+        contact : Contact
+            The contact that was measured.
+        unloading : str, Law or pair of array_like
+            A rule, a law or a `Table` as for `demlaws.law`, or overlaps and forces measured after the largest force: the
+            contact unloads along their curve past the plastic overlap, from any largest force.
+        uncertainty : float or array_like, optional
+            Standard uncertainty of the forces [N]; default: from the scatter.
+        residual : float, optional
+            Plastic overlap [m] of the measured unloading; default: extrapolated (`residual_overlap`).
+        knots : int, optional
+            Interpolate instead, with points averaged to this number where there are more.
+        scales_with : {"radius", "roughness"}, optional
+            As in `from_function`.
+        rtol : float
+            Largest relative distance of the table from the curve.
+        name, description : str
+            Name and description of the law.
+
+        Returns
+        -------
+        Table
+
+        Raises
+        ------
+        DemlawsError
+            If points do not follow a rising curve, or unloading does not begin where loading ends; with overlap and force.
         """
         from demlaws.curves.given import from_points
 

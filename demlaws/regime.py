@@ -153,7 +153,22 @@ def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure:
 
 
 def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
-    """p(0)/H_m over `loads` [N] (columns) and `roughnesses` [m] (rows); `contact` gives the rest."""
+    """Largest pressure over hardness, p(0)/H_m, as a map over load and roughness.
+
+    Parameters
+    ----------
+    contact : Contact
+        The other quantities of the contact.
+    loads : array_like
+        Loads [N].
+    roughnesses : array_like
+        Combined roughnesses σ [m].
+
+    Returns
+    -------
+    ndarray
+        One row per roughness, one column per load.
+    """
     loads = np.atleast_1d(checked_loads(real(loads, "loads", "N", array=True)))
     roughnesses = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
     as_contact(contact)

@@ -135,15 +135,48 @@ class Response:
         return text if end == math.inf else f"{text}, and its unloading curve is a table that ends at {end:g} N"
 
     def force(self, overlap: ArrayLike) -> Any:
-        """Force P [N] of first loading at `overlap` δ [m] or text ("1um"); 0 at δ ≤ 0. A number for a number."""
+        """Force P of first loading.
+
+        Parameters
+        ----------
+        overlap : float, str or array_like
+            Overlap δ [m], or text with a unit ("1um").
+
+        Returns
+        -------
+        float or ndarray
+            Force [N], 0 at δ ≤ 0.
+        """
         return as_given(self._both(overlap)[0])
 
     def stiffness(self, overlap: ArrayLike) -> Any:
-        """Tangent stiffness K = dP/dδ [N/m] of first loading at `overlap` [m]; 0 at δ ≤ 0."""
+        """Tangent stiffness K = dP/dδ of first loading.
+
+        Parameters
+        ----------
+        overlap : float, str or array_like
+            Overlap δ [m].
+
+        Returns
+        -------
+        float or ndarray
+            Stiffness [N/m], 0 at δ ≤ 0.
+        """
         return as_given(self._both(overlap)[1])
 
     def overlap(self, force: ArrayLike) -> Any:
-        """Overlap δ [m] at which first loading carries `force` [N]; 0 at P ≤ 0."""
+        """Overlap δ at which first loading carries a force.
+
+        Parameters
+        ----------
+        force : float, str or array_like
+            Force P [N].
+
+        Returns
+        -------
+        float or ndarray
+            Overlap [m], 0 at P ≤ 0.
+        """
         values, shape = self._shaped(force, "force", "N")
         result = np.empty(values.size)
         inverse_loop(loading_part(self.params), values.ravel(), result)
@@ -157,7 +190,18 @@ class Response:
         return f"force up to {force:g} N has no finite overlap"
 
     def energy(self, overlap: ArrayLike) -> Any:
-        """Work ∫P dδ [J] of first loading to `overlap` [m]."""
+        """Work ∫P dδ of first loading.
+
+        Parameters
+        ----------
+        overlap : float, str or array_like
+            Overlap δ [m].
+
+        Returns
+        -------
+        float or ndarray
+            Work [J].
+        """
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
         result = np.empty(values.size)
@@ -167,7 +211,19 @@ class Response:
     # --- history
 
     def new_state(self, n: int | None = None, dtype: DTypeLike = np.float64) -> "State":
-        """State of n virgin contacts (n: the contact's own size, or 1), kept as float64 or float32."""
+        """State of contacts that have not been loaded.
+
+        Parameters
+        ----------
+        n : int, optional
+            Number of contacts; default: that of the contact array, or 1.
+        dtype : dtype_like
+            float64 or float32.
+
+        Returns
+        -------
+        State
+        """
         from demlaws.batch import State
 
         return State(self.state_names, (self.contact.size or 1) if n is None else n, dtype)
@@ -179,15 +235,29 @@ class Response:
         out: tuple[np.ndarray, np.ndarray] | None = None,
         parallel: bool = False,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Force [N] and tangent stiffness [N/m] of a batch of contacts; `state` is updated in place.
+        """Force and tangent stiffness of a batch of contacts; `state` is updated in place.
 
-        overlap: 1-D array, float64 or float32 (arithmetic is double throughout), one entry per contact; state: from
-        `new_state` (not needed by elastic laws); out: (force, stiffness), two float arrays to write to, which
-        spares the time that new memory takes; parallel=True: one thread per core for more than 131,072 contacts,
-        since fewer would take longer. The overlaps are checked in the loop only. One that is NaN, infinite, beyond the
-        contact's effective radius or beyond a table's range raises DemlawsError after it: that contact's force is not
-        finite, its history is as it was; all others are good. Overlaps
-        beyond a tenth of the radius give one warning.
+        Parameters
+        ----------
+        overlap : array_like, shape (n,)
+            Overlaps [m] of one contact each, float64 or float32; arithmetic is double throughout.
+        state : State, optional
+            History from `new_state`; elastic laws need none.
+        out : pair of ndarray, optional
+            Arrays for force and stiffness, which saves the time for new memory.
+        parallel : bool
+            One thread per core for more than 131,072 contacts; fewer would take longer.
+
+        Returns
+        -------
+        force, stiffness : ndarray
+            In N and N/m.
+
+        Raises
+        ------
+        DemlawsError
+            After the loop, if an overlap is NaN, infinite, beyond the effective radius or beyond a table's range: the force
+            of that contact is not finite and its history is unchanged; all other contacts are complete.
         """
         from demlaws.batch import PIECE, in_threads, writable
 
@@ -299,7 +369,19 @@ class Response:
         return self.params
 
     def follow(self, overlap: ArrayLike, state: "State | None" = None) -> "Path":
-        """Take one contact along a sequence of overlaps [m], from virgin (or from `state`, updated): a `Path`."""
+        """Take one contact along a sequence of overlaps.
+
+        Parameters
+        ----------
+        overlap : array_like
+            Overlaps [m].
+        state : State, optional
+            History at the start, which is updated; default: a contact that has not been loaded.
+
+        Returns
+        -------
+        Path
+        """
         self.single_params()
         values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
         if values.ndim != 1:

@@ -25,12 +25,28 @@ _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "
 def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightMap:
     """Read a height map.
 
-    .npy, .csv, .txt, .tsv, .asc: heights in `unit`, pixel size `pixel` (a number in m, "0.8um", or a pair for x and y); ESRI
-    (ncols, cellsize, NODATA_value) and Gwyddion (# Width: 1.6 mm) headers supply the pixel size themselves. Columns may
-    be split by commas, semicolons, tabs or blanks; an empty cell, NaN, ***, Bad … is a missing pixel.
-    Any other suffix is an instrument's file and goes through SurfaceTopography (pip install "demlaws[surfaces]").
-    Raises DemlawsError that names the file and, in text, the line.
+    Parameters
+    ----------
+    path : str or os.PathLike
+        .npy, or text (.csv, .txt, .tsv, .asc) with columns split by commas, semicolons, tabs or blanks; an empty cell, NaN,
+        ***, Bad … is a missing pixel. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
+    pixel : float, str or pair, optional
+        Pixel size [m], or text with a unit, or a pair for x and y. ESRI (ncols, cellsize, NODATA_value) and Gwyddion
+        (# Width: 1.6 mm) headers contain it.
+    unit : str
+        Unit of the heights.
 
+    Returns
+    -------
+    HeightMap
+
+    Raises
+    ------
+    DemlawsError
+        If the file cannot be read; the message names it and, in text, the line.
+
+    Examples
+    --------
     >>> import tempfile, pathlib
     >>> heights = dl.surface.self_affine(64, pixel=1e-6, hurst=0.8, roughness=2e-6, seed=1)
     >>> with tempfile.TemporaryDirectory() as folder:
@@ -179,7 +195,20 @@ def _read_instrument(path, pixels):
 
 
 def write(path: str | os.PathLike, heights: HeightMap) -> Path:
-    """Write a map, heights in m: .npy, .csv, or .asc (an ESRI grid, which holds the pixel size)."""
+    """Write a map, heights in m.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        File with the suffix .npy, .csv, or .asc (an ESRI grid, which contains the pixel size).
+    heights : HeightMap
+        The map.
+
+    Returns
+    -------
+    pathlib.Path
+        The file.
+    """
     import io
 
     path = as_path(path)

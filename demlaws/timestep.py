@@ -47,11 +47,24 @@ def _mass(value, name):
 
 
 def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ratio: float = 1.0) -> float:
-    """Limit [s] of two bodies in one contact, exact; mass2 = inf: a fixed wall.
+    """Limit of two bodies in one contact, exact: 2/ω with ω² = K (1/m1 + 1/m2) max(1, 7/2 K_t/K).
 
-    2/ω with ω² = K (1/m1 + 1/m2) max(1, 7/2 K_t/K). stiffness: K [N/m]; shear_ratio: K_t/K, 2(1-ν)/(2-ν) for smooth spheres of
-    one material, at most 1; 0 for grains without friction.
+    Parameters
+    ----------
+    stiffness : float
+        K [N/m].
+    mass1, mass2 : float
+        Masses [kg]; inf is a fixed wall.
+    shear_ratio : float
+        K_t/K, 2(1-ν)/(2-ν) for smooth spheres of one material, at most 1; 0 for grains without friction.
 
+    Returns
+    -------
+    float
+        Time step [s].
+
+    Examples
+    --------
     >>> round(pair_limit(1e6, 1e-3, 1e-3, shear_ratio=0.0) * 1e6, 3)  # µs, 2 √(m/(2 K))
     44.721
     """
@@ -60,7 +73,18 @@ def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ra
 
 
 def chain_limit(stiffness: float, mass: float, shear_ratio: float = 1.0) -> float:
-    """Limit [s] of a long straight chain of equal spheres, exact: ω² = K/m max(4, 10 K_t/K). Arguments: `pair_limit`."""
+    """Limit of a long straight chain of equal spheres, exact: ω² = K/m max(4, 10 K_t/K).
+
+    Parameters
+    ----------
+    stiffness, mass, shear_ratio : float
+        As for `pair_limit`.
+
+    Returns
+    -------
+    float
+        Time step [s].
+    """
     return 2.0 / math.sqrt(_stiffness(stiffness) / number(mass, "mass", "kg") * max(4.0, 10.0 * _ratio(shear_ratio)))
 
 
@@ -71,13 +95,28 @@ def packing_limit(
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
 ) -> float:
-    """Estimate of the limit [s] of a packing: 0.5 to 1 times the exact limit in lattices and random packings (tests).
+    """Estimate of the limit of a packing: 0.5 to 1 times the exact limit in lattices and random packings (tests).
 
-    2/ω with ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2 K_t/K), (Z + 2.5) 5 K_t/K) K/m. stiffness, mass: K [N/m] and the lighter
-    grain's m [kg] of the contact with the largest K/m; coordination: Z, the mean number of contacts of grains that have any;
-    shear_ratio: K_t/K; size_ratio: s, the mean radius over the smallest one (1 is the safe choice: small grains have fewer
-    contacts than others).
+    2/ω with ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2 K_t/K), (Z + 2.5) 5 K_t/K) K/m.
 
+    Parameters
+    ----------
+    stiffness, mass : float
+        K [N/m] and the lighter grain's m [kg] of the contact with the largest K/m.
+    coordination : float
+        Z, the mean number of contacts of grains that have any.
+    shear_ratio : float
+        K_t/K.
+    size_ratio : float
+        s, the mean radius over the smallest one; 1 is the safe choice: small grains have fewer contacts than others.
+
+    Returns
+    -------
+    float
+        Time step [s].
+
+    Notes
+    -----
     With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all directions
     alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for motion, the
     second for rotation. The numbers added to Z, for grains with more contacts than the mean or with contacts along one line,
@@ -93,6 +132,17 @@ def packing_limit(
 def shear_ratio(material1: Material, material2: Material) -> float:
     """K_t/K of smooth elastic spheres (Mindlin 1949), 4 G*/E*: 2(1-ν)/(2-ν) for one material.
 
+    Parameters
+    ----------
+    material1, material2 : Material
+        Materials of the two bodies.
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
     >>> round(shear_ratio(*2 * [Material(young=60e9, poisson=0.25)]), 6)
     0.857143
     """
@@ -102,9 +152,25 @@ def shear_ratio(material1: Material, material2: Material) -> float:
 
 
 def rayleigh_step(radius: float, density: float, young: float, poisson: float) -> float:
-    """Rayleigh's step [s], π R √(ρ/G)/(0.1631 ν + 0.8766), the time a surface wave takes over the smallest grain.
+    """Rayleigh's step, π R √(ρ/G)/(0.1631 ν + 0.8766), the time a surface wave takes over the smallest grain.
 
-    For comparison only: it knows nothing of the law, the load or the number of contacts. Usual advice is 0.1 to 0.3 of it.
+    For comparison only: it does not depend on the law, the load or the number of contacts. Usual advice is 0.1 to 0.3 of it.
+
+    Parameters
+    ----------
+    radius : float
+        Radius of the smallest grain [m].
+    density : float
+        Density [kg/m³].
+    young : float
+        Young's modulus [Pa].
+    poisson : float
+        Poisson's ratio.
+
+    Returns
+    -------
+    float
+        Time step [s].
     """
     radius, density = number(radius, "radius", "m"), number(density, "density", "kg/m³")
     young, poisson = number(young, "young", "Pa"), number(poisson, "poisson", "", -1.0, 0.5)
@@ -172,7 +238,20 @@ def timestep(
 
 
 def stiffest(law: Law, max_force: float) -> float:
-    """Largest tangent stiffness [N/m] up to `max_force` [N], on loading and just after turning back."""
+    """Largest tangent stiffness up to a force, on loading and at the start of unloading.
+
+    Parameters
+    ----------
+    law : Law
+        Law of one contact.
+    max_force : float
+        Force [N].
+
+    Returns
+    -------
+    float
+        Stiffness [N/m].
+    """
     force = number(max_force, "max_force", "N")
     as_law(law)
     law.single_params()
@@ -223,12 +302,33 @@ class Limits(NamedTuple):
 def from_contacts(
     pairs: ArrayLike, normals: ArrayLike, stiffness: ArrayLike, shear_stiffness: ArrayLike, masses: ArrayLike
 ) -> Limits:
-    """Limits of spheres in contact, as they are now.
+    """Limits of spheres in contact, in their present configuration.
 
-    pairs: numbers (from 0) of the two bodies of each contact, shape (n, 2); normals: unit vectors along the lines of centres,
-    (n, 3), of either sign; stiffness, shear_stiffness: tangents K_n and K_t [N/m] of each contact, or one number for all;
-    masses: of each body [kg], inf for walls and fixed bodies. Radii are not needed: a sphere's lever and inertia grow alike.
+    Radii are not needed: a sphere's lever arm and inertia grow alike.
 
+    Parameters
+    ----------
+    pairs : array_like of int, shape (n, 2)
+        Numbers (from 0) of the two bodies of each contact.
+    normals : array_like, shape (n, 3)
+        Unit vectors along the lines of centres, of either sign.
+    stiffness, shear_stiffness : float or array_like, shape (n,)
+        Tangents K_n and K_t [N/m].
+    masses : array_like
+        Mass of each body [kg], inf for walls and fixed bodies.
+
+    Returns
+    -------
+    Limits
+        Exact limit and its lower bound [s].
+
+    Raises
+    ------
+    DemlawsError
+        If shapes do not match, or no body is free.
+
+    Examples
+    --------
     >>> round(from_contacts([[0, 1]], [[1.0, 0.0, 0.0]], 1e6, 0.0, [1e-3, 1e-3]).exact * 1e6, 3)  # µs, 2 √(m/(2 K))
     44.721
     """
