@@ -121,8 +121,7 @@ def page(groups):
         "",
         *conclusions(groups),
         "",
-        "A whole packing against an experiment is in docs/validation/experiment.md, and which wrong numbers in the package "
-        "these rows notice in docs/validation/mutations.md.",
+        "See also: [a packing compared with an experiment](experiment.md); [wrong numbers that these rows detect](mutations.md).",
         "",
         "![Deviation over tolerance of every row](deviations.png)",
         "",
