@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -66,6 +66,12 @@ class Material:
     hardness: float | None = None
     density: float | None = None
 
+    if TYPE_CHECKING:  # text becomes a number
+
+        def __init__(
+            self, young: float | str, poisson: float, hardness: float | str | None = None, density: float | str | None = None
+        ) -> None: ...
+
     def __post_init__(self) -> None:
         _check(self, "young", "poisson", "hardness", "density")
 
@@ -107,6 +113,16 @@ class Surface:
     fractal_dimension: float | None = None
     hardness: float | None = None
     edge_radius: float | None = None
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            roughness: float | str = 0.0,
+            fractal_dimension: float | None = None,
+            hardness: float | str | None = None,
+            edge_radius: float | str | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         _check(self, "roughness", "fractal_dimension", "hardness", "edge_radius")
@@ -173,6 +189,17 @@ class Contact:
     roughness: float | np.ndarray = 0.0
     fractal_dimension: float | None = None
     hardness: float | None = None
+
+    if TYPE_CHECKING:
+
+        def __init__(
+            self,
+            radius: ArrayLike,
+            modulus: ArrayLike,
+            roughness: ArrayLike = 0.0,
+            fractal_dimension: float | None = None,
+            hardness: float | str | None = None,
+        ) -> None: ...
 
     def __post_init__(self) -> None:
         _check(self, "radius", "modulus", "roughness", scalar=False)

@@ -121,7 +121,7 @@ def page(groups):
         "",
         *conclusions(groups),
         "",
-        "See also: [a packing compared with an experiment](experiment.md); [wrong numbers that these rows detect](mutations.md).",
+        "See also [a packing and an experiment](experiment.md), and [wrong numbers that these rows detect](mutations.md).",
         "",
         "![Deviation over tolerance of every row](deviations.png)",
         "",
