@@ -14,14 +14,14 @@ from studies.costs.costs import available
 from studies.validation.jobs import (
     PROBE,
     array_jobs,
+    collision_jobs,
     contact_of,
     impact_jobs,
     kept_jobs,
-    oblique_jobs,
     packing_jobs,
     shear_jobs,
 )
-from studies.validation.oblique import spin_row
+from studies.validation.oblique import collision_rows
 from studies.validation.published import (
     BRANCHES,
     IMPACT_TOLERANCE,
@@ -218,16 +218,15 @@ def rows(packing=True):
         first, second = impact_jobs(), array_jobs()
         third = packing_jobs() if packing and name == "yade" else []
         fourth = shear_jobs() if name == "yade" else []
-        kept = kept_jobs()
-        if name == "yade":
-            yield "Oblique impacts", spin_row(engine, ask(oblique_jobs())[0])
+        kept, collisions = kept_jobs(), collision_jobs(engine)
+        yield from (("Oblique impacts", row) for row in collision_rows(engine, collisions, ask(collisions)))
         answers = ask(kept + first + fourth + second + third)
         for one, answer in zip(KEPT, answers, strict=False):
             yield from (("LAMMPS's own tests", row) for row in kept_rows(one, engine, answer["places"]))
         if name == "lammps":
-            from studies.validation.in_lammps import oblique_rows
+            from studies.validation import lammps_tests
 
-            yield from (("LAMMPS's own tests", row) for row in oblique_rows())
+            yield from (("LAMMPS's own tests", row) for row in lammps_tests.rows())
         found = answers[len(kept) :]
         impacts, found = found[: len(first)], found[len(first) :]
         sheared, found = found[: len(fourth)], found[len(fourth) :]

@@ -9,14 +9,14 @@ import numpy as np
 
 from demlaws.liggghts.run import HEAD, run
 from studies.validation.arrays import CELLS, EDGE, RIGID, SITES
-from studies.validation.jobs import bound, contact_of, quiet
+from studies.validation.jobs import STOCK, bound, contact_of, quiet
 
 MATERIAL = """\
 fix             m1 all property/global youngsModulus peratomtype {young:.17g} {rigid:.17g}
 fix             m2 all property/global poissonsRatio peratomtype {poisson:.17g} {poisson:.17g}
-fix             m3 all property/global coefficientRestitution peratomtypepair 2 1 1 1 1
-fix             m4 all property/global coefficientFriction peratomtypepair 2 10 10 10 10
-pair_style      gran model demlaws/table tangential history {words} limitForce off
+fix             m3 all property/global coefficientRestitution peratomtypepair 2 {restitution}
+fix             m4 all property/global coefficientFriction peratomtypepair 2 {friction}
+pair_style      gran model demlaws/table {words} limitForce off
 pair_coeff      * *
 timestep        {dt:.17g}
 """
@@ -35,6 +35,16 @@ variable        place equal z[{last}]
 thermo_style    custom step v_force v_speed v_place
 thermo_modify   format float %.17e lost ignore norm no
 thermo          1
+run             {steps}
+"""
+COLLISIONS = """\
+read_data       start.data
+neighbor        {skin:.17g} bin
+neigh_modify    delay 0
+{material}{plane}
+fix             move all nve/sphere
+dump            last all custom {steps} last.dump id vx vz omegay
+dump_modify     last sort id format {line}"%d %.17g %.17g %.17g"
 run             {steps}
 """
 ARRAY = """\
@@ -75,6 +85,7 @@ class Engine(NamedTuple):
     material: Callable  # (job, folder) → the lines up to the time step; writes the table
     plane: Callable  # job → the fix of the rigid plane z = 0
     run: Callable
+    line: str  # word before the format of a line in dump_modify
 
 
 def save_table(job, folder):
@@ -83,17 +94,60 @@ def save_table(job, folder):
     quiet(one.tabulate, 1e-9).save(folder / "law.tbl")
 
 
+def _words(job):
+    """The models of a contact: a table with the tangential model of LIGGGHTS, or with ours."""
+    shear = job.get("shear", STOCK)
+    return "tangential history table law.tbl" if shear == STOCK else f"tangential demlaws table law.tbl shear {shear}"
+
+
 def _material(job, folder):
+    def four(value):
+        return f"{value} {value} {value} {value}"
+
     save_table(job, folder)
-    return MATERIAL.format(rigid=RIGID * job["young"], words="table law.tbl", **job)
+    return MATERIAL.format(
+        rigid=RIGID * job["young"],
+        words=_words(job),
+        **(job | {"restitution": four(job.get("restitution", 1)), "friction": four(job.get("friction", 10))}),
+    )
 
 
 def _plane(job):
-    model = "demlaws/table tangential history primitive type 2 zplane 0.0 table law.tbl limitForce off"
-    return f"fix plane all wall/gran model {model}"
+    tangential, rest = _words(job).split(" table ")
+    return f"fix plane all wall/gran model demlaws/table {tangential} primitive type 2 zplane 0.0 table {rest} limitForce off"
 
 
-LIGGGHTS = Engine(HEAD, _material, _plane, run)
+LIGGGHTS = Engine(HEAD, _material, _plane, run, "")
+
+
+def collisions(job, folder, engine=LIGGGHTS):
+    """Velocities sideways and away, and ω R [m/s] of spheres after each collision of `in_yade.collisions`."""
+    radius, other, count = job["radius"], job["other"], len(job["motions"])
+    lines = ["collisions", "", f"{2 * count if other else count} atoms", "2 atom types", ""]
+    far = 3.0 * max(radius, other)
+    lines += [
+        f"{-far:.17g} {count * far:.17g} xlo xhi",
+        *(f"{-far:.17g} {far:.17g} {a}lo {a}hi" for a in "yz"),
+        "",
+        "Atoms",
+        "",
+    ]
+    moving = ["", "Velocities", ""]
+    for n, (down, sideways, spin) in enumerate(job["motions"]):
+        lines.append(f"{n + 1} 1 {2 * radius:.17g} {job['density']:.17g} {n * far:.17g} 0 {radius * (1.0 + 1e-9):.17g}")
+        moving.append(f"{n + 1} {sideways:.17g} 0 {-down:.17g} 0 {spin / radius:.17g} 0")
+        if other:
+            lines.append(f"{n + 1 + count} 1 {2 * other:.17g} {job['other_density']:.17g} {n * far:.17g} 0 {-other:.17g}")
+            moving.append(f"{n + 1 + count} 0 0 0 0 {job['other_spin'] * spin / other:.17g} 0")
+    (folder / "start.data").write_text("\n".join(lines + moving) + "\n")
+    values = {"skin": 0.1 * radius, "steps": 3 * job["steps"], "line": engine.line}
+    plane = "" if other else engine.plane(job)
+    text = engine.head + COLLISIONS.format(material=engine.material(job, folder), plane=plane, **values)
+    (folder / "in.collisions").write_text(text)
+    engine.run(folder / "in.collisions")
+    rows = (folder / "last.dump").read_text().splitlines()[-(2 * count if other else count) :][:count]
+    found = np.array([row.split() for row in rows], dtype=float)
+    return (found[:, 1:] * (1.0, 1.0, radius)).tolist()
 
 
 def impact(job, folder, engine=LIGGGHTS):
@@ -165,7 +219,7 @@ def lattice(job, folder, engine=LIGGGHTS):
     return found
 
 
-KINDS = {"impact": impact, "lattice": lattice}
+KINDS = {"impact": impact, "lattice": lattice, "collisions": collisions}
 
 
 def answer(jobs, engine=LIGGGHTS):

@@ -24,7 +24,8 @@ def _material(job, label, young=1.0):
 
 def _law(job):
     surfaces = {label: dl.Surface(**job["surface"]) for label in ("grain", "rigid")}
-    return Law2_ScGeom_MindlinPhys_Demlaws(job["law"], job["unloading"], surfaces, **job["options"])
+    options = job["options"] | ({"shear": job["shear"]} if "shear" in job else {})
+    return Law2_ScGeom_MindlinPhys_Demlaws(job["law"], job["unloading"], surfaces, **options)
 
 
 def _watched(job, look):
@@ -74,27 +75,38 @@ def impact(job):
     return {"peak": peak[0], "restitution": rebound / speed, "parted": bool(peak[1])}
 
 
-def oblique(job):
-    """Spin times radius over tangential speed limit, ω R/(μ V_n), of two like spheres after each of the oblique impacts.
+def collisions(job):
+    """Velocities sideways and away, and ω R [m/s] of spheres after each of the collisions with a rigid plane or another sphere.
 
-    By symmetry each of two like spheres that meet with opposite velocities moves as one sphere on a rigid plane.
+    job["motions"]: speed of approach, velocity sideways, ω R before. The other sphere, of radius job["other"] (0: a plane), is
+    at rest, or has job["other_spin"] times the surface velocity.
     """
-    found, radius = [], job["radius"]
-    for ratio in job["ratios"]:
-        O.reset()
-        _material(job, "grain")
-        O.materials[0].frictionAngle = float(np.arctan(job["friction"]))
-        for side in (-1, 1):
-            O.bodies.append(utils.sphere((0, 0, side * radius * (1.0 + 1e-9)), radius, material="grain"))
-            O.bodies[-1].state.vel = (side * ratio * job["friction"] * job["speed"], 0, -side * job["speed"])
-        O.engines = engines(_law(job), newton=yade.NewtonIntegrator(damping=0.0))
-        O.dt = job["dt"]
-        for _ in range(2 * job["steps"]):
-            O.step()
-        if any(i.isReal and i.geom.penetrationDepth > 0.0 for i in O.interactions):
-            raise RuntimeError(f"V_t/(μ V_n) = {ratio}: the spheres still touch after {2 * job['steps']} steps")
-        found.append(abs(O.bodies[1].state.angVel[1]) * radius / (job["friction"] * job["speed"]))
-    return found
+    O.reset()
+    radius, other = job["radius"], job["other"]
+    _material(job, "grain")
+    O.materials[0].frictionAngle = float(np.arctan(job["friction"]))
+    if not other:
+        _material(job, "rigid", RIGID)
+        O.materials[1].frictionAngle = O.materials[0].frictionAngle
+        O.bodies.append(utils.wall((0, 0, 0), 2, sense=1, material="rigid"))
+    elif job["other_density"] != job["density"]:
+        _material(job | {"density": job["other_density"]}, "rigid")
+        O.materials[1].frictionAngle = O.materials[0].frictionAngle
+    far, numbers = 3.0 * max(radius, other), []
+    for n, (down, sideways, spin) in enumerate(job["motions"]):
+        numbers.append(O.bodies.append(utils.sphere((n * far, 0, radius * (1.0 + 1e-9)), radius, material="grain")))
+        O.bodies[-1].state.vel, O.bodies[-1].state.angVel = (sideways, 0, -down), (0, spin / radius, 0)
+        if other:
+            label = O.materials[-1].label
+            O.bodies.append(utils.sphere((n * far, 0, -other), other, material=label))
+            O.bodies[-1].state.angVel = (0, job["other_spin"] * spin / other, 0)
+    damping = job["restitution"]
+    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if damping == 1.0 else {"en": damping, "es": 1.0}))
+    O.engines = engines(_law(job), physics=physics, newton=yade.NewtonIntegrator(damping=0.0))
+    O.dt = job["dt"]
+    O.run(3 * job["steps"], True)
+    states = [O.bodies[number].state for number in numbers]
+    return [[state.vel[0], state.vel[2], state.angVel[1] * radius] for state in states]
 
 
 def lattice(job):
@@ -185,7 +197,7 @@ def packing(job):
     return found
 
 
-KINDS = {"impact": impact, "oblique": oblique, "lattice": lattice, "packing": packing}
+KINDS = {"impact": impact, "collisions": collisions, "lattice": lattice, "packing": packing}
 
 if __name__ == "__main__":
     given, result = sys.argv[-2:]

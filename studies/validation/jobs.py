@@ -4,10 +4,10 @@ import math
 
 from demlaws.contact import Contact
 from demlaws.core.shear import CHOICES
-from demlaws.driver import impact
+from demlaws.driver import elastic_contact, impact
 from demlaws.laws.names import HERTZ, POHRT_POPOV, ROUGH_PLASTIC
 from studies.validation.arrays import RIGID
-from studies.validation.oblique import ELEMENTS
+from studies.validation.oblique import SERIES, STOCK
 from studies.validation.published import BRANCHES, IMPACTS, KEPT, SPEEDS, YIELD_RATIO, bound, quiet, yield_speed
 
 SMOOTH = 1e-12
@@ -92,13 +92,19 @@ def kept_jobs():
     return jobs
 
 
-def oblique_jobs():
-    """Steel spheres that meet like those of the finite elements of `oblique.ELEMENTS`, with partial slip."""
-    job = {"kind": "oblique", "young": 208e9, "poisson": 0.3, "density": 7850.0, "radius": 0.01, "friction": 0.3, "speed": 0.1}
-    job |= {"law": HERTZ, "unloading": "elastic", "options": {"shear": "slip"}, "surface": {"roughness": 0.0}}
-    mass = 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
-    exact = quiet(impact, bound(HERTZ, contact_of(job)), 0.5 * mass, 2.0 * job["speed"], 1000)
-    return [job | {"ratios": [x for x, _ in ELEMENTS], "steps": 1000, "dt": exact.duration / 1000}]
+def collision_jobs(engine):
+    """The series of collisions that an engine computes, those with `STOCK` shear where its stock model is Chung & Ooi's."""
+    jobs = []
+    for one in SERIES:
+        if one.job["shear"] == STOCK and engine == "YADE":
+            continue
+        law = bound(HERTZ, Contact(one.job["radius"], contact_of(one.job).modulus))
+        mass = 4.0 / 3.0 * math.pi * one.job["radius"] ** 3 * one.job["density"]
+        # two spheres touch for 1.5 of the time at most, of one on a rigid plane
+        times = [elastic_contact(law, mass, motion[0])[1] for motion in one.motions]
+        dt = min(times) / 2000
+        jobs.append(one.job | {"motions": one.motions, "dt": dt, "steps": int(max(times) / dt)})
+    return jobs
 
 
 # --- regular arrays

@@ -84,17 +84,24 @@ SOURCES = {
         "BSD-4-Clause: numbers quoted",
         CODES,
     ),
-    "chung-ooi": Source("Chung & Ooi 2011, Granular Matter 13, 643: tests 1 and 2 (10.1007/s10035-011-0277-0)", FACTS, PRINTED),
+    "kratos-spin": Source(
+        "Chung & Ooi 2011, tests 6 to 8, as KratosMultiphysics keeps them (test_examples/basic_benchmarks/paper_data)",
+        "BSD-4-Clause: numbers quoted",
+        CODES,
+    ),
+    "thornton-2013": Source(
+        "Thornton, Cummins & Cleary 2013, Powder Technology 233, 30, as KratosMultiphysics keeps it "
+        "(test_examples/basic_benchmarks/paper_data/bench_10_norm_reb_ang_vel_e_090.dat)",
+        "BSD-4-Clause: numbers quoted",
+        CODES,
+    ),
+    "chung-ooi": Source("Chung & Ooi 2011, Granular Matter 13, 643: tests 1 to 3 (10.1007/s10035-011-0277-0)", FACTS, PRINTED),
     "lammps": Source(
         "LAMMPS 4Jul2026, unittest/granular: dem02-hertz-peak-3d-si, dem03-hertz-peak-wall-3d-si",
         "GPL-2.0: numbers quoted",
         CODES,
     ),
-    "lammps-oblique": Source(
-        "LAMMPS 4Jul2026, unittest/granular: dem04-mindlin-oblique-3d-si, dem04-mindlinrescale-oblique-3d-si",
-        "GPL-2.0: numbers quoted",
-        CODES,
-    ),
+    "lammps-tests": Source("LAMMPS 4Jul2026, unittest/granular/tests (NAME-3d-si.yaml)", "GPL-2.0: numbers quoted", CODES),
     "thornton": Source("Thornton & Ning 1998, Powder Technology 99, 154 (10.1016/S0032-5910(98)00099-0)", FACTS, EQUATIONS),
     "duffy-mindlin": Source(
         "Duffy & Mindlin 1957, J. Appl. Mech. 24, 585; Walton 1987, J. Mech. Phys. Solids 35, 213", FACTS, EQUATIONS

@@ -1,8 +1,9 @@
 """Rows of the validation report that LAMMPS computes: an impact on a plane, and an array along a path of strains."""
 
+import numpy as np
 import pytest
 
-from studies.validation import engines, in_lammps
+from studies.validation import engines, in_lammps, lammps_tests
 from studies.validation.jobs import array_jobs, impact_jobs, kept_jobs
 from studies.validation.published import IMPACTS, KEPT, kept_rows
 
@@ -31,8 +32,20 @@ def test_the_places_that_lammps_keeps_are_met_in_lammps():
     assert len(rows) == 6 and [row for row in rows if row.verdict != "pass"] == []
 
 
-@pytest.mark.parametrize("one", in_lammps.OBLIQUE, ids=lambda one: one.name)
-def test_oblique_impacts_are_those_of_hertz_material_to_round_off(one):
-    ours, stock = in_lammps.oblique(one), in_lammps.oblique(one, "hertz/material")
-    assert ours == pytest.approx(stock, rel=1e-13)
-    assert ours == pytest.approx(list(one.kept), rel=in_lammps.OBLIQUE_TOLERANCE)
+FAST = ("dem01-hertz-tsuji", "dem01-hooke-twosphere", "dem04-mindlin-oblique", "dem06-spin-wall")
+
+
+@pytest.mark.parametrize(
+    "test", [pytest.param(t, id=t["name"], marks=[] if t["name"] in FAST else pytest.mark.slow) for t in lammps_tests.TESTS]
+)
+def test_lammps_own_tests_keep_their_results_with_a_table(test):
+    assert lammps_tests.difference(test, lammps_tests.final_state(test), np.array(test["kept"])) < lammps_tests.TOLERANCE
+
+
+def test_a_damped_contact_depends_on_where_a_run_ends():
+    """Of stock LAMMPS, too: the results that its tests keep are those of several runs."""
+    (test,) = [test for test in lammps_tests.TESTS if test["name"] == "dem01-hertz-twosphere"]
+    once = lammps_tests.final_state(test | {"runs": [sum(test["runs"])]}, stock=True)
+    assert 1e-8 < lammps_tests.difference(test, once, np.array(test["kept"])) < 1e-6
+    parts = lammps_tests.final_state(test, stock=True)
+    assert lammps_tests.difference(test, parts, np.array(test["kept"])) < 1e-15
