@@ -9,11 +9,11 @@ from numpy.typing import ArrayLike
 
 from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radius
 from demlaws.errors import DemlawsError, did_you_mean, refuse_unknown_keywords, warn
-from demlaws.units import real
+from demlaws.units import number, real
 
 _OPTIONAL = ("fractal_dimension", "hardness", "density", "edge_radius")
 LOWEST_HARDNESS = 1e-6
-"""Hardness over effective modulus below which one of them is in another unit: 1e-4 of sodium is the softest solid's."""
+"""Hardness or yield pressure over effective modulus below which one of them is in another unit: sodium's 1e-4 is the least."""
 HIGHEST_HARDNESS = 10.0
 """Hardness over effective modulus above which a warning is issued. An elastic sphere's mean pressure is 4 E*/(3π), 0.42 E*,
 where a = R; the hardest solids have some 0.3 E* (glass), and softening the modulus by s raises the ratio by s^(1/3)."""
@@ -209,12 +209,8 @@ class Contact:
         except ValueError:
             sizes = {name: np.size(getattr(self, name)) for name in ("radius", "modulus", "roughness")}
             raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
-        if self.hardness is not None and np.any(self.hardness < LOWEST_HARDNESS * np.asarray(self.modulus)):
-            share = self.hardness / float(np.max(self.modulus))
-            raise DemlawsError(
-                f"hardness = {self.hardness:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
-                '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)'
-            )
+        if self.hardness is not None:
+            pressure_of(self, self.hardness, "hardness")
         if self.hardness is not None and np.any(self.hardness > HIGHEST_HARDNESS * np.asarray(self.modulus)):
             share = self.hardness / float(np.min(self.modulus))
             warn(
@@ -370,6 +366,18 @@ class Contact:
 
 for _class in (Material, Surface, Contact):
     refuse_unknown_keywords(_class)
+
+
+def pressure_of(contact: Contact, value: Any, name: str) -> float:
+    """A hardness, yield pressure or strength [Pa] of the bodies of a contact; DemlawsError where its unit must be another."""
+    pressure = number(value, name, "Pa")
+    if np.any(pressure < LOWEST_HARDNESS * np.asarray(contact.modulus)):
+        share = pressure / float(np.max(contact.modulus))
+        raise DemlawsError(
+            f"{name} = {pressure:g} Pa is {share:.1g} of the effective modulus: check the units (give Pa, or "
+            '"6.3GPa"; a Vickers number in kgf/mm² times 9.807e6)'
+        )
+    return pressure
 
 
 def as_contact(value: Any) -> Contact:

@@ -43,7 +43,7 @@ def write_together(*files):
 
     They are renamed in the order given, so that the one that names the others comes last.
     """
-    named = [(as_path(path), content.encode() if isinstance(content, str) else content) for path, content in files]
+    named = [(_target(path), content.encode() if isinstance(content, str) else content) for path, content in files]
     waiting, done = [], []
     path = named[0][0]
     try:
@@ -77,6 +77,14 @@ def csv_text(titles, rows):
 def save_csv(path, titles, rows):
     """Write a CSV file; returns its path."""
     return write_atomically(path, csv_text(titles, rows))
+
+
+def _target(path):
+    """The file to write; a symbolic link's own target, and no device or pipe, which renaming would replace by a file."""
+    path = as_path(path).resolve()
+    if path.exists() and not path.is_file() and not path.is_dir():
+        raise DemlawsError(f"cannot write {path}: it is a device or a pipe; name a file")
+    return path
 
 
 def _waiting(path, data):

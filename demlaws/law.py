@@ -162,6 +162,14 @@ class Law(Response):
         """This law as the unloading curve of a law for another contact."""
         return self.bound_to(contact)
 
+    def overlap_of(self, max_force: float | str) -> Any:
+        """`overlap` at a force that the user typed as max_force [N], which an error names."""
+        force = number(max_force, "max_force", "N")
+        try:
+            return self.overlap(np.broadcast_to(force, self.contact.size or ()))
+        except DemlawsError as error:
+            raise DemlawsError(f"max_force = {force:g} N is too large for this contact: {error}") from None
+
     def tabulate(self, rtol: float = 1e-5, max_force: float | None = None) -> "Table":
         """The smallest `Table` of this law whose force and stiffness lie within `rtol`, measured between the nodes.
 
@@ -187,11 +195,7 @@ class Law(Response):
             )
         largest = None
         if max_force is not None:
-            force = number(max_force, "max_force", "N")
-            try:
-                largest = self.overlap(np.broadcast_to(force, self.contact.size or ()))
-            except DemlawsError as error:
-                raise DemlawsError(f"max_force = {force:g} N is too large for this contact: {error}") from None
+            largest = self.overlap_of(max_force)
         curve = tabulate(self.contact, self.curve, rtol, largest)
         return Table(self.contact, curve, _adapted(self.unloads, self.contact, curve))
 

@@ -252,10 +252,9 @@ def stiffest(law: Law, max_force: float) -> float:
     float
         Stiffness [N/m].
     """
-    force = number(max_force, "max_force", "N")
     as_law(law)
     law.single_params()
-    end = float(law.overlap(force))
+    end = float(law.overlap_of(max_force))
     overlap = np.concatenate([end * np.geomspace(1e-9, 1.0, 400), [end], *_beside_kinks(law, end)])
     largest = float(_tangent(law, overlap).max())
     if law.state_size:

@@ -33,6 +33,16 @@ CURVES = {
 }
 
 
+@pytest.mark.parametrize("unit", [1e-3, 1e3])
+def test_forces_in_another_unit_warn(unit):
+    overlap = np.linspace(0.0, 1e-4, 40)
+    force = unit * dl.law("hertz", CONTACT).force(overlap)
+    with pytest.warns(dl.ValidityWarning):
+        dl.Table.from_points(overlap, force, CONTACT)
+    best = dl.fit(np.column_stack([overlap, force]), CONTACT, laws="hertz", free=["modulus"]).best
+    assert best.notes
+
+
 @pytest.mark.parametrize("name", CURVES)
 @pytest.mark.parametrize("given", [True, False])
 def test_a_function_becomes_a_table_within_its_certificate(name, given):

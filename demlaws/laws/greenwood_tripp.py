@@ -2,6 +2,8 @@
 
 import math
 
+import numpy as np
+
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import ROUGHNESS, SEATING, SOLUTION, Definition, Drawing, Fitting, Option, Parameter, bulk_yield
 from demlaws.laws.family import SEATING_SHARE, CurveNumber, prepare, seating_limit
@@ -12,7 +14,7 @@ MU = 4.0
 """μ where nothing is known of the asperities: the lowest of the papers' 4 to 17."""
 
 
-def _number(mu, asperity_density, asperity_radius):
+def _number(contact, mu, asperity_density, asperity_radius):
     """μ = (8/3) η σ √(2Rβ), or one value of μ for all contacts."""
     if (asperity_density is None) != (asperity_radius is None):
         raise DemlawsError("give asperity_density in 1/m² and asperity_radius in m together, or mu alone")
@@ -21,11 +23,12 @@ def _number(mu, asperity_density, asperity_radius):
     if mu is not None:
         raise DemlawsError(f"mu = {mu!r} and asperity_density are both given: give one of them")
     density = number(asperity_density, "asperity_density", "1/m²")
-    return CurveNumber(8.0 / 3.0 * density * math.sqrt(2.0 * number(asperity_radius, "asperity_radius", "m")), 0.0, 0.5, 1.0)
+    asperity = number(asperity_radius, "asperity_radius", "m", 0.0, float(np.min(contact.radius)))
+    return CurveNumber(8.0 / 3.0 * density * math.sqrt(2.0 * asperity), 0.0, 0.5, 1.0)
 
 
 def _prepare(contact, mu=None, asperity_density=None, asperity_radius=None, seating_share=SEATING_SHARE, rtol=1e-4):
-    return prepare(_MODEL, _number(mu, asperity_density, asperity_radius), contact, seating_share, rtol)
+    return prepare(_MODEL, _number(contact, mu, asperity_density, asperity_radius), contact, seating_share, rtol)
 
 
 def _limits(contact, seating_share=SEATING_SHARE, **_):

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
@@ -145,7 +146,7 @@ def _prepare(contact, yield_strength=None, poisson=0.3):
     if yield_strength is None:
         raise DemlawsError("law 'jackson-green' needs yield_strength S_y in Pa: give yield_strength=...")
     ratio = number(poisson, "poisson", "", 0.0, 0.5, allow_low=True)
-    return JacksonGreenShape(number(yield_strength, "yield_strength", "Pa"), 1.295 * math.exp(0.736 * ratio))
+    return JacksonGreenShape(pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * ratio))
 
 
 def _kinks(p, **_):

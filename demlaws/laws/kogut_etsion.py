@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
@@ -109,7 +110,7 @@ def _prepare(contact, yield_strength=None, poisson=0.3):
     if yield_strength is None:
         raise DemlawsError("law 'kogut-etsion' needs yield_strength Y in Pa (H = 2.8 Y): give yield_strength=...")
     ratio = number(poisson, "poisson", "", 0.0, 0.5, allow_low=True)
-    return KogutEtsionShape(_pressure(number(yield_strength, "yield_strength", "Pa"), ratio))
+    return KogutEtsionShape(_pressure(pressure_of(contact, yield_strength, "yield_strength"), ratio))
 
 
 def _pressure(strength, poisson):

@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, hertz_overlap, kernel
 from demlaws.criterion import hertz_pressure
@@ -158,7 +159,7 @@ def _prepare(
             f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
         raise DemlawsError(f"law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: {of_granite})")
-    pressure = after = number(yield_pressure, "yield_pressure", "Pa")
+    pressure = after = pressure_of(contact, yield_pressure, "yield_pressure")
     if yield_load is None and yield_at == "load":
         load_pressure = pressure
     if yield_stiffness is not None:
@@ -167,7 +168,7 @@ def _prepare(
         _one(contact, "yield_stiffness", "post_yield_pressure")
         after = number(yield_stiffness, "yield_stiffness", "N/m") / (math.pi * contact.radius)
     elif post_yield_pressure is not None:
-        after = number(post_yield_pressure, "post_yield_pressure", "Pa")
+        after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")
     return RoughPlasticShape(definition.shape(contact, **loading_options), pressure, load_pressure, float(after))
 
 

@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
@@ -13,7 +14,6 @@ from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
 from demlaws.materials import GRANITE_YIELD_PRESSURE
-from demlaws.units import number
 
 
 class ThorntonNingShape(NamedTuple):
@@ -42,7 +42,7 @@ def _prepare(contact, yield_pressure=None):
             "law 'thornton-ning' needs yield_pressure p_y in Pa: a fit parameter, about 1.6 times the yield strength where a "
             f"contact first yields, 4.2 times for contacts far beyond (granite cones: {GRANITE_YIELD_PRESSURE / 1e9:g}e9)"
         )
-    return ThorntonNingShape(number(yield_pressure, "yield_pressure", "Pa"))
+    return ThorntonNingShape(pressure_of(contact, yield_pressure, "yield_pressure"))
 
 
 def _kinks(p, **_):

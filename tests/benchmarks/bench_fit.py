@@ -54,6 +54,14 @@ CASES = (
     ),
     Case("from afar", "hertz", "elastic", PAIR, {"modulus": 32.32e9}, ("modulus",), FROM_AFAR, 2e-8, 5e-3),
     Case("from afar, noise told", "hertz", "elastic", PAIR, {"modulus": 32.32e9}, ("modulus",), FROM_AFAR, 2e-8, 5e-3, True),
+    *(
+        Case(f"force noise, {law}{known}", law, "hertz", PAIR, truth, (), CYCLE, 5e-8, 0.3, bool(known))
+        for law, truth in (
+            ("rms", {"roughness": 2.4e-6}),
+            ("pohrt-popov", {"roughness": 2.4e-6, "fractal_dimension": 2.22}),
+        )
+        for known in ("", ", told")
+    ),
     Case(
         "yield",
         "rough-plastic",

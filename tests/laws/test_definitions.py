@@ -21,6 +21,15 @@ PACKAGE = Path(dl.__file__).parent
 EXACT = [name for name, definition in registry().items() if definition.exact is not None]
 
 
+@pytest.mark.parametrize(
+    "name, option", [(n, o) for n, d in registry().items() for o in d.example if d.options[o].unit == "Pa"]
+)
+def test_a_strength_without_its_unit_is_refused(name, option):
+    """Of 1.66 GPa the number alone."""
+    with pytest.raises(dl.DemlawsError):
+        dl.law(name, GRANITE, **{**find(name).example, option: 1e-9 * find(name).example[option]})
+
+
 @pytest.mark.parametrize("name", dl.laws())
 def test_facts_agree_with_one_another(name):
     definition = find(name)
