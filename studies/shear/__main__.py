@@ -8,7 +8,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from demlaws.make import example as example_law
-from studies.shear import bed, figure, gas, memory, paths
+from studies.shear import figure, gas, memory, packing, paths
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -32,7 +32,7 @@ def parser():
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--paths", type=int, help="so many random paths of every law, rule and choice: work returned")
     parser.add_argument("--bytes", action="store_true", help="what a particle keeps per contact, by engine and model")
-    parser.add_argument("--cycles", nargs="+", help="settlement and loss of a bed in 25 cycles with these choices, in LAMMPS")
+    parser.add_argument("--packing", nargs="+", metavar="SHEAR", help="25 oedometer cycles and shear to the peak, in YADE")
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
     return parser
@@ -56,14 +56,8 @@ def run(arguments):
         for engine, model, size in memory.bytes_per_contact():
             print(f"{engine}, {model}: {size}", flush=True)
         return
-    if arguments.cycles:
-        for shear in arguments.cycles:
-            result = bed.load_in_cycles(shear)
-            settlement, taken = result.settlement[-1] * 1e3, result.taken[-1]
-            print(
-                f"{shear}: settlement {settlement:.4f} mm, loss {result.loss.sum():.4g} J, contacts took {taken:.4g} J",
-                flush=True,
-            )
+    if arguments.packing:
+        print_packings(arguments.packing)
         return
     print("angle (degrees)     " + "".join(f"{angle:7.1f}" for angle in ANGLE) + "     rms")
     print("measured            " + "".join(f"{value:7.3f}" for value in MEASURED))
@@ -71,6 +65,27 @@ def run(arguments):
         print(f"{model:20s}" + "".join(f"{value:7.3f}" for value in values) + f"{misfit(values):8.3f}")
     if arguments.figure is not None:
         print(plots.save(figure.draw(), arguments.figure))
+
+
+def print_packings(choices):
+    """A row per shear model: means over the copies of a packing, and half the spread between the copies."""
+    print("| shear | settlement (µm) | loss in cycle 1, 2, 25 (J/m²) | in cycles 2-25 | largest stress ratio | dilation (%) |")
+    print("|---|---|---|---|---|---|")
+    for shear in choices:
+        copies = list(packing.measure(shear))
+
+        def cell(of, copies=copies):
+            values = [of(copy) for copy in copies]
+            return f"{sum(values) / len(values):.3g} ± {0.5 * (max(values) - min(values)):.1g}"
+
+        cells = [
+            cell(lambda copy: 1e6 * copy.settlement),
+            ", ".join(cell(lambda copy, n=n: copy.losses[n]) for n in (0, 1, -1)),
+            cell(lambda copy: copy.losses[1:].sum()),
+            cell(lambda copy: copy.peak),
+            cell(lambda copy: 100.0 * copy.dilation),
+        ]
+        print(f"| {shear} | {' | '.join(cells)} |", flush=True)
 
 
 def print_paths(count):

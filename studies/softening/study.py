@@ -324,7 +324,7 @@ def execute(runs: list[Run], path: Path, progress: Any = lambda run: None) -> No
                 with tempfile.TemporaryDirectory() as scratch:
                     way = getattr(liggghts_softening, run.process)
                     try:
-                        found = way(Path(scratch), _scene(run.size, run.short), run.given())
+                        found = way(Path(scratch), scene(run.size, run.short), run.given())
                     except EngineStopped as error:
                         found = {"failed": str(error)}
                     keep(run, found)
@@ -350,7 +350,7 @@ def lattice(short: float, across: int = 5, layers: int = 7) -> tuple:
     return radii, np.array(centres), across * spacing
 
 
-def _scene(size, short=0.0):
+def scene(size, short=0.0):
     """The packing of 150, and the loose block that it fell from, in grains `size` times as large; or a lattice."""
     setup = packings.QUICK
     if short:
@@ -371,7 +371,7 @@ def _in_yade(runs, keep):
             message = json.loads(text)
             keep(own[message["number"]], message["found"])
 
-        under_yade("softening/yade_softening.py", {**_scene(*kind), "runs": [run.given() for run in own]}, ended)
+        under_yade("softening/yade_softening.py", {**scene(*kind), "runs": [run.given() for run in own]}, ended)
 
 
 # --- what a run gave
@@ -418,7 +418,7 @@ def _crossing(rows, stress):
     return float(h1 + (h2 - h1) * (stress - s1) / (s2 - s1))
 
 
-def _work(rows):
+def work(rows):
     """∫σ dh along a branch, per area [J/m²]; positive where the plate does work."""
     rows = np.asarray(rows)
     return float(-np.sum(0.5 * (rows[1:, 1] + rows[:-1, 1]) * np.diff(rows[:, 0])))
@@ -444,8 +444,8 @@ def _of_cycles(run, found):
         "unloading": tangent(back, 0.7 * held, 1.01 * held),
         "exponent": math.log(loading / low) / math.log(0.75 / 0.15) if low > 0.0 < loading else math.nan,
         "thickness": thickness,
-        "put_in": _work(first),  # [J/m²], up to the stress
-        "given_back": -_work(back),
+        "put_in": work(first),  # [J/m²], up to the stress
+        "given_back": -work(back),
     }
     if run.cycles > 1:
         row |= {"settlement": peaks[0] - peaks[-1], "second": peaks[0] - peaks[1]}

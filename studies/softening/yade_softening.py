@@ -18,7 +18,7 @@ O = yade.O  # noqa: E741
 def grains_of(given, run, centres, kind=Box):
     """The run's box of grains at `centres`."""
     way = {"model": run["model"], "given": run["law"], "unloading": run["unloading"], "options": run["options"]}
-    way["shear"] = "native"  # as the rows that are kept were measured
+    way["shear"] = run.get("shear", "native")  # the rows that are kept were measured with YADE's own
     values = {**given, "young": run["young"], "surface": run["surface"], "density": run["density"]}
     made = kind(values, centres, np.array(given["radii"]), way, given["friction"], gravity=run["gravity"])
     O.dt = run["dt"]

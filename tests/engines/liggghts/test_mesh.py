@@ -8,6 +8,7 @@ from examples import shared
 
 import demlaws as dl
 from demlaws.liggghts import run
+from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -29,15 +30,15 @@ neigh_modify delay 0
 fix m1 all property/global youngsModulus peratomtype 60.6e9
 fix m2 all property/global poissonsRatio peratomtype 0.25
 fix m3 all property/global coefficientRestitution peratomtypepair 1 1.0
-fix m4 all property/global coefficientFriction peratomtypepair 1 0.0
-pair_style gran model {model} tangential history {words}
+fix m4 all property/global coefficientFriction peratomtypepair 1 {friction}
+pair_style gran model {model} tangential {tangential} {words}
 pair_coeff * *
 timestep 1e-7
 create_atoms 1 single {at} units box
 set atom 1 diameter 0.008 density 2650
 group one id 1
 fix plate all mesh/surface/stress file plate.stl type 1
-fix w all wall/gran model {model} tangential history mesh n_meshes 1 meshes plate {words}
+fix w all wall/gran model {model} tangential {tangential} {support} {words}
 fix move all nve/{mover}
 compute f one reduce sum fx fy fz
 compute x one reduce sum x y z
@@ -101,11 +102,13 @@ def tables(tmp_path_factory):
     return folder
 
 
-def simulate(folder, mesh, at, commands="run 0\n", table=None, mover="noforce", every=1):
+def simulate(folder, mesh, at, commands="run 0\n", table=None, mover="noforce", every=1, words="", **shear):
     """[rows, 6] force on the sphere and its place; stock hertz without a table."""
     write_mesh(folder / "plate.stl", mesh)
-    model, words = ("hertz", "") if table is None else ("demlaws/table", f"table {table}")
-    text = CASE.format(model=model, words=words, at=" ".join(f"{a:.17g}" for a in at), mover=mover, every=every) + commands
+    model, words = ("hertz", "") if table is None else ("demlaws/table", f"table {table} {words}")
+    values = {"tangential": "history", "friction": 0.0, "support": "mesh n_meshes 1 meshes plate", **shear}
+    place = " ".join(f"{a:.17g}" for a in at)
+    text = CASE.format(model=model, words=words, at=place, mover=mover, every=every, **values) + commands
     (folder / "in.mesh").write_text(text)
     log = run(folder / "in.mesh", plugin=table is not None)
     return np.stack([log[name] for name in COLUMNS], -1)
@@ -180,3 +183,19 @@ def test_a_sphere_does_not_fall_through_a_perforated_plate(tmp_path, tables):
     for table in (None, tables / "hertz.tbl"):
         rows = simulate(tmp_path, plate_with_hole(4), (0.0, 0.0, 2.66e-3), commands, table, mover="sphere", every=20000)
         assert math.hypot(3e-3, rows[-1, 5]) == pytest.approx(RADIUS, rel=1e-3)
+
+
+@pytest.mark.parametrize("support", ["mesh n_meshes 1 meshes plate", "primitive type 1 zplane 0.0"])
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+def test_passive_shear_at_walls(tmp_path, tables, shear, support):
+    """Press, slide over a node of the mesh and back past Coulomb's limit, lift off partly: the force is Python's."""
+    law = dl.law("pohrt-popov", dl.Contact(RADIUS, MODULUS, 2.4e-6, 2.22), "hertz")
+    moves = [(0.0, -0.1, 500), (0.05, -0.01, 200), (0.02, 0.05, 300), (-0.08, 0.0, 400), (0.0, -0.1, 200)]
+    commands = "".join(f"velocity all set {along} 0 {up}\nrun {steps}\n" for along, up, steps in moves)
+    own = {"words": f"shear {shear}", "tangential": "demlaws", "friction": 0.5, "support": support}
+    rows = simulate(tmp_path, tiled(), (-0.5e-6, 0.0, RADIUS), commands, tables / "granite.tbl", **own)
+    force, x, height = rows[:, 0], rows[:, 3], rows[:, 5]
+    assert x.min() < -1e-7 and x.max() > 1e-7
+    path = sheared(law, RADIUS - height, x - x[0], 2 * (1 - 0.25) / (2 - 0.25), shear, 0.5, 1000)
+    np.testing.assert_allclose(-force, path.shear_force, atol=2e-2 * 0.5 * path.force.max())
+    assert np.abs(force).max() > 0.1 * path.force.max()
