@@ -8,7 +8,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from demlaws.make import example as example_law
-from studies.shear import figure, gas, memory, packing, paths
+from studies.shear import figure, gas, memory, packing, paths, springs
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -31,6 +31,7 @@ def parser():
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--paths", type=int, help="so many random paths of every law, rule and choice: work returned")
+    parser.add_argument("--springs", type=int, nargs="+", help="errors of partial slip with these numbers of springs")
     parser.add_argument("--bytes", action="store_true", help="what a particle keeps per contact, by engine and model")
     parser.add_argument("--packing", nargs="+", metavar="SHEAR", help="25 oedometer cycles and shear to the peak, in YADE")
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
@@ -51,6 +52,9 @@ def run(arguments):
         return
     if arguments.paths:
         print_paths(arguments.paths)
+        return
+    if arguments.springs:
+        print_springs(arguments.springs)
         return
     if arguments.bytes:
         for engine, model, size in memory.bytes_per_contact():
@@ -86,6 +90,17 @@ def print_packings(choices):
             cell(lambda copy: 100.0 * copy.dilation),
         ]
         print(f"| {shear} | {' | '.join(cells)} |", flush=True)
+
+
+def print_springs(counts):
+    """A row per number of springs."""
+    shares = ", ".join(f"{share:g}" for share in springs.SHARES)
+    laws = " | ".join(f"{name}, {rule}" for name, rule in springs.LAWS)
+    print(f"| springs | Mindlin: force over μP | loss at {shares} μP (%) | {laws} |\n|{'---|' * (3 + len(springs.LAWS))}")
+    for count in counts:
+        force, losses = springs.mindlin(count)
+        errors = " | ".join(f"{springs.oblique(*law, count):.1e}" for law in springs.LAWS)
+        print(f"| {count} | {force:.1e} | {', '.join(f'{100 * loss:+.1f}' for loss in losses)} | {errors} |", flush=True)
 
 
 def print_paths(count):
