@@ -4,7 +4,8 @@ Shows: examples that come with YADE (triaxial tests, periodic cells, clumps, a d
 factories, the Conical Damage Model beside ours, yade-batch) run as they are, except that their contact law is first YADE's
 Law2_ScGeom_MindlinPhys_Mindlin, then ours in its place, and that runs are shortened; energy, stress or height of both. No
 script is kept here: they are read from the folder in which YADE's package has them, or from the one that is given.
-Start: demlaws yade run -x yade_scripts/examples.py [--quick] [--examples FOLDER] [--only NAME ...] [--out FOLDER]
+Start: demlaws yade run -x yade_scripts/examples.py [--quick] [--hertz] [--examples FOLDER] [--only NAME ...] [--out FOLDER]
+--hertz: our Hertz law with native shear in place of the rough one, and the largest distance between places of bodies by both.
 Takes: some 10 min (quick, a quarter of the steps: 5), --only for less. Saves examples.png.
 """
 
@@ -12,6 +13,7 @@ import argparse
 import builtins
 import gzip
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -48,6 +50,11 @@ def history():
 O.run(1000, True)
 assert len(rows) > 10 and isinstance(O.engines[-1], NewtonIntegrator), O.engines
 """
+
+# Mindlin's functor serves the contacts of grids, too; both laws take the same constant step
+GRID = [("Law2_ScGridCoGeom_FrictPhys_CundallStrack(),", "")]
+CONSTANT = "O.dt = 0.1 * PWaveTimeStep()"
+STEPPER = "GlobalStiffnessTimeStepper(timestepSafetyCoefficient=0.1, label='ts'),"
 
 EXAMPLES = (
     Example("triax tutorial", "triax-tutorial/script-session1.py", MINDLIN, 3000, 1e-5, after=TRIAX),
@@ -111,6 +118,24 @@ EXAMPLES = (
     ),
     Example("damping", "test/Damping_HM.py", "poisson .3 (.6)", 2000, 1e-6, swaps=[("poisson = 0.6", "poisson = 0.3")]),
     Example("two Mindlin spheres", "test/mindlin.py", "poisson .3 (.6)", 100, 1e-5, swaps=[("poisson=0.6", "poisson=0.3")]),
+    Example(
+        "PFacets and grids",
+        "pfacet/pFacets_grids_spheres_interacting.py",
+        f"{MINDLIN}, constant step",
+        40000,
+        1e-7,
+        swaps=[*GRID, (STEPPER, "")],
+        after=CONSTANT,
+    ),
+    Example(
+        "roots of grids",
+        "cylinders/cylinderconnection-roots.py",
+        f"{MINDLIN}, constant step; poisson .3 (3)",
+        20000,
+        1e-6,
+        swaps=[*GRID, (STEPPER, ""), ("poisson = 3", "poisson = 0.3")],
+        after=CONSTANT,
+    ),
     Example("yade-batch", "triax-tutorial/script-session1.py", MINDLIN, 1000, 1e-5, batch="triax-tutorial/triax-table"),
 )
 WAYS = ("Mindlin", "ours")
@@ -143,6 +168,8 @@ def one(given):
         keep = {name: value for name, value in keywords.items() if name in ("label", "neverErase", "calcEnergy")}
         if given["way"] == "Mindlin":
             laws.append(yade.Law2_ScGeom_MindlinPhys_Mindlin(**keep))
+        elif given["hertz"]:
+            laws.append(Law2_ScGeom_MindlinPhys_Demlaws("hertz", smooth=True, shear="native", flats="yade", **keep))
         else:
             surface = dl.Surface(roughness=example.roughness, fractal_dimension=2.2)
             laws.append(Law2_ScGeom_MindlinPhys_Demlaws("pohrt-popov", "hertz", surface, **keep))
@@ -153,10 +180,14 @@ def one(given):
             young=1e7, poisson=0.3, frictionAngle=values.get("frictionAngle", 0.5), density=values.get("density", 1000)
         )
 
-    main["Law2_ScGeom_MindlinPhys_Mindlin"] = law
+    from yade import gridpfacet  # examples import all of its names
+
+    names = {"Law2_ScGeom_MindlinPhys_Mindlin": law}
     if example.changed.startswith(MINDLIN):
-        main["Law2_ScGeom_FrictPhys_CundallStrack"] = main["Law2_ScGeom_ViscElPhys_Basic"] = law
-        main["Ip2_FrictMat_FrictMat_FrictPhys"] = yade.Ip2_FrictMat_FrictMat_MindlinPhys
+        names["Law2_ScGeom_FrictPhys_CundallStrack"] = names["Law2_ScGeom_ViscElPhys_Basic"] = law
+        names["Ip2_FrictMat_FrictMat_FrictPhys"] = yade.Ip2_FrictMat_FrictMat_MindlinPhys
+    main.update(names)
+    vars(gridpfacet).update(names)
     if example.changed.startswith(VISCOUS):
         main["Ip2_ViscElMat_ViscElMat_ViscElPhys"] = lambda: yade.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3)
         main["ViscElMat"] = viscous
@@ -266,6 +297,7 @@ def rest(omega, given, laws):
         "height": builtins.sum(place[up] for place in heights) / builtins.max(len(heights), 1),
         "stress": builtins.sum(utils.getStress()[n, n] for n in range(3)) / 3 if omega.periodic else None,
         "seen": None,
+        "places": [tuple(body.state.pos) for body in omega.bodies if body is not None],
     }
     if given["way"] == "ours":
         law = laws[-1]
@@ -298,6 +330,7 @@ def run_example(example, way, arguments, scratch):
         "folder": arguments.examples,
         "scratch": str(folder),
         "result": result,
+        "hertz": arguments.hertz,
         "up": 1 if "SandPile" in example.path or "baraban" in example.path else 2,
     }
     if arguments.quick:
@@ -361,12 +394,14 @@ def picture(rows, folder):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="a quarter of the steps")
+    parser.add_argument("--hertz", action="store_true", help="our Hertz law with native shear in place of the rough one")
     parser.add_argument("--examples", default=FOLDER, help="folder of YADE's examples (default: that of the package yade)")
     parser.add_argument("--only", nargs="+", metavar="NAME", help="examples whose name holds one of these")
     parser.add_argument("--out", default=".", help="folder of the picture")
     arguments = parser.parse_args()
     chosen = [e for e in EXAMPLES if not arguments.only or any(word in e.name for word in arguments.only)]
-    print("YADE's examples, shortened, by YADE's Hertz-Mindlin and by ours (pohrt-popov, Hertz unloading) in its place.")
+    ours = "hertz, native shear" if arguments.hertz else "pohrt-popov, Hertz unloading"
+    print(f"YADE's examples, shortened, by YADE's Hertz-Mindlin and by ours ({ours}) in its place.")
     print(
         "To Mindlin: what differs from the example; to ours: what had to be changed beside the law; seen: contacts by our law."
     )
@@ -385,7 +420,8 @@ def main():
                     print(f"{example.name:21}FAILED by {way}: {why}", flush=True)
             for mindlin, ours in zip(*(found[way] for way in WAYS), strict=False):
                 line, values = row(example, mindlin, ours)
-                print(line, flush=True)
+                apart = max(math.dist(a, b) for a, b in zip(mindlin["places"], ours["places"], strict=False))
+                print(f"{line}{f', places within {apart:.1e} m' if arguments.hertz else ''}", flush=True)
                 rows.append(values)
     print(f"{len(rows)} runs by both laws, {failed} failed")
     if rows:

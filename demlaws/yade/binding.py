@@ -359,12 +359,23 @@ class Binding:
                 "not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, and "
                 "Ip2_FrictMat_FrictMat_MindlinPhys"
             )
+        geometry = O.interactions[first, second].geom
+        if isinstance(geometry, yade.ScGeom) and geometry.refR1 == geometry.refR2 == 0.0:  # PotentialParticle
+            return (
+                f" of {type(O.bodies[first].shape).__name__}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
+                "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
+            )
         if kind == at.UNGUARDED:
             return (
                 " was computed by a functor that has no guard in the scene, and got no force: give the law to an "
                 "InteractionLoop in O.engines (engines within an integrator are not served)"
             )
         if kind == at.LOST_ROW:
+            if any(isinstance(O.bodies[number].shape, yade.ChainedCylinder) for number in (first, second)):
+                return (
+                    " shares its physics with a contact that has ended: the sphere passed from one ChainedCylinder to the "
+                    "next. Build the chain of GridConnections"
+                )
             return (
                 " has a history that this process does not have: its scene was saved or loaded without demlaws. Load it by "
                 "O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"

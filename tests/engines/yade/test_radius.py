@@ -328,6 +328,29 @@ def test_polyhedra_take_an_edge_radius_and_no_curvature(omega):
         assert functor.contacts().radius == pytest.approx([4e-4], rel=1e-12)
 
 
+def test_potential_particles_are_refused_by_name(omega):
+    """YADE's geometry gives them no radius: MindlinPhys has no stiffness, and native Mindlin's force is NaN.
+
+    In the native way: in the public one YADE's own assertion ends the process at a NaN.
+    """
+    import yade
+
+    material()
+    half, edge = 8e-3, 2e-3
+    reach = yade.Vector3(half, half, half)
+    planes = {"a": [1, -1, 0, 0, 0, 0], "b": [0, 0, 1, -1, 0, 0], "c": [0, 0, 0, 0, 1, -1], "d": [half - edge] * 6}
+    corners = dict.fromkeys(("minAabb", "maxAabb", "minAabbRotated", "maxAabbRotated"), reach)
+    for number, z in enumerate((0.0, 2 * half - 1e-4)):
+        body = yade.Body()
+        body.shape = yade.PotentialParticle(k=0.2, r=edge, R=2 * half, AabbMinMax=True, id=number, **planes, **corners)
+        yade.utils._commonBodySetup(body, 1.0, reach, material="granite", pos=(0, 0, z), fixed=True)
+        yade.O.bodies.append(body)
+    geometry = yade.Ig2_PP_PP_ScGeom(twoDimension=False, unitWidth2D=1.0, calContactArea=True, areaStep=5)
+    set_engines(law(edge), geometries=[geometry], bounds=[yade.PotentialParticle2AABB()])
+    with pytest.raises(RuntimeError, match=r"contact 0\+1 of PotentialParticle"):
+        omega.run(3, True)
+
+
 def _with_surface(surface):
     return functor("hertz", "elastic", {"granite": surface}, bridge="native")
 
