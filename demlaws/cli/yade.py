@@ -50,12 +50,14 @@ def register(subparsers):
     commands = parser.add_subparsers(dest="yade_command", required=True, metavar="COMMAND", parser_class=_PassesOn)
     check = commands.add_parser(
         "check",
-        help="versions, what the native bridge finds, self-test of every law",
-        description="Start YADE, verify what the native bridge assumes, and test every law and unloading rule on two spheres. "
-        "The first time on a machine this compiles each of them, which takes minutes; --quick tests two laws in seconds.",
+        help="versions, the native bridge, self-tests of the laws",
+        description="Start YADE, verify what the native bridge assumes, and test every law with its default unloading rule and "
+        "every other rule with one law, on two spheres. The first time on a machine each takes some seconds to compile.",
         epilog="example: demlaws yade check --quick",
     )
-    check.add_argument("--quick", action="store_true", help="two laws only: is the bridge there and does it work")
+    extent = check.add_mutually_exclusive_group()
+    extent.add_argument("--quick", action="append_const", dest="extent", const="--quick", help="two laws only")
+    extent.add_argument("--all", action="append_const", dest="extent", const="--all", help="every law with every rule")
     check.set_defaults(func=_check)
     run = commands.add_parser(
         "run",
@@ -78,7 +80,7 @@ def register(subparsers):
 def _check(arguments):
     from demlaws.yade.run import run
 
-    return run(_file("check.py"), ["--quick"] if arguments.quick else []).returncode
+    return run(_file("check.py"), arguments.extent or []).returncode
 
 
 def _run(arguments):
