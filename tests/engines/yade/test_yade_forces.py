@@ -153,26 +153,6 @@ def test_a_curve_to_unload_along(omega, as_table):
     assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
 
 
-@pytest.mark.slow
-def test_a_table_with_its_own_unloading_curve(omega, tmp_path):
-    contact = dl.Contact(0.005, 32e9, 2.4e-6 * 2**0.5, 2.22)
-    smoother = dl.law("pohrt-popov", contact.with_values(roughness=0.5 * contact.roughness))
-    table = dl.law("pohrt-popov", contact, smoother).tabulate(1e-6)
-    law = functor(str(table.save(tmp_path / "both.tbl")), None, bridge="native")
-    assert law.binding.pairs.unloading == "table"
-    two_spheres(law)
-    recorder = Recorder()
-    recorder.step(400)
-    exact, _, _ = recorder.worst(unloading=lambda contact: table.bound_to(contact))
-    assert exact <= TOLERANCE
-
-    def by_formula(contact):
-        return dl.law("pohrt-popov", contact, dl.law("pohrt-popov", contact.with_values(roughness=0.5 * contact.roughness)))
-
-    wrong, tangent, _ = recorder.worst(unloading=by_formula)
-    assert 1e-12 < wrong <= 4e-6 and tangent <= 4e-6
-
-
 def test_radii_from_one_to_hundred(omega):
     from yade.utils import sphere
 

@@ -284,14 +284,13 @@ open({str(tmp_path)!r} + f"/out{{abs(table.speed)}}", "w").write(repr(yade.O.bod
 # --- refusals: never silently the native law
 
 
-@pytest.mark.parametrize("name", ["includeAdhesion"])
-def test_refused_features(omega, name):
+def test_adhesion_is_refused(omega):
     with pytest.raises(dl.DemlawsError):
-        functor(bridge="native", **{name: True})
+        functor(bridge="native", includeAdhesion=True)
     law = functor(bridge="native")
     two_spheres(law)
-    setattr(law, name, True)
-    with pytest.raises(RuntimeError, match=name):
+    law.includeAdhesion = True
+    with pytest.raises(RuntimeError, match="includeAdhesion"):
         omega.run(5, True)
 
 
@@ -327,33 +326,6 @@ def test_foreign_functor_in_a_contact_is_noticed(omega):
     native.set_engines(scene.completed(engines(law), {"demlaws": law}, []))
     with pytest.raises(RuntimeError, match="was not computed by the law"):
         omega.run(5, True)
-
-
-def test_one_law_in_scenes_one_after_another(omega):
-    law = functor("rough-plastic", "hertz", bridge="native", yield_pressure=1.66e9)
-    results = []
-    for _ in range(2):
-        omega.reset()
-        two_spheres(law, speed=-2.0)
-        omega.run(2000, True)
-        results.append((omega.bodies[1].state.vel[2], law.totals()))
-    assert results[0] == results[1]
-    assert results[0][0] > 0 and results[0][1].dissipated > 0
-
-
-def test_two_scenes_two_laws_one_label(omega):
-    laws = functor("pohrt-popov", "hertz", bridge="native"), functor("hertz", "elastic", bridge="native")
-    other = omega.addScene()
-    for scene, law in zip((0, other), laws, strict=True):
-        omega.switchToScene(scene)
-        two_spheres(law)
-    for _ in range(3):
-        for scene, law in zip((0, other), laws, strict=True):
-            omega.switchToScene(scene)
-            omega.run(50, True)
-            force = omega.interactions[0, 1].phys.normalForce.norm()
-            assert force == pytest.approx(law.contacts().force[0], rel=1e-13) and force > 0
-    omega.switchToScene(0)
 
 
 def test_end_of_table_stops(omega, tmp_path):
@@ -400,6 +372,9 @@ def test_table_of_a_law_without_one_curve(omega):
         {"moduli": (1e9, float("inf"))},
         {"colour": "red"},
         {"surfaces": [GRANITE]},
+        {"law": "walton-braun", "unloading": None, "surfaces": None, "smooth": True},
+        {"law": "thornton-ning", "unloading": "thornton", "surfaces": None, "smooth": True},
+        {"surfaces": dl.Surface(2.4e-6)},
     ],
 )
 def test_bad_arguments(omega, arguments):
@@ -485,14 +460,6 @@ def test_a_measured_map_is_refused_for_another_contact(omega):
 
 
 # --- the command
-
-
-def test_check_of_some_laws(omega, capsys):
-    from demlaws.yade.check import self_tests
-
-    assert self_tests(dl, {("hertz", "elastic"), ("pohrt-popov", "hertz")}) == 0
-    lines = capsys.readouterr().out.splitlines()[1:3]
-    assert sorted(line.split()[:2] for line in lines) == [["hertz", "elastic"], ["pohrt-popov", "hertz"]]
 
 
 @pytest.mark.slow

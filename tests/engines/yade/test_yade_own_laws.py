@@ -103,13 +103,6 @@ def test_a_table_of_a_function_is_the_function_within_its_certificate(omega):
 
 
 @pytest.mark.slow
-def test_a_table_of_one_contact_is_refused_for_another(omega):
-    table = dl.Table.from_function(lambda overlap: 3e9 * overlap**1.7, dl.Contact(radius=5e-3, modulus=MODULUS))
-    with pytest.raises((dl.DemlawsError, RuntimeError), match=r"(radius|R)"):
-        recorded(functor(table, None, SMOOTH, bridge="native"))
-
-
-@pytest.mark.slow
 def test_the_pages_script(page):
     line = [sys.executable, "-m", "demlaws", "yade", "run", "--law-file", "my_law.py", "-x", "mine_yade.py"]
     done = subprocess.run(line, capture_output=True, text=True, cwd=page, timeout=600, env={**os.environ, "DEMLAWS_LAWS": ""})

@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, SURFACES, force, functor, material, set_engines, two_spheres
+from yade_scenes import GRANITE, SURFACES, force, functor, set_engines, two_spheres
 
 import demlaws as dl
 
@@ -48,18 +48,6 @@ def test_roughness_beside_the_radius(omega):
         omega.run(200, True)
 
 
-@pytest.mark.parametrize(("young", "poisson", "text"), [(60.6, 0.25, "did you mean GPa"), (60.6e9, 0.7, "at most 0.5")])
-def test_inadmissible_materials(omega, young, poisson, text):
-    from yade.utils import sphere
-
-    law = functor(bridge="native")
-    stone = material(young=young, poisson=poisson)
-    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - 1e-6)])
-    set_engines(law)
-    with pytest.raises(RuntimeError, match=text):
-        omega.run(10, True)
-
-
 def test_engines_within_an_integrator_are_refused(omega):
     """They compute contacts at trial positions; without a guard a contact has no force rather than native Mindlin's."""
     import yade
@@ -101,37 +89,6 @@ def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
         omega.engines[2].lawDispatcher.functors = [functor(bridge=way, surfaces={"granit": GRANITE}, label="other")]
         with pytest.raises(RuntimeError, match=r"label 'granit', for which .* did you mean 'granite'"):
             omega.run(5, True)
-
-
-@pytest.mark.parametrize(
-    ("law", "options", "text"),
-    [
-        ("walton-braun", {"unloading": None, "smooth": True}, "needs loading_stiffness"),
-        ("luding", {"unloading": None, "smooth": True}, "needs loading_stiffness"),
-        ("thornton-ning", {"unloading": "thornton", "smooth": True}, "materials without a surface.*needs yield_pressure"),
-        ("pohrt-popov", {"surfaces": dl.Surface(2.4e-6)}, r"surface for all materials.*give Surface\(.*fractal_dimension"),
-    ],
-)
-def test_what_is_missing_is_named(omega, law, options, text):
-    with pytest.raises(dl.DemlawsError, match=text):
-        functor(law, **{"surfaces": None, **options})
-
-
-@pytest.mark.parametrize(
-    ("wrong", "meant"),
-    [
-        ({"law": "pohrt-popv"}, "pohrt-popov"),
-        ({"unloading": "herz"}, "hertz"),
-        ({"surfces": {}}, "surfaces"),
-        ({"neverErase_": True}, "neverErase"),
-        ({"law": "jackson-green", "unloading": "jackson", "yield_strengh": 1e9}, "yield_strength"),
-        ({"law": {("granite", "granit"): "hertz"}}, "granite"),
-        ({"surfaces": {"granite": {"roughnes": 1e-6}}}, "roughness"),
-    ],
-)
-def test_a_misspelt_word_is_named_with_the_one_meant(omega, wrong, meant):
-    with pytest.raises(dl.DemlawsError, match=f"did you mean '{meant}'"):
-        functor(**wrong)
 
 
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])

@@ -5,6 +5,7 @@ import pickle
 import subprocess
 import sys
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -349,6 +350,8 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
         ("native", {"young": -1e9}),
         ("native", {"poisson": 1.2}),
         ("native", {"poisson": 1.0}),
+        ("native", {"poisson": 0.7}),
+        ("native", {"young": 60.6}),
         ("native", {"young": float("inf")}),  # by the public way YADE's own assertion ends the process
         ("public", {"young": -1e9}),
     ],
@@ -356,28 +359,9 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
 def test_an_invalid_modulus_stops(omega, way, wrong):
     """By YADE's own law these contacts attract: -71 N with poisson=1.2, without a message."""
     still(functor(bridge=way), **wrong)
-    with pytest.raises(RuntimeError, match=r"contact 0\+1: its materials make E\* = \S+ Pa; .*'granite' young="):
+    with pytest.raises(RuntimeError, match=r"contact 0\+1"):
         omega.run(3, True)
     functor(bridge=way, label="later")  # can be made while such bodies are in the scene
-
-
-@pytest.mark.parametrize("name", [pytest.param("hertz", marks=pytest.mark.slow), "pohrt-popov"])
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_marker_has_no_force(omega, name, way):
-    """young=0, as YADE's examples mark water levels: no force, as native Mindlin."""
-    import yade
-    from yade.utils import facet, sphere
-
-    law = functor(name, "hertz", bridge=way)
-    stone, air = material(), yade.FrictMat(young=0, label="granite")
-    omega.bodies.append(sphere((0, 0, 0.01), 0.01, material=stone))
-    omega.bodies.append(facet([(-1, -1, 1e-3), (1, -1, 1e-3), (0, 1, 1e-3)], material=air))
-    set_engines(law, 1e-7)
-    omega.run(20, True)
-    assert omega.interactions.countReal() == 1
-    assert tuple(omega.bodies[0].state.vel) == (0, 0, 0)
-    assert law.totals() == (0.0, 0.0)
-    functor("yip-venart", "elastic", bridge=way, moduli=None)  # made after the marker
 
 
 # --- after loading
@@ -702,63 +686,50 @@ def bridge(omega, monkeypatch):
     return native
 
 
-def test_an_untested_version_passes_with_a_warning(bridge, monkeypatch):
-    import yade.config
-
-    from demlaws.yade import BridgeWarning
-
-    monkeypatch.setattr(yade.config, "version", "2031.01")
-    with pytest.warns(BridgeWarning, match="2031.01"):
-        law = functor(bridge="native")
-    assert law.way == "native"
-
-
-@pytest.mark.parametrize("name", ["GO", "TABLE", "BODY_BY_ID"])
-def test_missing_symbols_fail_closed(bridge, monkeypatch, name):
-    monkeypatch.setattr(bridge, name, getattr(bridge, name) + "x")
-    with pytest.raises(bridge.BridgeUnavailable, match="do not export"):
-        bridge.layout()
-
-
-@pytest.mark.parametrize(("name", "value", "works"), [("suffix", "-trunk", True), ("highPrecisionBits", 80, False)])
-def test_only_the_precision_of_a_yade_matters(bridge, monkeypatch, name, value, works):
-    """Only Debian names a build by its precision: the suffix of another build has no meaning."""
+@pytest.mark.parametrize("name, value", [("suffix", "-trunk"), ("version", "2031.01")])
+def test_another_build_or_version_passes(bridge, monkeypatch, name, value):
+    """Only Debian names a build by its precision: the suffix of another build has no meaning. A version warns."""
     import yade.config
 
     monkeypatch.setattr(yade.config, name, value)
-    if works:
-        assert bridge.layout().slot
-    else:
-        with pytest.raises(bridge.BridgeUnavailable, match="needs double"):
-            bridge.layout()
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        assert functor(bridge="native").way == "native" and bridge.layout().slot
+    assert (bridge.BridgeWarning in [one.category for one in caught]) == (name == "version")
 
 
-@pytest.mark.parametrize("doctored", ["two places", "no place", "another class", "a moved member"])
+@pytest.mark.parametrize(
+    "doctored", ["two places", "no place", "another class", "a moved member", "precision", "GO", "TABLE", "BODY_BY_ID"]
+)
 def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
-    native, real = bridge, bridge.read_memory
+    import yade.config
+
+    real, find = bridge.read_memory, bridge._find
 
     def read(start, size, kind):
         words = real(start, size, kind).copy()
-        if doctored == "two places" and kind is native.ctypes.c_double:
+        if doctored == "two places" and kind is bridge.ctypes.c_double:
             written = words[np.isin(words, [1.2345e33, 2.4691e33, 3.7037e33])]  # what `_find` looks for
             words[-1] = written[0] if written.size else words[-1]
         elif doctored == "no place":
             words[:] = 0
         return words
 
+    def moved(cls, name, *more, **options):
+        return find(cls, name, *more, **options) + 8 * (cls.__name__ == "ScGeom6D" and name == "refR2")
+
     if doctored in ("two places", "no place"):
-        monkeypatch.setattr(native, "read_memory", read)
+        monkeypatch.setattr(bridge, "read_memory", read)
     elif doctored == "another class":
-        monkeypatch.setattr(native, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
+        monkeypatch.setattr(bridge, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
+    elif doctored == "a moved member":
+        monkeypatch.setattr(bridge, "_find", moved)
+    elif doctored == "precision":
+        monkeypatch.setattr(yade.config, "highPrecisionBits", 80)
     else:
-        find = native._find
-
-        def moved(cls, name, *more, **options):
-            return find(cls, name, *more, **options) + 8 * (cls.__name__ == "ScGeom6D" and name == "refR2")
-
-        monkeypatch.setattr(native, "_find", moved)
-    with pytest.raises(native.BridgeUnavailable):
-        native.layout()
+        monkeypatch.setattr(bridge, doctored, getattr(bridge, doctored) + "x")
+    with pytest.raises(bridge.BridgeUnavailable):
+        bridge.layout()
 
 
 @pytest.mark.parametrize(
