@@ -10,9 +10,7 @@ import warnings
 
 import numpy as np
 import pytest
-from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, pairs, quiet, rules_of, shared, telling
-from hypothesis import given
-from hypothesis import strategies as st
+from examples import CONTACTS, GRANITE, SOFT, derivative, make, options_of, pairs, rules_of, shared, telling
 from references import EPS
 
 import demlaws as dl
@@ -45,15 +43,6 @@ BATCH_OF_CONTACTS = dl.Contact(
     fractal_dimension=2.22,
     hardness=6.266e9,
 )
-
-
-def test_the_registry_holds_what_the_design_promises():
-    assert LAWS[:8] == ["hertz", "rms", "pohrt-popov", "goddard", "rough-plastic", "bahrami", "yip-venart", "greenwood-tripp"]
-    for name, definition in registry().items():
-        assert definition.name == name
-        assert definition.equation
-        assert definition.source
-        assert definition.description
 
 
 # --- the curve
@@ -97,7 +86,7 @@ def test_energy_is_the_integral_of_the_force(name, contact):
 @every_contact
 def test_monotone_positive_and_finite(name, contact):
     law = make(name, contact=contact)
-    overlap = np.geomspace(1e-9 * law.contact.roughness, 0.2 * law.contact.radius, 20000)
+    overlap = np.geomspace(1e-15 * law.contact.roughness, 0.2 * law.contact.radius, 30000)
     force, stiffness, energy = law.force(overlap), law.stiffness(overlap), law.energy(overlap)
     kinks = law.kinks()
     for values in (force, stiffness, energy):
@@ -118,19 +107,6 @@ def test_no_overlap_no_force(name):
     values = np.array([0.0, -0.0, -1e-9, -1.0])
     for method in (law.force, law.stiffness, law.energy, law.overlap):
         np.testing.assert_array_equal(method(values), 0.0)
-
-
-@every_law
-@given(st.floats(-12, -2), st.floats(1e-9, 1e-3))
-def test_smallest_overlaps(name, exponent, more):
-    """Nothing blows up towards zero overlap (a ratio such as √(P/δ) would)."""
-    law = make(name)
-    overlap = 10.0**exponent * 1e-9
-    here = law.force(overlap), law.stiffness(overlap)
-    there = law.force(overlap * (1 + more)), law.stiffness(overlap * (1 + more))
-    assert np.all(np.isfinite(here))
-    assert there[0] >= here[0] * (1 - 4 * EPS) >= 0
-    assert there[1] >= here[1] * (1 - 1e-6) >= 0
 
 
 # --- towards a smooth surface
@@ -299,31 +275,11 @@ def test_batch_equals_path(name, unloading, rng):
         np.testing.assert_allclose(stiffness, path.stiffness[i], rtol=1e-13)
 
 
-@every_pair
-def test_nan_in_one_contact_is_reported_and_harms_no_other(name, unloading):
-    law = make(name, unloading)
-    state = law.new_state(4) if law.state_size else None
-    good = np.array([True, True, False, True])
-    before = np.array([2e-6, 3e-6, 4e-6, 5e-6])
-    law.evaluate(before, state)
-    overlap = 0.99 * before
-    overlap[2] = math.nan
-    kept = [array.copy() for array in state.arrays] if law.state_size else []
-    out = np.empty(4), np.empty(4)
-    with pytest.raises(dl.DemlawsError, match="contact 2"):
-        law.evaluate(overlap, state, out=out)
-    assert np.all(np.isfinite(out[0][good]))
-    assert np.all(out[0][good] > 0)
-    assert math.isnan(out[0][2])
-    for array, old in zip(state.arrays if law.state_size else (), kept, strict=True):
-        np.testing.assert_array_equal(array, old)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["jackson-green", "kogut-etsion"])
 def test_nan_on_a_curve_that_gives_a_number_for_it(name):
     """Unloading along such a curve an overlap that is NaN had a force of some hundred newtons."""
-    test_nan_in_one_contact_is_reported_and_harms_no_other(name, GIVEN)
+    test_what_cannot_be_answered_leaves_the_history_as_it_was(name, GIVEN, math.nan)
 
 
 @every_pair
@@ -601,9 +557,3 @@ def test_passivity_is_measured_where_it_is_worst():
     assert {n for n, rule in PAIRS if rule == "thornton" and n in general} == general - {"bahrami"}
     assert all((name, registry()[name].default_unloading) in PAIRS for name in LAWS)
     assert {n for n, rule in PAIRS if rule == "elastic"} == set(LAWS)
-
-
-def test_repr_can_be_read():
-    text = repr(quiet(make, "rough-plastic", "thornton"))
-    for part in ("rough-plastic", "thornton", "yield_pressure", "radius=0.00435"):
-        assert part in text

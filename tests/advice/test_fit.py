@@ -9,7 +9,6 @@ import pytest
 from examples import shared
 
 import demlaws as dl
-from demlaws import granite
 from demlaws.advice.fit import PARAMETERS, history
 
 sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
@@ -191,30 +190,6 @@ def test_ranking_finds_the_law():
     assert pohrt.law.force(pohrt.law.overlap(50.0)) == pytest.approx(50.0)
 
 
-@pytest.mark.slow
-def test_known_noise_and_force_noise():
-    law = dl.law("rms", PAIR, "hertz")
-    random = np.random.default_rng(5)
-    inside, seeds, chi = 0, 40, []
-    for seed in range(seeds):
-        data = points(law, CYCLE, 5e-8, seed)
-        data[:, 1] += 0.3 * random.standard_normal(CYCLE.size)
-        best = dl.fit(
-            data, PAIR.with_values(roughness=4e-6), laws="rms", unloading="hertz", displacement_noise=5e-8, force_noise=0.3
-        ).best
-        chi.append(best.chi_squared)
-        inside += best.parameters["roughness"].low <= 2.4e-6 <= best.parameters["roughness"].high
-    assert inside >= 33
-    assert 0.8 < np.mean(chi) < 1.25
-
-
-def test_yield_that_is_not_reached_is_said():
-    law = dl.law("pohrt-popov", PAIR, "hertz")
-    best = dl.fit(points(law, CYCLE, 1e-8, 1), PAIR, laws="rough-plastic", unloading="hertz").best
-    estimate = best.parameters["yield_pressure"]
-    assert estimate.note or estimate.value > 1e9
-
-
 def test_systematic_misfit_is_said():
     law = dl.law("pohrt-popov", PAIR, "elastic")
     force = np.linspace(1, 100, 60)
@@ -264,16 +239,6 @@ def test_nothing_but_the_zero_is_fitted_where_nothing_is_free():
     best = dl.fit(rows, PAIR, laws="rms", free=[]).best
     assert best.coordinates == ("zero",)
     assert best.contact == PAIR
-
-
-def test_points_of_a_file(tmp_path):
-    law = dl.law("rms", PAIR, "hertz")
-    rows = points(law, CYCLE, 2e-8, 0)
-    file = tmp_path / "p.csv"
-    file.write_text("displacement (um),force (N)\n" + "".join(f"{d * 1e6:.6f},{f:.6f}\n" for d, f in rows))
-    best = dl.fit(granite.read_points(file), PAIR.with_values(roughness=5e-6), laws="rms").best
-    assert best.unloading == "hertz"
-    assert best.parameters["roughness"].value == pytest.approx(2.4e-6, rel=0.05)
 
 
 def test_a_fitted_unloading_branch_is_a_curve_to_unload_along():

@@ -30,14 +30,6 @@ def commands():
     return choices
 
 
-@pytest.mark.parametrize("name", commands())
-def test_every_command_has_help(name, capsys):
-    with pytest.raises(SystemExit) as end:
-        main([name, "--help"])
-    assert end.value.code == 0
-    assert "usage: demlaws" in capsys.readouterr().out
-
-
 CONTACT = ["--effective-radius", "4e-3", "--modulus", "3e10", "--combined-roughness", "2e-6", "--fractal-dimension", "2.2"]
 
 

@@ -5,7 +5,6 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from demlaws.core import dispatch
 from demlaws.core.dispatch import bind, gather, scatter
 from demlaws.core.loops import energy_loop, inverse_loop
 from demlaws.core.numba_compat import kernel, loop
@@ -88,9 +87,3 @@ def test_gather_and_scatter_are_each_others_reverse():
     np.testing.assert_array_equal(target.inner.a, [2.0, 4.0, 6.0])
     np.testing.assert_array_equal(target.c, np.array([10.5, 20.5, 30.5], np.float32))
     assert target.inner.b == 0.0 and target.table is table
-
-
-def test_generic_functions_say_what_they_are():
-    """They are compiled for a type; called from Python they do nothing, so that each must say what it would."""
-    for name in ("scale", "virgin", "inverse", "energy", "recover", "step", "stored_and_dissipated", "unloaded", "parts"):
-        assert getattr(dispatch, name).__doc__

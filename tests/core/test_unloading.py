@@ -1,6 +1,5 @@
 """Unloading rules with every law that takes them: no closed path returns work, and history is what it should be."""
 
-import functools
 import itertools
 
 import numpy as np
@@ -234,28 +233,6 @@ def test_hertz_as_the_curve_is_the_rule_hertz(name, turns):
     held = 0.4 * b.force.max() * np.max(b.maximum_overlap - b.plastic_overlap)
     np.testing.assert_allclose(a.work, b.work, rtol=1e-14, atol=1e-14 * held)
     np.testing.assert_allclose(a.dissipated, b.dissipated, rtol=0, atol=1e-14 * max(held, b.work.max()))
-
-
-@pytest.mark.slow
-@given(turns=TURNS)
-@settings(max_examples=20)
-def test_a_table_as_the_curve_is_its_law_to_the_certificate(turns):
-    """U = rms on a surface a tenth as rough, as a law and as a table: forces at the same overlaps."""
-    path = GRANITE.roughness * np.array(turns)
-    law, table = smooth_rms()
-    a, b = quiet(law.follow, path), quiet(table.follow, path)
-    error = table.unloading_law.stiffness_error
-    # δp is off by the error of the curve's overlap, the force by that and the curve's own
-    tolerance = 4 * error * b.maximum_overlap * max(b.stiffness.max(), a.stiffness.max())
-    assert np.all(np.abs(a.force - b.force) <= tolerance)
-    assert np.all(np.abs(a.work - b.work) <= tolerance.max() * np.max(np.abs(path)))
-
-
-@functools.cache
-def smooth_rms():
-    """rms, unloading along rms on a surface a tenth as rough: by formula, and by a table."""
-    curve = dl.law("rms", GRANITE.with_values(roughness=0.1 * GRANITE.roughness))
-    return make("rms").joined(curve), make("rms").joined(curve.tabulate(1e-6))
 
 
 @pytest.mark.slow

@@ -79,18 +79,6 @@ def _gauss(reference, a, b):
     return sum(w * 0.5 * (b - a) * reference.force(a + (b - a) * 0.5 * (1 + t)) for t, w in zip(x, weights, strict=True))
 
 
-def test_warns_below_the_range_of_the_correlation():
-    law = dl.law("bahrami", GRANITE)
-    with pytest.warns(dl.ValidityWarning, match="p0' < 0.01"):
-        law.force(1e-12)
-
-
-@pytest.mark.parametrize("unloading", ["hertz", "thornton"])
-def test_is_refused_a_rule_that_would_return_work(unloading):
-    with pytest.raises(dl.DemlawsError, match=r"times Hertz's.*return more work.*elastic"):
-        dl.law("bahrami", GRANITE, unloading=unloading)
-
-
 def test_bad_options():
     with pytest.raises(dl.DemlawsError, match="hardness"):
         dl.law("bahrami", GRANITE.with_values(hardness=None))

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from examples import GRANITE, quiet
+from examples import GRANITE
 
 import demlaws as dl
 from demlaws.solvers.axisymmetric import solve
@@ -29,24 +29,6 @@ def test_mu_from_asperities():
     measured = dl.law("greenwood-tripp", GRANITE, asperity_density=density, asperity_radius=radius)
     given = dl.law("greenwood-tripp", GRANITE, mu=mu)
     assert measured.force(3e-6) == pytest.approx(given.force(3e-6), rel=1e-9)
-
-
-@pytest.mark.slow
-def test_contacts_that_differ_agree_with_one_at_a_time():
-    radius, roughness = np.array([3e-3, 4.35e-3, 6e-3]), np.array([4e-6, 2.4e-6, 3e-6])
-    contact = GRANITE.with_values(radius=radius, roughness=roughness)
-    overlap = np.array([1e-6, 4e-6, 1e-5])
-    for options in ({}, {"asperity_density": 2e9, "asperity_radius": 5e-5}):
-        together = dl.law("greenwood-tripp", contact, **options)
-        for i in range(3):
-            one = dl.law("greenwood-tripp", GRANITE.with_values(radius=radius[i], roughness=roughness[i]), **options)
-            assert quiet(together.force, overlap)[i] == pytest.approx(quiet(one.force, overlap[i]), rel=1e-4)
-            assert quiet(together.stiffness, overlap)[i] == pytest.approx(quiet(one.stiffness, overlap[i]), rel=1e-4)
-
-
-def test_a_smaller_seating_load_starts_more_softly():
-    stiffness = [quiet(dl.law("greenwood-tripp", GRANITE, seating_share=s).stiffness, 1e-12) for s in (1e-4, 1e-3, 1e-2)]
-    assert np.all(np.diff(stiffness) > 0)
 
 
 def test_softer_than_hertz_and_towards_it_at_high_load():

@@ -80,16 +80,6 @@ def test_a_law_of_ones_own_is_a_law(tmp_path):
     np.testing.assert_array_equal(many.evaluate(overlap)[0], dl.law("power", GRANITE).evaluate(overlap)[0])
 
 
-def test_a_fit_finds_its_option():
-    parameter = dl.Parameter("", False, lambda c: (1.1, 3.0), lambda c: [1.5, 2.0], option=True)
-    law = dl.define("power", lambda p, d: 3e9 * d**p.n, lambda p, d: 3e9 * p.n * d ** (p.n - 1), options={"n": 1.7})
-    dl.register(law._replace(fitting=Fitting({"n": parameter}, free=("n",))))
-    force = np.geomspace(0.5, 80, 40)
-    points = np.stack([(force / 3e9) ** (1 / 1.83) + 2e-6, force], axis=1)
-    (found,) = dl.fit(points, GRANITE, laws=["power"])
-    assert found.parameters["n"].value == pytest.approx(1.83, abs=1e-6)
-
-
 def test_what_can_be_fitted_follows_the_registry():
     """A law that is registered after the module was imported; and several rules at once."""
     from demlaws.advice import fit as module

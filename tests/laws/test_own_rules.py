@@ -188,19 +188,6 @@ def test_one_file_by_two_names_is_one_law(tmp_path, monkeypatch, how):
             assert rule_of(type(definition.rules[0].tag)) is definition.rules[0]
 
 
-@pytest.mark.slow
-def test_laws_of_a_file_that_ran_twice(tmp_path, monkeypatch):
-    text = SPRING.replace('name="spring"', 'name="again"').replace('"slack"', '"again-slack"')
-    with registered(tmp_path, text, "again.py"):
-        laws = [dl.law("again", GRANITE)]
-        monkeypatch.syspath_prepend(tmp_path)
-        importlib.import_module("again")
-        del sys.modules["again"]
-        laws.append(dl.law("again", GRANITE))
-        for law in laws:
-            np.testing.assert_allclose(law.follow(PATH).force, expected(PATH), rtol=1e-12, atol=1e-12)
-
-
 def test_no_other_law_is_offered_it():
     with pytest.raises(dl.DemlawsError, match="unknown unloading rule 'slack'"):
         dl.law("hertz", GRANITE, "slack")

@@ -40,16 +40,6 @@ def test_stiffness_exponents_of_the_paper():
     assert np.log10(k[1] / k[0]) == pytest.approx(stiffness_exponent(2.22), rel=1e-12)
 
 
-def test_roughness_moves_the_stiffness_line_and_keeps_its_slope():
-    forces = np.array([0.1, 1.0])
-    lines = []
-    for roughness in (2.4e-6, 4.8e-6):
-        law = dl.law("pohrt-popov", GRANITE.with_values(roughness=roughness))
-        lines.append(np.log(law.stiffness(law.overlap(forces))))
-    assert lines[1][0] < lines[0][0]
-    assert np.diff(lines[0])[0] == pytest.approx(np.diff(lines[1])[0], rel=1e-12)
-
-
 @pytest.mark.parametrize("dimension", DIMENSIONS)
 def test_errors_against_fifty_digits(dimension, rng):
     """Within 4 ε times the law's own condition number; measured 0.9."""
@@ -75,11 +65,6 @@ def test_errors_next_to_the_threshold(dimension):
     overlap = kink * (1 + np.array([-1e-3, -1e-9, -4 * EPS, 0.0, 4 * EPS, 1e-9, 1e-3]))
     for values, exact in ((quiet(law.force, overlap), reference.force), (quiet(law.stiffness, overlap), reference.stiffness)):
         assert errors(values, [exact(d) for d in overlap]).max() <= 4 / (1 - float(reference.m))
-
-
-def test_needs_the_fractal_dimension():
-    with pytest.raises(dl.DemlawsError, match="fractal_dimension"):
-        dl.law("pohrt-popov", GRANITE.with_values(fractal_dimension=None))
 
 
 def test_warns_where_the_bulk_yields():

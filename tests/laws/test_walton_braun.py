@@ -71,19 +71,6 @@ def test_bad_options(options, text):
         dl.law("walton-braun", GRANITE, **options)
 
 
-@pytest.mark.parametrize("rule", ["hertz", "thornton"])
-def test_curved_unloading_is_refused_with_the_reason(rule):
-    with pytest.raises(dl.DemlawsError, match=f"does not take '{rule}' unloading: at small load a straight branch is stiffer"):
-        dl.law("walton-braun", GRANITE, rule, **CONSTANT)
-
-
-def test_the_rule_is_not_offered_to_other_laws():
-    with pytest.raises(dl.DemlawsError, match="unknown unloading rule 'linear'"):
-        dl.law("hertz", GRANITE, "linear")
-    with pytest.raises(dl.DemlawsError, match="unknown unloading rule 'linear'"):
-        dl.law("rough-plastic", GRANITE, "linear", yield_pressure=1e9)
-
-
 def test_a_table_keeps_the_rule():
     law = dl.law("walton-braun", GRANITE, **GROWING)
     path = np.array([2e-5, 1.9e-5, 1.2e-5, 2e-5, 4e-5, 3.7e-5, 0.0])

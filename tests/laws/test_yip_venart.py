@@ -40,29 +40,6 @@ def test_overlap_counts_from_the_end_of_the_continued_curve(share):
     assert law.overlap(10.0) == pytest.approx(approach[1] - approach[0] + 1.5 * seat / stiffness[0], rel=1e-6)
 
 
-def test_contacts_that_differ_agree_with_one_at_a_time():
-    radius, roughness = np.array([3e-3, 4.35e-3, 6e-3]), np.array([4e-6, 2.4e-6, 3e-6])
-    contact = GRANITE.with_values(radius=radius, roughness=roughness)
-    together = dl.law("yip-venart", contact)
-    overlap = np.array([1e-6, 4e-6, 1e-5])
-    for i in range(3):
-        one = dl.law("yip-venart", GRANITE.with_values(radius=radius[i], roughness=roughness[i]))
-        assert quiet(together.force, overlap)[i] == pytest.approx(quiet(one.force, overlap[i]), rel=1e-4)
-        assert quiet(together.stiffness, overlap)[i] == pytest.approx(quiet(one.stiffness, overlap[i]), rel=1e-4)
-        assert quiet(together.energy, overlap)[i] == pytest.approx(quiet(one.energy, overlap[i]), rel=1e-4)
-        assert quiet(together.overlap, 10.0)[i] == pytest.approx(quiet(one.overlap, 10.0), rel=1e-4)
-
-
-def test_warns_where_the_bulk_yields_and_below_the_seating_load():
-    law = dl.law("yip-venart", GRANITE)
-    law.overlap(10.0)
-    with pytest.warns(dl.ValidityWarning, match="seating load"):
-        law.overlap(0.01)
-    yields = min(limit.maximum_force for limit in law.limits())
-    with pytest.warns(dl.ValidityWarning, match=r"0\.6 H_m"):
-        law.overlap(1.01 * yields)
-
-
 def test_bad_input():
     with pytest.raises(dl.DemlawsError, match="hardness"):
         dl.law("yip-venart", GRANITE.with_values(hardness=None))

@@ -106,16 +106,6 @@ def test_figures_survive_the_way_between_processes():
     assert extremes.from_json(json.loads(json.dumps(extremes.as_json(ROW)))) == ROW
 
 
-def test_figure_of_engines_alone(tmp_path):
-    from demlaws import plots
-    from studies.extremes import figure as pictures
-
-    rows = [ROW, ROW._replace(engine="LIGGGHTS", packings={"stiff": CALM})]
-    path = plots.save(pictures.stability_figure([], rows), tmp_path / "engines.png")
-    assert path.read_bytes().startswith(b"\x89PNG")
-    assert all(len(report.csv_row(row)) == len(set(report.TITLES)) == len(report.TITLES) for row in rows)
-
-
 def test_engines_that_are_not_there_are_told(monkeypatch, capsys):
     from studies.extremes.__main__ import main
 

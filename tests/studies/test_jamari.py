@@ -99,21 +99,6 @@ def test_the_published_table(capsys):
     assert "by Eq. 4: 1 of the tests of 2006 stands out of order" in text
 
 
-def test_the_claims_of_the_papers(capsys):
-    assert main(["--claims"]) == 0
-    text = capsys.readouterr().out
-    assert "4 reproduced; 2 not reproduced; 1 built in" in text and "by Eq. 4 one of the six tests" in text
-
-
-@pytest.mark.slow
-def test_repeated_contact(capsys, tmp_path):
-    figure = tmp_path / "repeated.png"
-    assert main(["--repeat", "isotropic", "--figure", str(figure)]) == 0
-    text = capsys.readouterr().out
-    assert "0.159" in text and "cycle 20" in text and "run in after cycle 1" in text
-    assert figure.stat().st_size > 10000
-
-
 @pytest.mark.parametrize(("kind", "criterion"), [("isotropic", 0.16), ("anisotropic", 0.15)])
 def test_repeated_contact_of_the_paper(kind, criterion):
     """0.2 N on aluminium: asperities only; plastic change in the first cycle, practically none after."""

@@ -10,7 +10,6 @@ from demlaws.errors import DemlawsError
 from studies.costs.costs import available
 from studies.softening import results, study
 from studies.softening.study import Run
-from studies.trade.__main__ import main
 
 
 def _raw(run, stiffness=1e8, shift=0.0, cycles=2):
@@ -113,28 +112,6 @@ def test_rows_that_failed_are_left_out():
     assert results.points(rows) == []
 
 
-def test_kept_rows_say_what_the_documents_say():
-    """Of the study that demlaws keeps: σ scaled, E/10 errs by some 15 %; σ alone by four times that; chance is far below."""
-    found = results.points(study.load())
-    plain = Run("yade", "cycles")
-    by = {(p.run.factor, p.run.scaled): p for p in found if p.run._replace(factor=1.0, scaled=True, cycles=1) == plain}
-    chance = max(by[1.0, True].chance[n] for n in ("low", "loading", "unloading"))
-    assert chance < 0.01
-    assert 0.1 < results.worst(by[10.0, True]) < 0.2
-    assert results.worst(by[10.0, False]) > 3.0 * results.worst(by[10.0, True])
-    assert abs(by[10.0, True].errors["exponent"]) < 0.02 < 0.1 < -by[10.0, False].errors["exponent"]
-
-
-@pytest.mark.slow
-def test_the_command(tmp_path, capsys):
-    figure, file = tmp_path / "s.png", tmp_path / "s.csv"
-    assert main(["--softening", "--figure", str(figure), "--csv", str(file)]) == 0
-    said = capsys.readouterr().out
-    assert "E/10, σ alone, I = 0.0003" in said and "chance" in said
-    assert figure.read_bytes().startswith(b"\x89PNG")
-    assert len(file.read_text().splitlines()) == 1 + len(results.points(study.load()))
-
-
 def _is_similar(found, stress):
     """At this stress a lattice of E/10 with σ scaled is within chance of the one at E in all that is compared, with σ alone
     far from it."""
@@ -197,18 +174,6 @@ def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tm
     _is_similar(results.similarity(study.load(tmp_path / "rows.jsonl")), 1e4)
 
 
-@pytest.mark.yade
-@pytest.mark.slow
-def test_density_and_rate_are_one_knob(tmp_path):
-    """Grains a hundred times as dense, pressed at a tenth of the rate, a hundredth of gravity: the same, step for step."""
-    if available("yade"):
-        pytest.skip(available("yade"))
-    one = Run("yade", "cycles")
-    dense = one._replace(density=100.0)
-    study.execute([one, dense], tmp_path / "rows.jsonl")
-    _move_alike(study.load(tmp_path / "rows.jsonl"), one, dense)
-
-
 def test_density_and_rate_were_one_knob():
     """The same of the rows that are kept."""
     rows, one = study.load(), Run("yade", "cycles")
@@ -220,23 +185,6 @@ def _move_alike(rows, one, dense):
     assert abs(rows[dense]["steps"] - rows[one]["steps"]) <= 2 * one.given()["every"]
     for name, chance in (("low", 0.01), ("loading", 0.01), ("unloading", 0.01), ("coordination", 0.03), ("put_in", 0.005)):
         assert rows[dense][name] == pytest.approx(rows[one][name], rel=chance)  # rounding grows to that
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("engine", [pytest.param(name, marks=getattr(pytest.mark, name)) for name in ("yade", "liggghts")])
-def test_softening_keeps_the_exponent_where_sigma_is_scaled(engine, tmp_path):
-    """150 grains to 375 kPa at a tenth of the modulus, from one start. With σ scaled the exponent of stiffness is that of the
-    packing as it is, to 0.03, and stiffness times s^(2/3) to 20 % (the start's gaps do not scale); with σ alone neither."""
-    if available(engine):
-        pytest.skip(available(engine))
-    runs = [Run(engine, "cycles", factor=f, scaled=s) for f, s in ((1.0, True), (10.0, True), (10.0, False))]
-    study.execute(runs, tmp_path / "rows.jsonl")
-    rows = {r: results.values(r, v) for r, v in study.load(tmp_path / "rows.jsonl").items()}
-    one, scaled, alone = (rows[r] for r in runs)
-    assert abs(scaled["exponent"] - one["exponent"]) < 0.03 < 0.1 < one["exponent"] - alone["exponent"]
-    for name in ("low", "loading"):
-        assert abs(scaled[name] / one[name] - 1.0) < 0.2
-        assert alone[name] / one[name] - 1.0 > 0.3
 
 
 @pytest.mark.slow
