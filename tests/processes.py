@@ -54,11 +54,11 @@ def python(code, folder=PACKAGE.parent, **changes):
     return finish(start(code, folder, **changes))
 
 
-def parted(line, program, folder):
-    """A command line of mpirun whose second rank stands in a folder of its own, where none of the files are."""
+def parted(line, program, folder, rank=1):
+    """A command line of mpirun of which one rank stands in a folder of its own, where none of the files are."""
     (folder / "elsewhere").mkdir()
     script = folder / "start.sh"
-    script.write_text('#!/bin/sh\n[ "${PMI_RANK:-$OMPI_COMM_WORLD_RANK}" = 1 ] && cd elsewhere\nexec "$@"\n')
+    script.write_text(f'#!/bin/sh\n[ "${{PMI_RANK:-$OMPI_COMM_WORLD_RANK}}" = {rank} ] && cd elsewhere\nexec "$@"\n')
     script.chmod(0o755)
     place = line.index(str(program))
     return [*line[:place], str(script), *line[place:]]

@@ -1,4 +1,4 @@
-"""Tests that run the real LIGGGHTS and LAMMPS; skipped only where an engine, its headers or a compiler is absent.
+"""Tests that run the real engines; skipped only where an engine, its headers or a compiler is absent.
 
 LAMMPS is that of .venv-lammps (`make engines` makes it), or what DEMLAWS_LAMMPS names, or any on the path.
 """
@@ -14,6 +14,8 @@ from demlaws.errors import DemlawsError
 from demlaws.lammps.run import executable as lammps
 from demlaws.liggghts.build import headers
 from demlaws.liggghts.run import executable as liggghts
+from demlaws.yade.run import executable as yade
+from demlaws.yade.run import modules_of
 
 HERE = Path(__file__).parent
 BESIDE = HERE.parents[1] / ".venv-lammps"
@@ -33,6 +35,7 @@ COMPILER = [] if shutil.which("g++") else ["g++"]
 ABSENT = {
     "liggghts": [*_absent(liggghts), *_absent(headers), *COMPILER, *([] if shutil.which("mpirun") else ["mpirun"])],
     "lammps": [*_absent(lammps), *COMPILER],
+    "yade": _absent(yade) or ([] if modules_of(yade()) else ["YADE's Python modules"]),
 }
 
 

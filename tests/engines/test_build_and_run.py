@@ -1,6 +1,5 @@
 """build, run, export and the command line: what LIGGGHTS and LAMMPS share, in both."""
 
-import importlib
 import os
 import shutil
 import subprocess
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import shared
+from spheres import ENGINES, both, part
 
 import demlaws as dl
 from demlaws import cli, engines
@@ -19,17 +19,10 @@ from demlaws.grains import Grain
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-ENGINES = ("liggghts", "lammps")
-both = pytest.mark.parametrize("engine", ENGINES)
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
 STEEL = dl.Material(200e9, 0.3)
 ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
 HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
-
-
-def part(engine, name):
-    """A module of an engine: in its package, functions have the names of modules."""
-    return importlib.import_module(f"demlaws.{engine}.{name}")
 
 
 @pytest.fixture

@@ -1,23 +1,19 @@
 """A law whose unloading is its own inside LIGGGHTS and LAMMPS: the code of its rule beside the table."""
 
-import importlib
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from examples import shared
+from inputs_for_lammps import moves_of
 from own_spring import FAULTS, registered, spoil
 from processes import parted
+from spheres import ENERGY, ENGINES, LOAD_UNLOAD, continued, part, simulate, spheres
 
 import demlaws as dl
 
 CONTACT = dl.Contact(radius=4e-3, modulus=32e9)
-ENGINES = ("liggghts", "lammps")
-
-
-def part(engine, name):
-    return importlib.import_module(f"demlaws.{engine}.{name}")
 
 
 def text_on(engine, ranks):
@@ -44,6 +40,28 @@ def test_a_rule_of_ones_own(tmp_path, engine, ranks):
     np.testing.assert_allclose(log["force"], table.force, rtol=1e-12, atol=1e-11 * table.force.max())
     assert np.abs(log["stored"] - table.stored).max() <= 1e-6 * table.work.max()
     assert np.abs(log["lost"] - table.dissipated).max() <= 1e-6 * table.work.max()
+
+
+@pytest.mark.parametrize("engine, ranks", shared([("liggghts", 1), ("lammps", 1), ("lammps", 2)], ("lammps", 1).__eq__))
+def test_a_rule_of_ones_own_goes_on_after_a_restart(engine, tmp_path, ranks):
+    """Half way back a restart file is written; new processes, on as many ranks and on one, go on to the last bit."""
+    with registered(tmp_path):
+        law = dl.law("spring", CONTACT, lost=0.3)
+        law.tabulate(1e-6).save(tmp_path / "law.tbl")
+        first, second = LOAD_UNLOAD[:2], [(-0.2, 0, 400), *LOAD_UNLOAD[2:]]
+        kind = {"d1": 16e-3, "d2": 16e-3, "left": -0.008, "young": 2 * CONTACT.modulus * (1 - 0.25**2), "ranks": ranks}
+        text = spheres(engine, "", first, **kind, **ENERGY)
+        whole = simulate(engine, tmp_path, text + "write_restart now.restart\n" + moves_of(second), ranks)
+        path = law.follow(whole["overlap"])
+    assert np.abs(whole["force"] - path.force).max() <= 2e-6 * path.force.max()
+    for later in {1, ranks}:
+        words = {"d1": 16e-3, "d2": 16e-3, **ENERGY}
+        rest = simulate(engine, tmp_path, continued(engine, text, second, **words), later)
+        rows = np.isin(whole["Step"], rest["Step"])
+        assert rest["Step"].size == rows.sum() > 150 and 0 < rest["force"][0] < 0.7 * whole["force"].max()
+        for column in ("force", "side", "e[1]", "e[2]"):
+            scale = np.abs(whole[column]).max()
+            np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-12, atol=1e-12 * scale, err_msg=column)
 
 
 REASONS = {  # of LIGGGHTS and of LAMMPS

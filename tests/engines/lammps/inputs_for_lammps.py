@@ -84,3 +84,26 @@ def modulus(young=60.6e9, poisson=0.25):
 
 def sphere_mass(diameter):
     return 2650 * math.pi / 6 * diameter**3
+
+
+GAS = (
+    HEAD
+    + """\
+boundary f f f
+newton {newton}
+processors {ranks} 1 1
+region box block -0.001 0.061 -0.001 0.061 -0.001 0.061 units box
+create_box 1 box
+{places}
+set group all diameter 0.0174 density 2650
+{velocities}
+pair_style granular
+pair_coeff * * {terms}
+neighbor 0.002 bin
+{common}"""
+)
+GAS_COMMON = """\
+timestep 2e-7
+{walls}
+fix integr all nve/sphere
+{watch}"""

@@ -23,50 +23,6 @@ TANGENTIAL = "tangential demlaws 0.0 0.5 damping velocity"
 # press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide
 MOVES = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
 ENERGY = {"more": "compute en all demlaws/energy", "columns": "c_en[1] c_en[2]"}
-PLACES = "\n".join(
-    f"create_atoms 1 single {x:.2f} {y:.2f} {z:.2f} units box" for x, y, z in 0.01 + 0.02 * np.argwhere(np.ones((3, 3, 3)))
-)
-GAS = (
-    HEAD
-    + """\
-boundary f f f
-newton {newton}
-processors {ranks} 1 1
-region box block -0.001 0.061 -0.001 0.061 -0.001 0.061 units box
-create_box 1 box
-{places}
-set group all diameter 0.0174 density 2650
-{velocities}
-pair_style granular
-pair_coeff * * {terms}
-neighbor 0.002 bin
-{common}"""
-)
-COMMON = """\
-timestep 2e-7
-{walls}
-fix integr all nve/sphere
-compute er all erotate/sphere
-compute en all demlaws/energy
-variable spin equal c_er
-variable x1 equal x[1]
-thermo_style custom step ke v_spin c_en[1] c_en[2] v_x1
-thermo_modify norm no lost error format float %.17e
-thermo 5000
-"""
-
-
-def gas(friction, shear, poisson=0.25, ranks=1, newton="on"):
-    """Whole start of a closed box of 27 spheres, and what a run that goes on from its restart file needs."""
-    terms = f"demlaws/table law.tbl 60.6e9 0 {poisson} shear {shear} tangential demlaws 0.0 {friction} damping velocity"
-    walls = "\n".join(f"fix {a} all wall/gran granular {terms} {a}plane 0.0 0.06" for a in "xyz")
-    random = np.random.default_rng(3)
-    velocities = "\n".join(
-        f"set atom {i + 1} vx {v[0]:.6f} vy {v[1]:.6f} vz {v[2]:.6f}" for i, v in enumerate(random.normal(0, 0.3, (27, 3)))
-    )
-    common = COMMON.format(walls=walls)
-    places = {"places": PLACES, "velocities": velocities, "terms": terms, "common": common, "ranks": ranks, "newton": newton}
-    return common, GAS.format(**places)
 
 
 def law_in(folder, name):
@@ -84,56 +40,6 @@ def along(moves, log, every):
     """Displacement across at each output of the log, and which outputs do not repeat the one before."""
     kept = np.append(np.diff(log["Step"]) > 0, True)
     return np.concatenate([[0.0], *[np.full(n // every, speed * 5e-8 * every) for _, speed, n in moves]]).cumsum(), kept
-
-
-@pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "slip springs 30"])
-@pytest.mark.parametrize("name", LAWS)
-def test_force_along_a_path_is_pythons(tmp_path, name, shear):
-    law = law_in(tmp_path, name)
-    log = simulate(tmp_path, two_spheres(terms(shear), MOVES, every=2, **ENERGY))
-    across, kept = along(MOVES, log, 2)
-    path = sheared(law, log["overlap"][kept], across, RATIO, shear.split()[0], 0.5, 2000)
-    found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
-    tolerance = {"elastic": 3e-3, "loading": 3e-3, "slip": 2e-2, "slip springs 30": 5e-3}[shear]
-    np.testing.assert_allclose(found, path.shear_force, atol=tolerance * 0.5 * path.force.max())
-    normal = law.follow(log["overlap"][kept])
-    assert log["en[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=2e-2)
-    work = normal.work[-1] + path.work[-1]
-    assert log["en[1]"][-1] + log["en[2]"][-1] == pytest.approx(work, rel=3e-3)
-
-
-@pytest.mark.parametrize(
-    ("name", "shear", "friction", "poisson", "newton"),
-    [
-        ("hertz elastic", "elastic", 100, 0.25, "on"),
-        ("rough elastic", "elastic", 100, 0.0, "off"),
-        ("rough", "loading", 100, 0.4, "on"),
-        ("rough elastic", "slip", 100, 0.25, "on"),
-        ("rough", "slip", 0.3, 0.25, "off"),
-        ("thornton", "slip", 1, 0.25, "on"),
-    ],
-)
-def test_a_gas_gains_no_energy(tmp_path, name, shear, friction, poisson, newton):
-    """`tangential mindlin` doubles this energy with rough elastic contacts. What is lost is in the balance."""
-    law_in(tmp_path, name)
-    log = simulate(tmp_path, gas(friction, shear, poisson, newton=newton)[1] + "run 100000\n")
-    kept = log["KinEng"] + log["spin"] + log["en[1]"]
-    assert kept.max() <= 1.001 * kept[0]
-    assert kept[-1] < 0.9 * kept[0]
-    np.testing.assert_allclose(kept + log["en[2]"], kept[0], rtol=1e-3)
-
-
-@pytest.mark.parametrize("newton", ["on", "off"])
-@pytest.mark.parametrize("shear", ["elastic", "slip"])
-def test_ranks_and_restart_change_nothing(tmp_path, shear, newton):
-    law_in(tmp_path, "rough")
-    common, start = gas(0.5, shear, newton=newton)
-    one = simulate(tmp_path, start + "run 12000\nwrite_restart half.rst\nrun 12000\n")
-    two = simulate(tmp_path, gas(0.5, shear, ranks=2, newton=newton)[1] + "run 24000\n", 2)
-    again = simulate(tmp_path, f"comm_modify vel yes\nread_restart half.rst\nneighbor 0.002 bin\n{common}run 12000\n")
-    for log in (two, again):
-        for name in ("KinEng", "en[1]", "en[2]", "x1"):
-            assert log[name][-1] == pytest.approx(one[name][-1], rel=1e-7), name
 
 
 def test_an_energy_that_is_defined_later_begins_with_what_contacts_store(tmp_path):

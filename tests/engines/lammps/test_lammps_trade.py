@@ -7,40 +7,8 @@ from demlaws.cli import main
 from demlaws.errors import DemlawsError
 from demlaws.lammps import export, run
 from demlaws.liggghts import Grain
-from studies.trade import candidates, packings, trade
-from studies.trade.__main__ import main as trade_command
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
-
-def test_scene():
-    by_label = {way.label: way for way in candidates.ways("lammps")}
-    wanted = [by_label[n] for n in ("rough-plastic, thornton", "the same, shaken", "hertz", "LAMMPS's hertz/material")]
-    rough, shaken, table, stock = packings.run("lammps", packings.QUICK, wanted)
-    # Hertz as a table is LAMMPS's own: the same law from the same state
-    same = packings.errors(table, stock)
-    assert abs(same.height) < 1e-9
-    assert max(abs(same.low), abs(same.loading)) < 0.02
-    chance, law = packings.errors(shaken, rough), packings.errors(table, rough)
-    assert abs(chance.height) < 1e-7 < 3e-6 < law.height < 3e-5
-    assert abs(chance.low) < 0.1 < 0.25 < law.low < 1.0
-    assert rough.stress == pytest.approx(packings.QUICK.stress, rel=0.05)
-    assert rough.low < rough.loading < rough.unloading
-
-
-@pytest.mark.slow
-def test_costs_and_command(tmp_path, monkeypatch, capsys):
-    """What they are is for `make bench`: no time decides here."""
-    found = trade.engine_trade("lammps", quick=True)
-    labels = {e.cost.way.label: e for e in found}
-    assert all(e.cost.step > 0.0 and 0.0 < e.cost.model < 1.0 for e in found)
-    assert labels["LAMMPS's hertz/material"].error == pytest.approx(labels["hertz"].error, rel=1e-9)
-    assert labels[candidates.RICHEST.label].error < 1e-5
-    monkeypatch.setattr(trade, "measure", lambda *a, **o: ([], 1.0))
-    monkeypatch.setattr(trade, "engine_trade", lambda *a, **o: found)
-    assert trade_command(["--engines", "lammps", "--law", "hertz", "--figure", str(tmp_path / "t.png")]) == 0
-    said = capsys.readouterr().out
-    assert "a step of LAMMPS" in said and "LAMMPS's hertz/material" in said
 
 
 SCENE = """\

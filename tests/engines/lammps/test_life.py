@@ -349,16 +349,6 @@ def test_histories_follow_particles_that_get_new_numbers_after_read_restart(fold
         assert after[name] == pytest.approx(log[name][-1], rel=1e-14)
 
 
-@pytest.mark.parametrize("width, told", [(0.034, True), (0.036, False)])
-def test_a_box_so_thin_that_histories_are_mixed_up_is_told(folder, width, told):
-    """Two spheres of 17.4 mm that touch through both sides have two histories with the same two numbers."""
-    text = two_spheres(TABLE, [(-0.2, 0, 2)]).replace("boundary        f f f", "boundary        f p f")
-    text = text.replace("-0.02 0.02 -0.02 0.02 units box", f"{-width / 2} {width / 2} -0.02 0.02 units box")
-    simulate(folder, text)
-    said = f"the box is {width} long in y, where it is periodic" in (folder / "log.lammps").read_text()
-    assert said == told
-
-
 @pytest.mark.parametrize("ranks, newton", [(1, "on"), (2, "off")])
 def test_energies_of_virgin_contacts_before_the_first_step(folder, law, ranks, newton):
     """A pair and a wall that overlap where the run begins: what they will have when a step has kept it."""

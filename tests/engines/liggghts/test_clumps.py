@@ -8,19 +8,10 @@ from inputs_for_liggghts import modulus
 
 import demlaws as dl
 from demlaws.liggghts import run
+from demlaws.liggghts.run import HEAD
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-HEAD = """\
-atom_style      granular
-atom_modify     map array
-boundary        f f f
-newton          off
-communicate     single vel yes
-units           si
-hard_particles  yes
-processors      {ranks} 1 1
-"""
 BOX = """\
 region          box block -0.1 0.1 -0.05 0.05 -0.001 0.08 units box
 create_box      1 box
@@ -68,11 +59,11 @@ def test_the_history_of_clumps_survives_ranks_migration_and_restart(tmp_path, gr
         law.tabulate(rtol=1e-8).save(tmp_path / f"{rule}.tbl")
     shutil.copy(tmp_path / "hertz.tbl", tmp_path / "law.tbl")
     (tmp_path / "stone.txt").write_text("-0.003 0 0 0.0087\n0.003 0 0 0.0087\n")
-    start = HEAD.format(ranks=1) + BOX + COMMON.format(insert=INSERT)
+    start = HEAD + "processors 1 1 1\n" + BOX + COMMON.format(insert=INSERT)
     whole = simulate(tmp_path, start + "run 6000\nwrite_restart now.restart\nrun 18000\n", 1)
     left, whole = whole["left"], whole["height"]
     again = "read_restart now.restart\n" + COMMON.format(insert="") + "run 18000\n"
-    paths = [simulate(tmp_path, HEAD.format(ranks=ranks) + again, ranks)["height"] for ranks in (1, 2)]
+    paths = [simulate(tmp_path, HEAD + f"processors {ranks} 1 1\n" + again, ranks)["height"] for ranks in (1, 2)]
     later = whole[-len(paths[0]) :]
     moved = np.ptp(later)
     assert left[-len(later)] > left[-1]  # members that cross the border after the restart

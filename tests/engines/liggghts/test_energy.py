@@ -2,23 +2,19 @@
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus
+from inputs_for_liggghts import again, modulus
 
 import demlaws as dl
 from demlaws.liggghts import run
+from demlaws.liggghts.run import HEAD
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 CONTACT = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
 # three spheres of 8 mm in a row along x that overlap, the first with a wall
-ROW = """\
-atom_style granular
-atom_modify map array
-boundary f f f
-newton off
-communicate single vel yes
-units si
-hard_particles yes
+ROW = (
+    HEAD
+    + """\
 {processors}
 region box block 0 0.03 -0.01 0.01 -0.01 0.01 units box
 create_box 2 box
@@ -46,6 +42,7 @@ thermo_style custom step ke c_e[1] c_e[2] c_a[1] c_a[2] c_b[1] c_b[2]
 thermo_modify format float %.17e lost ignore norm no
 thermo 500
 """
+)
 
 
 def simulate(folder, text, ranks=1):
@@ -91,23 +88,16 @@ def test_the_group_keeps_what_ended_contacts_took(tmp_path):
     assert 1 < log["a[2]"][-1] / (taken[0] + taken[1] / 2) < 1.5
     assert 1 < log["b[2]"][-1] / (taken[1] / 2 + taken[2]) < 1.5
     assert log["a[2]"][-1] + log["b[2]"][-1] == pytest.approx(log["e[2]"][-1], rel=1e-12)
-    lines = [line for line in text.splitlines() if not line.startswith(("create_", "set ", "region "))]
-    lines.insert(8, "read_restart now.restart")
-    after = simulate(tmp_path, "\n".join(lines) + "\nrun 500\n")
+    after = simulate(tmp_path, again(text) + "run 500\n")
     for name in ("e[2]", "a[2]", "b[2]"):
         assert after[name][0] == pytest.approx(log[name][-1], rel=1e-12)
 
 
 # --- particles deleted
 
-HEAP = """\
-atom_style granular
-atom_modify map array
-boundary p p f
-newton off
-communicate single vel yes
-units si
-hard_particles yes
+HEAP = (
+    HEAD.replace("f f f", "p p f")
+    + """\
 processors {ranks} 1 1
 region box block 0 0.048 0 0.024 -0.001 0.06 units box
 create_box 1 box
@@ -137,6 +127,7 @@ region top block INF INF INF INF 0.02 INF units box
 delete_atoms region top compress {compress}
 run 1
 """
+)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

@@ -6,53 +6,10 @@ from natives import edinburgh_input
 
 import demlaws as dl
 from demlaws.liggghts import run, stock_fit
-from studies.trade import candidates, packings, peers, trade
-from studies.trade.__main__ import main
+from studies.trade import peers
 from studies.trade.liggghts_oedometer import edinburgh_lines
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
-
-def test_scene():
-    by_label = {way.label: way for way in candidates.ways("liggghts")}
-    wanted = [by_label[n] for n in ("rough-plastic, thornton", "the same, shaken", "hertz", "LIGGGHTS's hertz")]
-    rough, shaken, table, stock = packings.run("liggghts", packings.QUICK, wanted)
-    # Hertz as a table is LIGGGHTS's own: the same law from the same state
-    same = packings.errors(table, stock)
-    assert abs(same.height) < 1e-9
-    assert max(abs(same.low), abs(same.loading)) < 0.02
-    chance, law = packings.errors(shaken, rough), packings.errors(table, rough)
-    assert abs(chance.height) < 1e-7 < 3e-6 < law.height < 3e-5
-    assert abs(chance.low) < 0.1 < 0.25 < law.low < 1.0
-    assert rough.stress == pytest.approx(packings.QUICK.stress, rel=0.05)
-    assert rough.low < rough.loading < rough.unloading
-    assert rough.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
-
-
-@pytest.mark.slow
-def test_command(tmp_path, capsys):
-    files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
-    assert (
-        main(["--scene", "liggghts", "--quick", "--stress", "500kPa", "--csv", str(files[0]), "--figure", str(files[1])]) == 0
-    )
-    said = capsys.readouterr().out
-    for way in candidates.ways("liggghts"):
-        assert way.label in said
-    rows = files[0].read_text().splitlines()
-    assert len(rows) == 1 + len(candidates.ways("liggghts"))
-    assert files[1].stat().st_size > 20_000
-
-
-@pytest.mark.slow
-def test_costs():
-    found = trade.engine_trade("liggghts", quick=True)
-    labels = {e.cost.way.label: e for e in found}
-    # what they are is for `make bench`: no time decides here
-    assert all(e.cost.step > 0.0 and 0.0 < e.cost.model < 1.0 for e in found)
-    assert labels["LIGGGHTS's hertz"].error == pytest.approx(labels["hertz"].error, rel=1e-9)
-    assert labels["hertz"].error > 1.0
-    assert 0.5 < labels["LIGGGHTS's edinburgh"].error < labels["hertz"].error
-    assert labels[candidates.RICHEST.label].error < 1e-5
 
 
 def test_edinburgh_is_what_its_formula_says(tmp_path, granite_pair):

@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 from inputs_for_liggghts import modulus, two_spheres
 
@@ -25,30 +24,6 @@ def press(folder, words, moves=PRESS, change=("", "")):
 
 def counted(text, words):
     return [int(n) for n in re.findall(rf"in this run (\d+) contact steps were {words}", text)]
-
-
-@pytest.mark.parametrize(
-    "name, words, reported",
-    [
-        ("rms", "below the range of force of their law", 2),  # α > 1 and α > 5
-        ("hertz", "above the load at which the bulk yields", 1),
-        ("pohrt-popov", "above the load at which the bulk yields", 1),
-        ("bahrami", "below the range of force of their law", 1),
-    ],
-)
-def test_limits_of_the_law_are_those_of_python(tmp_path, name, words, reported):
-    """As many steps as there are forces outside of `law.limits()`, and one warning per limit with its reason."""
-    law = dl.law(name, CONTACT, unloading="elastic")
-    law.tabulate().save(tmp_path / "law.tbl")
-    pressed = [(-8.0, 0, 3000), (8.0, 0, 1500)] if "bulk" in words else PRESS
-    log, text = press(tmp_path, "table law.tbl", pressed)
-    force = log["force"][np.diff(log["Step"], prepend=-1.0) > 0]
-    limits = [limit for limit in law.limits() if limit.reason in text]
-    assert len(limits) == reported == text.count("reported once")
-    outside = [(force > limit.maximum_force) | ((force > 0) & (force < limit.minimum_force)) for limit in limits]
-    expected = sum(int(each.sum()) for each in outside)
-    assert 0 < expected and sum(counted(text, words)) == pytest.approx(expected, abs=3)
-    assert "worst: particles 1 and 2" in text
 
 
 def test_roughness_in_the_wrong_unit(tmp_path):

@@ -8,20 +8,16 @@ from examples import shared
 
 import demlaws as dl
 from demlaws.liggghts import run
+from demlaws.liggghts.run import HEAD
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 RADIUS = 4e-3
 MODULUS = 60.6e9 / (1 - 0.25**2) / 2
-CASE = """\
-atom_style granular
-atom_modify map array
-boundary f f f
-newton off
-communicate single vel yes
-units si
-hard_particles yes
+CASE = (
+    HEAD
+    + """\
 processors 1 1 1
 region box block -0.03 0.03 -0.03 0.03 -0.02 0.04 units box
 create_box 1 box
@@ -46,6 +42,7 @@ thermo_style custom step c_f[1] c_f[2] c_f[3] c_x[1] c_x[2] c_x[3]
 thermo_modify format float %.15e lost ignore norm no
 thermo {every}
 """
+)
 COLUMNS = ("f[1]", "f[2]", "f[3]", "x[1]", "x[2]", "x[3]")
 
 

@@ -1,20 +1,18 @@
 """Words and settings of demlaws/table: units, what walls take over, what contradicts itself, instances, ranks, restarts."""
 
-import os
-import re
 import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus, two_spheres
+from inputs_for_liggghts import again, modulus
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
-from demlaws.liggghts import build, read_log, run
+from demlaws.liggghts import build, run
 from demlaws.liggghts.build import linked_library, mpi_libraries
-from demlaws.liggghts.run import command
+from demlaws.liggghts.run import HEAD
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -23,14 +21,7 @@ WALL = "fix floor all wall/gran model demlaws/table tangential history primitive
 PRESS = [(-0.2, 0, 3000), (0.2, 0, 2000)]
 # two spheres of 8 mm, one above the other, fall on a floor; lengths in L, masses in M of the units
 FALL = """\
-atom_style granular
-atom_modify map array
-boundary f f f
-newton off
-communicate single vel yes
-units {units}
-hard_particles yes
-region box block {box} units box
+{head}region box block {box} units box
 create_box 2 box
 neighbor {skin!r} bin
 neigh_modify delay 0
@@ -65,7 +56,8 @@ def falling(words, units="si", before="", after=WALL):
     L, M, T = SCALES[units]
     box = " ".join(f"{L * v:.10g}" for v in (-0.03, 0.03, -0.03, 0.03, -0.03, 0.04))
     return FALL.format(
-        units=units, box=box, skin=1e-4 * L, young=60.6e9 * M / (L * T * T), rough1=1e-6 * L, rough2=2e-6 * L, step=1e-8 * T,
+        head=HEAD.replace("units           si", f"units {units}"),
+        box=box, skin=1e-4 * L, young=60.6e9 * M / (L * T * T), rough1=1e-6 * L, rough2=2e-6 * L, step=1e-8 * T,
         low=0.004 * L, high=0.0119999 * L, diameter=0.008 * L, density=2650.0 * M / L**3, speed=-0.1 * L / T,
         words=words, before=before, after=after,
     )  # fmt: skip
@@ -174,16 +166,6 @@ def test_a_wall_whose_contacts_are_of_another_table_is_refused(granite):
     simulate(granite, text + "unfix floor\n" + again.format("other.tbl").replace("run", WALL + "\nrun"))
 
 
-@pytest.mark.parametrize("table, width, told", [("granite", 0.034, True), ("granite", 0.036, False), ("hertz", 0.034, False)])
-def test_a_box_so_thin_that_histories_are_mixed_up_is_told(granite, table, width, told):
-    """Two spheres of 17.4 mm that touch through both sides have two histories with the same two numbers."""
-    text = two_spheres(GRAN + f"table {table}.tbl", [(-0.2, 0, 2)]).replace("boundary        f f f", "boundary        f p f")
-    text = text.replace("-0.02 0.02 -0.02 0.02 units box", f"{-width / 2} {width / 2} -0.02 0.02 units box")
-    simulate(granite, text)
-    said = f"the box is {width} long in y, where it is periodic" in (granite / "log.liggghts").read_text()
-    assert said == told
-
-
 def test_a_sphere_that_is_put_elsewhere_and_back_meets_the_wall_as_a_virgin(granite):
     """Stock keeps the wall's history of a particle that goes without passing the gap above the wall."""
     text = falling("table granite.tbl", after=WALL + "\ncompute e all demlaws/energy").replace("nve/sphere", "nve/noforce")
@@ -230,55 +212,6 @@ def test_words_in_the_wrong_order_are_told_where_they_belong(granite, text):
     assert "come last" in refused(granite, text)
 
 
-# --- overlaps beyond the table
-
-
-def test_the_message_names_the_ways_out(granite):
-    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
-    dl.law("pohrt-popov", contact, unloading="hertz").tabulate(max_force=1.0).save(granite / "short.tbl")
-    message = refused(granite, falling("table short.tbl"))
-    for word in ("short.tbl", "--max-force", "time step", "extrapolation on"):
-        assert word in message
-
-
-def test_extrapolation_is_the_last_power_law_warned_once_and_counted(granite):
-    contact = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
-    law = dl.law("pohrt-popov", contact, unloading="elastic")
-    table = law.tabulate(max_force=1.0)
-    table.save(granite / "short.tbl")
-    text = two_spheres(GRAN + "table short.tbl extrapolation on", PRESS, 16e-3, 16e-3, every=10)
-    log = simulate(granite, text)
-    last = table.overlap(table.largest_force)
-    exponent = float(table.stiffness(last)) * last / table.largest_force
-    beyond = log["overlap"] > 1.01 * last
-    assert beyond.sum() > 100
-    # the Hertz-equivalent overlap goes on as a power law, so the force does
-    expected = table.largest_force * (log["overlap"][beyond] / last) ** exponent
-    assert np.abs(log["force"][beyond] / expected - 1).max() < 1e-6
-    said = (granite / "log.liggghts").read_text()
-    assert said.count("WARNING: model demlaws/table") == said.count("its last power law goes on") == 1
-    counts = [
-        int(line.split("run ")[1].split()[0])
-        for line in said.splitlines()
-        if "beyond the last row" in line and "in this run" in line
-    ]
-    assert len(counts) == 2 and counts[0] + counts[1] == pytest.approx(10 * beyond.sum(), rel=0.02)
-
-
-def test_overlaps_that_no_law_holds_for_are_told(granite):
-    """Beyond a tenth of R: a warning and a count. Beyond R: a stop, as with stiff grains and a step far too large."""
-    text = two_spheres(GRAN + "table hertz.tbl", [(-20, 0, 10000)], 16e-3, 16e-3, every=100).replace("60.6e9", "60.6e5")
-    log = simulate(granite, text)
-    deep = log["overlap"] > 0.1 * 4e-3
-    said = (granite / "log.liggghts").read_text()
-    assert said.count("WARNING: model demlaws/table") == said.count("the effective radius R = 0.004 m") == 1
-    counted = int(re.search(r"in this run (\d+) contact steps were deeper than a tenth of R", said)[1])
-    assert counted == pytest.approx(100 * deep.sum(), rel=0.02) and deep.sum() > 50
-    message = refused(granite, text.replace("run 10000", "run 25000"))
-    assert "times the effective radius R = 0.004 m" in message and "time step" in message
-    assert "soften the grains less" in said and "worst: particles 1 and 2" in said
-
-
 # --- instances
 
 
@@ -318,64 +251,7 @@ def test_a_second_instance_at_the_same_address_finds_nothing(granite):
     assert "ran in.second" not in done.stdout
 
 
-# --- ranks: rank 0 reads
-
-
-def on_two_folders(first, second, text):
-    """Two ranks, each in a folder of its own, as nodes with unlike file systems have it."""
-    (first / "in.case").write_text(text)
-    line, environment = command("in.case", 2)
-    at = line.index("-np")
-    program = line[
-        line.index("liggghts") if "liggghts" in line else next(i for i, w in enumerate(line) if w.endswith("/liggghts")) :
-    ]
-    common = [*line[:at], *(w for w in line[at + 2 : len(line) - len(program)] if w != "-x" and not w.startswith("LD_PRELOAD"))]
-    preload = next(w for w in line if w.startswith("LD_PRELOAD="))
-    # not two programs with -wdir: mpirun of Open MPI 5.0 stops with a segmentation fault then
-    each = 'cd "$1"; [ "$OMPI_COMM_WORLD_RANK" = 0 ] || cd "$2"; shift 2; exec env "$@"'
-    return subprocess.run(
-        [*common, "-np", "2", "sh", "-c", each, "sh", str(first), str(second), preload, *program],
-        env=environment,
-        cwd=first,
-        capture_output=True,
-        text=True,
-        errors="replace",  # one run in ten that is aborted ends with bytes that are no text: the engine's or mpirun's
-        timeout=600,
-    )
-
-
-def test_a_table_that_one_rank_does_not_see(granite, tmp_path_factory):
-    """Rank 0 reads it for all; where rank 0 has none, all stop: neither hangs (the timeout is the test)."""
-    empty = tmp_path_factory.mktemp("empty")
-    text = falling("table granite.tbl")
-    assert on_two_folders(granite, empty, text).returncode == 0
-    log = read_log(granite / "log.liggghts")
-    assert np.array_equal(log["KinEng"], simulate(granite, text, 2)["KinEng"])
-    done = on_two_folders(empty, granite, text)
-    assert done.returncode and "granite.tbl" in done.stdout + done.stderr
-
-
-def test_unlike_tables_on_two_ranks_become_rank_0s(granite, tmp_path_factory):
-    other = tmp_path_factory.mktemp("other")
-    os.link(granite / "hertz.tbl", other / "granite.tbl")
-    text = falling("table granite.tbl").replace("region box", "processors 1 1 2\nregion box", 1)
-    assert on_two_folders(granite, other, text).returncode == 0
-    log = read_log(granite / "log.liggghts")
-    assert np.array_equal(log["KinEng"], simulate(granite, text, 2)["KinEng"])
-
-
 # --- restart files
-
-
-def again(text, restart="now.restart", **words):
-    """The input that reads the restart file and goes on as `text` did."""
-    lines = [line for line in text.splitlines() if not line.startswith(("create_", "set ", "region ", "velocity "))]
-    lines.insert(next(i for i, line in enumerate(lines) if line.startswith("neighbor")), f"read_restart {restart}")
-    out = "\n".join(lines) + "\n"
-    for old, new in words.get("change", []):
-        assert old in out
-        out = out.replace(old, new)
-    return out
 
 
 @pytest.mark.parametrize("ranks", [1, pytest.param(2, marks=pytest.mark.slow)])

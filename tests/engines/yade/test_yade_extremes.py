@@ -2,22 +2,9 @@
 
 import pytest
 
-from studies.extremes import extremes, report
+from studies.extremes import report
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "law, unloading", [("pohrt-popov", "hertz"), ("rough-plastic", "thornton"), ("greenwood-tripp", "elastic")]
-)
-def test_extremes(omega, law, unloading):
-    from studies.extremes.yade_extremes import Yade
-
-    (case,) = extremes.cases([law], [unloading])
-    found = extremes.measure(Yade(), case, quick=True)
-    assert report.failures([found]) == []
-    assert all(p.contacts > 100 for p in found.packings.values())
 
 
 def test_numbers_that_are_none_stop_and_name_the_body(omega):

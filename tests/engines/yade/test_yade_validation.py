@@ -6,8 +6,8 @@ import pytest
 
 from demlaws.driver import impact
 from studies.validation import engines
-from studies.validation.jobs import contact_of, impact_jobs, kept_jobs
-from studies.validation.published import KEPT, bound, kept_rows, quiet
+from studies.validation.jobs import contact_of, impact_jobs
+from studies.validation.published import bound, quiet
 
 
 @pytest.mark.slow
@@ -28,11 +28,3 @@ def test_a_stiffness_after_yield_of_its_own_acts_in_yade():
     plain = quiet(impact, bound(given["law"], contact_of(given), given["unloading"], yield_pressure=pressure, loading="hertz"),
                   mass, given["speed"], 8000)  # fmt: skip
     assert here.restitution < plain.restitution - 0.05
-
-
-@pytest.mark.slow
-def test_the_places_that_lammps_keeps_are_met_in_yade():
-    """LAMMPS's own DEM tests 02 and 03, with the law in place of stock hertz."""
-    found = engines.in_yade(kept_jobs())
-    rows = [row for one, answer in zip(KEPT, found, strict=True) for row in kept_rows(one, "YADE", answer["places"])]
-    assert len(rows) == 6 and [row for row in rows if row.verdict != "pass"] == []

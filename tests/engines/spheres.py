@@ -1,0 +1,91 @@
+"""Two spheres, and a box of 27, in LIGGGHTS and in LAMMPS from one description: what both plugins do is one test for both."""
+
+import importlib
+
+import inputs_for_lammps
+import inputs_for_liggghts
+import numpy as np
+import pytest
+from inputs_for_lammps import LOAD_UNLOAD, moves_of
+
+from demlaws.errors import DemlawsError
+
+ENGINES = ("liggghts", "lammps")
+both = pytest.mark.parametrize("engine", ENGINES)
+DIAMETER, STEP = 17.4e-3, 5e-8
+ENERGY = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
+WATCH = """\
+compute er all erotate/sphere
+compute en all demlaws/energy
+variable spin equal c_er
+variable x1 equal x[1]
+thermo_style custom step ke v_spin c_en[1] c_en[2] v_x1
+thermo_modify norm no lost error format float %.17e
+thermo 5000
+"""
+
+
+def part(engine, name):
+    """A module of an engine: in its package, functions have the names of modules."""
+    return importlib.import_module(f"demlaws.{engine}.{name}")
+
+
+def spheres(
+    engine, words="", moves=LOAD_UNLOAD, d1=DIAMETER, d2=DIAMETER, restitution=1.0, table="law.tbl", young=60.6e9, **more
+):
+    """An input of two spheres whose contact is read from a table; words: settings of demlaws/table that both engines have."""
+    if engine == "lammps":
+        line = f"demlaws/table {table} {young!r} {restitution} 0.25 {words} {inputs_for_lammps.SHEAR}"
+        more.pop("ranks", None)
+        return inputs_for_lammps.two_spheres(line, moves, d1, d2, **more)
+    style = f"pair_style gran model demlaws/table tangential demlaws table {table} {words}"
+    more = {"step": STEP, **more}
+    return inputs_for_liggghts.two_spheres(style, moves, d1, d2, restitution, young=young, **more)
+
+
+def continued(engine, text, moves, **watch):
+    """The input that goes on from now.restart as `text` did."""
+    if engine == "lammps":
+        return inputs_for_lammps.continued(moves, **watch)
+    return "".join(line for line in inputs_for_liggghts.again(text).splitlines(True) if "run " not in line) + moves_of(moves)
+
+
+def simulate(engine, folder, text, ranks=1, **options):
+    (folder / "in.case").write_text(text)
+    return part(engine, "run").run(folder / "in.case", ranks, **options)
+
+
+def refused(engine, folder, text, ranks=1):
+    """Message of the engine's own error."""
+    with pytest.raises(DemlawsError) as caught:
+        simulate(engine, folder, text, ranks)
+    message = str(caught.value)
+    assert "ERROR" in message and "demlaws" in message, message
+    return message
+
+
+def said_in(engine, folder):
+    """Text of the log of a run."""
+    return (folder / f"log.{engine}").read_text().replace("\n", " ")
+
+
+def gas(engine, friction, shear, poisson=0.25, ranks=1, newton="on"):
+    """Whole start of a closed box of 27 spheres without damping, and what a run that goes on from its restart file needs."""
+    # one by one: LIGGGHTS's `create_atoms region` gives other numbers on two ranks
+    places = "\n".join(
+        f"create_atoms 1 single {x:.2f} {y:.2f} {z:.2f} units box" for x, y, z in 0.01 + 0.02 * np.argwhere(np.ones((3, 3, 3)))
+    )
+    random = np.random.default_rng(3)
+    velocities = "\n".join(
+        f"set atom {i + 1} vx {v[0]:.6f} vy {v[1]:.6f} vz {v[2]:.6f}" for i, v in enumerate(random.normal(0, 0.3, (27, 3)))
+    )
+    values = {"places": places, "velocities": velocities, "ranks": ranks, "newton": newton}
+    if engine == "lammps":
+        terms = f"demlaws/table law.tbl 60.6e9 0 {poisson} shear {shear} tangential demlaws 0.0 {friction} damping velocity"
+        walls = "\n".join(f"fix {a} all wall/gran granular {terms} {a}plane 0.0 0.06" for a in "xyz")
+        common = inputs_for_lammps.GAS_COMMON.format(walls=walls, watch=WATCH)
+        return inputs_for_lammps.GAS.format(**values, terms=terms, common=common), "neighbor 0.002 bin\n" + common
+    model = "wall/gran model demlaws/table tangential demlaws primitive type 1"
+    walls = "\n".join(f"fix {a}{n} all {model} {a}plane {place}" for a in "xyz" for n, place in enumerate((0.0, 0.06)))
+    common = inputs_for_liggghts.GAS_COMMON.format(friction=friction, shear=shear, poisson=poisson, walls=walls, watch=WATCH)
+    return inputs_for_liggghts.GAS.format(**values, common=common), common

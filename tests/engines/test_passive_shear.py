@@ -1,0 +1,100 @@
+"""Tangential model demlaws in LIGGGHTS and LAMMPS: force and energy against Python; no energy from nothing; ranks, restart."""
+
+import numpy as np
+import pytest
+from inputs_for_liggghts import modulus
+from spheres import DIAMETER, ENERGY, STEP, both, gas, simulate, spheres
+
+import demlaws as dl
+from demlaws.shear import sheared
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+LAWS = {
+    "hertz elastic": ("hertz", "elastic"),
+    "rough elastic": ("pohrt-popov", "elastic"),
+    "rough": ("pohrt-popov", "hertz"),
+    "thornton": ("pohrt-popov", "thornton"),
+}
+RATIO = 2 * (1 - 0.25) / (2 - 0.25)
+# press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide
+MOVES = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
+
+
+def save(folder, name):
+    law = dl.law(LAWS[name][0], CONTACT, LAWS[name][1])
+    law.tabulate(rtol=1e-6, max_force=3e4).save(folder / "law.tbl")
+    return law
+
+
+@pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "slip springs 30"])
+@pytest.mark.parametrize("name", LAWS)
+@both
+def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
+    law = save(tmp_path, name)
+    log = simulate(engine, tmp_path, spheres(engine, f"shear {shear}", MOVES, every=2, **ENERGY))
+    kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
+    across = np.concatenate([[0.0], *[np.full(steps // 2, speed * 2 * STEP) for _, speed, steps in MOVES]]).cumsum()
+    path = sheared(law, log["overlap"][kept], across, RATIO, shear.split()[0], 0.5, 2000)
+    found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
+    tolerance = {"elastic": 3e-3, "loading": 3e-3, "slip": 2e-2, "slip springs 30": 5e-3}[shear]
+    np.testing.assert_allclose(found, path.shear_force, atol=tolerance * 0.5 * path.force.max())
+    normal = law.follow(log["overlap"][kept])
+    assert log["e[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=2e-2)
+    assert log["e[1]"][-1] + log["e[2]"][-1] == pytest.approx(normal.work[-1] + path.work[-1], rel=3e-3)
+
+
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+@both
+def test_a_contact_that_carried_no_force_has_lost_its_shear(engine, tmp_path, shear):
+    """Press, slide, lift off below the plastic overlap without parting, press again: no shear force is left."""
+    law = save(tmp_path, "rough")
+    plastic = law.follow([5.9e-6]).plastic_overlap[-1]
+    assert plastic > 1e-6
+    up = round((5.9e-6 - 0.5 * plastic) / 1e-8)
+    log = simulate(
+        engine,
+        tmp_path,
+        spheres(engine, f"shear {shear}", [(-0.2, 0, 600), (0, 0.02, 100), (0.2, 0, up), (-0.2, 0, up)], every=2),
+    )
+    largest, left = np.abs(log["side"]).max(), log["side"][-1]
+    assert log["overlap"].min() < 0.6 * plastic and log["force"][-1] > 1.0
+    assert abs(left - log["force"][-1] * 1e-7 / DIAMETER) < 1e-3 * largest
+
+
+@pytest.mark.parametrize(
+    ("name", "shear", "friction", "poisson"),
+    [
+        ("hertz elastic", "elastic", 100, 0.25),
+        ("rough elastic", "elastic", 100, 0.0),
+        ("rough", "loading", 100, 0.4),
+        ("rough elastic", "slip", 100, 0.25),
+        ("rough", "slip", 0.3, 0.25),
+        ("thornton", "slip", 1, 0.25),
+    ],
+)
+@both
+def test_a_gas_gains_no_energy(engine, tmp_path, name, shear, friction, poisson):
+    """The engines' own history models double this energy with rough elastic contacts. The losses are in the balance."""
+    save(tmp_path, name)
+    log = simulate(engine, tmp_path, gas(engine, friction, shear, poisson, newton="off")[0] + "run 100000\n")
+    kept = log["KinEng"] + log["spin"] + log["en[1]"]
+    assert kept.max() <= 1.001 * kept[0]
+    assert kept[-1] < 0.9 * kept[0]
+    np.testing.assert_allclose(kept + log["en[2]"], kept[0], rtol=1e-3)
+
+
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+@both
+def test_ranks_and_restart_change_nothing(engine, tmp_path, shear):
+    save(tmp_path, "rough")
+    start, common = gas(engine, 0.5, shear)
+    one = simulate(engine, tmp_path, start + "run 12000\nwrite_restart half.rst\nrun 12000\n")
+    two = simulate(engine, tmp_path, gas(engine, 0.5, shear, ranks=2)[0] + "run 24000\n", 2)
+    settings = "comm_modify vel yes\n"
+    if engine == "liggghts":
+        settings = "atom_modify map array\nnewton off\ncommunicate single vel yes\nhard_particles yes\n"
+    again = simulate(engine, tmp_path, f"{settings}read_restart half.rst\n{common}run 12000\n")
+    for log in (two, again):
+        for name in ("KinEng", "en[1]", "en[2]", "x1"):
+            assert log[name][-1] == pytest.approx(one[name][-1], rel=1e-7), name

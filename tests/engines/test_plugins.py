@@ -1,0 +1,281 @@
+"""What the plugins of LIGGGHTS and LAMMPS do alike: the forces of every law, damping, restart, ranks, limits, refusals."""
+
+import math
+import re
+import subprocess
+
+import numpy as np
+import pytest
+from inputs_for_liggghts import modulus, moves_of, sphere_mass
+from processes import parted
+from spheres import DIAMETER, ENERGY, LOAD_UNLOAD, both, continued, part, refused, said_in, simulate, spheres
+
+import demlaws as dl
+from demlaws.make import example
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+PRESS = [(-20, 0, 1000)]
+"""1 mm in 50 µs, a quarter of the R = 4 mm of two spheres of 16 mm."""
+
+
+@pytest.fixture
+def law(granite_pair):
+    return dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
+
+
+@pytest.fixture
+def folder(tmp_path, law):
+    law.tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
+    return tmp_path
+
+
+def error_of(log, law):
+    expected = law.follow(log["overlap"]).force
+    return np.abs(log["force"] - expected).max() / expected.max()
+
+
+def counts(text, where):
+    """Contact steps that each run counted."""
+    return [int(found) for found in re.findall(rf"in this run (\d+) contact steps were {where}", text)]
+
+
+@pytest.mark.parametrize(
+    "name, unloading, options",
+    [
+        ("hertz", "elastic", {}),
+        ("rms", "hertz", {}),
+        ("pohrt-popov", "thornton", {}),
+        ("pohrt-popov", "table", {}),
+        ("goddard", "hertz", {"slope": 0.035}),
+        ("rough-plastic", "hertz", {"yield_pressure": 1.66e9}),
+        ("rough-plastic", "thornton", {"yield_pressure": 1.66e9, "loading": "pohrt-popov"}),
+        ("bahrami", "elastic", {}),
+        pytest.param("yip-venart", "table", {}, marks=pytest.mark.slow),
+        ("greenwood-tripp", "elastic", {}),
+        ("conical-damage", "thornton", {"strength": 0.5e9}),
+        ("walton-braun", "linear", {}),
+        pytest.param("luding", "linear", {"plasticity_depth": 2e-4}, marks=pytest.mark.slow),
+        ("eepa", "eepa", {}),
+        ("jackson-green", "etsion", {"yield_strength": 0.1e9}),
+        pytest.param("kogut-etsion", "etsion", {"yield_strength": 0.1e9}, marks=pytest.mark.slow),
+    ],
+)
+@both
+def test_force_and_energies_are_the_laws(engine, granite_pair, name, unloading, options):
+    log, path = part(engine, "check").follow(example(name, granite_pair, unloading, **options))
+    assert path.overlap.max() > 1e-5
+    assert np.abs(log["force"] - path.force).max() <= 1e-5 * path.force.max()
+    assert np.abs(log["stored"] - path.stored).max() <= 1e-5 * path.work.max()
+    assert np.abs(log["lost"] - path.dissipated).max() <= 1e-5 * path.work.max()
+
+
+@both
+@pytest.mark.parametrize("choice", ["elastic", "loading"])
+def test_normal_stiffness_of_the_tangential_one(engine, folder, law, choice):
+    """Press, slide by 1 nm; and after going back a little. With Mindlin's K_t = 8 G* a, a = K/2 E*."""
+    ratio = 2 * (1 - 0.25) / (2 - 0.25)
+    for moves in ([(-0.2, 0, 1000)], [(-0.2, 0, 1000), (0.2, 0, 200)]):
+        log = simulate(engine, folder, spheres(engine, f"shear {choice}", [*moves, (0, 0.001, 20)]))
+        found = -log["side"][-1] / 1e-9 + log["force"][-1] / DIAMETER  # the normal turns with the slip
+        expected = law.shear_stiffness([*log["overlap"], log["overlap"][-1] * (1 - 1e-9)], ratio, choice)[-2:]
+        assert found == pytest.approx(expected[0], rel=2e-3)
+        assert expected[1] == pytest.approx(expected[0], rel=1e-6)
+
+
+@both
+def test_wrong_shear_is_named(engine, folder):
+    for word in ("secant", "tangent"):
+        assert word in refused(engine, folder, spheres(engine, f"shear {word}", [(-0.2, 0, 10)]))
+
+
+@both
+@pytest.mark.parametrize("restitution", [0.2, 0.8])
+def test_damping_goes_by_the_tangent(engine, folder, law, restitution):
+    """The extra force at constant speed is 2 √(5/6) |β| √(K m) v, with our K; none at the first touch."""
+    elastic = law.joined("elastic")
+    elastic.tabulate(rtol=1e-8).save(folder / "elastic.tbl")
+    text = spheres(engine, "", [(-0.2, 0, 1000)], restitution=restitution, table="elastic.tbl", every=2)
+    log = simulate(engine, folder, text)
+    path = elastic.follow(log["overlap"])
+    beta = math.log(restitution) / math.hypot(math.log(restitution), math.pi)
+    damping = -2 * math.sqrt(5 / 6) * beta * np.sqrt(path.stiffness * sphere_mass(DIAMETER) / 2)
+    touching = log["overlap"] > 0
+    expected = path.force + 0.2 * damping * touching
+    assert np.abs(log["force"] - expected)[1:].max() <= 1e-6 * expected.max()
+    assert damping[touching][0] < 0.1 * damping.max()
+
+
+@both
+def test_the_impact_of_the_python_driver(engine, tmp_path):
+    """Head-on impact: peak force and rebound as dl.driver.impact has them."""
+    contact = dl.Contact(4e-3, modulus(), 1.7e-6 * math.sqrt(2), 2.22)
+    law = dl.law("pohrt-popov", contact, unloading="hertz")
+    law.tabulate(rtol=1e-9).save(tmp_path / "law.tbl")
+    expected = dl.driver.impact(law, 0.5 * sphere_mass(16e-3), 0.2, 40000)
+    watch = {"more": 'variable speed equal "vcm(right,x)-vcm(left,x)"', "columns": "v_speed"}
+    text = spheres(engine, "", [], 16e-3, 16e-3, every=1, **watch).replace("nve/noforce", "nve/sphere")
+    text = re.sub(r"timestep .*", "timestep 2.5e-9", text)
+    log = simulate(engine, tmp_path, text + "velocity left set 0.1 0 0\nvelocity right set -0.1 0 0\nrun 50000\n")
+    assert log["force"].max() == pytest.approx(expected.peak_force, rel=1e-6)
+    assert log["speed"][-1] == pytest.approx(expected.rebound_speed, rel=1e-6)
+
+
+@both
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_a_restart_in_mid_unloading_goes_on(engine, folder, law, ranks):
+    """Force, energies, and what ended contacts had lost, of a pair on the border of two ranks; on as many ranks and on one."""
+    first, second = [*LOAD_UNLOAD, (0.2, 0, 200)], [(-0.2, 0, 600), (0.2, 0, 1800)]
+    text = spheres(engine, "", first, left=-0.0087, ranks=ranks, **ENERGY)
+    whole = simulate(engine, folder, text + "write_restart now.restart\n" + moves_of(second), ranks)
+    path = law.follow(whole["overlap"])
+    assert np.abs(whole["force"] - path.force).max() <= 1e-7 * path.force.max()
+    assert np.abs(whole["e[1]"] - path.stored).max() <= 1e-7 * path.work.max()
+    assert np.abs(whole["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+    for later in {1, ranks}:
+        rest = simulate(
+            engine, folder, continued(engine, text.replace(f"{ranks} 1 1", f"{later} 1 1"), second, **ENERGY), later
+        )
+        rows = np.isin(whole["Step"], rest["Step"])
+        assert rest["Step"].size == rows.sum() == 121
+        assert rest["e[2]"][0] > 1.1 * law.follow(np.array([whole["overlap"][rows].max()])).dissipated[0]
+        for column in ("force", "side", "e[1]", "e[2]"):
+            scale = np.abs(whole[column]).max()
+            assert np.abs(whole[column][rows] - rest[column]).max() <= 1e-12 * scale, column
+
+
+# --- limits of laws and tables
+
+
+@pytest.mark.parametrize("engine, ranks", [("liggghts", 1), ("lammps", 1), ("lammps", 2)])
+def test_overlaps_that_no_law_holds_for_are_told(engine, tmp_path, ranks):
+    """Beyond a tenth of R one warning, and a count in each run; on two ranks both have the pair. Beyond R a stop."""
+    dl.law("hertz", dl.Contact(4e-3, modulus(60.6e5))).tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
+    soft = {"d1": 16e-3, "d2": 16e-3, "young": 60.6e5, "left": -8e-3, "ranks": ranks, "every": 1}
+    log = simulate(engine, tmp_path, spheres(engine, "", [*PRESS, (20, 0, 100), (0, 0, 50)], **soft), ranks)
+    said = said_in(engine, tmp_path)
+    found = counts(said, "deeper than a tenth of R")
+    deep = np.sum(log["overlap"][1:1001] > 0.1 * 4e-3)
+    assert (
+        deep > 500
+        and found[0] == pytest.approx(found[0] // deep * deep, abs=2)
+        and found[1:] == [n * (found[0] // deep) for n in (100, 50)]
+    )
+    assert said.count("reported once") <= 1 and (ranks > 1 or "effective radius R = 0.004 m" in said)
+    simulate(engine, tmp_path, spheres(engine, "", [(-20, 0, 10)], **soft), ranks)
+    assert "deeper" not in said_in(engine, tmp_path)
+    if ranks == 1:
+        assert "times the effective radius R = 0.004 m" in refused(
+            engine, tmp_path, spheres(engine, "", [(-20, 0, 5000)], **soft)
+        )
+
+
+@pytest.mark.parametrize("name", ["rms", "hertz", "pohrt-popov", "bahrami"])
+@both
+def test_limits_of_the_law_are_those_of_python(engine, tmp_path, granite_pair, name):
+    """As many steps as there are forces outside of `law.limits()`, and one warning per limit with its reason."""
+    law = dl.law(name, granite_pair.with_values(modulus=modulus()), unloading="elastic")
+    law.tabulate().save(tmp_path / "law.tbl")
+    yields = name in ("hertz", "pohrt-popov")
+    where = "above the load at which the bulk yields" if yields else "below the range of force of their law"
+    speed = 4.8 if yields else 0.2
+    log = simulate(engine, tmp_path, spheres(engine, "", [(-speed, 0, 1000), (speed, 0, 500)], every=1))
+    said, force = said_in(engine, tmp_path), log["force"][np.diff(log["Step"], prepend=-1.0) > 0]
+    limits = [limit for limit in law.limits() if limit.reason in said]
+    assert len(limits) == said.count("reported once") == (2 if name == "rms" else 1)
+    outside = [(force > limit.maximum_force) | ((force > 0) & (force < limit.minimum_force)) for limit in limits]
+    expected = sum(int(each.sum()) for each in outside)
+    assert expected > 0 and sum(counts(said, where)) == pytest.approx(expected, abs=3)
+    assert "worst: particles 1 and 2" in said
+
+
+@both
+def test_beyond_the_table_extrapolation_is_the_last_power_law(engine, tmp_path, law):
+    """Refused with particles, file and remedies; where it is allowed, warned of once and counted."""
+    elastic = law.joined("elastic")
+    table = elastic.tabulate(max_force=10.0)
+    table.save(tmp_path / "law.tbl")
+    message = refused(engine, tmp_path, spheres(engine, "", LOAD_UNLOAD))
+    assert re.search("particles (1 and 2|2 and 1)", message)
+    assert all(words in message for words in ("law.tbl", "--max-force", "time step", "extrapolation on"))
+    log = simulate(engine, tmp_path, spheres(engine, "extrapolation on", [(-0.2, 0, 1000)], every=1))
+    last = float(table.overlap(table.largest_force))
+    beyond = log["overlap"] > 1.001 * last
+    exponent = float(table.stiffness(last)) * last / table.largest_force
+    expected = table.largest_force * (log["overlap"][beyond] / last) ** exponent
+    assert beyond.sum() > 100 and np.abs(log["force"][beyond] / expected - 1).max() < 1e-6
+    said = said_in(engine, tmp_path)
+    assert said.count("its last power law goes on") == 1
+    assert sum(counts(said, "beyond the last row")) == pytest.approx(beyond.sum(), abs=3)
+
+
+@both
+def test_a_law_that_does_not_collapse_holds_for_its_radius_and_modulus(engine, tmp_path, granite_pair):
+    contact = granite_pair.with_values(modulus=modulus())
+    law = dl.law("rough-plastic", contact, unloading="hertz", yield_pressure=1.66e9)
+    law.tabulate().save(tmp_path / "law.tbl")
+    assert error_of(simulate(engine, tmp_path, spheres(engine)), law) <= 1e-5
+    assert "does not collapse" in refused(engine, tmp_path, spheres(engine, d1=17e-3, d2=12e-3))
+    simulate(engine, tmp_path, spheres(engine, "radius_tolerance 0.5", d1=17e-3, d2=12e-3))
+    assert "modulus" in refused(engine, tmp_path, spheres(engine, young=30e9))
+    rough = {"liggghts": "surfaceRoughness on", "lammps": "roughness 1e-6"}[engine]
+    assert "roughness" in refused(engine, tmp_path, spheres(engine, rough))
+
+
+@both
+def test_a_box_so_thin_that_histories_are_mixed_up_is_told(engine, folder):
+    """Two spheres of 17.4 mm that touch through both sides have two histories with the same two numbers."""
+    for width, told in ((0.034, True), (0.036, False)):
+        text = re.sub("boundary .*", "boundary f p f", spheres(engine, "", [(-0.2, 0, 2)]))
+        text = text.replace("-0.02 0.02 -0.02 0.02 units box", f"{-width / 2} {width / 2} -0.02 0.02 units box")
+        simulate(engine, folder, text)
+        assert (f"the box is {width} long in y, where it is periodic" in said_in(engine, folder)) == told
+
+
+# --- files
+
+
+@both
+@pytest.mark.parametrize("file", ["nowhere.tbl", "/dev/null", "."])
+def test_what_is_no_table_stops_every_rank(engine, tmp_path, file):
+    for ranks in (1, 2):
+        message = refused(engine, tmp_path, spheres(engine, "", LOAD_UNLOAD[:1], table=file, ranks=ranks), ranks)
+        assert file in message
+
+
+@both
+def test_a_bad_row_is_named_by_its_line(engine, folder):
+    lines = (folder / "law.tbl").read_text().splitlines(keepends=True)
+    lines[40] = lines[40].replace(".", ",", 1)
+    (folder / "law.tbl").write_text("".join(lines))
+    assert "line 41" in refused(engine, folder, spheres(engine, "", LOAD_UNLOAD[:1]))
+
+
+def on_two_folders(engine, folder, text, elsewhere, rank):
+    """Two ranks, one of them in a folder of its own, as nodes with unlike file systems have it."""
+    (folder / "in.case").write_text(text)
+    run = part(engine, "run")
+    line, environment = run.command("in.case", 2)
+    program = run.executable()
+    line = parted(line, getattr(program, "path", program), folder, rank)
+    for name, content in elsewhere.items():
+        (folder / "elsewhere" / name).write_bytes(content)
+    return subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True, errors="replace", timeout=300)
+
+
+@both
+@pytest.mark.parametrize("case", ["rank 1 has none", "rank 1 has another", "rank 0 has none"])
+def test_the_table_is_that_of_rank_0(engine, folder, granite_pair, case):
+    """The pair lies on the border of the ranks. Where rank 0 has none, all stop: none hangs (the timeout is the test)."""
+    text = spheres(engine, "", [(-0.2, 0, 500)], left=-0.0087, ranks=2, **({"newton": "off"} if engine == "lammps" else {}))
+    dl.law("hertz", granite_pair).tabulate().save(folder / "other.tbl")
+    elsewhere = {
+        "rank 0 has none": {"in.case": text.encode()},
+        "rank 1 has another": {"law.tbl": (folder / "other.tbl").read_bytes()},
+    }
+    done = on_two_folders(engine, folder, text, elsewhere.get(case, {}), int(case != "rank 0 has none"))
+    if case == "rank 0 has none":
+        assert done.returncode and "law.tbl" in done.stdout + done.stderr
+    else:
+        assert done.returncode == 0, done.stdout[-800:] + done.stderr[-800:]
+        force = part(engine, "run").read_log(folder / f"log.{engine}")["force"]
+        assert np.array_equal(force, simulate(engine, folder, text, 2)["force"])

@@ -1,0 +1,97 @@
+"""What the studies ask of YADE, LIGGGHTS and LAMMPS, in small: the trade's scene and costs, the extremes, kept places."""
+
+import pytest
+
+from demlaws.lammps.run import command
+from studies.extremes import extremes, report
+from studies.trade import candidates, packings, trade
+from studies.trade.__main__ import main
+from studies.validation import engines
+from studies.validation.jobs import kept_jobs
+from studies.validation.published import KEPT, kept_rows
+
+pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+NATIVE = {"yade": "YADE's Hertz-Mindlin", "liggghts": "LIGGGHTS's hertz", "lammps": "LAMMPS's hertz/material"}
+NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
+each = pytest.mark.parametrize("engine", NATIVE)
+plugins = pytest.mark.parametrize("engine", ["liggghts", "lammps"])
+
+
+@pytest.mark.parametrize("engine", [pytest.param("yade", marks=pytest.mark.slow), "liggghts", "lammps"])
+def test_scene_of_the_trade(engine):
+    by_label = {way.label: way for way in candidates.ways(engine)}
+    wanted = [by_label[n] for n in (candidates.RICHEST.label, "the same, shaken", "hertz", NATIVE[engine])]
+    rough, shaken, hertz, native = packings.run(engine, packings.QUICK, wanted)
+    # Hertz by our functor or as a table is the engine's own: the same law from the same state
+    same = packings.errors(hertz, native)
+    assert abs(same.height) < 1e-9
+    assert max(abs(same.low), abs(same.loading)) < 0.02
+    # chance is less than what the law makes; grains on rough contacts sink by micrometres
+    chance, law = packings.errors(shaken, rough), packings.errors(hertz, rough)
+    assert abs(chance.height) < 1e-7 < 3e-6 < law.height < 3e-5
+    assert abs(chance.low) < 0.1 < 0.2 < law.low < 1.0
+    assert rough.stress == pytest.approx(packings.QUICK.stress, rel=0.05)
+    assert rough.low < rough.loading < rough.unloading
+    # the mean force of a packing under this stress (Rothenburg & Bathurst)
+    assert rough.forces.mean() == pytest.approx(0.1 * packings.QUICK.largest_force, rel=0.4)
+
+
+@pytest.mark.slow
+@each
+def test_costs_and_errors_of_the_trade(engine):
+    """What costs are is for `make bench`: no time decides here."""
+    found = {e.cost.way.label: e for e in trade.engine_trade(engine, quick=True)}
+    assert all(e.cost.step > 0.0 and 0.0 < e.cost.over_hertz for e in found.values())
+    assert found[NATIVE[engine]].error == pytest.approx(found["hertz"].error, rel=1e-9)
+    assert found["hertz"].error > 1.0
+    assert found[candidates.RICHEST.label].error < (1e-12 if engine == "yade" else 1e-5)
+    assert NATIVE[engine] in trade.engine_table(list(found.values()))
+    if engine == "yade":
+        assert 0.0 < found["YADE's Conical Damage Model"].error <= 1.01 * found["hertz"].error
+    if engine == "liggghts":
+        assert 0.5 < found["LIGGGHTS's edinburgh"].error < found["hertz"].error
+
+
+@pytest.mark.slow
+@plugins
+def test_command_of_the_trade(engine, tmp_path, capsys):
+    files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
+    assert main(["--scene", engine, "--quick", "--stress", "500kPa", "--csv", str(files[0]), "--figure", str(files[1])]) == 0
+    said, ways = capsys.readouterr().out, candidates.ways(engine)
+    assert all(way.label in said for way in ways) and files[1].stat().st_size > 20_000
+    assert len(files[0].read_text().splitlines()) == 1 + len(ways)
+
+
+@pytest.mark.slow
+@each
+def test_extremes(engine):
+    figures = list(extremes.run(NAMES[engine], ["pohrt-popov", "rough-plastic"], ["hertz"], quick=True, stops=False))
+    assert [(f.engine, f.law) for f in figures] == [(NAMES[engine], law) for law in ("pohrt-popov", "rough-plastic")]
+    assert report.failures(figures) == []
+    assert all(p.contacts > 100 for f in figures for p in f.packings.values())
+
+
+@pytest.mark.parametrize(
+    "touching, where, value, messages",
+    [
+        pytest.param(True, "velocity", "nan", ["particle 3 is at (nan, 0, 0) m"] * 2, marks=pytest.mark.slow),
+        (False, "position", "nan", ["particle 3 is at (nan, 0, 0) m"] * 2),
+        # the engines' own checks, of a particle beyond the box and of coordinates
+        pytest.param(True, "position", "inf", ["Lost atoms", "Non-numeric atom coords"], marks=pytest.mark.slow),
+    ],
+)
+@plugins
+def test_numbers_that_are_not_finite_stop(engine, monkeypatch, touching, where, value, messages):
+    from studies.extremes.liggghts_extremes import stopped_by
+
+    if engine == "lammps":
+        monkeypatch.setenv("LD_LIBRARY_PATH", command("none", plugin=False)[1].get("LD_LIBRARY_PATH", ""))
+    assert messages[engine == "lammps"] in stopped_by(touching, where, value, NAMES[engine])
+
+
+@pytest.mark.parametrize("engine", [pytest.param("yade", marks=pytest.mark.slow), "liggghts", "lammps"])
+def test_the_places_that_lammps_keeps_are_met(engine):
+    """LAMMPS's own DEM tests 02 and 03, with the law in place of stock hertz."""
+    found = getattr(engines, f"in_{engine}")(kept_jobs())
+    rows = [row for one, answer in zip(KEPT, found, strict=True) for row in kept_rows(one, NAMES[engine], answer["places"])]
+    assert len(rows) == 6 and [row for row in rows if row.verdict != "pass"] == []
