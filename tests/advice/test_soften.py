@@ -70,18 +70,6 @@ def test_first_loading_is_stretched(name):
         np.testing.assert_allclose(quiet(back.force, delta), force, rtol=10 * rtol)
 
 
-@pytest.mark.parametrize("name", [n for n in SOFTENED if find(n).example])
-def test_options_left_alone_are_seen(name):
-    """The test above sees an option that is not scaled: with the law's own options as they were the force is another."""
-    law, scaled = make(name), Softening(EXACT)
-    softened = scaled.of(law)
-    if all(softened.options[name] is value for name, value in law.options.items()):
-        return  # numbers without a unit, and forces
-    wrong = dl.law(name, scaled.of(law.contact), **law.options)
-    delta = 0.02 * law.contact.radius
-    assert abs(quiet(wrong.force, delta * scaled.overlap) / quiet(law.force, delta) - 1.0) > 1e-3
-
-
 @pytest.mark.parametrize("name", ["goddard", "pohrt-popov", "rough-plastic", "yip-venart"])
 def test_tables_are_stretched(name):
     rule = "elastic" if name == "yip-venart" else "hertz"
