@@ -66,19 +66,6 @@ def test_force_control_down_to_nothing_leaves_the_plastic_overlap(name, unloadin
     assert path.dissipated[-1] >= -1e-12 * path.work.max()
 
 
-def test_cycles_of_force_accumulate_plastic_overlap():
-    """RFC10's protocol: 20, 40, 80, 150, 300, 450 N, each back to 0."""
-    contact = GRANITE.with_values(radius=0.96e-3, roughness=5.04e-6)
-    law = dl.law("rough-plastic", contact, unloading="hertz", yield_pressure=1.66e9)
-    stages = [20.0, 40.0, 80.0, 150.0, 300.0, 450.0]
-    path = driver.force_controlled(law, [f for stage in stages for f in (stage, 0.0)], steps=50)
-    plastic = path.overlap[100::100]
-    assert plastic.size == 6
-    assert np.all(np.diff(plastic) > 0)
-    alone = [driver.force_controlled(law, [stage, 0.0], steps=50).overlap[-1] for stage in stages]
-    np.testing.assert_allclose(plastic, alone, rtol=1e-9)  # the largest load so far decides, not the cycles
-
-
 @pytest.mark.parametrize(
     "call",
     [

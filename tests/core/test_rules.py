@@ -1,7 +1,6 @@
 """One record a rule: the kernels are bound to its tag, and the C++ header and the plugins say the same of it."""
 
 import re
-import subprocess
 from pathlib import Path
 from typing import NamedTuple
 
@@ -28,42 +27,6 @@ def test_records_agree_with_one_another():
     for rule in RULES.values():
         assert bool(rule.state) == (rule.curve != "own")
         assert make("pohrt-popov", rule.name).state_names == rule.state
-
-
-@pytest.fixture(scope="module")
-def header(tmp_path_factory):
-    """What demlaws_table.h says of each rule, from a program: name, state size, whether the name gives the number back."""
-    folder = tmp_path_factory.mktemp("rules")
-    (folder / "rules.cpp").write_text(
-        """
-        #include <cstdio>
-        #include "demlaws_table.h"
-        int main() {
-          for (int n = 0; n < COUNT; n++) {
-            const demlaws::Unloading rule = static_cast<demlaws::Unloading>(n);
-            demlaws::Unloading back = static_cast<demlaws::Unloading>(-1);
-            const bool known = demlaws::unloading_from_name(demlaws::unloading_name(rule), back);
-            std::printf("%s %d %d", demlaws::unloading_name(rule), demlaws::state_size(rule), known ? back : -1);
-            for (int i = 0; demlaws::rule_key(rule, i); i++) std::printf(" %s", demlaws::rule_key(rule, i));
-            std::printf("\\n");
-          }
-          demlaws::State state;
-          const double *const values = &state.maximum_overlap;
-          std::printf("%d %d\\n", int(&state.plastic_overlap - values), int(&state.radius_ratio - values));
-        }
-        """.replace("COUNT", str(len(IN_CPP)))
-    )
-    command = ["g++", "-std=c++11", "-I", str(PACKAGE / "cpp"), "rules.cpp", "-o", "rules"]
-    subprocess.run(command, cwd=folder, check=True)
-    return subprocess.run([folder / "rules"], capture_output=True, text=True, check=True).stdout.splitlines()
-
-
-def test_the_header_has_the_same_rules(header):
-    for rule in IN_CPP:
-        assert header[rule.number] == " ".join((rule.name, str(len(rule.state)), str(rule.number), *rule.keys))
-    assert sorted(rule.number for rule in IN_CPP) == list(range(len(IN_CPP)))
-    longest = max((rule.state for rule in IN_CPP), key=len)
-    assert header[-1] == f"{longest.index('plastic_overlap')} {longest.index('radius_ratio')}"
 
 
 def test_histories_of_liggghts_are_the_state_in_its_order():

@@ -117,46 +117,10 @@ def test_nan_and_negative_overlaps(example, tmp_path, unloading):
     assert float(rows[3][0]) == 0.0 and rows[4][:2] == rows[0][:2] and float(rows[5][2]) == 0.0
 
 
-def test_refused_files_name_the_line(example, tmp_path):
-    good = tmp_path / "good.tbl"
-    dl.law("pohrt-popov", GRANITE).tabulate().save(good)
-    lines = good.read_text().splitlines(keepends=True)
-    first_row = lines.index(next(line for line in lines if line.startswith("overlap force stiffness"))) + 1
-
-    def refused(text, *words):
-        file = tmp_path / "bad.tbl"
-        file.write_text(text)
-        result = example(file, GRANITE, [1e-6])
-        assert result.returncode == 1
-        for word in (str(file), *words):
-            assert word in result.stderr, result.stderr
-
-    edited = lines[first_row + 3].replace("1", "2", 1)
-    assert edited != lines[first_row + 3]
-    refused("".join([*lines[: first_row + 3], edited, *lines[first_row + 4 :]]), f"line {first_row + 4}:", "checksum")
-    refused("".join(lines[:-1]), f"line {len(lines)}:", "end:")
-    refused("".join(lines)[:-40], "line", "checksum")
-    refused("".join(lines[: first_row + 5] + lines[first_row + 6 :]), f"line {first_row + 6}:", "checksum")
-    refused("".join(lines) + "more 00000000\n", f"line {len(lines) + 1}:", "follows")
-    refused("not a table\n", "line 1:", "# demlaws-table 1")
-    refused("# demlaws-table 4\n" + "".join(lines[1:]), "line 1:", "format 4")
-    refused("", "line 1:")
-    result = example(tmp_path / "none.tbl", GRANITE, [1e-6])
-    assert result.returncode == 1 and "none.tbl" in result.stderr and "No such file" in result.stderr
-
-
-@pytest.mark.parametrize("unloading", ["elastic", "table"])
-def test_every_flipped_byte_is_noticed(example, tmp_path, unloading):
-    good = tmp_path / "good.tbl"
-    example_law("hertz", GRANITE, unloading).tabulate(rtol=1e-3).save(good)
-    data = good.read_bytes()
-    for at in np.linspace(0, len(data) - 2, 60).astype(int):
-        (tmp_path / "bad.tbl").write_bytes(data[:at] + bytes([data[at] ^ 1]) + data[at + 1 :])
-        assert example(tmp_path / "bad.tbl", GRANITE, [1e-6]).returncode == 1, f"byte {at}"
-
-
 def test_beyond_the_table_is_said(example, tmp_path):
     law = dl.law("pohrt-popov", GRANITE)
     law.tabulate(max_force=50.0).save(tmp_path / "law.tbl")
     result = example(tmp_path / "law.tbl", GRANITE, [1e-6, 1e-4])
     assert result.returncode == 1 and "beyond" in result.stderr
+    result = example(tmp_path / "none.tbl", GRANITE, [1e-6])
+    assert result.returncode == 1 and "none.tbl" in result.stderr

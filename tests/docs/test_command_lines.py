@@ -105,14 +105,3 @@ def test_command_lines_are_taken(page, monkeypatch):
     wrong = [f"demlaws {shlex.join(words)}: {why}" for words in typed(text) if (why := taken(words))]
     wrong += [f"demlaws {shlex.join(words)}: {why}" for words in spoken(text) if (why := unknown(words))]
     assert wrong == []
-
-
-def test_command_lines_are_found_and_faults_reported():
-    text = "`demlaws curve --lwa x` and `demlaws lammps build | chekc`\n```console\n"
-    text += "$ A=1 demlaws laws --nothing | cat\n$ demlaws laws\n```\n"
-    assert list(typed(text)) == [["laws", "--nothing"], ["laws"]]
-    assert "--nothing" in taken(["laws", "--nothing"]) and taken(["laws"]) == ""
-    assert "has no --lwa" in unknown(["curve", "--lwa", "x"]) and "no demlaws lammps chekc" in unknown(
-        ["lammps", "build", "|", "chekc"]
-    )
-    assert "no demlaws nothing" in unknown(["nothing"])

@@ -35,13 +35,6 @@ def test_every_public_function_has_a_docstring():
     assert [line for path in sorted(PACKAGE.rglob("*.py")) for line in silent(path)] == []
 
 
-def test_a_silent_function_is_found(tmp_path):
-    file = PACKAGE / "made_up.py"
-    tree = "class A:\n    '''A.'''\n    def b(self):\n        return 1\n    def _c(self):\n        return 2\n"
-    path = types.SimpleNamespace(read_text=lambda: tree, relative_to=file.relative_to)
-    assert silent(path) == ["demlaws/made_up.py:3 A.b"]
-
-
 def examples(name):
     """Doctests of a public name: of a module those of its public functions, of a class its own and its methods'."""
     value = getattr(dl, name)

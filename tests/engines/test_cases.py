@@ -60,13 +60,3 @@ def test_case_with_other_unloading(common, engine, case, unloading, tmp_path):
 @pytest.mark.parametrize("engine", ["liggghts", "lammps"])
 def test_fine_table_in_the_engine(common, engine, tmp_path):
     simulate_and_check(common, engine, "two_spheres", tmp_path, check={"limit": 1e-8}, rtol=1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("engine", ["lammps"])
-def test_the_impact_is_that_of_python(common, engine):
-    """LAMMPS's leg of the four-way comparison; YADE's and LIGGGHTS's are in test_four_way.py."""
-    rows = common.load(ROOT / "lammps_inputs" / "impact" / "four_way.py").compare(others=False)
-    assert len(rows) == 3
-    for name, unloading, where, _, _, force, speed in rows:
-        assert where == "LAMMPS" and max(force, speed) <= 1e-9, (name, unloading, force, speed)

@@ -65,15 +65,6 @@ def test_contact_radius_after_yield_sets_thorntons_unloading():
         assert path.force[1] == pytest.approx(again, rel=1e-11)
 
 
-def test_plastic_overlap_is_nearly_linear_in_the_largest_load():
-    law = dl.law("rough-plastic", CONE, unloading="hertz", yield_pressure=1.66e9)
-    forces = np.array([40.0, 80.0, 150.0, 300.0, 450.0])
-    plastic = [quiet(law.follow, [quiet(law.overlap, f)]).plastic_overlap[0] for f in forces]
-    fit = np.polyfit(forces, plastic, 1)
-    assert fit[0] > 0
-    assert np.max(np.abs(np.polyval(fit, forces) - plastic)) < 0.05 * plastic[-1]
-
-
 @pytest.mark.parametrize(
     ("options", "dimension"),
     shared(

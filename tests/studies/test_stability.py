@@ -67,13 +67,6 @@ def test_impacts_gain_less_with_more_steps():
     assert safe_steps(gains) <= 200
 
 
-def test_time_step_is_safe_and_not_timid():
-    for name, rule in (("hertz", "elastic"), ("pohrt-popov", "hertz")):
-        ratios = step_ratios(dl.law(name, GRANITE, rule))
-        assert 0.5 <= min(ratios)
-        assert max(ratios) <= 1.001
-
-
 SINGLE = {"other_mass": math.inf, "shear_ratio": 0.0}  # one body on a fixed contact
 
 

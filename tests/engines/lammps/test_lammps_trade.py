@@ -3,44 +3,11 @@
 import pytest
 
 import demlaws as dl
-from demlaws.cli import main
 from demlaws.errors import DemlawsError
 from demlaws.lammps import export, run
 from demlaws.liggghts import Grain
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
-
-SCENE = """\
-engine = "lammps"
-classes = [3e-3, 5e-3]
-force = [50.0, 800.0]
-quantity = "overlap"
-cyclic = true
-yield_pressure = 1.66e9
-[material]
-young = 60.6e9
-poisson = 0.25
-hardness = 6.266e9
-density = 2650.0
-[surface]
-roughness = 1.7e-6
-fractal_dimension = 2.22
-"""
-
-
-@pytest.mark.slow
-def test_choose_writes_a_case(tmp_path, capsys):
-    (tmp_path / "scene.toml").write_text(SCENE)
-    assert main(["choose", str(tmp_path / "scene.toml"), "--out", str(tmp_path / "case")]) == 0
-    said = capsys.readouterr().out
-    assert "chosen: rough-plastic" in said
-    case = tmp_path / "case" / "in.case"
-    assert f"wrote {case} and 5 table(s)" in said
-    text = case.read_text()
-    assert "pair_coeff 1 2 demlaws/table rough-plastic.1-2.tbl" in text
-    case.write_text(text.replace("steps index 20000", "steps index 20"))
-    assert run(case)["Step"][-1] == 20
 
 
 def test_hertz_of_lammps_itself_as_a_case(tmp_path):

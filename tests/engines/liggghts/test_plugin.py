@@ -1,6 +1,5 @@
 """The plugin inside LIGGGHTS: every law, sub-models, damping, energies, several tables, and everything it must refuse."""
 
-import re
 import subprocess
 from pathlib import Path
 
@@ -9,10 +8,8 @@ import pytest
 from inputs_for_liggghts import modulus, two_spheres
 
 import demlaws as dl
-from demlaws.curves import text as table_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
-from demlaws.liggghts.build import PLUGIN
 from demlaws.make import example
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -34,18 +31,6 @@ def simulate(folder, text, ranks=1):
 def error_of(log, law):
     expected = law.follow(log["overlap"]).force
     return np.abs(log["force"] - expected).max() / expected.max()
-
-
-def test_the_history_has_the_names_of_the_rules_states():
-    """The plugin's names of a contact's values, in their order, against the record of each rule that C++ has."""
-    source = (PLUGIN.sources / "normal_model_demlaws.h").read_text()
-    names = re.findall(r'"demlaws_(\w+)"', source.split("STATE_NAMES[MOST_STATE]")[1].split(";")[0])
-    most = int(re.search(r"MOST_STATE = (\d+)", source)[1])
-    rules = [rule for rule in table_file.rules().values() if rule.number is not None]
-    for rule in rules:
-        camel = [re.sub(r"_(\w)", lambda found: found[1].upper(), name) for name in rule.state]
-        assert camel == names[: len(camel)], rule.name
-    assert most == len(names) == max(len(rule.state) for rule in rules)
 
 
 def test_unequal_spheres_and_sigma_by_type(tmp_path):

@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from examples import rules_of, shared, telling
-from yade_scenes import FLATS, GRANITE, MODULUS, Recorder, cloud, force, functor, material, set_engines, two_spheres
+from yade_scenes import GRANITE, MODULUS, Recorder, cloud, force, functor, material, set_engines, two_spheres
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
@@ -75,21 +75,6 @@ def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
                 assert words == values[place // 8 : place // 8 + len(words)], f"{field}: {kind}"
 
 
-@pytest.mark.parametrize("flat", FLATS)
-def test_flats(omega, flat):
-    import yade
-
-    law, stone = functor(bridge="native"), material()
-    omega.bodies.append(FLATS[flat](yade.utils, stone))
-    omega.bodies.append(yade.utils.sphere((0, 0, 0.010001), 0.01, material=stone))
-    omega.bodies[1].state.vel = yade.Vector3(0.1, 0, -0.3)
-    set_engines(law)
-    recorder = Recorder()
-    recorder.step(900)
-    assert recorder.exact() > 100
-    assert omega.bodies[1].state.vel[2] > 0
-
-
 def test_periodic_packing(omega):
     law = functor(bridge="native")
     cloud(law, rate=-60)
@@ -151,22 +136,6 @@ def test_a_curve_to_unload_along(omega, as_table):
     assert law.totals().dissipated > 0.0
     again = Pairs.from_text(law.binding.pairs.as_text())
     assert again.unloading == "table" and again.as_text() == law.binding.pairs.as_text()
-
-
-def test_radii_from_one_to_hundred(omega):
-    from yade.utils import sphere
-
-    law = functor(bridge="native")
-    stone = material()
-    for n, radius in enumerate((1e-4, 1e-3, 1e-2, 1e-1)):
-        omega.bodies.append(sphere((n, 0, 0), 0.01, fixed=True, material=stone))
-        omega.bodies.append(sphere((n, 0, 0.01 + radius), radius, material=stone))
-        omega.bodies[-1].state.vel = (0, 0, -0.05)
-    set_engines(law, 5e-8)
-    recorder = Recorder()
-    recorder.step(600)
-    assert len(recorder.lives) == 4
-    recorder.exact()
 
 
 def test_pairs_of_materials(omega):

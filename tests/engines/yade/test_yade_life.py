@@ -33,23 +33,6 @@ def printed(text, tmp_path, **options):
 # --- energy
 
 
-def test_elastic_bounce(omega):
-    """Rebound speed within 1e-6 at 1,000 steps a contact."""
-    law = functor("pohrt-popov", "elastic", bridge="native")
-    two_spheres(law)
-    omega.dt = 1e-7
-    count = 0
-    while omega.bodies[1].state.vel[2] < 0 or omega.interactions.countReal():
-        omega.step()
-        count += omega.interactions.countReal()
-    omega.reset()
-    two_spheres(law)
-    omega.dt = 1e-7 * count / 1000
-    while omega.bodies[1].state.vel[2] < 0 or omega.interactions.countReal():
-        omega.step()
-    assert omega.bodies[1].state.vel[2] == pytest.approx(0.3, rel=1e-6)
-
-
 @pytest.mark.parametrize("rule", ["hertz", "thornton"])
 def test_energy_balance_of_an_impact(omega, rule):
     law = functor("rough-plastic", rule, bridge="native", yield_pressure=1.66e9)
@@ -403,18 +386,6 @@ def test_laws_by_pair(omega):
 
     again = Pairs.from_text(pairs.as_text())
     assert again.as_text() == pairs.as_text() and again.kind == pairs.kind
-
-
-def test_measured_map_survives_saving():
-    from demlaws.laws.registry import find
-    from demlaws.yade.pairs import Pairs, Span
-
-    span = {("granite", "granite"): Span((0.005, 0.005), (32e9, 32e9))}
-    options = find("asperity").example
-    pairs = Pairs("asperity", {"granite": GRANITE}, "hertz", options, span)
-    again = Pairs.from_text(pairs.as_text())
-    assert np.array_equal(again.default.options["surface"].heights, options["surface"].heights)
-    assert again.as_text() == pairs.as_text()
 
 
 def test_a_measured_map_serves_one_contact():

@@ -392,31 +392,6 @@ def test_right_at_once_after_loading(omega, tmp_path):
         set_engines(functor(surfaces={"granite": dl.Surface(1e-6, 2.22)}, bridge="native"), 1e-9)
 
 
-def test_engines_made_anew_in_a_new_process(omega, tmp_path):
-    still(functor(bridge="native"))
-    omega.run(3, True)
-    omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
-    omega.run(3, True)
-    omega.save(str(tmp_path / "x.yade"))
-    text = f"""
-import yade
-yade.O.load({str(tmp_path / "x.yade")!r})
-from yade_scenes import functor, set_engines
-law = functor(bridge="native")
-print("label", type(demlaws).__name__)
-set_engines(law, 1e-9)
-yade.O.run(3, True)
-print("found", law.contacts().maximum_overlap[0].hex(), *[x.hex() for x in law.totals()], law.contacts().force[0].hex())
-"""
-    done = under_yade(text, tmp_path)
-    lines = {line.split()[0]: line.split()[1:] for line in done.stdout.splitlines() if line.startswith(("label", "found"))}
-    assert lines["label"] == ["Law2_ScGeom_MindlinPhys_Demlaws"], done.stdout + done.stderr
-    law = omega.engines[2].lawDispatcher.functors[0]
-    state = law.contacts()
-    here = [state.maximum_overlap[0], *law.totals(), state.force[0]]
-    assert [float.fromhex(x) for x in lines["found"]] == pytest.approx(here, rel=1e-12)
-
-
 # --- sizes, flats
 
 
@@ -458,31 +433,6 @@ def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat, way):
         set_engines(functor(bridge=way, flats=flats), 1e-9)
         omega.run(3, True)
         assert force() == expected(radius=0.01 * share)
-
-
-@pytest.mark.parametrize("flat", FLATS)
-def test_chung_and_ooi_2(omega, flat):
-    """Chung & Ooi (2011), test 2: an aluminium sphere of 0.1 m hits a rigid flat at 0.2 m/s: 11,369.9 N by Hertz."""
-    import yade
-    from yade import utils
-
-    law = functor("hertz", "elastic", None, bridge="native")
-    alloy = yade.FrictMat(young=70e9, poisson=0.3, density=2699, frictionAngle=0.0)
-    rigid = yade.FrictMat(young=70e18, poisson=0.3, frictionAngle=0.0)
-    omega.bodies.append(FLATS[flat](utils, rigid))
-    omega.bodies.append(utils.sphere((0, 0, 0.1), 0.1, material=alloy))
-    omega.bodies[1].state.vel = yade.Vector3(0, 0, -0.2)
-    set_engines(law, 4e-7)
-    mass = omega.bodies[1].state.mass
-    modulus = 70e9 / (1 - 0.3**2)
-    closed = (4 / 3 * modulus * 0.1**0.5) ** 0.4 * (1.25 * mass * 0.2**2) ** 0.6
-    peak = 0.0
-    while omega.bodies[1].state.vel[2] < 0:
-        omega.step()
-        if omega.interactions.countReal():
-            peak = max(peak, force())
-    assert closed == pytest.approx(11_369.9, rel=2e-5)
-    assert peak == pytest.approx(closed, rel=1e-5)
 
 
 @pytest.mark.parametrize("flat", ["facet", "wall"])
