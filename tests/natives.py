@@ -9,27 +9,11 @@ import numpy as np
 
 from demlaws.liggghts.check import TWO_PARTICLES
 from demlaws.liggghts.run import run
-from demlaws.materials import DENSITY
-from studies.costs.costs import under_yade
 from studies.trade.liggghts_oedometer import edinburgh_lines
 
 POISSON = 0.25
 _SPEED = 0.2  # of the sphere in LIGGGHTS [m/s]
 _STEP = float(re.search(r"^timestep +(\S+)$", TWO_PARTICLES, re.MULTILINE)[1])  # [s]
-
-
-def in_yade(law, corners):
-    """(overlaps [m], forces [N]) of YADE's Conical Damage Model with the numbers of `law`, through corners from 0."""
-    path = np.concatenate([np.linspace(a, b, 41)[1:] for a, b in zip([0.0, *corners[:-1]], corners, strict=True)])
-    given = {
-        "young": 2.0 * law.contact.modulus * (1.0 - POISSON**2),
-        "poisson": POISSON,
-        "density": DENSITY,
-        "radius": 2.0 * law.contact.radius,
-        "paths": [path.tolist()],
-        "ways": [{"model": "cdm", "cdm": (law.options["strength"], law.options["angle"])}],
-    }
-    return path, np.array(under_yade("costs/yade_cost.py", given)[0][0])
 
 
 def edinburgh_input(lines):

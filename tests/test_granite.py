@@ -10,8 +10,6 @@ from examples import GRANITE_TESTS
 from demlaws import granite
 from demlaws.errors import DemlawsError, ValidityWarning
 
-THRESHOLD = {"SS(18-18)": 57.5, "SS(12-18)": 106.9, "SF(12)": 278.9, "VS(18-18)": 1.14, "RS(18-18)": 194.0}
-
 
 @pytest.fixture(autouse=True)
 def quiet():
@@ -29,11 +27,6 @@ def test_displacement_and_stiffness(name):
         share, scatter = {"bahrami": (0.01, 0.0102), "yip-venart": (0.0005, 0.021)}.get(law, (0.0005, 0.0007))
         assert granite.displacement_gained(bound) * 1e6 == pytest.approx(gained, abs=0.06 + share * gained)
         assert granite.stiffness_at(bound, 10.0) / 1e3 == pytest.approx(stiffness, rel=scatter)
-
-
-@pytest.mark.parametrize("name", THRESHOLD)
-def test_threshold(name):
-    assert granite.threshold_force(granite.find_test(name)) == pytest.approx(THRESHOLD[name], abs=0.06)
 
 
 def test_protocol_reaches_its_turning_points():

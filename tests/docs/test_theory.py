@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from making import docstrings, formula, pages, reference
+from making import formula, pages, reference
 from making.symbols import meaning
 
 from demlaws.laws.registry import registry
@@ -30,15 +30,6 @@ def test_equations_are_translated_and_their_symbols_explained(name):
     assert unknown == [], f"{equation}: say in docs/making/symbols.py what {unknown} are"
 
 
-def test_links_of_moved_pages():
-    moved = pages.relinked(
-        "[t](docs/laws.md#limits) [y](yade_scripts/README.md) [c](.clang-format) [w](https://x.org)", "README.md", "made/a.md"
-    )
-    assert moved == "[t](../laws.md#limits) [y](yade-scripts.md) c (`.clang-format`) [w](https://x.org)"
-    with pytest.raises(ValueError, match=r"none.md does not exist"):
-        pages.relinked("[t](none.md)", "README.md", "made/a.md")
-
-
 def test_every_page_belongs_to_a_section():
     listed = {page for section in pages.SECTIONS for page in pages.members(section)}
     missing = [p.stem for p in pages.DOCS.glob("*.md") if p.stem not in listed and p.stem not in ("index", "paper")]
@@ -47,21 +38,6 @@ def test_every_page_belongs_to_a_section():
 
 def test_messages_are_found_by_the_syntax_tree():
     assert any(text.startswith("unknown law") for _, _, text in reference.messages())
-
-
-def test_docstrings_as_restructured_text():
-    lines = ["P = E* |x| of `law`.", "", "    as it stands*", "", ">>> 1 + 1", "2"]
-    assert docstrings.restructured(lines) == [
-        r"P = E\* \|x\| of ``law``.",
-        "",
-        "::",
-        "",
-        "    as it stands*",
-        "",
-        ">>> 1 + 1",
-        "2",
-        "",
-    ]
 
 
 @pytest.mark.parametrize("tutorial", pages.TUTORIALS)

@@ -2,13 +2,10 @@
 
 import csv
 
-import numpy as np
 import pytest
-from own_spring import SPRING, registered
+from own_spring import registered
 
 from demlaws.cli import main
-from studies.extremes.__main__ import main as extremes
-from studies.trade.__main__ import main as trade
 
 NEAR = """
     import demlaws as dl
@@ -32,36 +29,6 @@ NEAR = """
 def file(tmp_path):
     with registered(tmp_path, NEAR, "near.py") as path:
         yield str(path)
-
-
-@pytest.mark.slow
-def test_stability_of_a_law_with_a_rule_of_its_own(tmp_path, capsys):
-    with registered(tmp_path, SPRING) as path:
-        assert extremes(["--law-file", str(path), "--law", "spring", "--paths", "4e3", "--cycles", "1e3"]) == 0
-    lines = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("spring")]
-    rules = ("elastic", "table", "slack")
-    assert {(line[1], line[2]) for line in lines} == {(rule, form) for rule in rules for form in ("closed", "table")}
-
-
-@pytest.mark.slow
-def test_trade(file, capsys):
-    assert trade(["--law-file", file, "--law", "near-hertz", "--contacts", "1000", "--rounds", "1"]) == 0
-    said = capsys.readouterr().out
-    assert "near-hertz" in said
-
-
-@pytest.mark.slow
-def test_fit(file, tmp_path, capsys):
-    force = np.geomspace(1.0, 100.0, 30)
-    coefficient = 4.0 / 3.0 * 32e9 * 4e-3**0.5
-    overlap = (force / (0.8 * coefficient)) ** (2 / 3)
-    rows = "\n".join(f"{1e6 * d:.9g},{p:.9g}" for d, p in zip(overlap, force, strict=True))
-    (tmp_path / "points.csv").write_text(f"displacement (um),force (N)\n{rows}\n")
-    arguments = ["fit", str(tmp_path / "points.csv"), "--law-file", file, "--law", "near-hertz", "--law", "hertz"]
-    assert main([*arguments, "--effective-radius", "4mm", "--modulus", "32GPa"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    first = next(line for line in lines if line.startswith(("near-hertz", "hertz")))
-    assert first.startswith("near-hertz") and "factor 0.8 " in first
 
 
 SCENE = """

@@ -3,16 +3,10 @@
 import numpy as np
 import pytest
 from accuracy import check, contacts, measure, overlaps
-from examples import GRANITE, granite_numbers, quiet
+from examples import GRANITE, quiet
 from references import Rms, errors
 
 import demlaws as dl
-
-
-def test_granite_numbers():
-    got, expected = granite_numbers("rms")
-    np.testing.assert_allclose(got[:, 0], expected[:, 0], atol=0.06)
-    np.testing.assert_allclose(got[:, 1], expected[:, 1], atol=0.6)
 
 
 def test_limits_of_low_and_high_load():

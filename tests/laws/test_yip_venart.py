@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from examples import GRANITE, granite_numbers, quiet
+from examples import GRANITE, quiet
 
 import demlaws as dl
 from demlaws.solvers.axisymmetric import solve
@@ -13,13 +13,6 @@ def solved(contact, force):
     unit = contact.modulus * np.sqrt(contact.radius) * contact.roughness**1.5
     points = solve("yip-venart", number, np.atleast_1d(force) / unit)
     return points.approach * contact.roughness, points.stiffness * unit / contact.roughness
-
-
-def test_granite_numbers():
-    got, expected = granite_numbers("yip-venart")
-    np.testing.assert_allclose(got[:, 0], expected[:, 0], atol=0.06)
-    # the published stiffnesses scatter by -2 to +2 % about the exact tangent
-    np.testing.assert_allclose(got[:, 1], expected[:, 1], rtol=0.021)
 
 
 def test_force_and_stiffness_are_those_of_the_solver():

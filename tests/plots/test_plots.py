@@ -1,7 +1,6 @@
 """Every function that draws, once, on small data: the picture holds what it should. Nothing is compared pixel by pixel."""
 
 import functools
-import inspect
 from types import SimpleNamespace
 
 import numpy as np
@@ -306,19 +305,6 @@ DRAWN = {
 @pytest.mark.parametrize("name", DRAWN)
 def test_draws(name):
     DRAWN[name]()
-
-
-def test_every_function_that_draws_is_tested():
-    helpers = {"colour", "line", "draw_line", "figure", "available", "save", "plain", "extent", "show", "ellipses", "circle"}
-    helpers |= {"number", "numbered_key", "regime_axis", "regime_bar", "plot"}  # plot: tests/test_results.py
-    found = {
-        name
-        for module in (plots, figures, advice, surface, validation, trade_figures, extremes_figures)
-        for name, value in vars(module).items()
-        if inspect.isfunction(value) and value.__module__ == module.__name__ and not name.startswith("_")
-    }
-    papers = {function.__name__ for function in figures.FIGURES.values()}  # tests/plots/test_granite_figures.py
-    assert found - helpers - papers == set(DRAWN) - {"repeated_figure", "change_figure"}  # of a study, beside its numbers
 
 
 def test_every_law_has_a_line_of_its_own():

@@ -20,13 +20,6 @@ def test_a_way_as_the_scripts_take_it(tmp_path):
     assert dl.Table.load(table["given"]).unloading == "hertz"
 
 
-def test_engines_that_are_not_there(monkeypatch):
-    monkeypatch.setenv("YADE", "nowhere")
-    monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
-    assert "nowhere" in costs.available("yade") and "nowhere" in costs.available("liggghts")
-    assert costs.available("abacus") == "engine 'abacus': choose yade, liggghts, lammps"
-
-
 def test_shares_of_a_step_in_yade(monkeypatch):
     """100 contacts, times in ns: the loop with each model, with Mindlin's functor in the same packing, with one that does
     nothing, and the rest of the step."""

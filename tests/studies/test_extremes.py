@@ -106,17 +106,6 @@ def test_figures_survive_the_way_between_processes():
     assert extremes.from_json(json.loads(json.dumps(extremes.as_json(ROW)))) == ROW
 
 
-def test_engines_that_are_not_there_are_told(monkeypatch, capsys):
-    from studies.extremes.__main__ import main
-
-    for name in ("YADE", "DEMLAWS_LIGGGHTS", "DEMLAWS_LAMMPS"):
-        monkeypatch.setenv(name, "no-such-program")
-    assert main(["--paths", "0", "--law", "hertz", "--engines"]) == 0
-    told = capsys.readouterr().out
-    assert "YADE: not measured: no 'no-such-program'" in told and "LIGGGHTS: not measured: 'no-such-program'" in told
-    assert main(["--paths", "0", "--law", "hertz", "--yade"]) == 2
-
-
 def test_an_engine_that_ends_early_is_an_error(monkeypatch, tmp_path):
     """What it said last is in the message."""
     from demlaws.errors import DemlawsError

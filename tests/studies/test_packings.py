@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from studies.trade import candidates, packings
+from studies.trade import packings
 from studies.trade.candidates import GRANITE, RADII
-from studies.trade.packings import QUICK, Outcome, Setup
+from studies.trade.packings import QUICK, Setup
 
 
 @pytest.mark.parametrize("setup", [QUICK, Setup(), Setup(count=7, across=2, seed=3)])
@@ -39,21 +39,6 @@ def test_what_an_engine_is_told():
     assert given["young"] == GRANITE.young and given["width"] == QUICK.width and given["stress"] == QUICK.stress
     assert given["mean_force"] == pytest.approx(0.1 * QUICK.largest_force)
     assert QUICK.given(radii, centres, width=1.0)["width"] == 1.0
-
-
-def outcome(way=candidates.RICHEST, **changes):
-    forces = np.random.default_rng(1).exponential(5.0, 1000)
-    return Outcome(way, 1e-2, 1e8, 2e8, 3e8, 5e5, forces, 100, 1.0)._replace(**changes)
-
-
-def test_outcomes_in_a_table_and_a_file():
-    one = outcome()
-    hertz = outcome(candidates.Way("hertz", "hertz"), low=1.5e8)
-    assert len(one.percentiles) == len(packings.PERCENTILES) and np.mean(one.shape) == pytest.approx(1.0)
-    text = packings.table([one, hertz], QUICK)
-    assert "hertz" in text and "50.0" in text  # per cent of the low stiffness
-    rows = list(packings.csv_rows("yade", [one, hertz]))
-    assert len(rows) == 2 and all(len(row) == len(packings.TITLES) for row in rows)
 
 
 def test_a_packing_that_was_never_made():

@@ -5,8 +5,6 @@ import pytest
 
 import demlaws as dl
 from demlaws.granite import find_test
-from studies.costs import __main__ as command
-from studies.costs import costs
 from studies.trade import candidates, peers
 from studies.trade.peers import PEERS, held_table, held_together, made_points
 
@@ -47,14 +45,3 @@ def test_the_ways_that_are_priced_against_each_other():
     ):
         with pytest.raises(dl.DemlawsError, match=said):
             peers.way_of(wrong, engine)
-
-
-def test_the_command_prints_each_over_the_first(monkeypatch, capsys):
-    ways = [peers.way_of(name, "yade") for name in ("hertz", "cdm@own")]
-    found = [
-        costs.StepCost(way, step, over, 0.1, 0.2) for way, step, over in zip(ways, (200.0, 150.0), (1.0, 0.75), strict=True)
-    ]
-    monkeypatch.setattr(command, "law_costs", lambda *given, **more: found)
-    assert command.main(["hertz", "cdm@own"]) == 0
-    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
-    assert lines[1][-3:] == ["200.0", "1.000", "1.000"] and lines[2][-3:] == ["150.0", "0.750", "0.750"]

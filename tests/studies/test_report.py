@@ -11,7 +11,7 @@ from studies.validation import oblique, published
 from studies.validation.__main__ import main
 from studies.validation.published import GROUPS
 from studies.validation.report import CONCLUSIONS, evidence, page
-from studies.validation.row import KINDS, SOURCES, between, missing, near
+from studies.validation.row import SOURCES, between, missing, near
 
 PACKAGE = Path(demlaws.__file__).parent
 
@@ -43,15 +43,6 @@ def test_the_page():
     assert "**1 pass, 1 fail, 1 not run.**" in text
     assert "| a ratio | YADE | 0 to 1 | 1.5 |  | FAIL | bem |" in text
     assert SOURCES["chung-ooi"].licence in text and SOURCES["thornton"].text not in text
-
-
-def test_rows_stand_under_whose_answer_they_are():
-    rows = some_rows() | {"three": [near("restitution", "Python", 1.0, 1.0, 0.1, "kharaz")]}
-    text = page(rows)
-    order = [text.index(f"## {kind}") for kind in KINDS if f"## {kind}" in text]
-    assert order == sorted(order) and len(order) == 3
-    assert text.index("| restitution |") < text.index("| a ratio |") < text.index("| a length |")
-    assert text.index("One line per law") < text.index("deviations.png") < order[0]
 
 
 def test_every_law_has_its_line_and_its_rows():

