@@ -3,7 +3,9 @@
 import math
 
 import numpy as np
+import pytest
 
+from demlaws.errors import DemlawsError
 from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
 
@@ -71,6 +73,14 @@ def save(law, path, **options):
 def simulate(folder, text, ranks=1, **options):
     (folder / "in.case").write_text(text)
     return run(folder / "in.case", ranks, **options)
+
+
+def refused(folder, text, ranks=1):
+    """Message of LAMMPS's own error."""
+    with pytest.raises(DemlawsError) as caught:
+        simulate(folder, text, ranks)
+    assert "ERROR" in str(caught.value) and "demlaws" in str(caught.value)
+    return str(caught.value)
 
 
 def error_of(log, law):

@@ -11,6 +11,7 @@ from inputs_for_lammps import (
     continued,
     error_of,
     modulus,
+    refused,
     save,
     simulate,
     two_spheres,
@@ -152,14 +153,6 @@ def test_the_tangent_stiffness_of_a_contact_is_shown(tmp_path, granite_pair):
 
 
 # --- what must stop, with LAMMPS's own error
-
-
-def refused(folder, text, ranks=1):
-    with pytest.raises(DemlawsError) as caught:
-        simulate(folder, text, ranks)
-    message = str(caught.value)
-    assert "ERROR" in message and "demlaws" in message, message
-    return message
 
 
 @pytest.fixture

@@ -2,7 +2,10 @@
 
 import math
 
-from demlaws.liggghts.run import HEAD
+import pytest
+
+from demlaws.errors import DemlawsError
+from demlaws.liggghts.run import HEAD, run
 
 PROPERTIES = (
     HEAD
@@ -77,6 +80,19 @@ def again(text, restart="now.restart", change=()):
         assert old in out
         out = out.replace(old, new)
     return out
+
+
+def simulate(folder, text, ranks=1, **options):
+    (folder / "in.case").write_text(text)
+    return run(folder / "in.case", ranks, **options)
+
+
+def refused(folder, text, ranks=1, **options):
+    """Message of LIGGGHTS's own error."""
+    with pytest.raises(DemlawsError) as caught:
+        simulate(folder, text, ranks, **options)
+    assert "ERROR" in str(caught.value)
+    return str(caught.value)
 
 
 def modulus(young=60.6e9, poisson=0.25):

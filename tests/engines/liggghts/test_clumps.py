@@ -4,10 +4,9 @@ import shutil
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus
+from inputs_for_liggghts import modulus, simulate
 
 import demlaws as dl
-from demlaws.liggghts import run
 from demlaws.liggghts.run import HEAD
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -45,11 +44,6 @@ region          spot block -0.05 0.0 -0.02 0.02 0.0 0.026 units box
 fix             fall all insert/pack seed 32452843 distributiontemplate mix vel constant 10 0 -1.0 &
                 insert_every once overlapcheck yes all_in yes particles_in_region 3 region spot
 """
-
-
-def simulate(folder, text, ranks):
-    (folder / "in.case").write_text(text)
-    return run(folder / "in.case", ranks)
 
 
 def test_the_history_of_clumps_survives_ranks_migration_and_restart(tmp_path, granite_pair):

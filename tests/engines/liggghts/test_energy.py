@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import again, modulus
+from inputs_for_liggghts import again, modulus, simulate
 
 import demlaws as dl
-from demlaws.liggghts import run
 from demlaws.liggghts.run import HEAD
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -43,11 +42,6 @@ thermo_modify format float %.17e lost ignore norm no
 thermo 500
 """
 )
-
-
-def simulate(folder, text, ranks=1):
-    (folder / "in.case").write_text(text)
-    return run(folder / "in.case", ranks)
 
 
 def laws(unloading, folder):

@@ -5,11 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus, two_spheres
+from inputs_for_liggghts import modulus, refused, simulate, two_spheres
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
-from demlaws.liggghts import run
 from demlaws.make import example
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -21,11 +20,6 @@ GRAN = "pair_style gran model demlaws/table tangential history "
 def save(law, path, **options):
     law.tabulate(**options).save(path)
     return path.name
-
-
-def simulate(folder, text, ranks=1):
-    (folder / "in.case").write_text(text)
-    return run(folder / "in.case", ranks)
 
 
 def error_of(log, law):
@@ -143,14 +137,6 @@ def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
 
 
 # --- what must stop, with LIGGGHTS's own error
-
-
-def refused(folder, text):
-    with pytest.raises(DemlawsError) as caught:
-        simulate(folder, text)
-    message = str(caught.value)
-    assert "ERROR" in message and "demlaws/table" in message, message
-    return message
 
 
 @pytest.mark.parametrize(

@@ -6,11 +6,10 @@ import sys
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import again, modulus
+from inputs_for_liggghts import again, modulus, refused, simulate
 
 import demlaws as dl
-from demlaws.errors import DemlawsError
-from demlaws.liggghts import build, run
+from demlaws.liggghts import build
 from demlaws.liggghts.build import linked_library, mpi_libraries
 from demlaws.liggghts.run import HEAD
 
@@ -61,17 +60,6 @@ def falling(words, units="si", before="", after=WALL):
         low=0.004 * L, high=0.0119999 * L, diameter=0.008 * L, density=2650.0 * M / L**3, speed=-0.1 * L / T,
         words=words, before=before, after=after,
     )  # fmt: skip
-
-
-def simulate(folder, text, ranks=1, **options):
-    (folder / "in.case").write_text(text)
-    return run(folder / "in.case", ranks, **options)
-
-
-def refused(folder, text, ranks=1, **options):
-    with pytest.raises(DemlawsError) as caught:
-        simulate(folder, text, ranks, **options)
-    return str(caught.value)
 
 
 @pytest.fixture
