@@ -254,25 +254,6 @@ def test_a_measured_map_unloads_along_its_own_reloading_curve():
     assert path.force[1] < 10.0
 
 
-@pytest.mark.slow
-def test_contacts_in_arrays_have_curves_of_their_own(rng):
-    many = GRANITE.with_values(radius=rng.uniform(2e-3, 6e-3, 50), roughness=rng.uniform(1e-6, 4e-6, 50))
-    smoother = many.with_values(roughness=0.25 * many.roughness)
-    law = dl.law("pohrt-popov", many, unloading=dl.law("pohrt-popov", smoother))
-    table = law.tabulate(1e-6)
-    down = rng.uniform(0.8, 1.0, 50)
-    top = many.roughness * rng.uniform(0.5, 5.0, 50)
-    for one in (law, table):
-        state = one.new_state(50)
-        one.evaluate(top, state)
-        force, _ = one.evaluate(top * down, state)
-        for i in range(0, 50, 7):
-            contact = GRANITE.with_values(radius=many.radius[i], roughness=many.roughness[i])
-            curve = dl.law("pohrt-popov", contact.with_values(roughness=smoother.roughness[i]))
-            path = dl.law("pohrt-popov", contact, unloading=curve).follow([top[i], top[i] * down[i]])
-            assert force[i] == pytest.approx(path.force[1], rel=1e-13 if one is law else 1e-4, abs=1e-5 * path.force[0])
-
-
 @pytest.mark.parametrize(
     "curve",
     [
@@ -288,16 +269,3 @@ def test_contacts_in_arrays_have_curves_of_their_own(rng):
 def test_curves_that_will_not_do(curve):
     with pytest.raises(dl.DemlawsError):
         dl.law("rms", GRANITE, unloading=curve() if callable(curve) else curve)
-
-
-@pytest.mark.slow
-def test_loads_beyond_a_tabulated_curve_are_refused():
-    curve = dl.law("hertz", GRANITE).tabulate(max_force=10.0)
-    law = make("pohrt-popov").joined(curve)
-    assert law.force(law.overlap(30.0)) == pytest.approx(30.0)  # first loading does not need the curve
-    for call in (
-        lambda: law.follow([law.overlap(60.0)]),
-        lambda: law.evaluate(np.array([law.overlap(60.0)]), law.new_state(1)),
-    ):
-        with pytest.raises(dl.DemlawsError):
-            call()

@@ -4,16 +4,7 @@ import numpy as np
 import pytest
 
 from studies.validation import engines, in_lammps, lammps_tests
-from studies.validation.jobs import array_jobs, impact_jobs
-from studies.validation.published import IMPACTS
-
-
-@pytest.mark.slow
-def test_an_impact_on_a_rigid_plane_gives_the_printed_peak():
-    number = next(n for n, one in enumerate(IMPACTS) if one.plane)
-    (found,) = in_lammps.answer(impact_jobs()[number : number + 1])
-    assert found["parted"] and abs(found["peak"] / IMPACTS[number].peak - 1.0) < 1e-5
-    assert abs(found["restitution"] - 1.0) < 1e-6
+from studies.validation.jobs import array_jobs
 
 
 def test_an_array_keeps_the_history_of_its_contacts():

@@ -16,9 +16,9 @@ PRESS = [(-0.2, 0, 3000), (0.2, 0, 1500)]
 CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
 
 
-def press(folder, words, moves=PRESS, change=("", "")):
+def press(folder, words, moves=PRESS, change=("", ""), **options):
     """Log and text of the log of two spheres of 17.4 mm that are pressed together."""
-    (folder / "in.case").write_text(two_spheres(GRAN + words, moves, every=1).replace(*change))
+    (folder / "in.case").write_text(two_spheres(GRAN + words, moves, every=1, **options).replace(*change))
     return run(folder / "in.case"), (folder / "log.liggghts").read_text()
 
 
@@ -39,7 +39,7 @@ def test_roughness_in_the_wrong_unit(tmp_path):
 
 def test_modulus_in_the_wrong_unit(tmp_path):
     dl.law("hertz", CONTACT).tabulate().save(tmp_path / "law.tbl")
-    _, text = press(tmp_path, "table law.tbl", change=("60.6e9 60.6e9", "60.6e11 60.6e11"))
+    _, text = press(tmp_path, "table law.tbl", young=60.6e11)
     # LIGGGHTS itself refuses moduli below 5e6 Pa
     assert "100 times the effective modulus of law.tbl" in text
 

@@ -7,7 +7,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
 from yade_scenes import GRANITE, MODULUS, Recorder, functor, material, set_engines, two_spheres
 
@@ -84,22 +83,6 @@ def test_a_law_changed_under_its_name_is_another(omega, tmp_path, registered_her
     register(1e9)
     omega.load(str(tmp_path / "scene.xml"))
     omega.run(2, True)
-
-
-def test_a_table_of_a_function_is_the_function_within_its_certificate(omega):
-    def force(overlap):
-        return 3e9 * overlap**1.7
-
-    table = dl.Table.from_function(force, dl.Contact(radius=4e-3, modulus=MODULUS), unloading="hertz")
-    recorder = recorded(functor(table, None, SMOOTH, bridge="native"))
-    (rows,) = recorder.lives.values()
-    overlap, found = np.array(rows).T[:2]
-    path = table.follow(overlap[overlap >= 0])
-    np.testing.assert_allclose(found[overlap >= 0], path.force, rtol=1e-12, atol=1e-13 * path.force.max())
-    top = int(np.argmax(overlap))
-    assert (
-        top > 100 and abs(found[: top + 1] / force(overlap[: top + 1]) - 1).max() <= table.force_error * 1.01
-    )  # measured at 12 places a cell
 
 
 @pytest.mark.slow
