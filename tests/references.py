@@ -15,9 +15,13 @@ mp.dps = 50
 
 
 class Reference:
-    """Base: the energy of a law without a closed form is a quadrature, graded towards the ends."""
+    """Base: stiffness is a difference quotient; energy without a closed form a quadrature, graded towards the ends."""
 
     kinks = ()
+
+    def stiffness(self, overlap):
+        with mp.workdps(80):
+            return mpmath.diff(self.force, mpf(overlap), h=mpf(overlap) * mpf(10) ** -25)
 
     def energy(self, overlap):
         overlap = mpf(overlap)
@@ -68,11 +72,6 @@ class Rms(Reference):
     def force(self, overlap):
         return self.hertz.force(self.roughness / self.alpha(overlap))
 
-    def stiffness(self, overlap):
-        a = self.alpha(overlap)
-        part = mpf(2) / 3 - mpf(4) / 3 * mpf("2.8") * a / ((a + 2) * (mpf("2.4") * a + 2))
-        return self.hertz.force(self.roughness / a) / mpf(overlap) / part
-
     def overlap(self, force):
         hertz = self.hertz.overlap(force)
         a = self.roughness / hertz
@@ -102,12 +101,6 @@ class PohrtPopov(Reference):
         if overlap < self.overlap_at_threshold:
             return (self.c * (1 - self.m) * overlap) ** (1 / (1 - self.m))
         return self.hertz.force(overlap - self.overlap_at_threshold + self.hertz.overlap(self.threshold))
-
-    def stiffness(self, overlap):
-        force = self.force(overlap)
-        if mpf(overlap) < self.overlap_at_threshold:
-            return self.c * force**self.m
-        return self.hertz.stiffness(self.hertz.overlap(force))
 
     def overlap(self, force):
         force = mpf(force)
@@ -140,10 +133,6 @@ class Goddard(Reference):
     def force(self, overlap):
         overlap = mpf(overlap)
         return self.cone * overlap**2 if overlap < self.overlap_at_threshold else self.hertz.force(overlap - self.shift)
-
-    def stiffness(self, overlap):
-        overlap = mpf(overlap)
-        return 2 * self.cone * overlap if overlap < self.overlap_at_threshold else self.hertz.stiffness(overlap - self.shift)
 
     def overlap(self, force):
         force = mpf(force)
@@ -186,9 +175,6 @@ class RoughPlastic(Reference):
     def force(self, overlap):
         more = mpf(overlap) - self.overlap_at_yield
         return self.rough.force(overlap) if more < 0 else self.force_at_yield + self.stiffness_at_yield * more
-
-    def stiffness(self, overlap):
-        return self.rough.stiffness(overlap) if mpf(overlap) < self.overlap_at_yield else self.stiffness_at_yield
 
     def overlap(self, force):
         more = mpf(force) - self.force_at_yield
@@ -242,12 +228,6 @@ class Bahrami(Reference):
     def force(self, overlap):
         return self.hertz.force(self._hertz_overlap(overlap))
 
-    def stiffness(self, overlap):
-        hertz = self._hertz_overlap(overlap)
-        with mp.workdps(80):
-            slope = mpmath.diff(self._of_hertz, hertz, h=hertz * mpf(10) ** -25)
-        return self.hertz.stiffness(hertz) / slope
-
 
 class WaltonBraun(Reference):
     """k1 δ; back along k2 (δ - δ0), δ0 = δmax (1 - k1/k2), k2 = ratio k1 or k1 + S Pmax."""
@@ -258,9 +238,6 @@ class WaltonBraun(Reference):
 
     def force(self, overlap):
         return self.k1 * mpf(overlap)
-
-    def stiffness(self, overlap):
-        return self.k1
 
     def overlap(self, force):
         return mpf(force) / self.k1
@@ -289,9 +266,6 @@ class ThorntonNing(Reference):
         if overlap <= self.overlap_at_yield:
             return self.hertz.force(overlap)
         return self.force_at_yield + self.slope * (overlap - self.overlap_at_yield)
-
-    def stiffness(self, overlap):
-        return self.slope if mpf(overlap) > self.overlap_at_yield else self.hertz.stiffness(overlap)
 
     def overlap(self, force):
         force = mpf(force)
@@ -336,12 +310,6 @@ class ConicalDamage(Reference):
     def force(self, overlap):
         return self.on(self.radius(overlap), overlap)
 
-    def stiffness(self, overlap):
-        radius = self.radius(overlap)
-        if radius == self.r0:
-            return 2 * self.modulus * mpmath.sqrt(radius * mpf(overlap))
-        return 8 * self.modulus / 3 * self.h ** mpf("1.5") * radius / (self.h + self.a)
-
     def overlap(self, force):
         hertz = Hertz(self.r0, self.modulus)
         if mpf(force) <= hertz.force(self.kinks[0]):
@@ -373,9 +341,6 @@ class Luding(WaltonBraun):
         overlap = mpf(overlap)
         return self.k1 * overlap if overlap <= self.limit else self.k1 * self.limit + self.largest * (overlap - self.limit)
 
-    def stiffness(self, overlap):
-        return self.k1 if mpf(overlap) <= self.limit else self.largest
-
     def overlap(self, force):
         force = mpf(force)
         if force <= self.k1 * self.limit:
@@ -400,9 +365,6 @@ class Eepa(Reference):
 
     def force(self, overlap):
         return self.softness * self.hertz.force(overlap)
-
-    def stiffness(self, overlap):
-        return self.softness * self.hertz.stiffness(overlap)
 
     def overlap(self, force):
         return self.hertz.overlap(mpf(force) / self.softness)
@@ -435,9 +397,6 @@ class KogutEtsion(Reference):
     def force(self, overlap):
         factor, power = self.branch(overlap)
         return self.carried * factor * (mpf(overlap) / self.critical) ** power
-
-    def stiffness(self, overlap):
-        return self.branch(overlap)[1] * self.force(overlap) / mpf(overlap)
 
     def overlap(self, force):
         return self.critical * max((mpf(force) / self.carried / factor) ** (1 / power) for factor, power in self.BRANCHES)
@@ -496,13 +455,6 @@ class JacksonGreen(KogutEtsion):
     def force(self, overlap):
         w = mpf(overlap) / self.critical
         return self.carried * (self.plastic(w) if w > self.joint else w ** mpf("1.5"))
-
-    def stiffness(self, overlap):
-        w = mpf(overlap) / self.critical
-        if w <= self.joint:
-            return self.hertz.stiffness(overlap)
-        with mp.workdps(80):
-            return self.carried / self.critical * mpmath.diff(self.plastic, w, h=w * mpf(10) ** -25)
 
     def overlap(self, force):
         if mpf(force) <= self.carried * self.joint ** mpf("1.5"):

@@ -4,7 +4,6 @@ import functools
 import itertools
 import math
 
-import numba
 import numpy as np
 import pytest
 from examples import make
@@ -101,91 +100,8 @@ def test_lattices_with_all_contacts_alike_have_a_closed_form(kind):
         assert exact == pytest.approx(2.0 / math.sqrt(square), rel=1e-5)
 
 
-# --- velocity Verlet
-
-
-@numba.njit
-def verlet(pairs, normals, hertz, overlap, shear, radius, mass, dt, steps, start):
-    """Largest motion over that at the start, about equilibrium, with Hertz's normal force, linear shear, and rotation."""
-    count = len(mass)
-    place, speed, force = np.zeros((count, 6)), np.zeros((count, 6)), np.zeros((count, 6))  # moved, turned
-    inertia = np.empty(6)
-    inertia[:3], inertia[3:] = 1.0, 0.4 * radius**2
-    place[:, :3] = start
-    slip, push, turned = np.empty(3), np.empty(3), np.empty(3)
-    largest = 0.0
-    for step in range(steps):
-        force[:] = 0.0
-        for c in range(len(pairs)):
-            i, j = pairs[c]
-            n = normals[c]  # from j to i; the arm from i to the contact is -R n, that from j is R n
-            along = 0.0
-            for k in range(3):
-                a, b = (k + 1) % 3, (k + 2) % 3
-                turned[a], turned[b] = place[i, 3 + a] + place[j, 3 + a], place[i, 3 + b] + place[j, 3 + b]
-                slip[k] = place[i, k] - place[j, k] - radius * (turned[a] * n[b] - turned[b] * n[a])
-                along += slip[k] * n[k]
-            depth = max(overlap - along, 0.0)
-            normal = hertz * (depth**1.5 - overlap**1.5)
-            for k in range(3):
-                push[k] = (normal + shear * along) * n[k] - shear * slip[k]
-                force[i, k] += push[k]
-                force[j, k] -= push[k]
-            for k in range(3):
-                a, b = (k + 1) % 3, (k + 2) % 3
-                moment = -radius * (n[a] * push[b] - n[b] * push[a])
-                force[i, 3 + k] += moment
-                force[j, 3 + k] += moment
-        for i in range(count):
-            for k in range(6):
-                pull = 0.5 * dt * force[i, k] / (mass[i] * inertia[k])
-                # the second half kick of this step and the first of the next
-                speed[i, k] += pull if step == 0 else 2.0 * pull
-                place[i, k] += dt * speed[i, k]
-            largest = max(largest, abs(place[i, 0]), abs(place[i, 1]), abs(place[i, 2]))
-        if not largest < 1e3 * np.max(start):
-            break
-    return largest / np.max(start)
-
-
-def chain(count=20):
-    """A straight chain between two walls."""
-    pairs = np.array([[i, i + 1] for i in range(count + 1)])
-    return pairs, np.tile([-1.0, 0.0, 0.0], (count + 1, 1)), np.r_[np.inf, np.ones(count), np.inf]
-
-
-def block():
-    """A periodic block of a face-centred lattice."""
-    grains = lattice("fcc", 2)
-    return grains.pairs.astype(np.int64), grains.normals, grains.mass
-
-
 LAW = dl.law("hertz", dl.Contact(radius=2e-3, modulus=32.32e9))
 MASS = 4 / 3 * math.pi * (4e-3) ** 3 * 2680
-
-
-def largest_motion(pairs, normals, masses, ratio, dt, steps, force=100.0):
-    depth = LAW.overlap(force)
-    start = 1e-4 * depth * np.random.default_rng(1).random((len(masses), 3)) * np.isfinite(masses)[:, None]
-    contact = force / depth**1.5, depth, ratio * LAW.stiffness(depth), 4e-3
-    return verlet(pairs, np.ascontiguousarray(normals), *contact, MASS * masses, dt, steps, start)
-
-
-@pytest.mark.parametrize(
-    ("grains", "ratio", "number"), [(chain, 0.0, 2), (chain, 0.857, 2), (block, 0.0, 12), (block, 0.857, 12)]
-)
-def test_verlet_is_bounded_at_the_advised_step_and_diverges_beyond_the_limit(grains, ratio, number):
-    """A chain of 20 and a face-centred block, 100,000 steps. The former step, ÷ √(contacts in one direction), diverges."""
-    pairs, normals, masses = grains()
-    stiffness = LAW.stiffness(LAW.overlap(100.0))
-    exact = from_contacts(pairs, normals, stiffness, ratio * stiffness, MASS * masses).exact
-    advised = dl.timestep(LAW, MASS, 100.0, coordination=number, shear_ratio=ratio)
-    assert 0.3 * exact < advised < STEP_SAFETY * exact
-    assert largest_motion(pairs, normals, masses, ratio, advised, 100_000) < 20.0
-    assert largest_motion(pairs, normals, masses, ratio, 1.05 * exact, 10_000) > 999.0
-    former = 1.6 * math.sqrt(MASS / stiffness / (number / 2.0))
-    if grains is chain or ratio > 0.0:
-        assert former > 1.05 * exact and largest_motion(pairs, normals, masses, ratio, former, 10_000) > 999.0
 
 
 # --- dl.timestep

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from natives import edinburgh_input
+from natives import edinburgh_input, in_liggghts, until_free
 
 import demlaws as dl
 from demlaws.liggghts import run, stock_fit
@@ -32,3 +32,16 @@ def test_edinburgh_is_what_its_formula_says(tmp_path, granite_pair):
     loading = overlap[1:top]
     expected = fit.parameters["LoadingStiffness"] * np.maximum(loading, 0.0) ** fit.parameters["overlapExponent"]
     assert np.max(np.abs(force[1:top] - expected)) < 1e-6 * force[top]
+
+
+@pytest.mark.slow
+def test_liggghts_own_and_ours_on_the_same_path():
+    """Equal until the force is 0; below the plastic overlap stock moves it back with the bodies, and reloads from there."""
+    law = dl.law("eepa", dl.Contact(4e-3, 32e9), softness=0.8, stiffness_ratio=2.5)
+    overlap, theirs = in_liggghts(law, [6e-6, 4.5e-6, 1e-5, 7.5e-6, 5.5e-6, 9e-6])
+    ours = law.follow(overlap).force
+    assert np.count_nonzero(ours == 0.0) > 10 and until_free(ours) > 100
+    first = slice(0, until_free(ours))
+    assert np.max(np.abs(theirs - ours)[first]) <= 1e-13 * theirs.max()
+    later = (np.arange(ours.size) > until_free(ours)) & (theirs > 0.0)
+    assert np.max((theirs - ours)[later]) > 0.05 * theirs.max()

@@ -71,22 +71,6 @@ def test_limit_force(tmp_path, granite_pair):
     assert np.array_equal(force["on"], np.maximum(force["off"], 0))
 
 
-def test_walls_take_the_tables_of_the_pair_style(tmp_path, granite_pair):
-    law = dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus(), radius=8.7e-3), unloading="hertz")
-    table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    text = two_spheres(GRAN + f"table {table}", [(0, 0, 10)], every=10)
-    wall = "fix floor all wall/gran model demlaws/table tangential history primitive type 1 xplane -0.0087\n"
-    text = text.replace("variable        overlap", wall + "variable        overlap")
-    text = text.replace("-(xcm(right,x)-xcm(left,x))", "+0*xcm(left,x)").replace(
-        "compute         pull right", "compute         pull left"
-    )
-    text = text.replace('"0.5*(0.0174+0.0174)+0*xcm(left,x)"', '"-xcm(left,x)"')
-    text += "velocity left set -0.2 0 0\nrun 5000\nvelocity left set 0.2 0 0\nrun 2000\n"
-    log = simulate(tmp_path, text)
-    assert log["overlap"].max() > 9e-6
-    assert error_of(log, law) <= 3e-8
-
-
 @pytest.mark.parametrize(
     "tangential, rolling, first", [("off", "off", 1), ("history", "off", 4), ("history", "epsd2", 7), ("no_history", "epsd", 4)]
 )
