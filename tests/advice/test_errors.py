@@ -35,17 +35,6 @@ def test_unloading_and_energy_are_those_of_one_contact(rule, form):
         assert (work[i], lost[i]) == pytest.approx((path.work[0], path.dissipated[0]), rel=1e-4, abs=1e-7 * work[i])
 
 
-def test_hertz_unloading_in_closed_form():
-    loaded = Loaded(on_sample("hertz"), SAMPLE)
-    state, _, _ = loaded.state_at(loaded.top)
-    coefficient = 4 / 3 * MANY.modulus * np.sqrt(MANY.radius)
-    elastic = (PEAK / coefficient) ** (2 / 3)
-    plastic = loaded.top - elastic
-    assert loaded.unloaded(state, 0.3 * PEAK) == pytest.approx(plastic + (0.3 * PEAK / coefficient) ** (2 / 3), rel=1e-12)
-    work, lost = loaded.energies(loaded.top)
-    assert work - lost == pytest.approx(0.4 * coefficient * elastic**2.5, rel=1e-12)
-
-
 @pytest.mark.parametrize("name", [name for name, definition in registry().items() if not definition.needs_map])
 def test_overlap_of_work_is_the_inverse_of_energy(name):
     law = quiet(make, name)

@@ -136,15 +136,6 @@ def test_converged_under_grid_refinement_and_between_nodes(model, parameter):
     assert worst[3] < 1e-5
 
 
-@pytest.mark.parametrize(("model", "parameter"), shared(CASES, CASES[::3].__contains__))
-def test_tangent_is_the_derivative(model, parameter):
-    forces = np.array([1e-6, 1e-3, 0.1, 1.0, 5.0])
-    step = 1e-3
-    u = [solve(model, parameter, forces * math.exp(j * step)).approach for j in (-2, -1, 1, 2)]
-    slope = (u[0] - 8 * u[1] + 8 * u[2] - u[3]) / (12 * step)
-    np.testing.assert_allclose(solve(model, parameter, forces).stiffness, forces / slope, rtol=1e-7)
-
-
 @pytest.mark.parametrize(("model", "parameter"), shared(CASES + EVERY, CASES.__contains__))
 def test_inverse_continuity_and_passivity(model, parameter):
     whole = curve(model, parameter)

@@ -12,7 +12,7 @@ import demlaws as dl
 from demlaws import regime
 from demlaws.solvers import ellipsoid
 from demlaws.solvers.contact import RoughContact
-from demlaws.solvers.summits import nine_point_summits, summits
+from demlaws.solvers.summits import summits
 from demlaws.surface import HeightMap, self_affine
 from studies.jamari import published
 from studies.validation.maps import load_ratios
@@ -296,14 +296,6 @@ def test_bulk_yield_and_edge_are_warned_about():
 def test_bad_input(call):
     with pytest.raises(dl.DemlawsError):
         call(self_affine(32, 1e-6, 0.8, 0.5e-6, 1), dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9))
-
-
-def test_nine_point_summits():
-    z = np.zeros((7, 9))
-    z[2, 3], z[4, 6] = 1e-6, 2e-6
-    x, y, top, radius = nine_point_summits(HeightMap(z, 1e-6))
-    assert sorted(zip(x / 1e-6, y / 1e-6, top, strict=True)) == [(3, 2, 1e-6), (6, 4, 2e-6)]
-    assert sorted(radius) == pytest.approx([2 / (8e-6 / 1e-12), 2 / (4e-6 / 1e-12)])
 
 
 # --- cost

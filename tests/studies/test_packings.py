@@ -32,15 +32,6 @@ def test_the_step_is_stable_for_the_stiffest_contact():
     assert setup.timestep() > 0.1 * np.sqrt(mass / stiffness)
 
 
-def test_what_an_engine_is_told():
-    centres, radii = QUICK.start()
-    given = QUICK.given(radii, centres)
-    assert given["count"] == len(given["radii"]) == len(given["centres"]) == 150
-    assert given["young"] == GRANITE.young and given["width"] == QUICK.width and given["stress"] == QUICK.stress
-    assert given["mean_force"] == pytest.approx(0.1 * QUICK.largest_force)
-    assert QUICK.given(radii, centres, width=1.0)["width"] == 1.0
-
-
 def test_a_packing_that_was_never_made():
     with pytest.raises(OSError, match="granite-7"):
         packings.packing(Setup(count=7))
