@@ -1,7 +1,7 @@
 """The Conical Damage Model: YADE's own (Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM) against law conical-damage in one scene."""
 
 import numpy as np
-from yade_scenes import POISSON, YOUNG, functor
+from yade_scenes import POISSON, YOUNG, engine_list, fixed_pair, functor, interaction_loop
 
 import demlaws as dl
 
@@ -14,7 +14,6 @@ PATH = np.concatenate(
 def test_yades_own_and_ours_on_the_same_path(omega):
     """Loading beyond first yield, unloading, reloading beyond, unloading past the plastic overlap: to 1e-12 of the largest."""
     import yade
-    from yade.utils import sphere
 
     law = functor("conical-damage", None, bridge="native", strength=STRENGTH, angle=ANGLE)
     plain = yade.FrictMat(young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, label="granite")
@@ -22,17 +21,9 @@ def test_yades_own_and_ours_on_the_same_path(omega):
         young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, sigmaMax=STRENGTH, alpha=ANGLE, c1=0.0, c2=0.0
     )
     for x, stone in ((0.0, plain), (0.1, crushed)):
-        omega.bodies.append([sphere((x, 0, z), RADIUS, fixed=True, material=stone) for z in (0.0, 2 * RADIUS)])
-    omega.engines = [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=1e-3),
-        yade.InteractionLoop(
-            [yade.Ig2_Sphere_Sphere_ScGeom()],
-            [yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM(), yade.Ip2_FrictMat_FrictMat_MindlinPhys()],
-            [yade.Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM(), law],
-        ),
-        yade.NewtonIntegrator(),
-    ]
+        omega.bodies.append(fixed_pair(stone, 0.0, RADIUS, x))
+    physics = [yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM(), yade.Ip2_FrictMat_FrictMat_MindlinPhys()]
+    omega.engines = engine_list(interaction_loop(yade.Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM(), law, physics=physics))
     omega.dt = 1e-9
     forces = []
     for overlap in PATH:

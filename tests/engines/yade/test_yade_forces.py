@@ -5,7 +5,7 @@ from itertools import product
 import numpy as np
 import pytest
 from examples import rules_of, shared, telling
-from yade_scenes import GRANITE, MODULUS, Recorder, cloud, force, functor, material, set_engines, two_spheres
+from yade_scenes import GRANITE, MODULUS, Recorder, cloud, fixed_pair, force, functor, material, set_engines, two_spheres
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
@@ -219,7 +219,7 @@ def test_totals_count_contacts_that_were_erased(omega, tmp_path, way, erase):
     upper = sphere((0, 0, 0.02), 0.01, material=stone)
     clump = omega.bodies.appendClumped([upper])[0] if erase == "clump" else omega.bodies.append(upper)
     omega.bodies[clump].state.vel = (0, 0, -0.3)
-    omega.bodies.append([sphere((0.1, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - 1e-5)])
+    omega.bodies.append(fixed_pair(stone, x=0.1))
     set_engines(law)
     omega.run(60, True)
     omega.bodies[omega.bodies[-1].id].state.pos = (0.1, 0, 0.03)  # this contact ends

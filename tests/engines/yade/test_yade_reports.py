@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, SURFACES, force, functor, set_engines, two_spheres
+from yade_scenes import GRANITE, SURFACES, fixed_pair, force, functor, interaction_loop, set_engines, two_spheres
 
 import demlaws as dl
 
@@ -19,8 +19,6 @@ def issued(run):
 
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega, way):
-    from yade.utils import sphere
-
     soft = dl.Surface(2.4e-6, 2.22, 1e9)
     pair = soft.combined(soft)
     contact = dl.Contact(0.005, 60.6e9 / (2 * (1 - 0.25**2)), pair.roughness, pair.fractal_dimension, pair.hardness)
@@ -28,7 +26,7 @@ def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega, way):
     law = functor(surfaces={"granite": soft}, bridge=way)
     two_spheres(law, speed=-1.0)
     for x in (0.1, 0.2):
-        omega.bodies.append([sphere((x, 0, z), 0.01, fixed=True, material="granite") for z in (0, 0.02 - 3e-5 * x)])
+        omega.bodies.append(fixed_pair("granite", 3e-5 * x, x=x))
     texts = issued(lambda: (omega.run(280, True), law.totals(), omega.run(20, True), law.contacts()))
     (text,) = (text for text in texts if "0.6 H_m" in text)
     assert "1 of 3 contacts are above" in text and "0+1" in text and f"above {limit:.3g} N" in text
@@ -53,11 +51,8 @@ def test_engines_within_an_integrator_are_refused(omega):
     import yade
 
     def engines_of(law):
-        return [
-            yade.ForceResetter(),
-            yade.GeneralIntegratorInsertionSortCollider([yade.Bo1_Sphere_Aabb()]),
-            yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law]),
-        ]
+        collider = yade.GeneralIntegratorInsertionSortCollider([yade.Bo1_Sphere_Aabb()])
+        return [yade.ForceResetter(), collider, interaction_loop(law)]
 
     two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin(), gap=-1e-6)
     law = functor(bridge="native")
@@ -120,12 +115,11 @@ def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
 def test_physics_of_another_class_stops_the_run(omega):
     """Those of the Conical Damage Model without its law: the message names shapes, geometry and physics."""
     import yade
-    from yade.utils import sphere
 
     strength = {"sigmaMax": 1e9, "alpha": 0.1}
     stone = yade.FrictMatCDM(young=60.6e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite", **strength)
     omega.materials.append(stone)
-    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - 1e-6)])
+    omega.bodies.append(fixed_pair(stone, 1e-6))
     set_engines(functor(bridge="native"), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
     with pytest.raises(RuntimeError, match="contact 0\\+1 of Sphere and Sphere is described by ScGeom and MindlinPhysCDM"):
         omega.run(3, True)

@@ -7,7 +7,7 @@ import functools
 
 import numpy as np
 import pytest
-from yade_scenes import functor, material
+from yade_scenes import engine_list, functor, interaction_loop, material
 
 RADIUS = 0.01
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
@@ -77,12 +77,7 @@ def _impact(name, law):
         physics = [*physics, "Ip2_CohFrictMat_CohFrictMat_CohFrictPhys"]
         laws = [law, yade.Law2_ScGeom6D_CohFrictPhys_CohesionMoment()]
     bounds, geometries, physics = ([getattr(yade, kind)() for kind in kinds] for kinds in (bounds, geometries, physics))
-    omega.engines = [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), *bounds], verletDist=1e-3),
-        yade.InteractionLoop(geometries, physics, laws),
-        yade.NewtonIntegrator(damping=0),
-    ]
+    omega.engines = engine_list(interaction_loop(*laws, geometries=geometries, physics=physics), bounds=bounds)
     build(yade)
     ball = omega.bodies.append(sphere((0.003, 0.0005, 0.015 + 1e-6), RADIUS, material="granite"))
     omega.bodies[ball].state.vel, omega.bodies[ball].state.angVel = (0.05, 0.02, -0.3), (3, -5, 2)

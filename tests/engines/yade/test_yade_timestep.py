@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from yade_scenes import engine_list, interaction_loop
 
 import demlaws as dl
 from demlaws.advice.scene import Scene, stable_step
@@ -33,16 +34,7 @@ def lattice(kind):
         body = yade.utils.sphere(tuple(edge * (np.array(corner) + base)), RADIUS)
         body.state.vel = tuple(1e-4 * random.standard_normal(3))
         yade.O.bodies.append(body)
-    yade.O.engines = [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()]),
-        yade.InteractionLoop(
-            [yade.Ig2_Sphere_Sphere_ScGeom()],
-            [yade.Ip2_FrictMat_FrictMat_MindlinPhys()],
-            [yade.Law2_ScGeom_MindlinPhys_Mindlin()],
-        ),
-        yade.NewtonIntegrator(damping=0.0),
-    ]
+    yade.O.engines = engine_list(interaction_loop(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
     yade.O.dt = 1e-9
     yade.O.run(2, True)
     return yade.O

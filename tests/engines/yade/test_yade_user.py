@@ -15,9 +15,12 @@ from yade_scenes import (
     MODULUS,
     OVERLAP,
     assert_guarded,
+    engine_list,
     expected,
+    fixed_pair,
     force,
     functor,
+    interaction_loop,
     material,
     set_engines,
     still,
@@ -53,8 +56,7 @@ def test_engines_are_what_the_user_wrote(omega, way, hidden):
     assert [type(e) for e in omega.engines] == [type(e) for e in wrote] and len(omega._currEngines) == len(wrote) + hidden
     for engine in omega.engines:
         engine.dead = isinstance(engine, yade.PyRunner)
-    stone = material()
-    omega.bodies.append([yade.utils.sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    omega.bodies.append(fixed_pair(material()))
     omega.dt = 1e-9
     omega.run(3, True)
     assert force() == expected()
@@ -111,18 +113,10 @@ def test_the_guard_rests(omega):
 
 def test_parallel_engine(omega, tmp_path):
     import yade
-    from yade.utils import sphere
 
     law = functor(bridge="native")
-    stone = material()
-    omega.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
-    loop = yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [law])
-    omega.engines = [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=1e-3),
-        yade.ParallelEngine([[loop]]),
-        yade.NewtonIntegrator(),
-    ]
+    omega.bodies.append(fixed_pair(material()))
+    omega.engines = engine_list(yade.ParallelEngine([[interaction_loop(law)]]))
     assert len(omega._currEngines) == 5 and len(omega.engines) == 4
     omega.dt = 1e-9
     omega.run(3, True)
@@ -315,31 +309,23 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
     scene, which ends the process. Two loops compute every contact twice."""
     import yade
 
-    def loop(*functors):
-        return yade.InteractionLoop(
-            [yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], list(functors)
-        )
-
-    def listed(*loops):
-        return [yade.ForceResetter(), yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()]), *loops, yade.NewtonIntegrator()]
-
     law = functor(bridge=way)
     second = functor("hertz", "elastic", bridge=way, label="second")
     mindlin, linear = yade.Law2_ScGeom_MindlinPhys_Mindlin(), yade.Law2_ScGeom_MindlinPhys_HertzWithLinearShear()
     cundall = yade.Law2_ScGeom_FrictPhys_CundallStrack()
     for functors in ((law, mindlin), (mindlin, law), (law, second), (law, linear), (linear, law)):
         with pytest.raises(dl.DemlawsError):
-            omega.engines = listed(loop(*functors))
+            omega.engines = engine_list(interaction_loop(*functors))
     for functors in ((law, law), (law, second), (law, cundall)):
         with pytest.raises(dl.DemlawsError):
-            omega.engines = listed(*(loop(one) for one in functors))
+            omega.engines = engine_list(*map(interaction_loop, functors))
     assert law.binding.scene is None
     with pytest.raises(dl.DemlawsError):
         set_engines(law, physics=yade.Ip2_FrictMat_FrictMat_FrictPhys())
-    dead = loop(cundall)
+    dead = interaction_loop(cundall)
     dead.dead = True
     still(law)
-    omega.engines = listed(loop(law, law), dead)
+    omega.engines = engine_list(interaction_loop(law, law), dead)
     omega.run(3, True)
     assert omega.forces.f(1)[2] == expected()
 

@@ -46,6 +46,28 @@ def set_engines(law, timestep=1e-7, **options):
     yade.O.dt = timestep
 
 
+def interaction_loop(*laws, geometries=None, physics=None):
+    import yade
+
+    geometries = geometries or [yade.Ig2_Sphere_Sphere_ScGeom()]
+    return yade.InteractionLoop(geometries, physics or [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], list(laws))
+
+
+def engine_list(*loops, bounds=(), damping=0.0):
+    """What a user writes who does not take our `engines`."""
+    import yade
+
+    collider = yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), *bounds], verletDist=1e-3)
+    return [yade.ForceResetter(), collider, *loops, yade.NewtonIntegrator(damping=damping)]
+
+
+def fixed_pair(stone, overlap=OVERLAP, radius=0.01, x=0.0):
+    """Two fixed spheres that overlap."""
+    import yade
+
+    return [yade.utils.sphere((x, 0, z), radius, fixed=True, material=stone) for z in (0, 2 * radius - overlap)]
+
+
 def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01, sideways=0.0):
     """A sphere that moves towards a fixed one."""
     import yade
@@ -61,10 +83,8 @@ def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01, sideways=0.0):
 def still(law, label="granite", **stone):
     """Two fixed spheres that overlap by OVERLAP."""
     import yade
-    from yade.utils import sphere
 
-    stone = material(label, **stone)
-    yade.O.bodies.append([sphere((0, 0, z), 0.01, fixed=True, material=stone) for z in (0, 0.02 - OVERLAP)])
+    yade.O.bodies.append(fixed_pair(material(label, **stone)))
     set_engines(law, 1e-9)
 
 
