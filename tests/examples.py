@@ -139,51 +139,16 @@ def _granite(radius, roughness, dimensions):
     )
 
 
+PRINTED = ("hertz", "rms", "pohrt-popov", "yip-venart", "bahrami")
+_TESTS = (
+    ("SS(18-18)", 4.35e-3, 2.40e-6, (2.21, 2.23), 57.5, (10.6, 6484), (13.4, 5170), (14.1, 4288), (14.5, 4937), (11.3, 4936)),
+    ("SS(12-18)", 3.58e-3, 4.19e-6, (2.33, 2.25), 106.9, (11.3, 6077), (16.3, 3905), (17.8, 3325), (18.5, 3758), (13.4, 3974)),
+    ("SF(12)", 6.05e-3, 6.56e-6, (2.23, 2.32), 278.9, (9.5, 7238), (17.2, 3264), (18.8, 3143), (20.8, 3236), (13.0, 4886)),
+    ("RS(18-18)", 4.19e-3, 5.34e-6, (2.17, 2.23), 194.0, (10.8, 6404), (17.1, 3498), (18.5, 3224), (20.0, 3531), (13.7, 4257)),
+)
 GRANITE_TESTS = {
-    "SS(18-18)": GraniteTest(
-        _granite(4.35e-3, 2.40e-6, (2.21, 2.23)),
-        57.5,
-        {
-            "hertz": (10.6, 6484),
-            "rms": (13.4, 5170),
-            "pohrt-popov": (14.1, 4288),
-            "yip-venart": (14.5, 4937),
-            "bahrami": (11.3, 4936),
-        },
-    ),
-    "SS(12-18)": GraniteTest(
-        _granite(3.58e-3, 4.19e-6, (2.33, 2.25)),
-        106.9,
-        {
-            "hertz": (11.3, 6077),
-            "rms": (16.3, 3905),
-            "pohrt-popov": (17.8, 3325),
-            "yip-venart": (18.5, 3758),
-            "bahrami": (13.4, 3974),
-        },
-    ),
-    "SF(12)": GraniteTest(
-        _granite(6.05e-3, 6.56e-6, (2.23, 2.32)),
-        278.9,
-        {
-            "hertz": (9.5, 7238),
-            "rms": (17.2, 3264),
-            "pohrt-popov": (18.8, 3143),
-            "yip-venart": (20.8, 3236),
-            "bahrami": (13.0, 4886),
-        },
-    ),
-    "RS(18-18)": GraniteTest(
-        _granite(4.19e-3, 5.34e-6, (2.17, 2.23)),
-        194.0,
-        {
-            "hertz": (10.8, 6404),
-            "rms": (17.1, 3498),
-            "pohrt-popov": (18.5, 3224),
-            "yip-venart": (20.0, 3531),
-            "bahrami": (13.7, 4257),
-        },
-    ),
+    name: GraniteTest(_granite(radius, roughness, dimensions), threshold, dict(zip(PRINTED, expected, strict=True)))
+    for name, radius, roughness, dimensions, threshold, *expected in _TESTS
 }
 SMOOTH_GRANITE = GraniteTest(_granite(4.04e-3, 0.15e-6, (2.06, 2.09)), 1.14, {})
 

@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 from inputs_for_lammps import LOAD_UNLOAD, moves_of
 
+import demlaws as dl
 from demlaws.errors import DemlawsError
 
 ENGINES = ("liggghts", "lammps")
 both = pytest.mark.parametrize("engine", ENGINES)
 DIAMETER, STEP = 17.4e-3, 5e-8
+ROUGH = dl.Contact(radius=4.35e-3, modulus=inputs_for_liggghts.modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+SHEARED = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
+"""Press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide."""
 ENERGY = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
 WATCH = """\
 compute er all erotate/sphere

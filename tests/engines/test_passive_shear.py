@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus
-from spheres import DIAMETER, ENERGY, STEP, both, gas, simulate, spheres
+from spheres import DIAMETER, ENERGY, ROUGH, SHEARED, STEP, both, gas, simulate, spheres
 
 import demlaws as dl
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
 LAWS = {
     "hertz elastic": ("hertz", "elastic"),
     "rough elastic": ("pohrt-popov", "elastic"),
@@ -17,12 +15,10 @@ LAWS = {
     "thornton": ("pohrt-popov", "thornton"),
 }
 RATIO = 2 * (1 - 0.25) / (2 - 0.25)
-# press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide
-MOVES = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
 
 
 def save(folder, name):
-    law = dl.law(LAWS[name][0], CONTACT, LAWS[name][1])
+    law = dl.law(LAWS[name][0], ROUGH, LAWS[name][1])
     law.tabulate(rtol=1e-6, max_force=3e4).save(folder / "law.tbl")
     return law
 
@@ -32,9 +28,9 @@ def save(folder, name):
 @both
 def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
     law = save(tmp_path, name)
-    log = simulate(engine, tmp_path, spheres(engine, f"shear {shear}", MOVES, every=2, **ENERGY))
+    log = simulate(engine, tmp_path, spheres(engine, f"shear {shear}", SHEARED, every=2, **ENERGY))
     kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
-    across = np.concatenate([[0.0], *[np.full(steps // 2, speed * 2 * STEP) for _, speed, steps in MOVES]]).cumsum()
+    across = np.concatenate([[0.0], *[np.full(steps // 2, speed * 2 * STEP) for _, speed, steps in SHEARED]]).cumsum()
     path = sheared(law, log["overlap"][kept], across, RATIO, shear.split()[0], 0.5, 2000)
     found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
     tolerance = {"elastic": 3e-3, "loading": 3e-3, "slip": 2e-2, "slip springs 30": 5e-3}[shear]

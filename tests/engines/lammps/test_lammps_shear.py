@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from inputs_for_lammps import continued, modulus, moves_of, save, simulate, two_spheres
+from inputs_for_lammps import continued, moves_of, save, simulate, two_spheres
+from spheres import ROUGH, SHEARED
 
 import demlaws as dl
 from demlaws.errors import EngineStopped
@@ -10,7 +11,6 @@ from demlaws.lammps.check import HEAD
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
 LAWS = {
     "hertz elastic": ("hertz", "elastic"),
     "rough elastic": ("pohrt-popov", "elastic"),
@@ -20,14 +20,12 @@ LAWS = {
 }
 RATIO, DIAMETER = 2 * (1 - 0.25) / (2 - 0.25), 17.4e-3
 TANGENTIAL = "tangential demlaws 0.0 0.5 damping velocity"
-# press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide
-MOVES = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
 ENERGY = {"more": "compute en all demlaws/energy", "columns": "c_en[1] c_en[2]"}
 
 
 def law_in(folder, name):
     law, rule, *options = LAWS[name]
-    law = dl.law(law, CONTACT, rule, **(options[0] if options else {}))
+    law = dl.law(law, ROUGH, rule, **(options[0] if options else {}))
     save(law, folder / "law.tbl", rtol=1e-6, max_force=3e4)
     return law
 
@@ -83,17 +81,17 @@ variable side equal c_pull[2]
 thermo_style custom step v_overlap v_force v_side c_en[1] c_en[2]
 thermo_modify format float %.17e lost ignore norm no
 thermo 2
-{moves_of(MOVES)}"""
+{moves_of(SHEARED)}"""
     )
 
 
 @pytest.mark.parametrize("style", ["wall/gran", "wall/gran/region"])
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 def test_walls(tmp_path, shear, style):
-    law = dl.law("pohrt-popov", CONTACT.with_values(radius=8.7e-3), "hertz")
+    law = dl.law("pohrt-popov", ROUGH.with_values(radius=8.7e-3), "hertz")
     save(law, tmp_path / "law.tbl", rtol=1e-6, max_force=3e4)
     log = simulate(tmp_path, wall(shear, style))
-    across, kept = along(MOVES, log, 2)
+    across, kept = along(SHEARED, log, 2)
     path = sheared(law, log["overlap"][kept], across, RATIO, shear, 0.5, 2000)
     np.testing.assert_allclose(-log["side"][kept], path.shear_force, atol=2e-2 * 0.5 * path.force.max())
     normal = law.follow(log["overlap"][kept])
@@ -103,9 +101,9 @@ def test_walls(tmp_path, shear, style):
 
 def test_a_restart_between_two_spheres_goes_on_to_the_last_bit(tmp_path):
     law_in(tmp_path, "rough")
-    whole = simulate(tmp_path, two_spheres(terms("slip springs 8"), MOVES))
-    simulate(tmp_path, two_spheres(terms("slip springs 8"), MOVES[:3]) + "write_restart now.restart\n")
-    again = simulate(tmp_path, continued(MOVES[3:]))
+    whole = simulate(tmp_path, two_spheres(terms("slip springs 8"), SHEARED))
+    simulate(tmp_path, two_spheres(terms("slip springs 8"), SHEARED[:3]) + "write_restart now.restart\n")
+    again = simulate(tmp_path, continued(SHEARED[3:]))
     assert again["side"][-1] == whole["side"][-1] != 0.0
 
 
@@ -115,7 +113,7 @@ def test_a_restart_between_two_spheres_goes_on_to_the_last_bit(tmp_path):
 def test_models_that_create_energy_are_warned_of(tmp_path, model, warned):
     law_in(tmp_path, "rough")
     stiffness = "" if model == "demlaws" else "NULL "
-    simulate(tmp_path, two_spheres(terms("elastic", f"tangential {model} {stiffness}0 0.5 damping velocity"), MOVES[:1]))
+    simulate(tmp_path, two_spheres(terms("elastic", f"tangential {model} {stiffness}0 0.5 damping velocity"), SHEARED[:1]))
     text = (tmp_path / "log.lammps").read_text()
     assert (f"tangential {model} creates energy" in text) is warned
     assert text.count("use 'tangential demlaws XT MU'") == warned
@@ -136,11 +134,11 @@ def test_models_that_create_energy_are_warned_of(tmp_path, model, warned):
 def test_wrong_words_are_named(tmp_path, words, message):
     law_in(tmp_path, "rough")
     with pytest.raises(EngineStopped) as stopped:
-        simulate(tmp_path, two_spheres(words, MOVES[:1]))
+        simulate(tmp_path, two_spheres(words, SHEARED[:1]))
     assert message in str(stopped.value)
 
 
 def test_slip_is_refused_where_unloading_has_no_springs(tmp_path):
-    save(dl.law("eepa", CONTACT, "eepa", stiffness_ratio=5.0), tmp_path / "law.tbl", rtol=1e-5, max_force=1e3)
+    save(dl.law("eepa", ROUGH, "eepa", stiffness_ratio=5.0), tmp_path / "law.tbl", rtol=1e-5, max_force=1e3)
     with pytest.raises(EngineStopped, match="the table has eepa"):
-        simulate(tmp_path, two_spheres(terms("slip"), MOVES[:1]))
+        simulate(tmp_path, two_spheres(terms("slip"), SHEARED[:1]))
