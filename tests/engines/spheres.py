@@ -15,6 +15,15 @@ ENGINES = ("liggghts", "lammps")
 both = pytest.mark.parametrize("engine", ENGINES)
 DIAMETER, STEP = 17.4e-3, 5e-8
 ROUGH = dl.Contact(radius=4.35e-3, modulus=inputs_for_liggghts.modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+LAWS = {
+    "hertz elastic": ("hertz", "elastic"),
+    "rough elastic": ("pohrt-popov", "elastic"),
+    "rough": ("pohrt-popov", "hertz"),
+    "thornton": ("pohrt-popov", "thornton"),
+    "yielded": ("jackson-green", "etsion", {"yield_strength": 4e9}),
+}
+"""Laws whose contacts are sheared."""
+RATIO = 2 * (1 - 0.25) / (2 - 0.25)
 SHEARED = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
 """Press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide."""
 ENERGY = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
@@ -27,6 +36,14 @@ thermo_style custom step ke v_spin c_en[1] c_en[2] v_x1
 thermo_modify norm no lost error format float %.17e
 thermo 5000
 """
+
+
+def save_law(folder, name):
+    """One of LAWS of a rough contact; its table is law.tbl."""
+    law, rule, *options = LAWS[name]
+    law = dl.law(law, ROUGH, rule, **(options[0] if options else {}))
+    law.tabulate(rtol=1e-6, max_force=3e4).save(folder / "law.tbl")
+    return law
 
 
 def part(engine, name):

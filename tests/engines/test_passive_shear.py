@@ -2,32 +2,17 @@
 
 import numpy as np
 import pytest
-from spheres import DIAMETER, ENERGY, ROUGH, SHEARED, STEP, both, gas, simulate, spheres
+from spheres import DIAMETER, ENERGY, LAWS, RATIO, SHEARED, STEP, both, gas, save_law, simulate, spheres
 
 import demlaws as dl
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-LAWS = {
-    "hertz elastic": ("hertz", "elastic"),
-    "rough elastic": ("pohrt-popov", "elastic"),
-    "rough": ("pohrt-popov", "hertz"),
-    "thornton": ("pohrt-popov", "thornton"),
-}
-RATIO = 2 * (1 - 0.25) / (2 - 0.25)
-
-
-def save(folder, name):
-    law = dl.law(LAWS[name][0], ROUGH, LAWS[name][1])
-    law.tabulate(rtol=1e-6, max_force=3e4).save(folder / "law.tbl")
-    return law
-
-
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "slip springs 30"])
 @pytest.mark.parametrize("name", LAWS)
 @both
 def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
-    law = save(tmp_path, name)
+    law = save_law(tmp_path, name)
     log = simulate(engine, tmp_path, spheres(engine, f"shear {shear}", SHEARED, every=2, **ENERGY))
     kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
     across = np.concatenate([[0.0], *[np.full(steps // 2, speed * 2 * STEP) for _, speed, steps in SHEARED]]).cumsum()
@@ -44,7 +29,7 @@ def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
 @both
 def test_a_contact_that_carried_no_force_has_lost_its_shear(engine, tmp_path, shear):
     """Press, slide, lift off below the plastic overlap without parting, press again: no shear force is left."""
-    law = save(tmp_path, "rough")
+    law = save_law(tmp_path, "rough")
     plastic = law.follow([5.9e-6]).plastic_overlap[-1]
     assert plastic > 1e-6
     up = round((5.9e-6 - 0.5 * plastic) / 1e-8)
@@ -72,7 +57,7 @@ def test_a_contact_that_carried_no_force_has_lost_its_shear(engine, tmp_path, sh
 @both
 def test_a_gas_gains_no_energy(engine, tmp_path, name, shear, friction, poisson):
     """The engines' own history models double this energy with rough elastic contacts. The losses are in the balance."""
-    save(tmp_path, name)
+    save_law(tmp_path, name)
     log = simulate(engine, tmp_path, gas(engine, friction, shear, poisson, newton="off")[0] + "run 100000\n")
     kept = log["KinEng"] + log["spin"] + log["en[1]"]
     assert kept.max() <= 1.001 * kept[0]
@@ -83,7 +68,7 @@ def test_a_gas_gains_no_energy(engine, tmp_path, name, shear, friction, poisson)
 @pytest.mark.parametrize("shear", ["elastic", "slip"])
 @both
 def test_ranks_and_restart_change_nothing(engine, tmp_path, shear):
-    save(tmp_path, "rough")
+    save_law(tmp_path, "rough")
     start, common = gas(engine, 0.5, shear)
     one = simulate(engine, tmp_path, start + "run 12000\nwrite_restart half.rst\nrun 12000\n")
     two = simulate(engine, tmp_path, gas(engine, 0.5, shear, ranks=2)[0] + "run 24000\n", 2)

@@ -11,23 +11,9 @@ from demlaws.lammps.check import HEAD
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-LAWS = {
-    "hertz elastic": ("hertz", "elastic"),
-    "rough elastic": ("pohrt-popov", "elastic"),
-    "rough": ("pohrt-popov", "hertz"),
-    "thornton": ("pohrt-popov", "thornton"),
-    "yielded": ("jackson-green", "etsion", {"yield_strength": 4e9}),
-}
 RATIO, DIAMETER = 2 * (1 - 0.25) / (2 - 0.25), 17.4e-3
 TANGENTIAL = "tangential demlaws 0.0 0.5 damping velocity"
 ENERGY = {"more": "compute en all demlaws/energy", "columns": "c_en[1] c_en[2]"}
-
-
-def law_in(folder, name):
-    law, rule, *options = LAWS[name]
-    law = dl.law(law, ROUGH, rule, **(options[0] if options else {}))
-    save(law, folder / "law.tbl", rtol=1e-6, max_force=3e4)
-    return law
 
 
 def terms(shear, tangential=TANGENTIAL):
