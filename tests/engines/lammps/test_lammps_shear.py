@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from inputs_for_lammps import continued, moves_of, save, simulate, two_spheres
-from spheres import ROUGH, SHEARED
+from spheres import RATIO, ROUGH, SHEARED, save_law
 
 import demlaws as dl
 from demlaws.errors import EngineStopped
@@ -11,7 +11,6 @@ from demlaws.lammps.check import HEAD
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-RATIO, DIAMETER = 2 * (1 - 0.25) / (2 - 0.25), 17.4e-3
 TANGENTIAL = "tangential demlaws 0.0 0.5 damping velocity"
 ENERGY = {"more": "compute en all demlaws/energy", "columns": "c_en[1] c_en[2]"}
 
@@ -28,7 +27,7 @@ def along(moves, log, every):
 
 def test_an_energy_that_is_defined_later_begins_with_what_contacts_store(tmp_path):
     """Press and slide, define the compute, slide back and forth: before it only plastic flow and slip count from then on."""
-    law_in(tmp_path, "hertz elastic")
+    save_law(tmp_path, "hertz elastic")
     before, after = [(-0.2, 0, 600), (0, 0.02, 300)], [(0, 0.0, 20), (0, -0.02, 600)]
     late = "compute en all demlaws/energy\nthermo_style custom step v_force c_en[1] c_en[2]\n"
     late += "thermo_modify format float %.17e lost ignore norm no\n" + moves_of(after)
@@ -86,7 +85,7 @@ def test_walls(tmp_path, shear, style):
 
 
 def test_a_restart_between_two_spheres_goes_on_to_the_last_bit(tmp_path):
-    law_in(tmp_path, "rough")
+    save_law(tmp_path, "rough")
     whole = simulate(tmp_path, two_spheres(terms("slip springs 8"), SHEARED))
     simulate(tmp_path, two_spheres(terms("slip springs 8"), SHEARED[:3]) + "write_restart now.restart\n")
     again = simulate(tmp_path, continued(SHEARED[3:]))
@@ -97,7 +96,7 @@ def test_a_restart_between_two_spheres_goes_on_to_the_last_bit(tmp_path):
     ("model", "warned"), [("mindlin", True), ("mindlin_rescale", True), ("mindlin_rescale/force", False), ("demlaws", False)]
 )
 def test_models_that_create_energy_are_warned_of(tmp_path, model, warned):
-    law_in(tmp_path, "rough")
+    save_law(tmp_path, "rough")
     stiffness = "" if model == "demlaws" else "NULL "
     simulate(tmp_path, two_spheres(terms("elastic", f"tangential {model} {stiffness}0 0.5 damping velocity"), SHEARED[:1]))
     text = (tmp_path / "log.lammps").read_text()
@@ -118,7 +117,7 @@ def test_models_that_create_energy_are_warned_of(tmp_path, model, warned):
     ],
 )
 def test_wrong_words_are_named(tmp_path, words, message):
-    law_in(tmp_path, "rough")
+    save_law(tmp_path, "rough")
     with pytest.raises(EngineStopped) as stopped:
         simulate(tmp_path, two_spheres(words, SHEARED[:1]))
     assert message in str(stopped.value)
