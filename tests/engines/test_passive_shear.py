@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 from spheres import DIAMETER, ENERGY, LAWS, RATIO, SHEARED, STEP, both, gas, save_law, simulate, spheres
 
-import demlaws as dl
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "slip springs 30"])
 @pytest.mark.parametrize("name", LAWS)
 @both
