@@ -9,7 +9,7 @@ import pytest
 from examples import GRANITE, make, quiet
 
 import demlaws as dl
-from demlaws.core import dispatch
+from demlaws.core import dispatch, numba_compat
 from demlaws.core.loops import energies_loop, unloaded_loop
 from demlaws.core.unloading import GIVEN, RULES, rule_of
 from demlaws.laws.registry import registry
@@ -46,6 +46,24 @@ def test_an_unknown_kernel_is_refused():
         dispatch.bind(Unbound, virign=lambda p, overlap: overlap)
     with pytest.raises(TypeError):
         dispatch.bind(type("HertzParams", (tuple,), {"__module__": "demlaws.laws.mine"}), virgin=lambda p, overlap: overlap)
+
+
+def test_a_second_type_of_the_name_is_refused():
+    """The name goes into the symbols of the machine code."""
+
+    class First(NamedTuple):
+        k: float
+
+    class Second(NamedTuple):
+        k: float
+
+    First.__name__ = Second.__name__ = "SpringOfThisTest"
+    First.__module__ = Second.__module__ = "demlaws.laws.made_up"  # a user's would be given another name
+    kernel = numba_compat.kernel(lambda p, overlap: 0.5 * p.k * overlap**2)
+    dispatch.bind(First, energy=kernel)
+    dispatch.bind(First, inverse=numba_compat.kernel(lambda p, force: force / p.k))  # binding again adds
+    with pytest.raises(TypeError, match=r"SpringOfThisTest\w*: another law has a type of this name"):
+        dispatch.bind(Second, energy=kernel)
 
 
 @pytest.mark.parametrize("unloading", RULES)

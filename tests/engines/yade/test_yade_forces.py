@@ -1,7 +1,5 @@
 """The force that native YADE applied against the law, every step, in every geometry."""
 
-from itertools import product
-
 import numpy as np
 import pytest
 from examples import rules_of, shared, telling
@@ -39,40 +37,6 @@ def test_two_spheres_every_law(omega, name, rule):
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
     assert recorder.exact(name, rule, **find(name).example) > 300
-
-
-@pytest.mark.parametrize(
-    ("name", "form"),
-    [
-        *shared(
-            [
-                *product(dl.laws(), ["closed form", "table", "family"]),
-                *product(["pohrt-popov", "rough-plastic", "yip-venart"], ["joined closed form", "joined table"]),
-            ],
-            [("rough-plastic", "family"), ("rough-plastic", "joined table")].__contains__,
-        )
-    ],
-)
-def test_what_is_read_from_the_shape_is_in_the_shape(name, form):
-    """A contact's row holds only those of its Params that its law's Shape does not hold under the same name."""
-    import numba
-
-    from demlaws.core.dispatch import scale
-    from demlaws.yade import memory
-
-    radius = [4e-3, 5e-3] if form == "family" else 4e-3
-    contact = dl.Contact(radius, 32e9, 2.4e-6, 2.22, 6.3e9)
-    law = example(name, contact, GIVEN if form.startswith("joined") else "elastic")
-    if form.endswith("table"):
-        law = law.tabulate(1e-3, 100.0)
-    for radius in (4e-3, 4.7e-3):
-        p = numba.njit(lambda s, r: scale(s, r, 32e9, 2.4e-6))(law.shape, radius)
-        fields = memory.fields_of(numba.typeof(p), numba.typeof(law.shape))
-        values = memory.pack(law.shape, [])
-        for field, kind, place in fields:
-            if place is not None:
-                words = memory.pack(getattr(p, field), [])
-                assert words == values[place // 8 : place // 8 + len(words)], f"{field}: {kind}"
 
 
 def test_periodic_packing(omega):
