@@ -1,6 +1,5 @@
 """What every law declares in its own file, and that nothing elsewhere knows a law by name."""
 
-import ast
 import contextlib
 import re
 from pathlib import Path
@@ -10,7 +9,6 @@ import pytest
 from examples import GRANITE, make, quiet
 
 import demlaws as dl
-from demlaws.core.unloading import RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import NotPassive
 from demlaws.laws.definition import OF_CONTACT
@@ -102,37 +100,3 @@ def test_an_unknown_option_is_named():
         dl.law("goddard", GRANITE, slope=0.1, steepness=0.2)
     with pytest.raises(dl.DemlawsError, match=r"law 'rms'.*'steepness'"):
         dl.law("rough-plastic", GRANITE, yield_pressure=1e9, loading="rms", steepness=0.2)
-
-
-def _comparisons(path):
-    """Names of laws that the code of a file compares with, or looks up by."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Compare):
-            texts = [c.value for c in ast.walk(node) if isinstance(c, ast.Constant)]
-            yield from (t for t in texts if t in registry() and t not in RULES)
-        elif isinstance(node, ast.Dict):
-            yield from (
-                k.value for k in node.keys if isinstance(k, ast.Constant) and k.value in registry() and k.value not in RULES
-            )
-
-
-OURS = [
-    "advice",
-    "core",
-    "plots",
-    "curves",
-    "driver.py",
-    "law.py",
-    "make.py",
-    "unloading.py",
-    "regime.py",
-    "granite",
-    "shear.py",
-    "timestep.py",
-]
-
-
-@pytest.mark.parametrize("part", OURS)
-def test_nothing_branches_on_the_name_of_a_law(part):
-    files = sorted((PACKAGE / part).rglob("*.py")) or [PACKAGE / part]
-    assert {file.name: names for file in files if (names := list(_comparisons(file)))} == {}
