@@ -41,6 +41,7 @@ class Called:
             return False
 
     def __call__(self, overlap):
+        """Forces [N] at an array of overlaps [m]."""
         if self.takes_arrays:
             try:
                 return np.array(self.function(overlap.copy()), dtype=float).reshape(overlap.shape)

@@ -45,6 +45,7 @@ class Totals(_Energies):
     """
 
     def __new__(cls, stored, dissipated, unaccounted=0, shear_stored=math.nan, shear_dissipated=math.nan):
+        """A pair of energies, and what else is known of them."""
         totals = super().__new__(cls, stored, dissipated)
         totals.unaccounted, totals.shear_stored, totals.shear_dissipated = unaccounted, shear_stored, shear_dissipated
         return totals

