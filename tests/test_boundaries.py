@@ -193,17 +193,6 @@ def test_names_of_laws_are_written_in_one_file():
     assert not found, "take the constant of demlaws.laws.names"
 
 
-def test_only_the_shell_knows_plots_and_engines():
-    """matplotlib at import in plots.py only; scipy, tqdm and matplotlib inside functions everywhere else."""
-    heavy = {"scipy", "matplotlib", "tqdm", "pandas", "yade", "liggghts", "SurfaceTopography", "mpmath", "pytest"}
-    for path in PACKAGE.rglob("*.py"):
-        where = path.relative_to(PACKAGE).as_posix()
-        if where.startswith(("plots/", "yade/", "liggghts/")):
-            continue
-        at_import = {one.module.partition(".")[0] for one in imports(path) if one.on_load}
-        assert not at_import & heavy, f"{where} imports {at_import & heavy} when it is imported"
-
-
 LAYERS = (
     "errors lazy results",
     "admissible core files units",
