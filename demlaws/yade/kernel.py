@@ -482,11 +482,11 @@ def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_
     if overlap > 0.0:
         kno, kso = coefficients(force, sideways, overlap, load_double(row + at.RATIO_OF_ROW))
         across = kso * math.sqrt(overlap)
-        before(mode, context, phys, row, across, force)
+        before(mode, context, phys, row, across)
         store_double(phys + word(context, at.KNO), kno)
         store_double(phys + word(context, at.KSO), kso)
     else:
-        before(mode, context, phys, row, 0.0, 0.0)
+        before(mode, context, phys, row, 0.0)
         if overlap - overlap != 0.0:
             fault(context, at.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     store_tuple(new, row + at.STATE)

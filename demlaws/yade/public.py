@@ -16,7 +16,7 @@ from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.yade import kernel, native
 from demlaws.yade import layout as at
 from demlaws.yade.contacts import is_ours
-from demlaws.yade.shear import Passive, kept_within
+from demlaws.yade.shear import Passive, kept_share
 
 
 class Held:
@@ -98,12 +98,11 @@ def step(binding):
     if bad >= 0:
         _stop(binding, held.keys[bad], at.NOT_FINITE, rows["overlap"][bad])
     reduced = isinstance(pairs.mode, Passive)
-    for (_, phys, _), row, (kno, kso, _, force) in zip(held.objects, rows, answer.tolist(), strict=True):
+    for (_, phys, _), row, (kno, kso, *_) in zip(held.objects, rows, answer.tolist(), strict=True):
         overlap = float(row["overlap"])
         stiffness = kso * math.sqrt(overlap) if overlap > 0.0 else 0.0
         if reduced:
-            limit = phys.tangensOfFrictionAngle * force if overlap > 0.0 else 0.0
-            share = kept_within(stiffness, row["shear"], limit, *phys.shearElastic)
+            share = kept_share(stiffness, row["shear"])
             if share < 1.0:
                 phys.shearElastic = share * phys.shearElastic
         if overlap > 0.0:

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numba
 from numba.extending import overload
 
-from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.unloading import GIVEN
 from demlaws.yade import layout as at
@@ -101,33 +100,26 @@ def kept_share(now, old):
 
 
 @kernel
-def kept_within(now, old, limit, x, y, z):
-    """`kept_share` of a shear force (x, y, z), or what Coulomb's limit [N] leaves of it."""
-    share, square = kept_share(now, old), x * x + y * y + z * z
-    return limit / sqrt(square) if share * share * square > limit * limit else share
-
-
-@kernel
-def reduce_force(phys, context, now, old, force):
-    """Reduce the shear force to `kept_share` and to Coulomb's limit."""
-    place = phys + word(context, at.SHEAR_FORCE)
-    x, y, z = load_vector(place)
-    share = kept_within(now, old, load_double(phys + word(context, at.FRICTION)) * force, x, y, z)
+def reduce_force(phys, context, now, old):
+    """Reduce the shear force to `kept_share`; the native law then applies Coulomb's limit, with the normal dashpot in it."""
+    share = kept_share(now, old)
     if share < 1.0:
+        place = phys + word(context, at.SHEAR_FORCE)
+        x, y, z = load_vector(place)
         store_vector(place, share * x, share * y, share * z)
 
 
-def before(mode, context, phys, row, stiffness, force):
-    """Change the shear force before the native law acts; stiffness: K_t now [N/m], force: normal force [N]."""
+def before(mode, context, phys, row, stiffness):
+    """Change the shear force before the native law acts; stiffness: K_t now [N/m]."""
 
 
 @overload(before, jit_options=INLINED)
-def _before(mode, context, phys, row, stiffness, force):
+def _before(mode, context, phys, row, stiffness):
     if mode.instance_class is Passive:
-        return lambda mode, context, phys, row, stiffness, force: reduce_force(
-            phys, context, stiffness, load_double(row + at.SHEAR_STIFFNESS), force
+        return lambda mode, context, phys, row, stiffness: reduce_force(
+            phys, context, stiffness, load_double(row + at.SHEAR_STIFFNESS)
         )
-    return lambda mode, context, phys, row, stiffness, force: None
+    return lambda mode, context, phys, row, stiffness: None
 
 
 @kernel

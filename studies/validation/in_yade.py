@@ -101,7 +101,7 @@ def collisions(job):
             O.bodies.append(utils.sphere((n * far, 0, -other), other, material=label))
             O.bodies[-1].state.angVel = (0, job["other_spin"] * spin / other, 0)
     damping = job["restitution"]
-    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if damping == 1.0 else {"en": damping, "es": 1.0}))
+    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if damping == 1.0 else {"en": damping, "es": damping}))
     O.engines = engines(_law(job), physics=physics, newton=yade.NewtonIntegrator(damping=0.0))
     O.dt = job["dt"]
     O.run(3 * job["steps"], True)

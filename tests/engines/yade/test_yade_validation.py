@@ -6,7 +6,7 @@ import pytest
 
 from demlaws.driver import impact
 from studies.validation import engines
-from studies.validation.jobs import contact_of, impact_jobs
+from studies.validation.jobs import collision_jobs, contact_of, impact_jobs
 from studies.validation.published import bound, quiet
 
 
@@ -28,3 +28,11 @@ def test_a_stiffness_after_yield_of_its_own_acts_in_yade():
     plain = quiet(impact, bound(given["law"], contact_of(given), given["unloading"], yield_pressure=pressure, loading="hertz"),
                   mass, given["speed"], 8000)  # fmt: skip
     assert here.restitution < plain.restitution - 0.05
+
+
+def test_friction_limits_a_damped_contact_that_slides():
+    """The dashpot of the shear force is off while the contact slides, though the normal dashpot raises Coulomb's limit."""
+    (job,) = [job for job in collision_jobs("YADE") if job["restitution"] == 0.9]
+    (found,) = engines.in_yade([job | {"motions": job["motions"][-1:]}])
+    _, away, spin = found[0]
+    assert spin == pytest.approx(2.5 * job["friction"] * (5.0 + away), rel=0.01)
