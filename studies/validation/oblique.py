@@ -8,7 +8,7 @@ import numpy as np
 
 import demlaws as dl
 from studies.shear.oblique import ANGLE, MEASURED, MODELS, misfit, oblique_loop, table
-from studies.validation.row import between
+from studies.validation.row import between, near
 
 PYTHON = "Python"
 SLIP, KEPT = "slip", "displacement kept"
@@ -212,3 +212,35 @@ def rows():
     alumina = dl.Material(young=380e9, poisson=0.23)
     motions = [impact(alumina, 4000.0, 2.5e-3, 0.092, down, sideways, KEPT) for down, sideways, _ in code_motions()]
     yield from code_rows(PYTHON, [(velocity, math.nan, surface) for velocity, surface in motions])
+
+
+# --- imposed motions
+
+
+MOTION = (2652.97724125704, 179924.037666691, 85830.6275631949, 39861.7165520913, 198964.984055012, 19927.8963456105)
+"""Shear force [N] of motion 01 after 1, 25, 50, 75, 100 and 125 of 200 steps."""
+
+
+def pairwise_motions():
+    """Rows: shear force of linear contacts (k_n = 1e7, k_t = 5e6 N/m, μ = 0.5) along the motions of ON-DEM.
+
+    Coulomb's limit there is that of the overlap one step before, and motion 01 is one step ahead with its displacement.
+    """
+    law = dl.law("walton-braun", dl.Contact(1.0, 1e9), loading_stiffness=1e7, stiffness_ratio=1.0)
+
+    def force(overlap, displacement):
+        overlap = np.append(overlap[0], overlap[:-1])
+        return dl.driver.sheared(law, overlap, displacement, 0.5, "elastic", 0.5).shear_force[1:]
+
+    step = 6.0 * math.pi / 200
+    moved = np.append(0.0, np.cumsum(0.02 * np.sin(step * np.arange(1, 202)) * step))
+    found = force(np.full(moved.size, 0.05), moved)[[1, 25, 50, 75, 100, 125]]
+    what = "motion 01, stick: shear force at 6 times, largest difference over the largest force"
+    yield between(what, PYTHON, 0.0, 1e-12, np.abs(found - MOTION).max() / 2e5, "on-dem")
+    time = 6e-4 * math.pi * np.arange(10001)
+    found = force(np.full(time.size, 0.04), 0.08 * (1.0 - np.cos(time)))[-1]
+    yield near("motion 02, sliding to and fro: shear force at the end", PYTHON, -200000.0, found, 1e-12, "on-dem", "N")
+    phase = 4.0 / 3.0 * time
+    found = force(0.04 + 0.0225 * np.sin(phase), 0.0225 * (1.0 - np.cos(phase)))[-1]
+    what = "motion 05, sliding while the normal force changes: shear force at the end"
+    yield near(what, PYTHON, -71598.90014743463, found, 1e-11, "on-dem", "N")

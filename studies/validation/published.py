@@ -461,6 +461,7 @@ GROUPS = {
     "Hertz impacts": impacts,
     "LAMMPS's own tests": lammps_impacts,
     "Oblique impacts": oblique.rows,
+    "Pairwise motions": oblique.pairwise_motions,
     "Restitution of a yielding sphere": restitution,
     "A yielding sphere against finite elements": indentation,
     "Plastic laws of the literature": plastic_laws,

@@ -36,7 +36,7 @@ EVALUATED = "Our code gives what the equations of the paper give; no third-party
 CONCLUSIONS = {
     # law → rows that concern it (in "group: what"), and what they show
     "hertz": (
-        r"^Hertz impacts|^LAMMPS's own|^Oblique|peak force|\bhertz(?! unloading)|K_t of|Hertz at",
+        r"^Hertz impacts|^LAMMPS's own(?!.*hooke)|^Oblique|peak force|\bhertz(?! unloading)|K_t of|Hertz at",
         f"{IMPACTS}. With partial slip it follows measured oblique impacts and finite elements; without, as engines "
         "usually have it, it does not. A packing of smooth grains stiffens less with pressure than sand.",
     ),
@@ -70,7 +70,10 @@ CONCLUSIONS = {
     "jackson-green": (r"jackson-green:", f"{EVALUATED}. These equations are fits to the finite elements of Jackson & Green"),
     "kogut-etsion": (r"kogut-etsion:", f"{EVALUATED}. These equations are fits to the finite elements of Kogut & Etsion"),
     "conical-damage": (r"conical-damage", EVALUATED),
-    "walton-braun": (r"walton-braun", EVALUATED),
+    "walton-braun": (
+        r"walton-braun|dem0\d-hooke|^Pairwise",
+        "As a linear law it agrees with LAMMPS's hooke in LAMMPS's own tests and with the imposed motions of ON-DEM",
+    ),
     "luding": (r"luding", EVALUATED),
     "eepa": (r"eepa", EVALUATED),
 }

@@ -95,6 +95,12 @@ SOURCES = {
         "BSD-4-Clause: numbers quoted",
         CODES,
     ),
+    "on-dem": Source(
+        "ON-DEM, WG4-testingInteractions, output_ANA/theoretical_output_test_01 (1958efd), 02, 05 (23b4c1a): a linear law along "
+        "imposed motions",
+        "GPL-2.0: numbers quoted",
+        CODES,
+    ),
     "chung-ooi": Source("Chung & Ooi 2011, Granular Matter 13, 643: tests 1 to 3 (10.1007/s10035-011-0277-0)", FACTS, PRINTED),
     "lammps": Source(
         "LAMMPS 4Jul2026, unittest/granular: dem02-hertz-peak-3d-si, dem03-hertz-peak-wall-3d-si",
