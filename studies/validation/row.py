@@ -96,7 +96,7 @@ SOURCES = {
         CODES,
     ),
     "on-dem": Source(
-        "ON-DEM, WG4-testingInteractions, output_ANA/theoretical_output_test_01 (1958efd), 02, 05 (23b4c1a): a linear law along "
+        "ON-DEM, WG4-testingInteractions, output_ANA/theoretical_output_test_01, 02, 05 (1958efd, 23b4c1a): a linear law in "
         "imposed motions",
         "GPL-2.0: numbers quoted",
         CODES,
