@@ -5,8 +5,8 @@ angular velocity), and the state of the first grain at the end, as LAMMPS of 4 J
 as there: a damped contact depends on them, because each `run` starts with forces computed from the velocities of the full step,
 while all later steps use those of the half step. One run in place of several changes the results by up to 1.5e-7.
 
-Differences are of round-off, up to 3e-12 of the speed of the test. Component by component they look larger: the vertical velocity of
-dem07-incline-rolling is 1.1e-7 m/s at the end, and 2.5e-7 of that is 7e-14 of the speed that gravity gives in the same time.
+Differences are of round-off, up to 3e-12 of the speed of the test. Component by component they look larger: the vertical
+velocity of dem07-incline-rolling is 1.1e-7 m/s at the end; 2.5e-7 of it is 7e-14 of the speed that gravity gives meanwhile.
 
 Not among them: dem08 (adhesion, which no law here has), dem09 (drag of a gas, without contacts), the pair styles
 `gran/hooke` and `gran/hertz`, whose normal models cannot be replaced, and further angles or frictions of the same inputs.
