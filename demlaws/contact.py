@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radius
-from demlaws.errors import DemlawsError, did_you_mean, refuse_unknown_keywords, warn
+from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
 from demlaws.units import number, real
 
 _OPTIONAL = ("fractal_dimension", "hardness", "density", "edge_radius")
@@ -34,6 +34,7 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         object.__setattr__(owner, name, float(array) if array.ndim == 0 else array)
 
 
+@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
     """An elastic solid. Quantities are numbers in SI units, or text with a unit ("60.6GPa").
@@ -81,6 +82,7 @@ class Material:
         return self.young / (1.0 - self.poisson**2)
 
 
+@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Surface:
     """A measured surface of one body. Quantities are numbers in SI units, or text with a unit ("2.4um").
@@ -152,6 +154,7 @@ class Surface:
         )
 
 
+@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Contact:
     """One contact of two bodies, or an array of contacts that share a law, by its effective quantities.
@@ -362,10 +365,6 @@ class Contact:
         return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * real(force, "force", "N", array=True) ** 2)) ** (
             1 / 3
         )
-
-
-for _class in (Material, Surface, Contact):
-    refuse_unknown_keywords(_class)
 
 
 def pressure_of(contact: Contact, value: Any, name: str) -> float:

@@ -19,11 +19,14 @@ from demlaws.shear import sheared as sheared
 from demlaws.units import number, real, whole
 
 
-def _points(turning_points, unit):
+def _branches(law, turning_points, unit, steps):
+    """`steps` equal steps from 0 to the first turning point, and from each to the next; one array per branch."""
     points = np.atleast_1d(real(turning_points, "turning points", unit, array=True))
     if points.size == 0 or not np.all(np.isfinite(points)):
         raise DemlawsError(f"turning points must be finite numbers in {unit}, at least one, got {turning_points!r:.60}")
-    return points
+    as_law(law)
+    steps = whole(steps, "steps")
+    return [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise([0.0, *points])]
 
 
 def _kinetic(mass, speed):
@@ -64,11 +67,7 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     >>> (path.overlap * 1e6).round(3), path.force.round(3)
     (array([0., 1., 2., 1., 0.]), array([0.   , 2.698, 7.632, 2.698, 0.   ]))
     """
-    corners = [0.0, *_points(turning_points, "m")]
-    as_law(law)
-    steps = whole(steps, "steps")
-    branches = [np.linspace(a, b, steps + 1)[1:] for a, b in itertools.pairwise(corners)]
-    return law.follow(np.concatenate([[0.0], *branches]))
+    return law.follow(np.concatenate([[0.0], *_branches(law, turning_points, "m", steps)]))
 
 
 def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:
@@ -102,15 +101,13 @@ def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> P
     >>> bool(path.plastic_overlap[-1] > 0.0), bool(abs(path.work[-1] - path.dissipated[-1]) < 1e-15)
     (True, True)
     """
-    corners = [0.0, *_points(turning_points, "N")]
-    as_law(law)
-    if min(corners) < 0.0:
-        raise DemlawsError(f"force {min(corners):g} N: a contact without adhesion carries no tension; turn at 0 N or above")
-    steps = whole(steps, "steps")
+    branches = _branches(law, turning_points, "N", steps)
+    lowest = min(forces[-1] for forces in branches)
+    if lowest < 0.0:
+        raise DemlawsError(f"force {lowest:g} N: a contact without adhesion carries no tension; turn at 0 N or above")
     state, largest, overlaps = law.new_state(1), 0.0, [np.zeros(1)]
-    for start, end in itertools.pairwise(corners):
-        forces = np.linspace(start, end, steps + 1)[1:]
-        branch = np.empty(steps)
+    for forces in branches:
+        branch = np.empty(forces.size)
         new = forces >= largest
         if np.any(new):
             branch[new] = law.overlap(forces[new])

@@ -1,10 +1,13 @@
 """Errors and warnings that a user of demlaws meets."""
 
+import dataclasses
 import functools
-import inspect
 import sys
 import warnings
 from collections.abc import Iterable
+from typing import TypeVar
+
+T = TypeVar("T")
 
 
 class DemlawsError(ValueError):
@@ -45,21 +48,26 @@ class LargeOverlap(ValidityWarning):
     """An overlap beyond a tenth of the effective radius."""
 
 
-def did_you_mean(word: object, known: Iterable[str]) -> str:
-    """Text after an unknown word: ", did you mean 'X'?" of the most similar of the known words, or a full stop."""
+def most_similar(word: object, known: Iterable[str]) -> str | None:
+    """The known word that is most similar to `word`, or None."""
     import difflib
 
-    similar = difflib.get_close_matches(str(word), list(known), 1)
-    return f", did you mean {similar[0]!r}?" if similar else "."
+    return next(iter(difflib.get_close_matches(str(word), list(known), 1)), None)
 
 
-def refuse_unknown_keywords(cls: type) -> None:
-    """Let a dataclass raise a DemlawsError, with the most similar name, where a keyword is not one of its fields."""
-    init = cls.__init__  # type: ignore[misc]
+def did_you_mean(word: object, known: Iterable[str]) -> str:
+    """Text after an unknown word: ", did you mean 'X'?" of the most similar of the known words, or a full stop."""
+    similar = most_similar(word, known)
+    return f", did you mean {similar!r}?" if similar else "."
+
+
+def refuses_unknown_keywords(cls: type[T]) -> type[T]:
+    """Decorator of a dataclass: a keyword that is not one of its fields raises a DemlawsError with the most similar field."""
+    init = cls.__init__
 
     @functools.wraps(init)
     def checked(self, *values, **named):
-        known = list(inspect.signature(init).parameters)[1:]
+        known = [field.name for field in dataclasses.fields(cls)]
         for name in named:
             if name not in known:
                 raise DemlawsError(
@@ -67,7 +75,8 @@ def refuse_unknown_keywords(cls: type) -> None:
                 )
         init(self, *values, **named)
 
-    cls.__init__ = checked  # type: ignore[misc]
+    cls.__init__ = checked  # type: ignore[method-assign]
+    return cls
 
 
 def warn(text: str, category: type[Warning] = ValidityWarning) -> None:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.results import Tabular
+from demlaws.results import PATH_COLUMNS, Tabular
 
 
 class Point(NamedTuple):
@@ -77,6 +77,10 @@ class Path(Tabular, Sequence):
         """Overlap, force, stiffness, plastic overlap and work, each an array."""
         units = {"overlap": "m", "force": "N", "stiffness": "N/m", "plastic_overlap": "m", "work": "J"}
         return {f"{name} ({unit})": getattr(self, name) for name, unit in units.items()}
+
+    def csv_rows(self) -> np.ndarray:
+        """One row per point, one column per entry of `PATH_COLUMNS`."""
+        return np.column_stack([getattr(self, name) for name in PATH_COLUMNS.values()])
 
     @property
     def work(self) -> np.ndarray:

@@ -9,6 +9,17 @@ from demlaws.errors import DemlawsError
 SHOWN = 10
 """Number of rows that `str` and notebooks show; of more, the first and the last half."""
 
+PATH_COLUMNS = {
+    "overlap (m)": "overlap",
+    "force (N)": "force",
+    "stiffness (N/m)": "stiffness",
+    "plastic overlap (m)": "plastic_overlap",
+    "work (J)": "work",
+    "stored (J)": "stored",
+    "dissipated (J)": "dissipated",
+}
+"""Title of a column of the CSV file of a path → attribute; here, where the command line reads it without numpy."""
+
 
 def _text(value):
     return value if isinstance(value, str) else str(value) if isinstance(value, bool | int) else f"{value:.5g}"

@@ -7,8 +7,9 @@ import re
 import sys
 import warnings
 
+from demlaws.cli.output import Output, arranged
 from demlaws.core import notice
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, ValidityWarning, most_similar
 
 COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
@@ -59,7 +60,7 @@ class Parser(argparse.ArgumentParser):
 
     def add_argument(self, *names, **options):
         """As argparse; a parser with a file to write also has --force."""
-        if getattr(options.get("type"), "writes", False) and "--force" not in self._option_string_actions:
+        if isinstance(options.get("type"), Output) and "--force" not in self._option_string_actions:
             super().add_argument(
                 "--force", dest="overwrite", action="store_true", help="overwrite files that this command did not write"
             )
@@ -70,14 +71,18 @@ class Parser(argparse.ArgumentParser):
         return []
 
     def parse_args(self, args=None, namespace=None):
-        """As argparse; an unknown option is reported with similar options, and --json is always set."""
+        """As argparse; an unknown option is reported with the most similar, and `json` and `outputs` are always set."""
         namespace, unknown = self.parse_known_args(args, namespace)
+        parser = self
+        while below := next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None):
+            parser = below.choices[getattr(namespace, below.dest)]
         if unknown:
-            parser = self
-            while below := next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None):
-                parser = below.choices[getattr(namespace, below.dest)]
             parser.error(f"unrecognized argument {unknown[0]!r}{similar(unknown[0], parser._option_string_actions)}")
         namespace.json = getattr(namespace, "json", False)
+        given = [
+            (action.type, getattr(namespace, action.dest)) for action in parser._actions if isinstance(action.type, Output)
+        ]
+        namespace.outputs = [(kind, path) for kind, path in given if path is not None]
         return namespace
 
     def _check_value(self, action, value):
@@ -93,10 +98,8 @@ class Parser(argparse.ArgumentParser):
 
 def similar(word, known):
     """ ": did you mean X?" of the most similar of the known words, or ""."""
-    import difflib
-
-    matches = difflib.get_close_matches(word.split("=")[0], list(known), 1)
-    return f": did you mean {matches[0]}?" if matches else ""
+    match = most_similar(word.split("=")[0], known)
+    return f": did you mean {match}?" if match else ""
 
 
 class _Part:
@@ -180,8 +183,6 @@ def main(arguments=None):
 
 def execute(parser, arguments):
     """Parse the arguments with the parser that `parser()` returns and call its `func`; an error is one line and status 2."""
-    from demlaws.cli.output import arranged
-
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import csv_output, output, record, write_csv
+from demlaws.cli.output import Output, output, record, write_csv
 from demlaws.errors import DemlawsError
 
 FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
@@ -32,7 +32,7 @@ def register(subparsers):
         type=Path,
         help="table file to write, one per pair of kinds of grain; for LIGGGHTS and LAMMPS the folder of a whole case",
     )
-    parser.add_argument("--csv", type=csv_output(TITLES), help="file to write all candidates to")
+    parser.add_argument("--csv", type=Output(TITLES), help="file to write all candidates to")
     parser.add_argument("--figure", type=output, help="picture to draw: error against cost")
     parser.set_defaults(func=run)
 

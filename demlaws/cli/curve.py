@@ -3,17 +3,8 @@
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, whole
 from demlaws.cli.contact import add_law_arguments, describe, law_from
-from demlaws.cli.output import csv_output, output, record, write_csv
-
-PATH_TITLES = (
-    "overlap (m)",
-    "force (N)",
-    "stiffness (N/m)",
-    "plastic overlap (m)",
-    "work (J)",
-    "stored (J)",
-    "dissipated (J)",
-)
+from demlaws.cli.output import Output, output, record, write_csv
+from demlaws.results import PATH_COLUMNS
 
 
 def register(subparsers):
@@ -33,7 +24,7 @@ def register(subparsers):
     way.add_argument("--overlaps", type=length, nargs="+", metavar="M", help="turning points in m, from 0")
     curve.add_argument("--steps", type=whole(), default=200, help="steps per branch (default 200)")
     curve.add_argument(
-        "--csv", type=csv_output(PATH_TITLES), help="CSV file of the curve, - for standard output (default: 20 rows)"
+        "--csv", type=Output(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: 20 rows)"
     )
     curve.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     curve.set_defaults(func=run_curve)
@@ -49,11 +40,10 @@ def run_curve(arguments):
     else:
         path = driver.displacement_controlled(law, arguments.overlaps, arguments.steps)
     print(f"{law.name}, {law.unloading} unloading; {describe(law.contact)}")
-    columns = (path.overlap, path.force, path.stiffness, path.plastic_overlap, path.work, path.stored, path.dissipated)
     record(law=law.name, unloading=law.unloading, contact=law.contact, options=law.options)
-    record(**{title.split(" (")[0].replace(" ", "_"): column for title, column in zip(PATH_TITLES, columns, strict=True)})
+    record(**{name: getattr(path, name) for name in PATH_COLUMNS.values()})
     if arguments.csv is not None:
-        write_csv(arguments.csv, PATH_TITLES, ([float(v) for v in row] for row in zip(*columns, strict=True)))
+        write_csv(arguments.csv, PATH_COLUMNS, path.csv_rows())
     else:
         print(f"{'overlap (µm)':>14} {'force (N)':>12} {'K (N/mm)':>12} {'plastic (µm)':>13} {'work (J)':>12}")
         every = max(1, path.overlap.size // 20)

@@ -5,7 +5,7 @@ from pathlib import Path
 from demlaws.cli import example
 from demlaws.cli.arguments import compliance, force, law_name, length
 from demlaws.cli.contact import add_contact_arguments, contact_from
-from demlaws.cli.output import csv_output, output, record, write_csv
+from demlaws.cli.output import Output, output, record, write_csv
 
 UNITS = {"roughness": ("µm", 1e6), "zero": ("µm", 1e6), "modulus": ("GPa", 1e-9), "hardness": ("GPa", 1e-9)}
 UNITS["yield_pressure"] = UNITS["modulus"]
@@ -49,7 +49,7 @@ def register(subparsers):
         metavar="M/N",
         help="compliance of the apparatus, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
     )
-    parser.add_argument("--csv", type=csv_output(TITLES), help="file to write the ranking to")
+    parser.add_argument("--csv", type=Output(TITLES), help="file to write the ranking to")
     parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
 

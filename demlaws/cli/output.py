@@ -12,46 +12,35 @@ from pathlib import Path
 from demlaws.errors import DemlawsError
 
 
-class Output(type(Path())):  # type: ignore[misc]
-    """A file to write. `titles` is the first line of the command's CSV file, and "" for other kinds of file."""
+class Output:
+    """Kind of argument: a file to write. Its parser has --force, and leaves what is written by others as it is.
 
-    titles = ""
+    `titles` is the first line of the command's CSV file, for which "-" is standard output, and "" for other kinds of file.
+    """
 
-    def check(self):
+    def __init__(self, titles=()):
+        self.titles = ",".join(titles)
+
+    def __call__(self, text):
+        """The path; a folder is refused."""
+        path = Path(text)
+        if not path.name or path.is_dir():
+            raise argparse.ArgumentTypeError(f"{text!r} is a folder: name a file in it")
+        return path
+
+    def check(self, path):
         """Raise DemlawsError if the file exists and was not written by the same command."""
-        if str(self) == "-" or not self.is_file():
+        if str(path) == "-" or not path.is_file():
             return
-        with open(self, "rb") as file:
+        with open(path, "rb") as file:
             head = file.read(4096)
         ours = head.split(b"\n")[0].decode(errors="replace").strip() == self.titles if self.titles else b"demlaws" in head
         if head and not ours:
-            raise DemlawsError(f"{self} exists and was not written by this command: name another file, or give --force")
+            raise DemlawsError(f"{path} exists and was not written by this command: name another file, or give --force")
 
 
-def _writing(kind):
-    """Mark a type of argument as a file to write: its parser then has --force."""
-    kind.writes = True
-    return kind
-
-
-@_writing
-def output(text):
-    """A picture, table or height map to write; not a folder."""
-    path = Output(text)
-    if not path.name or path.is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r} is a folder: name a file in it")
-    return path
-
-
-def csv_output(titles):
-    """A CSV file with these titles to write; "-" is standard output."""
-
-    def convert(text):
-        path = output(text)
-        path.titles = ",".join(titles)
-        return path
-
-    return _writing(convert)
+output = Output()
+"""A picture, table or height map to write."""
 
 
 _results = {}
@@ -95,12 +84,11 @@ def plain(value):
 @contextlib.contextmanager
 def arranged(parsed):
     """Check the files that the command is to write, and arrange its output for --json and for a file named "-"."""
-    files = [value for value in vars(parsed).values() if isinstance(value, Output)]
     if not getattr(parsed, "overwrite", False):
-        for path in files:
-            path.check()
-    to_output = [path for path in files if str(path) == "-"]
-    if any(not path.titles for path in to_output) or len(to_output) > (0 if parsed.json else 1):
+        for kind, path in parsed.outputs:
+            kind.check(path)
+    to_output = [kind for kind, path in parsed.outputs if str(path) == "-"]
+    if any(not kind.titles for kind in to_output) or len(to_output) > (0 if parsed.json else 1):
         raise DemlawsError('"-" is standard output, for one CSV file and without --json')
     if not parsed.json and not to_output:
         yield

@@ -5,7 +5,7 @@ import math
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import csv_output, output, record, write_csv
+from demlaws.cli.output import Output, output, record, write_csv
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import ASPERITY
 
@@ -67,7 +67,7 @@ def register(subparsers):
         "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (without: aluminium's)"
     )
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (without: aluminium's)")
-    contact.add_argument("--csv", type=csv_output(MICRO_CONTACTS), help="write the micro-contacts under load")
+    contact.add_argument("--csv", type=Output(MICRO_CONTACTS), help="write the micro-contacts under load")
     contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
     contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
     contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz; reloading: elastic)")

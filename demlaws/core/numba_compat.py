@@ -162,7 +162,7 @@ class CodeFiles:
             path, key = self._place(signature, result.codegen)
             if path is not None and not result.library.has_dynamic_globals:
                 cache.write(path, serialize.dumps((key, result._reduce())))
-        except Exception:
+        except Exception:  # a full disk, or an internal of another numba: the code in memory is all that counts
             return
 
     def flush(self):

@@ -37,7 +37,7 @@ class Called:
             return all(
                 values[k] == float(self.function(float(overlap[k]))) or values[k] != values[k] for k in some
             ) or np.allclose(values[some], [float(self.function(float(overlap[k]))) for k in some], rtol=1e-12, atol=0.0)
-        except Exception:
+        except Exception:  # a user's function of numbers may raise anything for an array
             return False
 
     def __call__(self, overlap):
@@ -45,7 +45,7 @@ class Called:
         if self.takes_arrays:
             try:
                 return np.array(self.function(overlap.copy()), dtype=float).reshape(overlap.shape)
-            except Exception:
+            except Exception:  # as above; one number at a time then raises it again, with the overlap
                 self.takes_arrays = False
         return np.array([self._one(float(x)) for x in overlap.ravel()]).reshape(overlap.shape)
 

@@ -21,6 +21,7 @@ from demlaws.make import law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.path import Path
 from demlaws.points import Points, read_points  # noqa: F401  public beside the tests
+from demlaws.results import PATH_COLUMNS
 
 _MODULUS = 0.5 * GRANITE.plane_modulus
 SWITCH_FORCE = 10.0
@@ -324,14 +325,4 @@ def effective_radius(alpha):
 
 def save_path(path, curve: Path):
     """A path as CSV: overlap, force, stiffness, plastic overlap, work, stored, dissipated."""
-    columns = (curve.overlap, curve.force, curve.stiffness, curve.plastic_overlap, curve.work, curve.stored, curve.dissipated)
-    titles = (
-        "overlap (m)",
-        "force (N)",
-        "stiffness (N/m)",
-        "plastic overlap (m)",
-        "work (J)",
-        "stored (J)",
-        "dissipated (J)",
-    )
-    return save_csv(path, titles, ([float(v) for v in row] for row in zip(*columns, strict=True)))
+    return save_csv(path, PATH_COLUMNS, curve.csv_rows())
