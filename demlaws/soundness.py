@@ -1,14 +1,14 @@
 """Whether a curve of first loading is one that engines can use: finite, rising, continuous, its derivative and inverse right.
 
 One error names the fault, the overlap [m] and the value before any engine uses the law: for user-defined laws when they are
-bound to a contact, for a function when it becomes a table. `demlaws.checks.law` measures the rest.
+bound to a contact, for a function when it becomes a table. `dl.check_law` lists the same checks, each with a narrower limit.
 """
 
 import math
 import re
 from collections import Counter
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,13 +19,15 @@ from demlaws.errors import DemlawsError
 
 LOWEST, HIGHEST = 1e-9, 0.1
 """Range of the overlaps over the radius that are checked."""
-_POINTS = 240
+_POINTS = 1800
+"""64 panels in an octave: of a kernel without a kink their integrals are exact to rounding."""
 _DENSE = 200_000
 """Overlaps at which only the values are checked: a feature narrower than 1e-4 of its overlap may pass."""
 _SEATED = 0.05
 """K δ/P at the lowest overlap below which a force does not go to 0 with the overlap."""
 _RETURN = 1e-3
 """Work over the largest energy held by which a law's own rule may miss its balance: the paths are summed up by trapezoids."""
+EPS = float(np.finfo(float).eps)
 _X, _W = np.polynomial.legendre.leggauss(4)
 DERIVATIVE = 1e-4
 """Relative difference of stiffness and derivative of the force from which a law is refused."""
@@ -51,6 +53,22 @@ def back_loop(p, overlap, back, work):
         force = virgin(p, overlap[i])[0]
         back[i] = inverse(p, force) if force > 0.0 else 0.0
         work[i] = energy(p, overlap[i])
+
+
+class Check(NamedTuple):
+    """A measured property of a law."""
+
+    what: str
+    value: float  # measured; the check passes at `allowed` or below
+    allowed: float
+    where: float = math.nan  # overlap [m] of the worst
+    note: str = ""
+    fault: str | None = None  # why a user-defined law is refused for it
+
+    @property
+    def passed(self) -> bool:
+        """Whether the value is within what is allowed."""
+        return self.value <= self.allowed
 
 
 class Values(NamedTuple):
@@ -92,6 +110,13 @@ def fault_of_values(overlap: np.ndarray, force: np.ndarray, stiffness: np.ndarra
     return None
 
 
+def integrals(function: Callable, edges: np.ndarray) -> np.ndarray:
+    """∫ function dδ over each panel between `edges`, by Gauss's rule."""
+    half = 0.5 * np.diff(edges)
+    nodes = edges[:-1, None] + half[:, None] * (1.0 + _X)
+    return half * (function(nodes.ravel()).reshape(nodes.shape) @ _W)
+
+
 def fault_of_slope(evaluate: Callable, overlap: np.ndarray) -> str | None:
     """Jump of the force, or stiffness that is not its derivative, of `evaluate` (overlaps → force, stiffness); or None.
 
@@ -99,18 +124,12 @@ def fault_of_slope(evaluate: Callable, overlap: np.ndarray) -> str | None:
     until the jump or the wrong derivative stands alone. A kink of the stiffness is neither.
     """
 
-    def differs(a, b):
-        """Rise of force, integral of stiffness, force at b, of intervals."""
-        half = 0.5 * (b - a)
-        nodes = (a[:, None] + half[:, None] * (1.0 + _X)).ravel()
-        force, stiffness = evaluate(np.concatenate([a, b, nodes]))
-        rise, integral = (
-            force[a.size : 2 * a.size] - force[: a.size],
-            half * (stiffness[2 * a.size :].reshape(-1, _X.size) @ _W),
-        )
-        return rise, integral, force[a.size : 2 * a.size]
+    def differences(edges):
+        """Rise of the force and integral of the stiffness in each panel, force at its end."""
+        force = evaluate(edges)[0]
+        return np.diff(force), integrals(lambda at: evaluate(at)[1], edges), force[1:]
 
-    rise, integral, force = differs(overlap[:-1], overlap[1:])
+    rise, integral, force = differences(overlap)
     with np.errstate(invalid="ignore", divide="ignore"):
         off = np.where(force > 0.0, np.abs(rise - integral) / force, 0.0)
     for i in np.argsort(-off)[:6]:
@@ -119,7 +138,7 @@ def fault_of_slope(evaluate: Callable, overlap: np.ndarray) -> str | None:
         a, b = float(overlap[i]), float(overlap[i + 1])
         while b - a > 1e-9 * b:
             middle = 0.5 * (a + b)
-            rise, integral, force = differs(np.array([a, middle]), np.array([middle, b]))
+            rise, integral, force = differences(np.array([a, middle, b]))
             worse = int(np.argmax(np.abs(rise - integral)))
             if abs(rise[worse] - integral[worse]) <= DERIVATIVE * max(rise[worse], integral[worse]) + 1e-15 * force[worse]:
                 break
@@ -135,62 +154,87 @@ def fault_of_slope(evaluate: Callable, overlap: np.ndarray) -> str | None:
     return None
 
 
-def _fault_of_return(params, overlap, known):
-    """An inverse that does not invert, a work that is not the integral of the force, or None."""
-    chosen = np.arange(0, overlap.size, 8)
-    back, work = np.empty(chosen.size), np.empty(chosen.size)
-    back_loop(params, overlap[chosen], back, work)
-    force = known.force[chosen]
-    good = np.isfinite(back) & (back > 0.0)
-    again = np.zeros(chosen.size)
-    again[good] = values_of(params, back[good]).force
-    bad = np.flatnonzero((force > 0.0) & ~(np.abs(again - force) <= INVERSE * force))
-    if bad.size:
-        k = int(bad[0])
-        return (
-            f"at overlap {overlap[chosen[k]]:.6g} m the force is {force[k]:.6g} N, but the inverse gives {back[k]:.6g} m for it"
-        )
-    half = 0.5 * np.diff(overlap)
-    nodes = (overlap[:-1, None] + half[:, None] * (1.0 + _X)).ravel()
-    pieces = half * (values_of(params, nodes).force.reshape(-1, _X.size) @ _W)
-    sums = np.concatenate([[0.0], np.cumsum(pieces)])[chosen]
-    gained, expected = np.diff(work), np.diff(sums)
-    wrong = ~(np.abs(gained - expected) <= ENERGY * np.maximum(expected, 0.0) + 1e-12 * np.abs(work[1:]))
-    if np.any(wrong):
-        k = int(np.argmax(wrong))
-        a, b = overlap[chosen[k]], overlap[chosen[k + 1]]
-        return f"from overlap {a:.6g} m to {b:.6g} m the energy grows by {gained[k]:.6g} J, ∫P dδ by {expected[k]:.6g} J"
-    if not 0.0 <= work[0] <= force[0] * overlap[chosen[0]] * (1.0 + 1e-9):
-        return f"at overlap {overlap[0]:.6g} m the energy is {work[0]:.6g} J, the force {force[0]:.6g} N: ∫P dδ cannot be that"
-    return None
+def largest_of(what, errors, at, allowed, fault=None):
+    """A `Check` of the largest error."""
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    k = int(np.argmax(errors))
+    return Check(what, float(errors[k]), allowed, float(at[k]) if errors[k] > 0.0 else math.nan, fault=fault)
 
 
-def fault(params, radius: float, fully: bool = True) -> str | None:
-    """What is wrong with the curve of one contact's params, or None; fully=False: not finite, negative or falling only."""
+def _panel_errors(rise, integral):
+    """Relative difference in each panel, the least of three neighbours: a kink spoils the integral of its own panel."""
+    off = np.pad(np.abs(rise / integral - 1.0), 1, mode="edge")
+    return np.min([off[:-2], off[1:-1], off[2:]], axis=0)
+
+
+def curve_checks(params: Any, radius: float, solved: bool = False) -> Iterator[Check]:
+    """`Check`s of the curve of one contact's params, the cheapest first. solved: read from cells, whose edges are kinks."""
     overlap = radius * np.geomspace(LOWEST, HIGHEST, _POINTS)
     known = values_of(params, overlap)
-    text = fault_of_values(overlap, known.force, known.stiffness)
-    if text or not fully:
-        return text
-    dense = radius * np.geomspace(LOWEST, HIGHEST, _DENSE)
-    text = fault_of_values(dense, *values_of(params, dense)[:2])
-    if text:
-        return text
-    text = fault_of_slope(lambda at: values_of(params, at)[:2], overlap)
-    if text:
-        return text
+    for at, values in ((overlap, known), (radius * np.geomspace(LOWEST, HIGHEST, _DENSE), None)):
+        fault = fault_of_values(at, *(values or values_of(params, at))[:2])
+        yield Check(f"force not finite, negative or falling, of {at.size}", float(fault is not None), 0.0, fault=fault)
+
+    def curve(at):
+        return values_of(params, at)[:2]
+
+    first, slope = known.force[0], known.stiffness[0]
+    fault = None
+    if not solved and first > 0.0 and slope * overlap[0] < _SEATED * first:
+        fault = (
+            f"at overlap {overlap[0]:.6g} m the force is {first:.6g} N and the stiffness {slope:.6g} N/m: the force must go "
+            "to 0 with the overlap"
+        )
+    yield Check("force at overlap 0 is not 0", float(fault is not None), 0.0, fault=fault)
+    fault = fault_of_slope(curve, overlap)
+    yield Check("force jumps, or stiffness is not its derivative", float(fault is not None), 0.0, fault=fault)
+    errors = _panel_errors(np.diff(known.force), integrals(lambda at: curve(at)[1], overlap))
+    yield largest_of("stiffness against derivative, relative", errors, overlap, 1e-5 if solved else 1e-11)
     hertz = np.cbrt(known.force / params.hertz_coefficient) ** 2
-    for name, values, right in (
-        ("Hertz-equivalent overlap", known.equivalent, np.abs(known.equivalent - hertz) <= EQUIVALENT * hertz),
-        ("a²/R", known.area, np.isfinite(known.area) & (known.area >= hertz * (1.0 - EQUIVALENT))),
+    for name, values, off in (
+        ("Hertz-equivalent overlap", known.equivalent, np.abs(known.equivalent / hertz - 1.0)),
+        ("a²/R", known.area, np.where(np.isfinite(known.area), np.maximum(1.0 - known.area / hertz, 0.0), np.inf)),
     ):
-        if not np.all(right):
-            k = int(np.argmin(right))
-            return (
+        fault, k = None, int(np.argmax(~(off <= EQUIVALENT)))
+        if not off[k] <= EQUIVALENT:
+            fault = (
                 f"at overlap {overlap[k]:.6g} m, where the force is {known.force[k]:.6g} N, the third or fourth value of its "
                 f"`virgin`, the {name}, is {values[k]:.6g} m; Hertz's overlap at that force is {hertz[k]:.6g} m"
             )
-    return _fault_of_return(params, overlap, known)
+        yield largest_of(f"{name} against the force, relative", off, overlap, EQUIVALENT, fault)
+    yield from _return_checks(params, overlap, known, solved)
+
+
+def _return_checks(params, overlap, known, solved):
+    """`Check`s of the inverse and of the energy. `known`: `Values` at `overlap`."""
+    back, work = np.empty(overlap.size), np.empty(overlap.size)
+    back_loop(params, overlap, back, work)
+    good = np.isfinite(back) & (back > 0.0)
+    again = np.zeros(overlap.size)
+    again[good] = values_of(params, back[good]).force
+    slope = known.stiffness * overlap / known.force  # what an error of the overlap is multiplied by in the force
+    off = np.where(known.force > 0.0, np.abs(again / known.force - 1.0), 0.0)
+    fault, k = None, int(np.argmax(~(off <= INVERSE)))
+    if not off[k] <= INVERSE:
+        fault = (
+            f"at overlap {overlap[k]:.6g} m the force is {known.force[k]:.6g} N, but the inverse gives {back[k]:.6g} m for it"
+        )
+    yield largest_of("force of the overlap of a force (1: rounding)", off / (EPS * (64.0 + 16.0 * slope)), overlap, 3.0, fault)
+    off = np.abs(back / overlap - 1.0) / (EPS * (16.0 + 64.0 / slope))
+    yield largest_of("overlap of the force of an overlap (1: rounding)", off, overlap, 10.0 if solved else 1.0)
+
+    expected = integrals(lambda at: values_of(params, at).force, overlap)
+    fault, sums = None, np.cumsum(expected)
+    wrong = ~(np.abs(work[1:] - work[0] - sums) <= ENERGY * sums)
+    if np.any(wrong):
+        k = int(np.argmax(wrong))
+        a, b, grown = overlap[0], overlap[k + 1], work[k + 1] - work[0]
+        fault = f"from overlap {a:.6g} m to {b:.6g} m the energy grows by {grown:.6g} J, ∫P dδ by {sums[k]:.6g} J"
+    elif not 0.0 <= work[0] <= known.force[0] * overlap[0] * (1.0 + 1e-9):
+        at, force = overlap[0], known.force[0]
+        fault = f"at overlap {at:.6g} m the energy is {work[0]:.6g} J, the force {force:.6g} N: ∫P dδ cannot be that"
+    errors = _panel_errors(np.diff(work), expected)
+    yield largest_of("energy against ∫P dδ, relative", errors, overlap, 1e-8 if solved else 1e-10, fault)
 
 
 def refuse_unsound(definition, shape, contact, options) -> None:
@@ -207,9 +251,8 @@ def refuse_unsound(definition, shape, contact, options) -> None:
         for index in contact.representatives():
             radius = float(np.broadcast_to(contact.radius, contact.size or 1)[index])
             one, fully = one_of(params, index), _passed[definition.name] < _FULLY
-            text = fault(one, radius, fully)
-            if text is None and fully:
-                text = _fault_of_seat(one, LOWEST * radius)
+            checks = curve_checks(one, radius)
+            text = next((check.fault for check in (checks if fully else [next(checks)]) if check.fault), None)
             if text is not None:
                 given = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
                 raise DemlawsError(f"{name} cannot be used (R = {radius:g} m{given}): {text}")
@@ -219,17 +262,6 @@ def refuse_unsound(definition, shape, contact, options) -> None:
         if type(error).__module__.startswith("numba"):
             raise DemlawsError(f"{name}: its functions do not compile: {_first_line(error)}") from error
         raise
-
-
-def _fault_of_seat(params, overlap):
-    """A force that does not go to 0 with the overlap, or None."""
-    (force,), (stiffness,) = values_of(params, np.array([overlap]))[:2]
-    if force > 0.0 and stiffness * overlap < _SEATED * force:
-        return (
-            f"at overlap {overlap:.6g} m the force is {force:.6g} N and the stiffness {stiffness:.6g} N/m: the force must go "
-            "to 0 with the overlap"
-        )
-    return None
 
 
 def _refuse_array(name, params, contact):

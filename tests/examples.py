@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from demlaws.checks.law import derivative, overlaps  # noqa: F401  for the tests
+from demlaws.checks.law import overlaps  # noqa: F401  for the tests
 from demlaws.core.unloading import GIVEN
 from demlaws.laws.registry import registry
 from demlaws.make import example
@@ -162,3 +162,21 @@ def granite_numbers(name, **options):
         got.append(((ends[1] - ends[0]) * 1e6, quiet(law.stiffness, quiet(law.overlap, 10.0)) * 1e-3))
         expected.append(test.expected[name])
     return np.array(got), np.array(expected)
+
+
+def derivative(function, overlap, width, degree):
+    """dP/dδ on either side of `overlap`, of the polynomial that fits the force over `width` of it; a kink within reach
+    affects one side only. 300 Chebyshev points average out most of the rounding of single forces.
+    """
+    sides = []
+    for sign in (-1.0, 1.0):
+        half = 0.5 * width * overlap
+        centre = overlap + sign * half
+        nodes = centre + half * np.cos(np.pi * (np.arange(300) + 0.5) / 300)
+        values = function(nodes)
+        place = (nodes - centre) / half  # of the rounded nodes
+        middle, span = values[150], np.ptp(values)  # taken out, so that the fit's own rounding counts for little
+        fit = np.polynomial.chebyshev.chebfit(place, (values - middle) / span, degree)
+        slope = np.polynomial.chebyshev.chebval((overlap - centre) / half, np.polynomial.chebyshev.chebder(fit))
+        sides.append(slope * span / half)
+    return sides

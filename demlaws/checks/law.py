@@ -1,7 +1,4 @@
-"""The project's own tests of a law, for any law: `check_law` measures what the suite asserts and says what fails.
-
-tests/test_law.py calls these measurements for every law of the package.
-"""
+"""The project's own tests of a law, for any law: `check_law` measures what the suite asserts and says what fails."""
 
 import math
 import warnings
@@ -9,33 +6,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.checks.paths import finite_loop, path_loop
 from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, NotPassive, ValidityWarning
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import example
 from demlaws.materials import GRANITE
-from demlaws.soundness import fault_of_slope, refuse_unless_collapses
+from demlaws.soundness import EPS, Check, curve_checks, largest_of, refuse_unless_collapses
 
-EPS = float(np.finfo(float).eps)
 GRANITE_PAIR = Contact(4.35e-3, 0.5 * GRANITE.plane_modulus, 2.40e-6, 2.22, GRANITE.hardness)
 """The granite pair SS(18-18), on which a law is checked by default."""
-
-
-class Check(NamedTuple):
-    """One line of the table."""
-
-    what: str
-    value: float  # measured value; the check passes at 0 or below `allowed`
-    allowed: float
-    where: float = math.nan  # overlap [m] of the worst
-    note: str = ""
-
-    @property
-    def passed(self) -> bool:
-        """Whether the value is within what is allowed."""
-        return self.value <= self.allowed
 
 
 class LawCheck(NamedTuple):
@@ -64,7 +44,7 @@ class LawCheck(NamedTuple):
         return "\n".join([*lines, f"{self.law}: {'all checks passed' if self.passed else f'{len(self.failures)} failed'}"])
 
 
-# --- measurements, each (worst, overlap [m] of it); law: elastic, of one contact
+# --- measurements; law: elastic, of one contact
 
 
 def overlaps(law: Law, points: int = 60) -> np.ndarray:
@@ -77,110 +57,44 @@ def overlaps(law: Law, points: int = 60) -> np.ndarray:
     return values
 
 
-def _worst(values, at):
-    values = np.where(np.isfinite(values), values, np.inf)
-    k = int(np.argmax(values))
-    return float(values[k]), float(at[k]) if values[k] > 0.0 else math.nan
-
-
-def round_trip(law: Law) -> tuple[float, float]:
-    """Overlap of the force against the overlap, over what ε of overlap and force leaves to it: 1 is 16 ε + 64 ε P/(K δ)."""
-    at = overlaps(law)
-    force = law.force(at)
-    noise = EPS * force / (law.stiffness(at) * at)
-    return _worst(np.abs(law.overlap(force) / at - 1.0) / (16.0 * EPS + 64.0 * noise), at)
-
-
-def force_trip(law: Law) -> tuple[float, float]:
-    """Force at the overlap of a force against it, in units of ε (64 + 16 K δ/P)."""
-    ends = overlaps(law)[[0, -1]]
-    force = np.geomspace(law.force(ends[0]) * 1.001, law.force(ends[1]), 50)
-    at = law.overlap(force)
-    slope = law.stiffness(at) * at / force
-    return _worst(np.abs(law.force(at) / force - 1.0) / (EPS * (64.0 + 16.0 * slope)), at)
-
-
-def derivative(function, overlap, width, degree):
-    """dP/dδ on either side of `overlap`, of the polynomial that fits the force over `width` of it; a kink within reach
-    affects one side only. 300 Chebyshev points average out most of the rounding of single forces.
-    """
-    sides = []
-    for sign in (-1.0, 1.0):
-        half = 0.5 * width * overlap
-        centre = overlap + sign * half
-        nodes = centre + half * np.cos(np.pi * (np.arange(300) + 0.5) / 300)
-        values = function(nodes)
-        place = (nodes - centre) / half  # of the rounded nodes
-        middle, span = values[150], np.ptp(values)  # taken out, so that the fit's own rounding counts for little
-        fit = np.polynomial.chebyshev.chebfit(place, (values - middle) / span, degree)
-        slope = np.polynomial.chebyshev.chebval((overlap - centre) / half, np.polynomial.chebyshev.chebder(fit))
-        sides.append(slope * span / half)
-    return sides
-
-
-def derivative_error(law: Law, points: int = 80) -> tuple[float, float]:
-    """Stiffness against the derivative of the force, relative, on the better side of each overlap.
-
-    Solved laws are read from cells of unknown place, counted from the seating load: the best of two reaches counts.
-    """
-    solved, errors, at = law.definition.solved, [], []
-    for overlap in overlaps(law, points):
-        force, stiffness = law.force(overlap), law.stiffness(overlap)
-        reaches = [(0.25, 12)]
-        if solved:
-            reaches = [(w * max(1.0, force / (stiffness * overlap)), n) for w, n in ((3e-3, 5), (8e-3, 6))]
-        slopes = [derivative(law.force, overlap, width, degree) for width, degree in reaches if width < 0.5]
-        if slopes:
-            errors.append(float(np.min(np.abs(np.array(slopes) / stiffness - 1.0))))
-            at.append(overlap)
-    return _worst(np.array(errors), at)
-
-
-def energy_error(law: Law) -> tuple[float, float]:
-    """Energy against ∫P dδ, relative, by Gauss's rule on panels of an octave (a 64th of one where a solver made the law)."""
-    panels = 64 if law.definition.solved else 1
-    x, weights = np.polynomial.legendre.leggauss(16)
-    largest = 0.1 * law.contact.radius
-    edges = largest * 2.0 ** np.arange(-60.0, 1 / panels, 1 / panels)
-    edges = np.unique([0.0, *edges, *law.kinks()])
-    edges = edges[edges <= largest]
-    half = 0.5 * np.diff(edges)
-    force = np.reshape(law.force((edges[:-1, None] + half[:, None] * (1 + x)).ravel()), (half.size, x.size))
-    work = np.concatenate([[0.0], np.cumsum(half * (force @ weights))])
-    chosen = (edges > 1e-7 * law.contact.roughness) & (edges > 1e-12 * law.contact.radius)
-    return _worst(np.abs(law.energy(edges[chosen]) / work[chosen] - 1.0), edges[chosen])
-
-
-def kink_jump(law: Law) -> tuple[float, float]:
-    """Relative jump of the force at the law's kinks."""
-    kinks = np.array([k for k in law.kinks() if 0.0 < k < 0.1 * law.contact.radius])
-    if not kinks.size:
-        return 0.0, math.nan
-    return _worst(np.abs(law.force(kinks * (1 + 1e-12)) / law.force(kinks * (1 - 1e-12)) - 1.0), kinks)
-
-
-def not_finite(law: Law, count: int = 20_000) -> tuple[int, int]:
-    """Of random overlaps, denormal ones to a tenth of the radius: how many are not finite or negative, how many forces fall."""
-    largest = np.array([0.0999 * law.contact.radius])
-    return finite_loop(law.params, 1, largest, count, np.random.default_rng(1))
-
-
-def alone(law: Law) -> tuple[float, float]:
+def alone(law: Law) -> Check:
     """Arrays against one number at a time, in ε."""
     at = overlaps(law, 40)
     one = np.array([[law.force(float(d)), law.stiffness(float(d))] for d in at]).T
     together = np.array([law.force(at), law.stiffness(at)])
-    return _worst(np.max(np.abs(together / one - 1.0), axis=0) / EPS, at)
+    return largest_of("arrays against single numbers (ε)", np.max(np.abs(together / one - 1.0), axis=0) / EPS, at, 8.0)
 
 
 def returned_work(law: Law, paths: int = 2000) -> tuple[int, float]:
-    """Random paths of one contact, any rule: how many return work, and the most over the energy held."""
-    radius = np.array([law.contact.radius])
-    state = law.new_state(1).arrays
-    share = 0.049 if law.definition.solved else 0.1
+    """Random paths of one contact, any rule: how many return work, and the most over the largest energy of a path."""
     random = np.random.default_rng(2)
-    count, worst, bad = path_loop(law.rule, law.params, state, 1, 1e-25 * radius, share * radius, paths, 12, random)
-    return int(count + bad), float(-worst)
+    highest = (0.049 if law.definition.solved else 0.1) * law.contact.radius
+    count, worst = 0, 0.0
+    for _ in range(paths):
+        at, excursions = _random_path(random, 1e-25 * law.contact.radius, highest)
+        work = law.follow(at).work
+        gained = [work[-1], *(work[end] - work[begin] for begin, end in excursions)]
+        least = float(np.min(gained)) / float(np.max(work))
+        count += not least >= -1e-11
+        worst = min(worst, least)
+    return count, -worst
+
+
+def _random_path(random, lowest, highest, turns=12):
+    """Overlaps [m] that end at 0, turning at any scale, and (begin, end) of excursions that come back to where they began."""
+    at, excursions, maximum = [], [], 0.0
+    while len(at) < turns:
+        if maximum == 0.0 or random.random() < 0.5:
+            overlap = math.exp(random.uniform(math.log(lowest), math.log(highest)))
+        else:  # a reversal about the maximum
+            overlap = min(maximum * (1.0 + random.uniform(-1.0, 1.0) * 10.0 ** random.uniform(-15.0, 0.0)), highest)
+        maximum = max(maximum, overlap)
+        if at and random.random() < 0.4:
+            excursions.append((len(at) - 1, len(at) + 1))
+            at += [overlap, at[-1]]
+        else:
+            at.append(overlap)
+    return np.array([*at, 0.0]), excursions
 
 
 # --- all of them
@@ -235,19 +149,9 @@ def check_law(
 
 
 def _curve_checks(law):
-    solved = law.definition.solved
-    bad, falling = not_finite(law)
-    slope = fault_of_slope(lambda at: (law.force(at), law.stiffness(at)), overlaps(law, 240)) or ""
     checks = [
-        Check("force, stiffness: not finite or negative", bad, 0),
-        Check("force falls as the overlap grows", falling, 0),
-        Check("force jumps, or stiffness is not its derivative", float(bool(slope)), 0, note=slope),
-        Check("overlap of the force of an overlap (1: rounding)", *_put(round_trip(law), 10.0 if solved else 1.0)),
-        Check("force of the overlap of a force (1: rounding)", *_put(force_trip(law), 3.0)),
-        Check("stiffness against derivative, relative", *_put(derivative_error(law), 1e-11)),
-        Check("energy against ∫P dδ, relative", *_put(energy_error(law), 1e-10)),
-        Check("force across kinks, relative", *_put(kink_jump(law), 2e-4)),
-        Check("arrays against single numbers (ε)", *_put(alone(law), 8.0)),
+        *curve_checks(law.params, law.contact.radius, law.definition.solved),
+        alone(law),
     ]
     if law.definition.exact is not None:
         at = law.contact.roughness * np.geomspace(1e-4, 30.0, 200) if law.contact.roughness else overlaps(law, 200)
@@ -258,11 +162,8 @@ def _curve_checks(law):
             ("force", law.force(at), force, 1e-14),
             ("stiffness", law.stiffness(at), stiffness, 1e-13),
         ):
-            checks.append(
-                Check(
-                    f"{what} against its exact equation", *_put(_worst(np.abs(found / exact.astype(float) - 1.0), at), allowed)
-                )
-            )
+            error = np.abs(found / exact.astype(float) - 1.0)
+            checks.append(largest_of(f"{what} against its exact equation", error, at, allowed))
     if law.collapses and not law.definition.solved:  # a solved law's curve comes with a number of its own
         try:
             refuse_unless_collapses(law, law.contact)
@@ -270,11 +171,6 @@ def _curve_checks(law):
         except DemlawsError as error:
             checks.append(Check("one curve serves all contacts", 1, 0, note=str(error)))
     return checks
-
-
-def _put(found, allowed):
-    """(value, allowed, where) as `Check` takes them."""
-    return found[0], allowed, found[1]
 
 
 def _rule_checks(law, contact, rules, paths, options):
@@ -292,11 +188,11 @@ def _rule_checks(law, contact, rules, paths, options):
         count, most = returned_work(joined, paths)
         note = f"most {most:.1e} of the energy held" if count else ""
         checks.append(Check(f"{rule} unloading: paths of {paths} that return work", count, 0, note=note))
-        checks.append(Check(f"{rule} unloading: batch against path, relative", *_put(batch_against_path(joined), 1e-13)))
+        checks.append(batch_against_path(joined, rule))
     return checks
 
 
-def batch_against_path(law: Law) -> tuple[float, float]:
+def batch_against_path(law: Law, rule: str) -> Check:
     """Force and stiffness of a batch against the same contact followed alone."""
     random = np.random.default_rng(3)
     scale = 1e-3 * law.contact.radius
@@ -308,7 +204,7 @@ def batch_against_path(law: Law) -> tuple[float, float]:
         found = law.evaluate(np.full(3, overlap), state)
         pairs = zip(found, (path.force[n], path.stiffness[n]), strict=True)
         errors.append(max(float(np.max(np.abs(a - b)) / b) if b > 0.0 else float(np.max(np.abs(a))) for a, b in pairs))
-    return _worst(np.array(errors), steps)
+    return largest_of(f"{rule} unloading: batch against path, relative", np.array(errors), steps, 1e-13)
 
 
 def _table_checks(law):

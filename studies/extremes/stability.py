@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.checks.paths import finite_loop, path_loop
 from demlaws.contact import Contact
 from demlaws.core import dispatch
 from demlaws.core.dispatch import gather, scatter
@@ -24,6 +23,7 @@ from demlaws.granite import find_test
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.timestep import timestep
+from studies.extremes.paths import finite_loop, path_loop
 
 EPS = float(np.finfo(float).eps)
 DIMENSIONS = (2.0, 2.22, 3.0)
