@@ -60,76 +60,36 @@ class Test(NamedTuple):
         return re.sub(r"[^a-z0-9]+", "-", self.name.lower()).strip("-")
 
 
-_CONES = f"fractal dimension {CONE_DIMENSION} is assumed (the paper gives none)"
+def _spheres(name, radius, roughness, dimension, *bodies, stages=((100.0,),)):
+    """A test of spheres: R [mm], combined σ [µm], mean Df; then of each stone the radius [mm], Sq [µm] and Df."""
+    stones = tuple((r * MILLI, sq * MICRO, df) for r, sq, df in bodies)
+    return Test(name, radius * MILLI, roughness * MICRO, dimension, GRANITE_YIELD_PRESSURE, stages, bodies=stones)
+
+
+def _cone(name, radius, yield_pressure, stages, assumed=""):
+    """A test of a cone's tip on a flat: R [mm], p_y [Pa]."""
+    assumed = f"fractal dimension {CONE_DIMENSION} is assumed (the paper gives none)" + assumed
+    return Test(name, radius * MILLI, 5.04 * MICRO, CONE_DIMENSION, yield_pressure, stages, assumed)
+
+
+def _cycles(*forces):
+    """Turning points [N] of loading to each force and back to 0."""
+    return tuple(turn for force in forces for turn in (force, 0.0))
+
+
 TESTS = (
-    Test(
-        "SS(18-18)",
-        4.35 * MILLI,
-        2.40 * MICRO,
-        2.22,
-        GRANITE_YIELD_PRESSURE,
-        ((100.0,),),
-        bodies=((8.76e-3, 1.56e-6, 2.21), (8.63e-3, 1.84e-6, 2.23)),
-    ),
-    Test(
-        "SS(12-18)",
-        3.58 * MILLI,
-        4.19 * MICRO,
-        2.29,
-        GRANITE_YIELD_PRESSURE,
-        ((100.0, 0.0),),
-        bodies=((6.05e-3, 2.83e-6, 2.33), (8.75e-3, 3.09e-6, 2.25)),
-    ),
-    Test(
-        "SF(12)",
-        6.05 * MILLI,
-        6.56 * MICRO,
-        2.275,
-        GRANITE_YIELD_PRESSURE,
-        ((100.0,),),
-        bodies=((6.05e-3, 3.61e-6, 2.23), (math.inf, 5.48e-6, 2.32)),
-    ),
-    Test(
-        "VS(18-18)",
-        4.04 * MILLI,
-        0.15 * MICRO,
-        2.075,
-        GRANITE_YIELD_PRESSURE,
-        ((100.0,),),
-        bodies=((8.27e-3, 0.10e-6, 2.06), (7.90e-3, 0.11e-6, 2.09)),
-    ),
-    Test(
-        "RS(18-18)",
-        4.19 * MILLI,
-        5.34 * MICRO,
-        2.20,
-        GRANITE_YIELD_PRESSURE,
-        ((100.0,),),
-        bodies=((8.2e-3, 3.30e-6, 2.17), (8.58e-3, 4.20e-6, 2.23)),
-    ),
-    Test(
-        "RFC10",
-        0.96 * MILLI,
-        5.04 * MICRO,
-        CONE_DIMENSION,
-        GRANITE_YIELD_PRESSURE,
-        ((20.0, 0.0, 40.0, 0.0, 80.0, 0.0, 150.0, 0.0, 300.0, 0.0, 450.0, 0.0),),
-        _CONES,
-    ),
-    Test(
+    _spheres("SS(18-18)", 4.35, 2.40, 2.22, (8.76, 1.56, 2.21), (8.63, 1.84, 2.23)),
+    _spheres("SS(12-18)", 3.58, 4.19, 2.29, (6.05, 2.83, 2.33), (8.75, 3.09, 2.25), stages=((100.0, 0.0),)),
+    _spheres("SF(12)", 6.05, 6.56, 2.275, (6.05, 3.61, 2.23), (math.inf, 5.48, 2.32)),
+    _spheres("VS(18-18)", 4.04, 0.15, 2.075, (8.27, 0.10, 2.06), (7.90, 0.11, 2.09)),
+    _spheres("RS(18-18)", 4.19, 5.34, 2.20, (8.2, 3.30, 2.17), (8.58, 4.20, 2.23)),
+    _cone("RFC10", 0.96, GRANITE_YIELD_PRESSURE, (_cycles(20.0, 40.0, 80.0, 150.0, 300.0, 450.0),)),
+    _cone(
         "FC5",
-        0.33 * MILLI,
-        5.04 * MICRO,
-        CONE_DIMENSION,
+        0.33,
         2.35e9,
-        (
-            (20.0, 0.0),
-            (20.0, 0.0, 40.0, 0.0),
-            (20.0, 0.0, 40.0, 0.0, 80.0, 0.0),
-            (20.0, 0.0, 40.0, 0.0, 80.0, 0.0, 150.0, 0.0),
-            (225.0, 0.0, 300.0, 0.0),
-        ),
-        _CONES + "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
+        (*(_cycles(*(20.0, 40.0, 80.0, 150.0)[:last]) for last in (1, 2, 3, 4)), _cycles(225.0, 300.0)),
+        "; roughness as RFC10's is assumed; the tip that failed at 225 N is not modelled",
     ),
 )
 ROUGH_SPHERES = ("SS(18-18)", "SS(12-18)", "SF(12)", "RS(18-18)")
