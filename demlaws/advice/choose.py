@@ -314,21 +314,17 @@ class _Judge:
     def laws(self, plan):
         """The plan's laws on the samples, made once."""
         if plan not in self.bound:
-            laws = []
-            for sample in self.samples:
-                one = sample.contact
-                if plan.evaluation == "table" and not find(plan.name).collapses:
-                    if np.ptp(one.radius) > 0.0:
-                        raise NeedsClasses(_NO_TABLE)
-                    single = one.with_values(radius=float(one.radius[0]))
-                    laws.append(plan.bind(single, self._table_end(plan, single)))
-                else:
-                    laws.append(plan.bind(one, self._table_end(plan, one)))
-            self.bound[plan] = laws
+            self.bound[plan] = [self._bind(plan, sample.contact) for sample in self.samples]
         return self.bound[plan]
 
-    def _table_end(self, plan, contact):
-        return self.max_force if plan.evaluation == "table" else None
+    def _bind(self, plan, contact):
+        if plan.evaluation != "table":
+            return plan.bind(contact)
+        if not find(plan.name).collapses:
+            if np.ptp(contact.radius) > 0.0:
+                raise NeedsClasses(_NO_TABLE)
+            contact = contact.with_values(radius=float(contact.radius[0]))
+        return plan.bind(contact, self.max_force)
 
     def error(self, plan, against=None):
         """Largest and mean error of a plan against the reference (or another plan)."""

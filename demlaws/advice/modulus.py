@@ -20,7 +20,6 @@ import numpy as np
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
-from demlaws.contact import Contact
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
@@ -77,22 +76,6 @@ class Numbers(NamedTuple):
     branch: float  # relative error of stiffness if σ, hardness and yield pressure are left alone, at weak contacts
 
 
-def numbers(
-    contact: Contact, name: str, options: dict, force: float, pressure: float, factor: float, inertial: float
-) -> Numbers:
-    """`Numbers` of grains of contact `contact` (its radius a quarter of the diameter) of law `name` at mean `force` [N]."""
-    softening, diameter = Softening(factor), 4.0 * float(contact.radius)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
-        law = bind_law(name, contact, **options)
-        overlap = float(law.overlap(force))
-        kappa = float(law.stiffness(overlap)) * softening.stiffness / (pressure * diameter)
-        branch = 0.0
-        if factor != 1.0:
-            branch = max(abs(softening.report(law, share * force).left_alone_error) for share in (0.1, 0.3, 1.0))
-    return Numbers(overlap * softening.overlap / diameter, kappa, inertial * math.sqrt(kappa), branch)
-
-
 class Curve(NamedTuple):
     """Measured errors against what causes them, made monotone: a power law between neighbours."""
 
@@ -133,13 +116,20 @@ def curves(process: str, quantity: str, unloads: bool) -> Curves:
 
 
 def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: float) -> Numbers:
-    """`Numbers` of a scene's grains under its largest pressure."""
+    """`Numbers` of a scene's grains of law `name` under its largest pressure, softened by `factor`."""
     if scene.pressure is None:
         raise DemlawsError("softening is advised for a packing under pressure: give the scene its pressure in Pa")
-    radius = 0.25 * (scene.radii[0] + scene.radii[1])
-    contact = max(scene.contacts(radius), key=lambda c: c.modulus)
-    force = float(scene.mean_force(scene.pressure[1], radius))
-    return numbers(contact, name, options, force, scene.pressure[1], factor, inertial)
+    radius, pressure, softening = 0.25 * (scene.radii[0] + scene.radii[1]), scene.pressure[1], Softening(factor)
+    force, diameter = float(scene.mean_force(pressure, radius)), 4.0 * radius
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        law = bind_law(name, max(scene.contacts(radius), key=lambda c: c.modulus), **options)
+        overlap = float(law.overlap(force))
+        kappa = float(law.stiffness(overlap)) * softening.stiffness / (pressure * diameter)
+        branch = 0.0
+        if factor != 1.0:
+            branch = max(abs(softening.report(law, share * force).left_alone_error) for share in (0.1, 0.3, 1.0))
+    return Numbers(overlap * softening.overlap / diameter, kappa, inertial * math.sqrt(kappa), branch)
 
 
 def _inertial_of_rate(scene):
@@ -304,26 +294,17 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
         return predict(scene, 1.0, min(QUASISTATIC, highest), law, options)
-    best, fewest = None, math.inf
-    at: dict[float, Numbers | None] = {}
-    for factor, fastest, part in ways:
+    known: dict[float, Numbers] = {}
+    for factor, fastest, part in sorted(ways, key=lambda way: _steps(scene, way[0], min(way[1], highest), way[2])):
         inertial = min(fastest, highest)
-        steps = _steps(scene, factor, inertial, part)
-        if steps >= fewest:
+        try:
+            if factor not in known:
+                known[factor] = numbers_of(scene, law, options, factor, 1.0)
+        except DemlawsError:  # a law that cannot be softened, or not so far
+            if factor == 1.0:
+                raise
             continue
-        if factor not in at:
-            try:
-                at[factor] = numbers_of(scene, law, options, factor, 1.0)
-            except DemlawsError:
-                if factor == 1.0:
-                    raise
-                at[factor] = None
-        if at[factor] is None:
-            continue
-        here = at[factor]._replace(waves=inertial * at[factor].waves)
+        here = known[factor]._replace(waves=inertial * known[factor].waves)
         if _errors(scene, factor, inertial, part, here)["error"] <= scene.tolerance:
-            best, fewest = (factor, inertial, part), steps
-    if best is None:
-        return None
-    factor, inertial, part = best
-    return predict(scene, factor, inertial, law, options, part)
+            return predict(scene, factor, inertial, law, options, part)
+    return None

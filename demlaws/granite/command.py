@@ -14,6 +14,12 @@ from demlaws.granite import figures as pictures
 from demlaws.laws.registry import find
 from demlaws.points import read_points
 
+STAGE_TITLES = (
+    *("stage", "maximum force (N)", "reload stiffness (N/m)"),
+    *("over Hertz", "stiffness at maximum (N/m)", "plastic overlap (m)"),
+)
+"""Titles of the fields of a `StageRow`."""
+
 
 def run(arguments):
     """Run the tests; returns a summary, the claims with verdicts and the files written."""
@@ -206,24 +212,13 @@ def write_csv(out, tests, runs, notes, found):
                 files.append(granite.save_path(out / f"{test.key}-{row.law}{stage}.csv", path))
         if test.cyclic:
             for result in runs[test.name]:
-                rows = [
-                    [s.stage, s.maximum_force, s.reload_stiffness, s.over_hertz, s.final_stiffness, s.plastic_overlap]
-                    for s in granite.stages_of(result)
-                ]
-                titles = [
-                    "stage",
-                    "maximum force (N)",
-                    "reload stiffness (N/m)",
-                    "over Hertz",
-                    "stiffness at maximum (N/m)",
-                    "plastic overlap (m)",
-                ]
-                files.append(save_csv(out / f"{test.key}-{result.law.name}-cycles.csv", titles, rows))
+                path = out / f"{test.key}-{result.law.name}-cycles.csv"
+                files.append(save_csv(path, STAGE_TITLES, granite.stages_of(result)))
     names = ("test", "law", "between", "displacement", "stiffness_1N", "stiffness_10N", "notes")
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
     files.append(save_csv(out / "summary.csv", titles, summary))
     if found:
-        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], [list(c) for c in found]))
+        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], found))
     return [dict(zip(names, row, strict=True)) for row in summary], files
 
 
