@@ -15,8 +15,12 @@ from demlaws.laws.registry import find
 from demlaws.points import read_points
 
 STAGE_TITLES = (
-    *("stage", "maximum force (N)", "reload stiffness (N/m)"),
-    *("over Hertz", "stiffness at maximum (N/m)", "plastic overlap (m)"),
+    "stage",
+    "maximum force (N)",
+    "reload stiffness (N/m)",
+    "over Hertz",
+    "stiffness at maximum (N/m)",
+    "plastic overlap (m)",
 )
 """Titles of the fields of a `StageRow`."""
 
