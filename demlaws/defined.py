@@ -15,7 +15,7 @@ from demlaws.core.cache import digest_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Definition, Option, grouped
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option
 from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
@@ -94,7 +94,7 @@ def define(
         raise DemlawsError(
             f"law {name!r}: options {', '.join(map(repr, described))}: {clash or 'one of them'} cannot be a name"
         )
-    facts = grouped(facts)
+    facts = _grouped(facts)
     if unknown := sorted(facts.keys() - set(Definition._fields) | ({"prepare", "options"} & facts.keys())):
         raise DemlawsError(f"law {name!r}: a Definition has no field {', '.join(unknown)} to be given here")
     extra = (*[n for n in needs if n in _OF_CONTACT], *described)
@@ -117,6 +117,17 @@ def define(
     fallback = {"equation": "", "source": "", "description": "user-defined law", "collapses": False, "length": "radius"}
     said = {n: option for n, (_, option) in described.items()}
     return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=said)
+
+
+def _grouped(facts: dict[str, Any]) -> dict[str, Any]:
+    """Facts of a law with those of `Fitting`, `Advice` and `Drawing` as these records; "fitted" means `Fitting.parameters`."""
+    facts = {("parameters" if name == "fitted" else name): value for name, value in facts.items()}
+    kinds: dict[str, Any] = {"fitting": Fitting, "advice": Advice, "drawing": Drawing}
+    for name, kind in kinds.items():
+        values = {field: facts.pop(field) for field in kind._fields if field in facts}
+        if values:
+            facts[name] = kind(**values)
+    return facts
 
 
 def _described(law, name, value):

@@ -73,16 +73,6 @@ def quantity(text, name, unit=""):
     raise DemlawsError(f"{name} must be a number{units}, got {text!r:.60}")
 
 
-def any_quantity(text):
-    """The same where the unit itself says what is meant, for options whose kind is not known here; None for other text."""
-    for unit in UNITS:
-        try:
-            return quantity(text, "", unit)
-        except DemlawsError:
-            continue
-    return None
-
-
 def unmasked(value):
     """A masked array as a plain one with NaN where it is masked; anything else as it is. numpy itself drops the mask."""
     if not isinstance(value, np.ma.MaskedArray) or value.dtype.kind not in "fiu":

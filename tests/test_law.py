@@ -59,7 +59,7 @@ def test_the_curve_passes_every_check(name, contact):
 @every_contact
 def test_stiffness_on_either_side_of_a_kink(name, contact):
     law = make(name, contact=contact)
-    for kink in law.kinks():
+    for kink in (overlap for overlap in law.kinks() if overlap < law.contact.radius):
         left, right = kink * (1 - 1e-12), kink * (1 + 1e-12)
         width, degree = (3e-3, 5) if registry()[name].solved else (0.1, 12)
         slopes = derivative(law.force, left, width, degree)[0], derivative(law.force, right, width, degree)[1]

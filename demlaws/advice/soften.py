@@ -16,7 +16,7 @@ import numpy as np
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law, Table
-from demlaws.laws.definition import PRESSURE, power_of, softened_option
+from demlaws.laws.definition import PRESSURE, Option, power_of
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP, number
@@ -220,6 +220,27 @@ class Softening:
                 overlap = float(one.overlap(force))
                 rows.append(At(overlap, float(one.stiffness(overlap)), overlap / float(one.contact.radius)))
         return Report(self, force, softened, *rows)
+
+
+def softened_option(law: str, name: str, option: Option, value: Any, factor: float) -> Any:
+    """Value of a law's option where contacts are made softer by `factor` s (`demlaws.soften`).
+
+    `Option.softens` is the exponent of s, or a function (value, s) → value. Without it a number without unit and a force
+    stay as they are; anything else is refused, since a wrong guess would be silent.
+    """
+    if callable(option.softens):
+        return option.softens(value, factor)
+    exponent = option.softens
+    if exponent is None:
+        if option.unit not in ("", "N"):
+            raise DemlawsError(
+                f"law {law!r} cannot be softened: nothing says how its option {name} [{option.unit}] scales "
+                "(Option.softens in the law's file)"
+            )
+        exponent = 0.0
+    if exponent == 0.0 or value is None:
+        return value
+    return number(value, name, option.unit) * power_of(factor, exponent)
 
 
 @dataclass(frozen=True)

@@ -138,16 +138,16 @@ def option(text):
     """`name=value` with the value as a number (also with a unit: 1.66GPa), true, false or null, else text."""
     import json
 
-    from demlaws.units import any_quantity
+    from demlaws.units import UNITS, quantity
 
     name, separator, value = text.partition("=")
     if not separator or not name:
         raise argparse.ArgumentTypeError(
             f"{text!r}: write an option of a law as name=value, for instance yield_pressure=1.66GPa"
         )
-    number = any_quantity(value)
-    if number is not None:
-        return name.replace("-", "_"), number
+    for unit in UNITS:  # the unit itself says what is meant: the kind of an option is not known here
+        with contextlib.suppress(DemlawsError):
+            return name.replace("-", "_"), quantity(value, name, unit)
     with contextlib.suppress(json.JSONDecodeError):
         value = json.loads(value)
     if isinstance(value, (list, dict)):

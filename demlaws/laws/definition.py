@@ -124,7 +124,7 @@ class Option(NamedTuple):
     unit: str
     values: str  # the range, or the words that it can be
     meaning: str
-    softens: float | Callable | None = None  # see `softened_option`
+    softens: float | Callable | None = None  # see `advice.soften.softened_option`
 
 
 PRESSURE = -2 / 3
@@ -146,27 +146,6 @@ def power_of(factor: float, exponent: float) -> float:
     if thirds % 3 == 0:
         return float(factor) ** (thirds // 3)
     return root**thirds if abs(thirds) < 3 else factor**exponent
-
-
-def softened_option(law: str, name: str, option: "Option", value: Any, factor: float) -> Any:
-    """Value of a law's option where contacts are made softer by `factor` s (`demlaws.soften`).
-
-    `Option.softens` is the exponent of s, or a function (value, s) → value. Without it a number without unit and a force
-    stay as they are; anything else is refused, since a wrong guess would be silent.
-    """
-    if callable(option.softens):
-        return option.softens(value, factor)
-    exponent = option.softens
-    if exponent is None:
-        if option.unit not in ("", "N"):
-            raise DemlawsError(
-                f"law {law!r} cannot be softened: nothing says how its option {name} [{option.unit}] scales "
-                "(Option.softens in the law's file)"
-            )
-        exponent = 0.0
-    if exponent == 0.0 or value is None:
-        return value
-    return number(value, name, option.unit) * power_of(factor, exponent)
 
 
 SEATING = Option("", "1e-7 to 1", "load over E* √R σ^1.5 below which the curve is continued as P ∝ δ^1.5")
@@ -200,17 +179,6 @@ class Drawing(NamedTuple):
     label: str = ""  # short name in figures' text
     colour: str = "#888888"
     line: str = "-"
-
-
-def grouped(facts: dict[str, Any]) -> dict[str, Any]:
-    """Facts of a law with those of `Fitting`, `Advice` and `Drawing` as these records; "fitted" means `Fitting.parameters`."""
-    facts = {("parameters" if name == "fitted" else name): value for name, value in facts.items()}
-    kinds: dict[str, Any] = {"fitting": Fitting, "advice": Advice, "drawing": Drawing}
-    for name, kind in kinds.items():
-        values = {field: facts.pop(field) for field in kind._fields if field in facts}
-        if values:
-            facts[name] = kind(**values)
-    return facts
 
 
 _signature = functools.cache(inspect.signature)

@@ -110,7 +110,7 @@ def surface_figure(heights, wavelengths=None):
     return fig
 
 
-def contact_figure(contact, step, worn=None):
+def contact_figure(contact, step):
     """The map under load: what touches, coloured by state, beside the sizes and loads of the micro-contacts."""
     fig, (left, right) = figure(columns=2, width=5.4, height=4.4)
     heights = contact.heights
