@@ -13,7 +13,7 @@ import numpy as np
 from demlaws.advice.errors import QUANTITIES, Sample
 from demlaws.advice.fit import Fit
 from demlaws.contact import Contact, Material, Surface
-from demlaws.errors import DemlawsError, NotPassive
+from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
@@ -30,6 +30,7 @@ TEMPLATE = Path(__file__).with_name("template.toml")
 """A scene file with every key and its meaning (`demlaws choose --template`)."""
 
 
+@refuses_unknown_keywords
 @dataclass(frozen=True)
 class Scene:
     """Grains and loads of a simulation, for `demlaws.choose`. One of force, pressure, loads and speed is required.
@@ -296,11 +297,13 @@ def _from_toml(path):
     try:
         for key, kind in (("material", Material), ("surface", Surface)):
             if key in text and f"{key}s" in text:
-                raise DemlawsError(f"{path}: [{key}] and [[{key}s]] say the same: give one of them")
+                raise DemlawsError(f"[{key}] and [[{key}s]] say the same: give one of them")
             given = text.pop(f"{key}s", text.pop(key, None))
             if given is not None:
                 entries = [given] if isinstance(given, dict) else given
-                values[f"{key}s"] = [_entry(kind, entry, f"{path}: [{key}]") for entry in entries]
+                if not all(isinstance(entry, dict) for entry in entries):
+                    raise DemlawsError(f"{key} must be a table of the file, [{key}], got {given!r:.60}")
+                values[f"{key}s"] = [kind(**entry) for entry in entries]
         reference = text.pop("reference", None)
         if isinstance(reference, dict):
             values["reference"] = reference.pop("law", None)
@@ -311,23 +314,11 @@ def _from_toml(path):
         if isinstance(unloading, str) and ("/" in unloading or "." in unloading):  # a table's file, beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
         scene = Scene(**values, **text)
-    except TypeError as error:
-        names = ", ".join(f for f in Scene.__dataclass_fields__)
-        raise DemlawsError(f"{path}: {str(error).split(') ')[-1]}; a scene's keys are {names}") from None
+    except (DemlawsError, TypeError) as error:  # TypeError: a Material without its modulus
+        raise DemlawsError(f"{path}: {error}") from None
     if measured is not None:
         scene = scene.with_fit(_fit_measured(scene, measured, path))
     return scene
-
-
-def _entry(kind, entry, where):
-    """A Material or a Surface of a file's table."""
-    known = ", ".join(kind.__dataclass_fields__)
-    if not isinstance(entry, dict):
-        raise DemlawsError(f"{where}: got {entry!r:.60}; a table is needed, its keys are {known}")
-    try:
-        return kind(**entry)
-    except TypeError as error:
-        raise DemlawsError(f"{where}: {str(error).split(') ')[-1]}; its keys are {known}") from None
 
 
 def _fit_measured(scene, measured, path):
