@@ -12,11 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact, as_contact
-from demlaws.core.grid import Nodes
 from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
-from demlaws.curves.table import Rows, TableCurve
 from demlaws.errors import DemlawsError, warn
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_own
@@ -25,7 +23,9 @@ from demlaws.units import number
 from demlaws.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
 
 if TYPE_CHECKING:
+    from demlaws.core.grid import Nodes
     from demlaws.curves.points import Knots
+    from demlaws.curves.table import Rows, TableCurve
 
 
 class Law(Response):
@@ -44,7 +44,7 @@ class Law(Response):
     (array([1.3492, 2.6985]), array([1.e-06, 1.e-06]))
     """
 
-    def __init__(self, contact: Contact, curve: ClosedForm | TableCurve, unloading: Unloading = ELASTIC):
+    def __init__(self, contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC):
         curve.check(contact)
         self.contact, self.curve, self.unloads = contact, curve, unloading
         self.definition, self.options, self.name = curve.definition, curve.options, curve.definition.name
@@ -210,12 +210,12 @@ def as_law(value: Any) -> Law:
 # --- composition
 
 
-def composed(contact: Contact, curve: ClosedForm | TableCurve, unloading: Unloading = ELASTIC) -> Law:
+def composed(contact: Contact, curve: "ClosedForm | TableCurve", unloading: Unloading = ELASTIC) -> Law:
     """The law of these parts; a `Table` where the curve is one."""
     return (Table if curve.tabulated else Law)(contact, curve, unloading)
 
 
-def join(contact: Contact, curve: ClosedForm | TableCurve, unloading: "str | os.PathLike | Law") -> Law:
+def join(contact: Contact, curve: "ClosedForm | TableCurve", unloading: "str | os.PathLike | Law") -> Law:
     """A curve of first loading joined with the unloading that a user named; NotPassive where the pair returns work."""
     law = composed(contact, curve, _adapted(resolve(unloading, curve.definition), contact, curve))
     refuse_unless_passive(law)
@@ -267,7 +267,7 @@ class Table(Law):
     (True, True, True)
     """
 
-    curve: TableCurve
+    curve: "TableCurve"
 
     def __repr__(self):
         text = (
@@ -277,7 +277,7 @@ class Table(Law):
         return text if self.unloading_law is None else f"{text}; unloading along {self.unloading_law!r}"
 
     @property
-    def nodes(self) -> Nodes:
+    def nodes(self) -> "Nodes":
         """Nodes of the curve of first loading, without units."""
         return self.curve.nodes
 
@@ -287,7 +287,7 @@ class Table(Law):
         return self.curve.rtol
 
     @property
-    def rows(self) -> Rows:
+    def rows(self) -> "Rows":
         """What a file has of the curve of first loading."""
         return self.curve.rows
 
@@ -536,6 +536,8 @@ class Table(Law):
     @classmethod
     def _given(cls, contact, curve, unloading):
         """A table of a user's curve, and its unloading: a table of a second curve, or what `law` takes."""
+        from demlaws.curves.table import TableCurve
+
         if not isinstance(unloading, TableCurve):
             return join(contact, curve, unloading)
         law = join(contact, curve, cls(contact, unloading))

@@ -43,6 +43,9 @@ class BulkYield(NamedTuple):
     slope: float = 0.0
 
 
+NO_YIELD = BulkYield()
+
+
 class TableShape(NamedTuple):
     """One dimensionless curve."""
 

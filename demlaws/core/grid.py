@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import BulkYield, CurveShape, Grid, TableShape, invert_loop, read
+from demlaws.core.curve import NO_YIELD, CurveShape, Grid, TableShape, invert_loop, read
 from demlaws.errors import DemlawsError
 
 MOST_BITS = 12
@@ -15,7 +15,6 @@ _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(6)
 _OCTAVES_BELOW, _MOST_OCTAVES_BELOW = 40, 200
 """Octaves of cells that continue the power law below the first node, so that reading it takes no power; the second for
 an unloading curve, which goes as far down in force as its law's."""
-NO_YIELD = BulkYield()
 
 
 def node_number(u, bits_per_octave):
@@ -150,9 +149,7 @@ def shape_from_nodes(
 
 
 def quick_to_invert(shape, kinks=()):
-    """A table's shape with its reverse; any other shape, whose `inverse` is a formula, as it is. kinks: u of the table's."""
-    if not isinstance(shape, TableShape):
-        return shape
+    """A table's shape with its reverse. kinks: u of the table's."""
     curve = shape.grid
     bits_per_octave = 53 - curve.shift  # finer by a bit, so that one step of Newton's method is exact to rounding
     highest, seat = float(curve.cells[-1, 0]), curve.seat

@@ -6,8 +6,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.curve import BulkYield, TableShape
-from demlaws.core.grid import NO_YIELD, quick_to_invert
+from demlaws.core.curve import NO_YIELD, BulkYield, TableShape
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_own
 
@@ -55,6 +54,10 @@ class ClosedForm:
 
     def quick_shape(self) -> Any:
         """The Shape with which this curve serves as an unloading curve: one whose inverse costs no search."""
+        if not isinstance(self.shape, TableShape):
+            return self.shape
+        from demlaws.core.grid import quick_to_invert
+
         return quick_to_invert(self.shape)
 
     def with_unloading(self, contact: Contact, unloading: Any) -> Any:

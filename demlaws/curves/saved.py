@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.curve import BulkYield
-from demlaws.core.grid import NO_YIELD, shape_from_nodes
+from demlaws.core.curve import NO_YIELD, BulkYield
+from demlaws.core.grid import shape_from_nodes
 from demlaws.criterion import YIELD_RATIO
 from demlaws.curves import text
 from demlaws.curves.points import Knots

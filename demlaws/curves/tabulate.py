@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.grid import MOST_BITS, NO_YIELD, Nodes, grid, shape_from_nodes
+from demlaws.core.curve import NO_YIELD
+from demlaws.core.grid import MOST_BITS, Nodes, grid, shape_from_nodes
 from demlaws.core.loops import (
     bind_params,
     clamped_roughness,
