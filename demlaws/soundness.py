@@ -162,7 +162,7 @@ def largest_of(what, errors, at, allowed, fault=None):
 
 
 def _panel_errors(rise, integral):
-    """Relative difference in each panel, the least of three neighbours: a kink spoils the integral of its own panel."""
+    """Relative difference in each panel, the least of three neighbours: a kink falsifies the integral of its own panel."""
     off = np.pad(np.abs(rise / integral - 1.0), 1, mode="edge")
     return np.min([off[:-2], off[1:-1], off[2:]], axis=0)
 
