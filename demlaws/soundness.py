@@ -161,9 +161,15 @@ def largest_of(what, errors, at, allowed, fault=None):
     return Check(what, float(errors[k]), allowed, float(at[k]) if errors[k] > 0.0 else math.nan, fault=fault)
 
 
+def _relative(values, expected):
+    """|values/expected - 1|; 0 where both are 0, as below the overlap at which a force begins."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.where(values == expected, 0.0, np.abs(values / expected - 1.0))
+
+
 def _panel_errors(rise, integral):
     """Relative difference in each panel, the least of three neighbours: a kink falsifies the integral of its own panel."""
-    off = np.pad(np.abs(rise / integral - 1.0), 1, mode="edge")
+    off = np.pad(_relative(rise, integral), 1, mode="edge")
     return np.min([off[:-2], off[1:-1], off[2:]], axis=0)
 
 
@@ -192,8 +198,8 @@ def curve_checks(params: Any, radius: float, solved: bool = False) -> Iterator[C
     yield largest_of("stiffness against derivative, relative", errors, overlap, 1e-5 if solved else 1e-11)
     hertz = np.cbrt(known.force / params.hertz_coefficient) ** 2
     for name, values, off in (
-        ("Hertz-equivalent overlap", known.equivalent, np.abs(known.equivalent / hertz - 1.0)),
-        ("a²/R", known.area, np.where(np.isfinite(known.area), np.maximum(1.0 - known.area / hertz, 0.0), np.inf)),
+        ("Hertz-equivalent overlap", known.equivalent, _relative(known.equivalent, hertz)),
+        ("a²/R", known.area, np.where(known.area < math.inf, _relative(np.minimum(known.area, hertz), hertz), math.inf)),
     ):
         fault, k = None, int(np.argmax(~(off <= EQUIVALENT)))
         if not off[k] <= EQUIVALENT:
@@ -214,17 +220,20 @@ def _return_checks(params, overlap, known, solved):
     overlap, force, stiffness = (values[::_THINNED] for values in (overlap, known.force, known.stiffness))
     back, work = np.empty(overlap.size), np.empty(overlap.size)
     back_loop(params, overlap, back, work)
+    carries = force > 0.0
+    at, load, back = overlap[carries], force[carries], back[carries]
     good = np.isfinite(back) & (back > 0.0)
-    again = np.zeros(overlap.size)
+    again = np.zeros(at.size)
     again[good] = values_of(params, back[good]).force
-    slope = stiffness * overlap / force  # what an error of the overlap is multiplied by in the force
-    off = np.where(force > 0.0, np.abs(again / force - 1.0), 0.0)
+    slope = stiffness[carries] * at / load  # what an error of the overlap is multiplied by in the force
+    off = _relative(again, load)
     fault, k = None, int(np.argmax(~(off <= INVERSE)))
     if not off[k] <= INVERSE:
-        fault = f"at overlap {overlap[k]:.6g} m the force is {force[k]:.6g} N, but the inverse gives {back[k]:.6g} m for it"
-    yield largest_of("force of the overlap of a force (1: rounding)", off / (EPS * (64.0 + 16.0 * slope)), overlap, 3.0, fault)
-    off = np.abs(back / overlap - 1.0) / (EPS * (16.0 + 64.0 / slope))
-    yield largest_of("overlap of the force of an overlap (1: rounding)", off, overlap, 10.0 if solved else 1.0)
+        fault = f"at overlap {at[k]:.6g} m the force is {load[k]:.6g} N, but the inverse gives {back[k]:.6g} m for it"
+    yield largest_of("force of the overlap of a force (1: rounding)", off / (EPS * (64.0 + 16.0 * slope)), at, 3.0, fault)
+    with np.errstate(divide="ignore"):  # a stiffness of 0
+        off = _relative(back, at) / (EPS * (16.0 + 64.0 / slope))
+    yield largest_of("overlap of the force of an overlap (1: rounding)", off, at, 10.0 if solved else 1.0)
 
     gained, fault = np.diff(work), None
     wrong = ~(np.abs(gained - expected) <= ENERGY * expected)

@@ -325,6 +325,14 @@ def test_kinks_are_no_fault():
     np.testing.assert_allclose(table.force(np.array([9e-6, 2e-5])), [9.0, 40.0], rtol=1e-6)
 
 
+@pytest.mark.filterwarnings("error")
+def test_a_force_may_begin_at_an_overlap():
+    """Where force, energy and Hertz's overlap are all 0 there is no ratio of them to judge."""
+    law = dl.define("late", lambda p, d: 3e9 * max(d - 1e-7, 0.0) ** 1.7, lambda p, d: 5.1e9 * max(d - 1e-7, 0.0) ** 0.7)
+    dl.register(law)
+    assert dl.law("late", GRANITE).force(np.array([5e-8, 1.1e-6])) == pytest.approx([0.0, 3e9 * 1e-6**1.7], rel=1e-9)
+
+
 def test_a_law_that_does_not_collapse_says_so():
     dl.register(dl.define("power", power, slope, collapses=True))
     with pytest.raises(dl.DemlawsError, match=r"with radius = .*overlap .* m, made dimensionless, is 0\.\d+ times as large"):
