@@ -11,7 +11,7 @@ import numpy as np
 import yade
 import yade.utils
 
-from demlaws.admissible import LARGE_ROUGHNESS, LARGEST_ROUGHNESS, RANGES, judge
+from demlaws.admissible import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, RANGES, judge
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, did_you_mean, warn
 from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
 from demlaws.yade import layout as at
@@ -385,6 +385,9 @@ class Binding:
         if kind == at.TOO_DEEP:
             return f": {too_large_overlap(value, float(self.context.doubles[at.DEEP_RADIUS]) if radius is None else radius)}"
         if kind == at.WRONG_MODULUS:
+            spheres = [O.bodies[number].shape.radius for number in (first, second) if hasattr(O.bodies[number].shape, "radius")]
+            if not all(size > 0.0 for size in spheres):
+                return f": a sphere has radius = {min(spheres):g} m: {RANGES['radius'].remedy}"
             of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
             return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
         if kind == at.WRONG_CONTACT:
@@ -413,6 +416,14 @@ class Binding:
             rows, contacts = self.attachment.live()
         else:
             rows, contacts = self.memory.rows, self.memory.keys
+        for stone in O.materials:
+            angle = getattr(stone, "frictionAngle", 0.0)
+            if not 0.0 <= angle < 0.5 * math.pi:
+                self._warn_once(
+                    ("friction", stone.label),
+                    f"material {stone.label!r} has frictionAngle = {angle:g} rad, a friction of {math.tan(angle):.3g}: "
+                    "give an angle from 0 to π/2 in radians",
+                )
         keep = (rows["tag"] > 0.0) & (rows["modulus"] > 0.0) & (rows["overlap"] > 0.0)
         rows, places = rows[keep].copy(), np.flatnonzero(keep)
         force = self.pairs.respond(rows)[0]["force"]
@@ -436,6 +447,9 @@ class Binding:
         if sigma > LARGE_ROUGHNESS * np.min(rows["radius"], initial=np.inf):
             text = self.roughness_text(*self._labels(contacts[int(np.argmin(rows["radius"]))]), float(np.min(rows["radius"])))
             self._warn_once((number, "roughness"), text)
+        largest = float(np.max(rows["radius"], initial=0.0))
+        if largest > LARGE_RADIUS:
+            self._warn_once("radius", judge(radius=largest)[0].text)
         for reason, found in beyond.items():
             count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in found)
             if count and (number, reason) not in self._said:

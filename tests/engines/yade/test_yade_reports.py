@@ -46,6 +46,25 @@ def test_roughness_beside_the_radius(omega):
         omega.run(200, True)
 
 
+def test_numbers_in_other_units_are_named(omega):
+    """Radii in mm, a friction angle in degrees (tan 30 rad is -6.4), a sphere without a radius."""
+    import yade
+
+    law, stone = functor(), material(friction=30.0)  # a law that is made beside the bodies warns at once
+    omega.bodies.append([yade.utils.sphere((0, 0, z), 10.0, fixed=True, material=stone) for z in (0, 19.999)])
+    set_engines(law, 1e-9)
+    with pytest.warns(dl.ValidityWarning) as seen:
+        omega.run(20, True)
+    for words in ("did you mean mm", "frictionAngle = 30 rad"):
+        assert sum(words in str(one.message) for one in seen) == 1
+    omega.reset()
+    two_spheres(functor(), gap=-1e-4)
+    omega.bodies[1].shape.radius = 0.0
+    omega.bodies[1].state.pos = (0, 0, 0.0099)
+    with pytest.raises(RuntimeError, match="radius = 0 m"):
+        omega.run(20, True)
+
+
 def test_engines_within_an_integrator_are_refused(omega):
     """They compute contacts at trial positions; without a guard a contact has no force rather than native Mindlin's."""
     import yade
