@@ -48,6 +48,10 @@ public:
   void connectToProperties(PropertyRegistry &registry) {
     registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
     registry.connect("coeffFrict", friction_, "tangential model demlaws");
+    for (int i = 1; i <= atom->ntypes; ++i)
+      for (int j = 1; j <= atom->ntypes; ++j)
+        if (!(friction_[i][j] >= 0.))
+          error->all(FLERR, "tangential model demlaws: coefficientFriction must not be negative");
     if (wall_) neighbor->register_contact_dist_factor(1.01); // else surfacesClose() is never called
     if (slips_ != (normal_->shear() == demlaws::SLIP_SHEAR))
       error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'shear' was known: "

@@ -61,6 +61,12 @@ def test_a_wall_with_a_stock_model_is_named(tmp_path):
     assert text.count("fix old wall/gran has a model of LIGGGHTS") == 1 and "fix new wall/gran has" not in text
 
 
+def test_negative_friction_is_refused(tmp_path):
+    dl.law("hertz", CONTACT).tabulate().save(tmp_path / "law.tbl")
+    with pytest.raises(DemlawsError, match="coefficientFriction"):
+        press(tmp_path, "table law.tbl", change=("2 0.5 0.5 0.5 0.5", "2 0.5 -0.5 -0.5 0.5"))
+
+
 HEAT = """\
 fix heat all heat/gran initial_temperature 300. area_correction yes
 fix t1 all property/global thermalConductivity peratomtype 5. 5.
