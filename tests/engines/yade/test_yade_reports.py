@@ -4,7 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, SURFACES, fixed_pair, force, functor, interaction_loop, set_engines, two_spheres
+from yade_scenes import GRANITE, SURFACES, fixed_pair, force, functor, interaction_loop, material, set_engines, two_spheres
 
 import demlaws as dl
 
