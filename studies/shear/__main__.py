@@ -45,10 +45,10 @@ def run(arguments):
         gas.run_all(arguments.gas, arguments.friction, arguments.poisson, arguments.shear, arguments.steps)
         return
     if arguments.summary:
-        print("| engine | shear | runs | refused | largest energy over the start | error of the balance |")
-        print("|---|---|---|---|---|---|")
-        for engine, shear, runs, refused, largest, balance in gas.summary(arguments.summary):
-            print(f"| {engine} | {shear} | {runs} | {refused} | {largest:.5f} | {balance:.1e} |")
+        print("| engine | shear | laws × rules | runs | refused | largest energy over the start | error of the balance |")
+        print("|---|---|---|---|---|---|---|")
+        for *counts, largest, balance in gas.summary(arguments.summary):
+            print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
         return
     if arguments.paths:
         print_paths(arguments.paths)

@@ -4,6 +4,7 @@ import contextlib
 import csv
 import itertools
 import json
+import math
 import sys
 import tempfile
 import warnings
@@ -165,7 +166,7 @@ def simulate_in_yade(runs):
             yield Result(kept / kept[0], balance / balance[0])
 
 
-FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance")
+FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance", "step_us", "time_ms")
 
 
 def run_all(chosen, frictions, poissons, shears, steps, output=None):
@@ -178,7 +179,7 @@ def run_all(chosen, frictions, poissons, shears, steps, output=None):
         values = [f"refused: {result}", "", ""]
         if isinstance(result, Result):
             values = [f"{result.largest:.5f}", f"{result.kept[-1]:.4f}", f"{result.balance[-1]:.5f}"]
-        writer.writerow([*first, *values])
+        writer.writerow([*first, *values, f"{1e6 * TIME / steps:g}", f"{1e3 * TIME:g}"])
         output.flush()
 
     def attempt(engine, name, model, friction, poisson, folder):
@@ -210,7 +211,7 @@ def run_all(chosen, frictions, poissons, shears, steps, output=None):
 
 
 def summary(files):
-    """Rows (engine, shear, runs, refused, largest energy, largest error of the balance) of CSV files of `run_all`."""
+    """Rows (engine, shear, pairs of law and rule, runs, refused, largest energy, error of the balance) of `run_all`'s files."""
     rows = {}
     for file in files:
         with open(file, newline="") as text:
@@ -218,6 +219,7 @@ def summary(files):
                 runs = rows.setdefault((line["engine"], line["shear"]), ([], []))
                 runs[line["largest"].startswith("refused")].append(line)
     for (engine, shear), (runs, refused) in rows.items():
-        largest = max(float(line["largest"]) for line in runs)
-        balance = max(abs(float(line["balance"]) - 1.0) for line in runs)
-        yield engine, shear, len(runs), len(refused), largest, balance
+        pairs = {(line["law"], line["rule"]) for line in runs}
+        largest = max((float(line["largest"]) for line in runs), default=math.nan)
+        balance = max((abs(float(line["balance"]) - 1.0) for line in runs), default=math.nan)
+        yield engine, shear, len(pairs), len(runs), len(refused), largest, balance

@@ -26,7 +26,10 @@ def functor(law, rule, shear, poisson):
         return yade.Law2_ScGeom_MindlinPhys_Mindlin()
     pair = contact(poisson)
     surface = Surface(pair.roughness / math.sqrt(2.0), pair.fractal_dimension, pair.hardness)
-    given, options = (example(law, pair, rule), {}) if rule == GIVEN else (law, find(law).example)
+    given, options = (example(law, pair, rule), {}) if rule == GIVEN else (law, dict(find(law).example))
+    if find(law).needs_map:  # solved for one contact: walls with YADE's own radius there
+        options |= {"radii": (pair.radius, pair.radius), "moduli": (pair.modulus, pair.modulus)}
+        options["flats"] = "yade"
     unloading = None if rule == GIVEN else rule
     return Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, surface, shear=shear, bridge="native", **options)
 
