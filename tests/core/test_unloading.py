@@ -178,20 +178,6 @@ def test_thornton_is_hertz_where_the_bulk_has_not_yielded(name):
     np.testing.assert_allclose(a.plastic_overlap, b.plastic_overlap, atol=1e-14 * path[0] * 10)
 
 
-def test_plastic_overlap_of_pohrt_popov_saturates_above_the_threshold():
-    law = make("pohrt-popov", "hertz")
-    (kink,) = law.kinks()
-    plastic = law.follow(kink * np.array([0.5, 1.0, 2.0, 10.0])).plastic_overlap
-    assert plastic[0] < plastic[1]
-    np.testing.assert_allclose(plastic[2:], plastic[1], rtol=1e-10)
-
-
-def test_hertz_leaves_nothing_behind():
-    path = make("hertz", "hertz").follow([1e-5, 5e-6, 1e-7])
-    np.testing.assert_array_equal(path.plastic_overlap, 0.0)
-    assert abs(path.dissipated[-1]) <= EPS * path.work[0]
-
-
 @pytest.mark.parametrize("name", [n for n in dl.laws() if (n, "hertz") not in PAIRS and "hertz" in rules_of(n)])
 def test_a_refused_law_would_return_work(name):
     """The refusal names the load; there, Hertz unloading from just above would give back more than loading took."""

@@ -336,13 +336,6 @@ def test_exported_case_runs(engine, tmp_path, law, options, surfaces, materials,
     assert list((path.parent / "post").glob("grains.*")) and list((path.parent / "post").glob("contacts.*"))
 
 
-@pytest.mark.slow
-@both
-def test_exported_case_runs_on_two_ranks(engine, run, tmp_path):
-    path = exported(engine, tmp_path, "pohrt-popov", [ROUGH] * 2, steps=2000, count=60)
-    assert run(path, 2)["Atoms"][-1] == 60
-
-
 @both
 def test_export_refuses_nonsense(engine, tmp_path):
     export = part(engine, "export").export
