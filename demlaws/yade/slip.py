@@ -13,6 +13,7 @@ from demlaws.yade import layout as at
 from demlaws.yade.memory import call_go, load_double, load_word, store_double
 from demlaws.yade.shear import (
     FRAME_WORDS,
+    SLACK,
     Slip,
     account,
     compress,
@@ -187,7 +188,7 @@ def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row,
     share, ratio = load_double(springs + 48), load_double(row + at.RATIO_OF_ROW)
     top, held = stiffness / ratio, load_double(row + at.SHEAR_STIFFNESS) / ratio
     limit = load_double(phys + word(context, at.FRICTION)) * load_double(springs + 56) / ratio
-    along, across, work, stored = 0.0, 0.0, 0.0, 0.0
+    along, across, most, work, stored = 0.0, 0.0, 0.0, 0.0, 0.0
     du, dv = dot(step, first), dot(step, second)
     for k in range(count):  # as `slip_step`
         here = stretch + 8 * k
@@ -200,7 +201,9 @@ def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row,
         if part > was:
             u, v = u * (was / part), v * (was / part)
         one = ratio * share * part
-        before_u, before_v, u, v = stretched(u, v, du, dv, limit * load_double(means + 8 * k))
+        longest = limit * load_double(means + 8 * k)
+        most += one * longest
+        before_u, before_v, u, v = stretched(u, v, du, dv, longest)
         work += 0.5 * one * ((before_u + u) * du + (before_v + v) * dv)
         store_double(here, u)
         store_double(here + 8 * count, v)
@@ -218,7 +221,13 @@ def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row,
     store_vector(springs, first[0], first[1], first[2])
     store_vector(springs + 24, second[0], second[1], second[2])
     account(row, stiffness, stored, work - (stored - energy))
-    return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
+    damping = phys + word(context, at.PROBED + 1)
+    betas = load_double(damping)
+    if along * along + across * across >= (1.0 - SLACK) * most * most:  # sliding, which the native law does not see
+        store_double(damping, 0.0)
+    keep = call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
+    store_double(damping, betas)
+    return keep
 
 
 @overload(go, jit_options=INLINED)
