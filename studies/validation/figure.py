@@ -7,12 +7,20 @@ from demlaws.plots.surface import MICRO
 
 
 def deviations(groups):
-    """Every row's distance from the middle of its range over half the range, by group: 1 is the limit."""
+    """Every row's distance from the middle of its range over half the range, by group: 1 is the limit.
+
+    A range that begins at 0 limits a difference, which is expected to be 0.
+    """
+
+    def distance_of(row):
+        expected = 0.5 * (row.low + row.high) if row.low else 0.0
+        return max(abs(row.found - expected) / (row.high - expected), 1e-9)
+
     fig, ax = figure(width=8.0, height=0.42 * len(groups) + 1.4)
     for height, rows in enumerate(groups.values()):
         for verdict, colour, marker in (("pass", "tab:blue", "o"), ("FAIL", "tab:red", "X")):
             chosen = [row for row in rows if row.verdict == verdict]
-            distance = [max(abs(2.0 * (row.found - row.low) / (row.high - row.low) - 1.0), 1e-9) for row in chosen]
+            distance = [distance_of(row) for row in chosen]
             spread = np.linspace(-0.25, 0.25, len(distance)) if distance else []
             ax.plot(distance, height + np.asarray(spread), marker, color=colour, ms=4, ls="none")
     ax.axvline(1.0, color="k", lw=0.8)
