@@ -4,24 +4,52 @@
 #ifndef DEMLAWS_RANGE_H
 #define DEMLAWS_RANGE_H
 
-#include "demlaws_limits.h"
 #include "demlaws_table.h"
 #include <set>
 
 namespace demlaws {
 
 const double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.; // over R: warned of beyond the first, refused beyond the other
-const double LARGE_ROUGHNESS = 0.1;                     // sigma over R, warned of beyond it
+const double LARGE_ROUGHNESS = 0.1;                     // sigma over R, likewise
 const double SOFTENED = 1e-5, STIFFENED = 10.;          // E* over the table's, warned of beyond them
+
+// An inadmissible value, or an unlikely one, in words; an admissible value has no text.
+struct Finding {
+  bool admissible;
+  std::string text;
+};
+
+inline std::string number(const char *format, double value) {
+  char text[40];
+  snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+// Effective modulus E* [Pa].
+inline Finding judge_modulus(double modulus) {
+  if (std::isfinite(modulus) && modulus > LEAST_MODULUS) return {true, ""};
+  return {false, "modulus = " + number("%g", modulus) +
+                     " Pa: the effective modulus E* is above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?"};
+}
+
+// Combined roughness [m] of a contact beside its effective radius [m].
+inline Finding judge_roughness(double roughness, double radius) {
+  const std::string what = "roughness = " + number("%g", roughness) + " m";
+  if (!std::isfinite(roughness) || roughness < 0.) return {false, what + ": rms roughness Sq cannot be negative"};
+  if (!(roughness > LARGE_ROUGHNESS * radius)) return {true, ""};
+  const bool admissible = roughness <= LARGEST_ROUGHNESS * radius;
+  return {admissible, what + " is " + number("%.3g", roughness / radius) + " of the radius " + number("%g", radius) +
+                          " m, above " + number("%g", admissible ? LARGE_ROUGHNESS : LARGEST_ROUGHNESS) +
+                          ": the laws take roughness for small beside the radius; did you mean µm (1 µm = 1e-6 m)?"};
+}
 
 // What a contact can leave. Each kind is counted by itself.
 enum Excess { DEEP, BEYOND, ROUGH, YIELDS, ABOVE, BELOW, EXCESSES };
 
 // Contact steps of one run that left a limit.
 struct Count {
-  double steps, worst; // how many; by the largest factor
-  long first, second;  // numbers of the particles of that one; second -1: a wall
-  Count() : steps(0.), worst(0.), first(-1), second(-1) {}
+  double steps = 0., worst = 0.; // how many; by the largest factor
+  long first = -1, second = -1;  // numbers of the particles of that one; second -1: a wall
   void add(const Count &other) {
     steps += other.steps;
     if (other.worst <= worst) return;
@@ -35,7 +63,19 @@ struct Count {
 struct Counts {
   Count of[EXCESSES];
   std::set<std::string> reported;
-  // Line for the end of a run, from the sum over all ranks; empty where there is nothing to report.
+  // Lines for the end of a run, from the sums over all ranks; the counts begin again.
+  template <class RANKS> std::vector<std::string> summaries(const RANKS &ranks) {
+    std::vector<std::string> lines;
+    for (int k = 0; k < EXCESSES; k++) {
+      Count sum;
+      for (const Count &one : ranks.gather(of[k])) sum.add(one);
+      of[k] = Count();
+      if (sum.steps > 0.) lines.push_back(summary((Excess)k, sum));
+    }
+    return lines;
+  }
+
+private:
   static std::string summary(Excess excess, const Count &sum) {
     static const char *const where[EXCESSES][2] = {
         {"deeper than a tenth of R", "times that: the laws hold for small overlaps"},
@@ -44,7 +84,6 @@ struct Counts {
         {"above the load at which the bulk yields", "times the pressure 0.6 H_m: the law keeps the bulk elastic"},
         {"above the range of force of their law", "times its end"},
         {"below the range of force of their law", "times (its end over the force)"}};
-    if (!(sum.steps > 0.)) return "";
     std::ostringstream text;
     text.precision(3);
     text << "demlaws/table: in this run " << (long long)sum.steps << " contact steps were " << where[excess][0]
@@ -57,7 +96,7 @@ struct Counts {
 
 // Text about the modulus of a pair, "" for a plausible value; throws for an inadmissible one.
 inline std::string judge_modulus(const Table &table, double modulus) {
-  const Finding alone = judge("modulus", modulus);
+  const Finding alone = judge_modulus(modulus);
   if (!alone.admissible) throw std::runtime_error(alone.text);
   const double made_for = table.of_contact("modulus", modulus);
   if (modulus >= SOFTENED * made_for && modulus <= STIFFENED * made_for) return "";
@@ -79,19 +118,43 @@ inline std::string thin_box(int axis, double length, double enough, const char *
 }
 
 // What an engine does with the findings on one contact.
-struct Findings {
+class Findings {
+public:
+  // keeps: this step is counted; first, second: numbers of the particles, second -1: a wall.
+  Findings(Counts &counts, bool keeps, long first, long second) : counts_(counts), keeps_(keeps) {
+    contact_.steps = 1.;
+    contact_.first = first;
+    contact_.second = second;
+  }
   virtual ~Findings() {}
   // Counts an excess by this factor; whether its text, which `reason` identifies, is still to be reported.
-  virtual bool counts(Excess excess, double factor, const std::string &reason) = 0;
+  bool counts(Excess excess, double factor, const std::string &reason) {
+    contact_.worst = factor;
+    if (keeps_) counts_.of[excess].add(contact_);
+    return counts_.reported.insert("0123456789"[excess] + reason).second;
+  }
   virtual void warn(const std::string &text) = 0;
   virtual void refuse(const std::string &text) = 0;
+
+private:
+  Counts &counts_;
+  const bool keeps_;
+  Count contact_;
 };
+
+inline std::string other_radius(const Pair &pair, double radius, double tolerance) {
+  std::ostringstream what;
+  what << "contact radius " << radius / pair.metre << " m, but law " << pair.table->text("law")
+       << " does not collapse and " << pair.table->path() << " holds for " << pair.only_radius / pair.metre
+       << " m (radius_tolerance " << tolerance << "); make a table of this pair of types or widen the tolerance";
+  return what.str();
+}
 
 // Checks of one contact. Its pair is in the engine's units; messages are in SI.
 class Watch {
 public:
-  Watch() : deep_(SMALL_OVERLAP), above_(HUGE_VAL), below_(0.), below_per_radius_(0.), smallest_(0.), hardness_(0.) {}
-  explicit Watch(const Pair &pair) : Watch() {
+  Watch() {}
+  explicit Watch(const Pair &pair) {
     const Table &table = *pair.table;
     deep_ = SMALL_OVERLAP * (1. + 1e-9);
     hardness_ = table.number("hardness", 0.) * pair.pascal;
@@ -124,7 +187,7 @@ public:
   }
 
 private:
-  double deep_, above_, below_, below_per_radius_, smallest_, hardness_;
+  double deep_ = SMALL_OVERLAP, above_ = HUGE_VAL, below_ = 0., below_per_radius_ = 0., smallest_ = 0., hardness_ = 0.;
 
   static std::string remedy(bool starts) {
     return starts ? "the particles overlap so before the first step: move them apart"

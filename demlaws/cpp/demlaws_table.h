@@ -36,6 +36,9 @@
 
 namespace demlaws {
 
+const double LEAST_MODULUS = 1e3;     // admissible E* [Pa], as in demlaws/admissible.py
+const double LARGEST_ROUGHNESS = 0.5; // admissible sigma over R
+
 // The first four any law may have; the others are rules of single laws, with numbers of their own in the file. OWN is a
 // user-defined rule: code in an object beside the file (demlaws_rule.h).
 enum Unloading { ELASTIC = 0, HERTZ = 1, THORNTON = 2, GIVEN = 3, LINEAR = 4, EEPA = 5, ETSION = 6, OWN = 7 };
@@ -80,20 +83,25 @@ inline bool unloading_from_name(const std::string &name, Unloading &rule) {
 
 // CRC-32 of zlib (polynomial 0xEDB88320), continued from an earlier value.
 inline uint32_t crc32(uint32_t crc, const char *data, size_t size) {
-  struct Entries {
-    uint32_t value[256];
-    Entries() {
-      for (uint32_t n = 0; n < 256; n++) {
-        uint32_t c = n;
-        for (int k = 0; k < 8; k++) c = (c & 1) ? 0xEDB88320u ^ (c >> 1) : c >> 1;
-        value[n] = c;
-      }
-    }
-  };
-  static const Entries entries;
   crc = ~crc;
-  for (size_t i = 0; i < size; i++) crc = entries.value[(crc ^ (unsigned char)data[i]) & 0xff] ^ (crc >> 8);
+  for (size_t i = 0; i < size; i++) {
+    crc ^= (unsigned char)data[i];
+    for (int k = 0; k < 8; k++) crc = (crc & 1) ? 0xEDB88320u ^ (crc >> 1) : crc >> 1;
+  }
   return ~crc;
+}
+
+// Grids of 2^bits linear parts in each octave: the part that a positive double lies in, and where a part begins.
+inline int64_t grid_number(double x, int bits) {
+  int64_t b;
+  memcpy(&b, &x, 8);
+  return b >> (52 - bits);
+}
+inline double grid_point(int64_t number, int bits) {
+  const int64_t b = number << (52 - bits);
+  double x;
+  memcpy(&x, &b, 8);
+  return x;
 }
 
 // One grid cell: s = c[0] + t (c[1] + t (c[2] + t c[3])), t from where the cell begins. Cells are a power of 2 wide.
@@ -211,34 +219,25 @@ private:
   }
   // As look_up() where three kinks or more that split a cell lie below u.
   __attribute__((noinline)) bool behind_kinks(double u, double &s, double &slope) const {
-    const uint64_t b = (uint64_t)number(u, 52);
+    const uint64_t b = (uint64_t)grid_number(u, 52);
     uint64_t k = (b >> shift_) - first_ + 3;
     for (size_t i = 3; i < splits_.size() && u >= splits_[i]; i++) k++;
     if (k >= count_) return false;
     read(k, b & cell_, u, s, slope);
     return true;
   }
-  static int64_t number(double u, int bits) {
-    uint64_t b;
-    memcpy(&b, &u, 8);
-    return (int64_t)(b >> (52 - bits));
-  }
-  static double node(int64_t number, int bits) {
-    const uint64_t b = (uint64_t)number << (52 - bits);
-    double u;
-    memcpy(&u, &b, 8);
-    return u;
-  }
   static Cell hermite(double t0, double t1, double width, const Row &left, const Row &right);
   void below(std::vector<Cell> &cells, bool straight, double until);
   double invert(double s) const;
   Row reversed(double y, double beside) const;
   double gauss(double a, double b) const {
+    static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
+    static const double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
     const double middle = 0.5 * (a + b), half = 0.5 * (b - a);
     double sum = 0., s, slope;
     for (int i = 0; i < 8; i++) {
-      evaluate(middle + half * gauss_place(i), s, slope);
-      sum += gauss_weight(i) * (4. / 3.) * s * sqrt(s);
+      evaluate(middle + (i & 1 ? half : -half) * x[i / 2], s, slope);
+      sum += w[i / 2] * (4. / 3.) * s * sqrt(s);
     }
     return half * sum;
   }
@@ -248,40 +247,19 @@ private:
     if (!(seat_ > 0.)) return (4. / 3.) * s * sqrt(s) * u / (1.5 * power_first_ + 1.);
     return gauss(0., u); // f = (4/3) s^1.5 with s straight in u
   }
-  static double gauss_place(int i) {
-    static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
-    return i & 1 ? x[i / 2] : -x[i / 2];
-  }
-  static double gauss_weight(int i) {
-    static const double w[4] = {0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
-    return w[i / 2];
-  }
 };
 
 // A finite number in decimal digits, whatever the locale's decimal point: [+-] digits [. [digits]] [e|E [+-] digits].
 inline bool plain_number(const std::string &text, double &x) {
-  size_t i = 0;
-  const size_t n = text.size();
-  if (i < n && (text[i] == '+' || text[i] == '-')) i++;
-  const size_t whole = i;
-  while (i < n && text[i] >= '0' && text[i] <= '9') i++;
-  if (i == whole) return false;
-  const size_t point = i;
-  if (i < n && text[i] == '.')
-    for (i++; i < n && text[i] >= '0' && text[i] <= '9';) i++;
-  if (i < n && (text[i] == 'e' || text[i] == 'E')) {
-    i++;
-    if (i < n && (text[i] == '+' || text[i] == '-')) i++;
-    const size_t power = i;
-    while (i < n && text[i] >= '0' && text[i] <= '9') i++;
-    if (i == power) return false;
-  }
-  if (i != n) return false;
-  const char *const local = localeconv()->decimal_point;
-  if (point < n && text[point] == '.' && strcmp(local, ".") != 0)
-    x = strtod((text.substr(0, point) + local + text.substr(point + 1)).c_str(), NULL);
-  else x = strtod(text.c_str(), NULL);
-  return x - x == 0.;
+  const size_t first = !text.empty() && (text[0] == '+' || text[0] == '-'), point = text.find('.');
+  if (text.find_first_not_of("0123456789.eE+-") != std::string::npos ||
+      text.find_first_of("0123456789", first) != first)
+    return false; // else strtod would read hexadecimal digits, blanks, a bare fraction
+  std::string local = text;
+  if (point != std::string::npos) local.replace(point, 1, localeconv()->decimal_point);
+  char *end;
+  x = strtod(local.c_str(), &end);
+  return !*end && x - x == 0.;
 }
 
 // Code of a rule OWN, in SI; `first_loading` is the address of a FirstLoading.
@@ -303,8 +281,8 @@ struct Limit {
 
 class Table {
 public:
-  Table() : version_(0), fingerprint_(0), unloads_(ELASTIC), own_(NULL) {}
-  explicit Table(const std::string &path) : version_(0), fingerprint_(0), unloads_(ELASTIC), own_(NULL) { read(path); }
+  Table() {}
+  explicit Table(const std::string &path) { read(path); }
 
   // Reads a file; throws std::runtime_error("FILE, line N: reason") and leaves the table unusable then.
   void read(const std::string &path) { parse(contents(path), path); }
@@ -400,12 +378,12 @@ public:
 
 private:
   std::string path_;
-  int version_;
-  uint32_t fingerprint_;
+  int version_ = 0;
+  uint32_t fingerprint_ = 0;
   std::map<std::string, std::string> header_;
   std::map<std::string, int> lines_; // where a key stands
-  Unloading unloads_;
-  const OwnRule *own_;
+  Unloading unloads_ = ELASTIC;
+  const OwnRule *own_ = NULL;
   double numbers_[3]; // numbers of a single law's rule
   Curve loading_, unloading_, reverse_;
   double yield_s_, yield_area_slope_;
@@ -421,20 +399,15 @@ private:
     throw std::runtime_error(out.str());
   }
   enum Kind { NAME, BITS, ROWS, POSITIVE, NOT_NEGATIVE, BELOW, RULE, YES_OR_NO, MARK };
-  struct Key {
-    const char *name;
-    Kind kind;
-    int version; // of the format: the first that has this key
-  };
   void check(const std::string &name, Kind kind, int titles);
-  static bool is_mark(const std::string &text) { // 8 hexadecimal digits, a blank, a whole number
-    const size_t digits = text.find_first_not_of("0123456789abcdef");
-    return digits == 8 && text[8] == ' ' && text.size() > 9 && text.size() <= 18 && text[9] != '0' &&
-           text.find_first_not_of("0123456789", 9) == std::string::npos;
+  void check_curve(const std::string &prefix, int titles);
+  // A whole number of at most 9 digits, without sign or leading zeros; -1: it is none.
+  static long whole(const std::string &text) {
+    const bool good = !text.empty() && text.size() <= 9 && text[0] != '0';
+    return good && text.find_first_not_of("0123456789") == std::string::npos ? strtol(text.c_str(), NULL, 10) : -1;
   }
-  int whole(const std::string &name, int low, int high) const;
   void read_limits();
-  static Row row(const std::string &body, double &force, std::string &what);
+  Row read_row(const std::string &body, int line, double &force) const;
   void build(Curve &curve, const std::vector<Row> &rows, const std::string &prefix, int first_line, double until);
 };
 
@@ -452,44 +425,23 @@ inline std::string Table::contents(const std::string &path) {
   return data;
 }
 
-// Three numbers with a blank between, within what a table may hold; else `what` says what is wrong.
-inline Row Table::row(const std::string &body, double &force, std::string &what) {
-  Row row = {0., 0., 0.};
+// Three numbers with a blank between, within the limits of a table.
+inline Row Table::read_row(const std::string &body, int line, double &force) const {
   double value[3];
   size_t p = 0;
   for (int i = 0; i < 3; i++) {
     const size_t q = i < 2 ? body.find(' ', p) : body.size();
-    if (q == std::string::npos || !plain_number(body.substr(p, q - p), value[i])) {
-      what = "'" + body + "' is not three numbers with a blank between: overlap, force, stiffness";
-      return row;
-    }
-    const double low = i ? 1e-200 : 1e-60, high = i ? 1e200 : 1e60;
-    if (!(value[i] >= low && value[i] <= high)) {
-      std::ostringstream out;
-      out << "a value in '" << body << "' is not between " << low << " and " << high;
-      what = out.str();
-      return row;
-    }
+    if (q == std::string::npos || !plain_number(body.substr(p, q - p), value[i]))
+      fail(line, "'" + body + "' is not three numbers with a blank between: overlap, force, stiffness");
+    const double high = i ? 1e200 : 1e60;
+    if (!(value[i] >= 1. / high && value[i] <= high))
+      fail(line, "a value in '" + body + "' is not between " + (i ? "1e-200 and 1e200" : "1e-60 and 1e60"));
     p = q + 1;
   }
   force = value[1];
-  const double root = cbrt(0.75 * force); // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
-  row.u = value[0];
-  row.s = root * root;
-  row.slope = value[2] / (2. * sqrt(row.s));
+  const double root = cbrt(0.75 * force), s = root * root; // s = (3f/4)^(2/3), ds/du = k / (2 sqrt(s))
+  const Row row = {value[0], s, value[2] / (2. * sqrt(s))};
   return row;
-}
-
-inline int Table::whole(const std::string &name, int low, int high) const {
-  const std::string value = text(name);
-  const bool digits = !value.empty() && value.size() <= 9 && value.find_first_not_of("0123456789") == std::string::npos;
-  const long number = digits && value[0] != '0' ? strtol(value.c_str(), NULL, 10) : -1;
-  if (number < low || number > high) {
-    std::ostringstream out;
-    out << name << ": '" << value << "' is not a whole number from " << low << " to " << high;
-    fail(lines_.find(name)->second, out.str());
-  }
-  return (int)number;
 }
 
 // 'limit_1: above|below|pressure NUMBER REASON', and so on.
@@ -497,39 +449,61 @@ inline void Table::read_limits() {
   static const char *const kinds[] = {"above", "below", "pressure"};
   limits_.clear();
   for (;;) {
-    std::ostringstream key;
-    key << "limit_" << limits_.size() + 1;
-    if (!has(key.str())) return;
-    const std::string body = text(key.str());
+    const std::string key = "limit_" + std::to_string(limits_.size() + 1), body = text(key);
+    if (!has(key)) return;
     const size_t first = body.find(' '), second = body.find(' ', first + 1);
     const size_t kind = std::find(kinds, kinds + 3, body.substr(0, first)) - kinds;
     Limit limit = {(Limit::Kind)kind, 0., second == std::string::npos ? "" : body.substr(second + 1)};
     if (kind == 3 || limit.reason.empty() || !plain_number(body.substr(first + 1, second - first - 1), limit.value) ||
         !(limit.value > 0.))
-      fail(lines_[key.str()],
-           key.str() + ": '" + body + "' is not above, below or pressure, a positive number, a reason");
+      fail(lines_[key], key + ": '" + body + "' is not above, below or pressure, a positive number, a reason");
     limits_.push_back(limit);
   }
 }
 
 inline void Table::check(const std::string &name, Kind kind, int titles) {
+  static const char *const wanted[] = {"a name",
+                                       "a whole number from 1 to 12",
+                                       "a whole number from 2 to 2000000",
+                                       "a positive number",
+                                       "a number from 0",
+                                       "power or straight",
+                                       "an unloading rule that is known here",
+                                       "yes or no",
+                                       "8 hexadecimal digits and a size"};
   if (!has(name)) fail(titles, "the lines above lack '" + name + "'");
-  const int line = lines_[name];
   const std::string value = text(name);
-  if (kind == BITS) whole(name, 1, Curve::MOST_BITS);
-  else if (kind == ROWS) whole(name, 2, 2000000);
-  else if (kind == POSITIVE || kind == NOT_NEGATIVE) {
-    double x;
-    if (!plain_number(value, x) || !(x > 0. || (kind == NOT_NEGATIVE && x >= 0.)))
-      fail(line, name + ": '" + value + "' is not a " + (kind == POSITIVE ? "positive number" : "number from 0"));
-  } else {
-    const bool good = kind == NAME    ? !value.empty()
-                      : kind == BELOW ? value == "power" || value == "straight"
-                      : kind == RULE  ? unloading_from_name(value, unloads_)
-                      : kind == MARK  ? is_mark(value)
-                                      : value == "yes" || value == "no";
-    if (!good) fail(line, name + ": '" + value + "' will not do");
-  }
+  const long count = whole(value);
+  const bool good = kind == NAME           ? !value.empty()
+                    : kind == BITS         ? count >= 1 && count <= Curve::MOST_BITS
+                    : kind == ROWS         ? count >= 2 && count <= 2000000
+                    : kind == POSITIVE     ? number(name, -1.) > 0.
+                    : kind == NOT_NEGATIVE ? number(name, -1.) >= 0.
+                    : kind == BELOW        ? value == "power" || value == "straight"
+                    : kind == RULE         ? unloading_from_name(value, unloads_)
+                    : kind == YES_OR_NO    ? value == "yes" || value == "no"
+                                           : value.find_first_not_of("0123456789abcdef") == 8 && value[8] == ' ' &&
+                                              whole(value.substr(9)) > 0;
+  if (!good) fail(lines_[name], name + ": '" + value + "' is not " + wanted[kind]);
+}
+
+// The keys of a curve; prefix: "" or "unloading_".
+inline void Table::check_curve(const std::string &prefix, int titles) {
+  static const struct {
+    const char *name;
+    Kind kind;
+    int version; // of the format: the first that has this key
+  } keys[] = {{"law", NAME, 1},
+              {"effective_radius", POSITIVE, 3},
+              {"effective_modulus", POSITIVE, 3},
+              {"roughness", NOT_NEGATIVE, 3},
+              {"bits", BITS, 1},
+              {"rows", ROWS, 1},
+              {"force_error", NOT_NEGATIVE, 1},
+              {"stiffness_error", NOT_NEGATIVE, 1},
+              {"below_first_row", BELOW, 2}};
+  for (const auto &key : keys)
+    if (key.version <= version_) check(prefix + key.name, key.kind, titles);
 }
 
 inline void Table::parse(const std::string &bytes, const std::string &path) {
@@ -540,16 +514,13 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   data.reserve(bytes.size());
   for (size_t i = 0; i < bytes.size(); i++)
     if (bytes[i] != '\r' || i + 1 == bytes.size() || bytes[i + 1] != '\n') data += bytes[i];
-  const std::string magic = "# demlaws-table ", first = data.substr(0, data.find('\n')),
-                    version = first.substr(std::min(magic.size(), first.size()));
-  const bool digits =
-      !version.empty() && version.size() <= 9 && version.find_first_not_of("0123456789") == std::string::npos;
-  if (first.compare(0, magic.size(), magic) != 0 || !digits || version[0] == '0')
-    fail(1, "not a table of demlaws: the first line must be '# demlaws-table 1', 2 or 3");
-  if (version != "1" && version != "2" && version != "3")
-    fail(1,
-         "a table of format " + version + ", this reader knows 1 to 3: take a newer demlaws, or write the table again");
-  version_ = version[0] - '0';
+  const std::string magic = "# demlaws-table ", first = data.substr(0, data.find('\n'));
+  const long version = first.compare(0, magic.size(), magic) == 0 ? whole(first.substr(magic.size())) : -1;
+  if (version < 1) fail(1, "not a table of demlaws: the first line must be '# demlaws-table 1', 2 or 3");
+  if (version > 3)
+    fail(1, "a table of format " + std::to_string(version) +
+                ", this reader knows 1 to 3: take a newer demlaws, or write the table again");
+  version_ = (int)version;
   const std::string head = first + "\n";
   uint32_t crc = crc32(0, head.data(), head.size());
   int line = 1, titles = 0, ended = 0, first_line[2] = {0, 0};
@@ -573,9 +544,8 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
     crc = crc32(crc, "\n", 1);
     const std::string body = data.substr(at, blank - at);
     if (body.compare(0, 5, "end: ") == 0) {
-      std::ostringstream wanted;
-      wanted << "end: " << rows[0].size() + rows[1].size() << " rows";
-      if (body != wanted.str()) fail(line, "'" + body + "', but " + wanted.str().substr(5) + " were read");
+      const std::string read = std::to_string(rows[0].size() + rows[1].size()) + " rows";
+      if (body != "end: " + read) fail(line, "'" + body + "', but " + read + " were read");
       ended = line;
     } else if (into < 0 && body == "overlap force stiffness") {
       titles = line;
@@ -585,10 +555,8 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
       into = 1;
       first_line[1] = line + 1;
     } else if (into >= 0) {
-      std::string what;
-      double force = 0.;
-      const Row row = Table::row(body, force, what);
-      if (!what.empty()) fail(line, what);
+      double force;
+      const Row row = read_row(body, line, force);
       if (!rows[into].empty()) {
         const double before = rows[into].back().u;
         if (!(row.u > before && force > last_force) && !(row.u == before && force >= last_force))
@@ -609,30 +577,18 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
   }
   if (!ended) fail(line + (data[data.size() - 1] == '\n'), "the file stops before its 'end:' line");
 
-  static const Key of_curve[] = {{"law", NAME, 1},
-                                 {"effective_radius", POSITIVE, 3},
-                                 {"effective_modulus", POSITIVE, 3},
-                                 {"roughness", NOT_NEGATIVE, 3},
-                                 {"bits", BITS, 1},
-                                 {"rows", ROWS, 1},
-                                 {"force_error", NOT_NEGATIVE, 1},
-                                 {"stiffness_error", NOT_NEGATIVE, 1},
-                                 {"below_first_row", BELOW, 2}};
-  static const Key shared[] = {{"unloading", RULE, 1},
-                               {"collapses", YES_OR_NO, 1},
-                               {"length", POSITIVE, 1},
-                               {"length_over_roughness", NOT_NEGATIVE, 1},
-                               {"length_over_radius", NOT_NEGATIVE, 1},
-                               {"rtol", NOT_NEGATIVE, 1}};
-  static const char *const of_yield[] = {"yield_overlap", "yield_force", "yield_area", "yield_area_slope"};
   const int lacking = titles ? titles : ended;
-  for (size_t i = 0; i < sizeof of_curve / sizeof *of_curve; i++)
-    if (of_curve[i].version <= version_) check(of_curve[i].name, of_curve[i].kind, lacking);
-  for (size_t i = 0; i < sizeof shared / sizeof *shared; i++) check(shared[i].name, shared[i].kind, lacking);
+  check_curve("", lacking);
+  check("unloading", RULE, lacking);
+  check("collapses", YES_OR_NO, lacking);
+  check("length", POSITIVE, lacking);
+  for (const char *key : {"length_over_roughness", "length_over_radius", "rtol"}) check(key, NOT_NEGATIVE, lacking);
   bool yields = false;
-  for (int i = 0; i < 4; i++) yields = yields || has(of_yield[i]);
-  for (int i = 0; yields && i < 4; i++) check(of_yield[i], POSITIVE, lacking);
-  for (int i = 0; i < 3; i++) numbers_[i] = 0.;
+  const auto of_yield = {"yield_overlap", "yield_force", "yield_area", "yield_area_slope"};
+  for (const char *key : of_yield) yields = yields || has(key);
+  for (const char *key : of_yield)
+    if (yields) check(key, POSITIVE, lacking);
+  std::fill(numbers_, numbers_ + 3, 0.);
   for (int i = 0; rule_key(unloads_, i); i++) {
     check(rule_key(unloads_, i), i == 1 ? NOT_NEGATIVE : POSITIVE, lacking); // the second is a growth: it may be 0
     numbers_[i] = number(rule_key(unloads_, i), 0.);
@@ -641,14 +597,13 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
     check("rule", NAME, lacking);
     check("rule_object", MARK, lacking);
   }
-  for (size_t i = 0; unloads_ == GIVEN && i < sizeof of_curve / sizeof *of_curve; i++)
-    if (of_curve[i].version <= version_) check(std::string("unloading_") + of_curve[i].name, of_curve[i].kind, lacking);
+  if (unloads_ == GIVEN) check_curve("unloading_", lacking);
   if ((number("length_over_roughness", 0.) > 0.) == (number("length_over_radius", 0.) > 0.))
     fail(lines_["length_over_radius"], "one of length_over_roughness and length_over_radius is positive, the other 0");
   for (int i = 0; version_ > 2 && i < 1 + (unloads_ == GIVEN); i++) {
     const std::string prefix = i ? "unloading_" : "";
-    const double modulus = number(prefix + "effective_modulus", 0.); // limits as in demlaws/admissible.py
-    if (number(prefix + "roughness", 0.) > 0.5 * number(prefix + "effective_radius", 0.) || !(modulus > 1e3))
+    if (number(prefix + "roughness", 0.) > LARGEST_ROUGHNESS * number(prefix + "effective_radius", 0.) ||
+        !(number(prefix + "effective_modulus", 0.) > LEAST_MODULUS))
       fail(lines_[prefix + "roughness"],
            prefix + "roughness is above half the effective radius, or the modulus not above 1e3 Pa");
   }
@@ -674,12 +629,9 @@ inline void Table::parse(const std::string &bytes, const std::string &path) {
 
 inline void Table::build(Curve &curve, const std::vector<Row> &rows, const std::string &prefix, int first_line,
                          double until) {
-  if (whole(prefix + "rows", 2, 2000000) != (int)rows.size()) {
-    std::ostringstream what;
-    what << prefix << "rows: " << text(prefix + "rows") << ", but the table has " << rows.size();
-    fail(lines_[prefix + "rows"], what.str());
-  }
-  const int bits = whole(prefix + "bits", 1, Curve::MOST_BITS);
+  const std::string count = text(prefix + "rows"), held = std::to_string(rows.size());
+  if (count != held) fail(lines_[prefix + "rows"], prefix + "rows: " + count + ", but the table has " + held);
+  const int bits = (int)whole(text(prefix + "bits"));
   std::string what;
   const int wrong = Curve::off_grid(rows, bits, what);
   if (wrong >= 0) fail(first_line + wrong, what);
@@ -694,21 +646,19 @@ inline void Table::build(Curve &curve, const std::vector<Row> &rows, const std::
 
 inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &what) {
   const int n = (int)rows.size();
-  int64_t next = number(rows[0].u, bits) + 1;
+  int64_t next = grid_number(rows[0].u, bits) + 1;
   int kinks = 0;
   what = "the overlap is not on the grid of the header's bits";
-  if (node(next - 1, bits) != rows[0].u) return 0;
+  if (grid_point(next - 1, bits) != rows[0].u) return 0;
   for (int i = 1; i < n; i++) {
-    const double u = rows[i].u, coming = node(next, bits);
+    const double u = rows[i].u, coming = grid_point(next, bits);
     if (u == rows[i - 1].u) {
       if (i == 1 || i == n - 1 || u == rows[i - 2].u) {
         what = "a kink, an overlap in two rows, lies between other rows";
         return i;
       }
       if (++kinks > MOST_KINKS) {
-        std::ostringstream out;
-        out << "more than " << MOST_KINKS << " kinks";
-        what = out.str();
+        what = "more than " + std::to_string(MOST_KINKS + 0) + " kinks";
         return i;
       }
     } else if (u == coming) next++;
@@ -717,7 +667,7 @@ inline int Curve::off_grid(const std::vector<Row> &rows, int bits, std::string &
       return i;
     } else if (i == n - 1 || rows[i + 1].u != u) return i;
   }
-  return node(next - 1, bits) == rows[n - 1].u ? -1 : n - 1;
+  return grid_point(next - 1, bits) == rows[n - 1].u ? -1 : n - 1;
 }
 
 // The cubic that has the rows' values and slopes at parts t0 and t1 of a cell of this width in u.
@@ -753,8 +703,8 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, 
   below(cells, straight && power_first_ < 1. - 1e-9, until); // Hertz is straight from 0
   for (size_t i = 0; i + 1 < n; i++) {
     const double u0 = rows[i].u, u1 = rows[i + 1].u;
-    const int64_t cell = number(u0, bits_);
-    const double a = node(cell, bits_), width = node(cell + 1, bits_) - a;
+    const int64_t cell = grid_number(u0, bits_);
+    const double a = grid_point(cell, bits_), width = grid_point(cell + 1, bits_) - a;
     if (u1 == u0) { // a kink
       kinks_.push_back(u0);
       if (u0 != a) splits_.push_back(u0); // one on a grid point splits no cell
@@ -783,14 +733,14 @@ inline void Curve::build(const std::vector<Row> &rows, int bits, bool straight, 
 inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) {
   double octaves = 40.;
   if (until > 0. && !straight) octaves = std::min(std::max(1., log2(s_first_ / until) / power_first_), 200.);
-  const int64_t last = number(u_first_, bits_);
+  const int64_t last = grid_number(u_first_, bits_);
   octaves = std::min(octaves, std::max(1., log2(u_first_ / 1e-90))); // a cell's coefficients are finite numbers
   first_ = (uint64_t)(last - (int64_t)nearbyint(octaves * (double)(1 << bits_)));
-  floor_ = node((int64_t)first_, bits_);
+  floor_ = grid_point((int64_t)first_, bits_);
   seat_ = straight ? s_first_ * (1. - power_first_) : 0.;
   Row left = {0., 0., 0.};
   for (int64_t cell = (int64_t)first_; cell <= last; cell++) {
-    const double u = node(cell, bits_);
+    const double u = grid_point(cell, bits_);
     Row right = {u, s_first_ * pow(u / u_first_, power_first_), 0.};
     right.slope = power_first_ * right.s / u;
     if (straight) {
@@ -828,11 +778,11 @@ inline void Curve::build_reverse(const Curve &curve) {
   const int bits = curve.bits_ + 1; // so that one step of Newton's method is exact to rounding
   // from where the curve begins to be straight: the reverse of a straight line is one
   const double seat = curve.seat_, lowest = seat > 0. ? curve.s_first_ - seat : curve.floor_s();
-  const int64_t begin = number(lowest, bits), end = number(curve.s_last_ - seat, bits);
+  const int64_t begin = grid_number(lowest, bits), end = grid_number(curve.s_last_ - seat, bits);
   std::vector<Row> rows;
   size_t next = 0;
   for (int64_t cell = begin; cell <= end; cell++) {
-    const double y = node(cell, bits);
+    const double y = grid_point(cell, bits);
     bool corner_here = false;
     for (; next < curve.kinks_.size(); next++) { // a corner is in two rows, with the slopes on its either side
       double s, slope;
@@ -860,24 +810,22 @@ inline Row Curve::reversed(double y, double beside) const {
 
 // What the contacts between two materials share.
 struct Pair {
-  const Table *table;
-  Unloading rule;
-  double modulus;        // effective modulus E* [Pa]
-  double length;         // [m]; 0: length_per_radius * R
-  double inverse_length; // [1/m]
-  double length_per_radius;
-  double only_radius;   // > 0: the only R that the table is valid for (see checked)
-  double sigma;         // roughness [m], for rule OWN; of the table's contact by default
-  double metre, pascal; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
+  const Table *table = NULL;
+  Unloading rule = ELASTIC;
+  double modulus = 0.;        // effective modulus E* [Pa]
+  double length = 0.;         // [m]; 0: length_per_radius * R
+  double inverse_length = 0.; // [1/m]
+  double length_per_radius = 0.;
+  double only_radius = 0.; // > 0: the only R that the table is valid for (see checked)
+  double sigma = 0.;       // roughness [m], for rule OWN; of the table's contact by default
+  double metre = 1.,
+         pascal = 1.; // in the units of the lengths and moduli given here, for rule OWN, which knows SI only
 
-  Pair()
-      : table(NULL), rule(ELASTIC), modulus(0.), length(0.), inverse_length(0.), length_per_radius(0.), only_radius(0.),
-        sigma(0.), metre(1.), pascal(1.) {}
-
+  Pair() {}
   // roughness: combined rms roughness sigma [m]; without it the length of the file is taken.
   Pair(const Table &t, double effective_modulus, double roughness = 0.)
-      : table(&t), rule(t.unloading()), modulus(effective_modulus), length(0.), length_per_radius(0.), only_radius(0.),
-        sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)), metre(1.), pascal(1.) {
+      : table(&t), rule(t.unloading()), modulus(effective_modulus),
+        sigma(roughness > 0. ? roughness : t.of_contact("roughness", 0.)) {
     if (rule == OWN && !t.own_rule())
       throw std::runtime_error(t.path() + ": its unloading rule '" + t.text("rule") +
                                "' is user-defined code in an object beside the file, which this engine does not load");
@@ -923,8 +871,7 @@ struct Pair {
 };
 
 struct State {
-  double maximum_overlap, plastic_overlap, radius_ratio;
-  State() : maximum_overlap(0.), plastic_overlap(0.), radius_ratio(0.) {}
+  double maximum_overlap = 0., plastic_overlap = 0., radius_ratio = 0.;
 };
 
 struct Force {
@@ -1123,6 +1070,24 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
   return shear_stiffness<GIVEN>(shear, pair, radius, overlap, now, state);
 }
 
+// Work that a contact with a history gives back from this overlap on, along the curve that it unloads along [J].
+inline double given_back(const Pair &pair, double radius, double overlap, const double *state) {
+  const double length = pair.length_of(radius), left = std::max(0., overlap - state[1]);
+  if (pair.rule == LINEAR)
+    return 0.5 * pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] / length) * left * left;
+  if (pair.rule == EEPA)
+    return pair.modulus * sqrt(radius) * pair.table->eepa_stiffness() * eepa_energy(overlap, state[1]);
+  // a law with a seating load has a negative plastic overlap: its part below zero overlap never comes back
+  const double below = std::max(0., -state[1]);
+  if (pair.rule == GIVEN) {
+    const Curve &curve = pair.table->unloading_curve();
+    return pair.modulus * sqrt(radius) * length * length * sqrt(length) *
+           (curve.energy(left / length) - curve.energy(below / length));
+  }
+  const double r = pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius;
+  return (8. / 15.) * pair.modulus * sqrt(r) * (left * left * sqrt(left) - below * below * sqrt(below));
+}
+
 // Energies of one contact since it was made [J]: what it would give back, and what its plastic flow took.
 inline void stored_and_dissipated(const Pair &pair, double radius, double overlap, const double *state, double &stored,
                                   double &dissipated) {
@@ -1144,36 +1109,8 @@ inline void stored_and_dissipated(const Pair &pair, double radius, double overla
     return;
   }
   if (!(state[0] > 0.)) return;
-  if (pair.rule == GIVEN) {
-    const Curve &curve = pair.table->unloading_curve();
-    const double below = state[1] < 0. ? curve.energy(-state[1] / length) : 0.;
-    const double held = curve.energy(std::max(0., state[0] - state[1]) / length);
-    if (overlap > 0. && overlap > state[1])
-      stored = std::max(0., scale * (curve.energy((overlap - state[1]) / length) - below));
-    dissipated = scale * (pair.table->energy(state[0] / length) - (held - below));
-    return;
-  }
-  if (pair.rule == LINEAR) {
-    const double k2 = pair.modulus * sqrt(radius * length) * pair.table->linear_stiffness(state[0] / length);
-    const double elastic = std::max(0., overlap - state[1]), whole = state[0] - state[1];
-    if (overlap > 0.) stored = 0.5 * k2 * elastic * elastic;
-    dissipated = scale * pair.table->energy(state[0] / length) - 0.5 * k2 * whole * whole;
-    return;
-  }
-  if (pair.rule == EEPA) {
-    const double k2 = pair.modulus * sqrt(radius) * pair.table->eepa_stiffness();
-    if (overlap > state[1]) stored = k2 * eepa_energy(overlap, state[1]);
-    dissipated = scale * pair.table->energy(state[0] / length) - k2 * eepa_energy(state[0], state[1]);
-    return;
-  }
-  const double r = pair.rule == THORNTON || pair.rule == ETSION ? radius * state[2] : radius;
-  const double recoverable = state[0] - state[1], left = overlap - state[1];
-  const double hertz = (8. / 15.) * pair.modulus * sqrt(r);
-  // a law with a seating load has a negative plastic overlap: its part below zero overlap never comes back
-  const double lost = state[1] < 0. ? hertz * state[1] * state[1] * sqrt(-state[1]) : 0.;
-  if (overlap > 0. && left > 0.) stored = std::max(0., hertz * left * left * sqrt(left) - lost);
-  dissipated =
-      scale * pair.table->energy(state[0] / length) - (hertz * recoverable * recoverable * sqrt(recoverable) - lost);
+  if (overlap > 0. && overlap > state[1]) stored = std::max(0., given_back(pair, radius, overlap, state));
+  dissipated = scale * pair.table->energy(state[0] / length) - given_back(pair, radius, state[0], state);
 }
 
 } // namespace demlaws

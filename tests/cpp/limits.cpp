@@ -1,17 +1,15 @@
-// Findings on quantities, and on roughness beside radius: lines "NAME VALUE" or "roughness VALUE RADIUS" from standard
-// input.
-#include <demlaws_limits.h>
+// Findings on a modulus, or on a roughness beside a radius: lines "modulus VALUE" or "roughness VALUE RADIUS" from
+// standard input.
+#include <demlaws_range.h>
 #include <iostream>
-#include <sstream>
 
 int main() {
-  std::string line, name;
-  while (std::getline(std::cin, line)) {
-    std::istringstream words(line);
-    double value = 0., radius = 0.;
-    words >> name >> value;
-    const demlaws::Finding found =
-        words >> radius ? demlaws::judge_roughness(value, radius) : demlaws::judge(name, value);
+  std::string name;
+  double value, radius;
+  while (std::cin >> name >> value) {
+    const bool of_modulus = name == "modulus";
+    if (!of_modulus) std::cin >> radius;
+    const demlaws::Finding found = of_modulus ? demlaws::judge_modulus(value) : demlaws::judge_roughness(value, radius);
     std::cout << found.admissible << found.text << "\n";
   }
 }

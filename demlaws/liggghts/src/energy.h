@@ -71,11 +71,17 @@ public:
     const bool everyone = igroup == group->find("all");
     double mine[2] = {0., 0.};
     instance_->source->energies(everyone ? ~0 : groupbit, mine[0], mine[1]);
-    if (everyone) mine[1] += instance_->ledger.taken;
+    const Ledger &ledger = instance_->ledger;
+    if (everyone) mine[1] += ledger.taken;
     else {
       const double *const taken_of = kept_for_particles(modify, taken());
       for (int i = 0; i < atom->nlocal; i++)
         if (atom->mask[i] & groupbit) mine[1] += taken_of[i];
+    }
+    for (const Ledger::WallContact &contact : ledger.at_walls) {
+      if (ledger.step != update->ntimestep || !(everyone || (atom->mask[contact.particle] & groupbit))) continue;
+      mine[0] += contact.stored;
+      mine[1] += contact.pending;
     }
     MPI_Allreduce(mine, vector, 2, MPI_DOUBLE, MPI_SUM, world);
   }
@@ -92,8 +98,7 @@ private:
 // contacts where delete_atoms gives the particles new numbers. The plugin makes it; there is one.
 class FixEnergy : public Fix {
 public:
-  FixEnergy(LAMMPS *lmp, int narg, char **arg)
-      : Fix(lmp, narg, arg), instance_(Instance::of(lmp)), told_(false), page_(-1), one_(-1) {
+  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
     restart_global = 1;
     instance_->ledger.taken = 0.;
   }
@@ -112,12 +117,14 @@ public:
   void pre_force(int) {
     Ledger &ledger = instance_->ledger;
     ledger.taken_of = kept_for_particles(modify, ComputeEnergy::taken()); // it grows with the number of particles
-    for (std::set<WallBook *>::iterator it = ledger.walls.begin(); it != ledger.walls.end(); ++it) (*it)->forget();
+    ledger.at_walls.clear();
   }
   void post_run() {
     double *const number = kept_for_particles(modify, numbers());
     for (int i = 0; number && i < atom->nlocal; i++) number[i] = atom->tag[i];
-    report_counts();
+    for (const std::string &line : instance_->counts.summaries(Mpi(lmp)))
+      for (FILE *file : {screen, logfile})
+        if (comm->me == 0 && file) fprintf(file, "%s\n", line.c_str());
   }
   void write_restart(FILE *file) {
     double sum = 0.;
@@ -136,8 +143,8 @@ public:
 
 private:
   const std::shared_ptr<Instance> instance_;
-  bool told_;
-  int page_, one_; // sizes in the run before
+  bool told_ = false;
+  int page_ = -1, one_ = -1; // sizes in the run before
 
   // After `neigh_modify page` or `one` LIGGGHTS makes new neighbour lists at the start of every run, not of the next
   // one only, and contacts lose their history.
@@ -159,20 +166,6 @@ private:
     }
   }
 
-  // Adds up the ranks' counts of the run that ends, and sets them to 0.
-  void report_counts() {
-    const int size = sizeof instance_->counts.of;
-    std::vector<Count> all(EXCESSES * comm->nprocs);
-    MPI_Gather(instance_->counts.of, size, MPI_BYTE, &all[0], size, MPI_BYTE, 0, world);
-    for (int k = 0; k < EXCESSES; k++) {
-      Count sum;
-      for (int rank = 0; rank < comm->nprocs; rank++) sum.add(all[rank * EXCESSES + k]);
-      instance_->counts.of[k] = Count();
-      const std::string line = Counts::summary((Excess)k, sum);
-      for (FILE *file : {screen, logfile})
-        if (comm->me == 0 && file && !line.empty()) fprintf(file, "%s\n", line.c_str());
-    }
-  }
   // A wall whose line still has a stock model: its contacts have another law than the pairs.
   void look_at_walls() {
     for (int k = 0; k < modify->nfix; k++) {
@@ -190,25 +183,20 @@ private:
   // ones without notice. The number that each particle had at the end of the last run tells which is which.
   void follow_new_numbers() {
     double *const number = kept_for_particles(modify, numbers());
-    std::vector<int> mine, all; // old and new number of each particle
-    int changed = 0, any = 0;
+    const Mpi ranks(lmp);
+    std::vector<int> mine; // old and new number of each particle
+    int changed = 0;
     for (int i = 0; i < atom->nlocal; i++)
       if (number[i] > 0.) {
         mine.push_back((int)number[i]);
         mine.push_back(atom->tag[i]);
         changed |= (int)number[i] != atom->tag[i];
       }
-    MPI_Allreduce(&changed, &any, 1, MPI_INT, MPI_MAX, world);
-    if (!any) return;
-    const int size = (int)mine.size();
-    std::vector<int> sizes(comm->nprocs), starts(comm->nprocs + 1, 0);
-    MPI_Allgather(&size, 1, MPI_INT, &sizes[0], 1, MPI_INT, world);
-    for (int p = 0; p < comm->nprocs; p++) starts[p + 1] = starts[p] + sizes[p];
-    all.resize(starts.back() + 1);
-    mine.resize(size + 1);
-    MPI_Allgatherv(&mine[0], size, MPI_INT, &all[0], &sizes[0], &starts[0], MPI_INT, world);
+    const std::vector<int> any = ranks.gather(changed);
+    if (std::count(any.begin(), any.end(), 0) == ranks.count) return;
+    const std::vector<int> all = ranks.join(mine);
     std::map<int, int> renamed;
-    for (int k = 0; k < starts.back(); k += 2) renamed[all[k]] = all[k + 1];
+    for (size_t k = 0; k < all.size(); k += 2) renamed[all[k]] = all[k + 1];
     FixContactHistory *const history =
         static_cast<FixContactHistory *>(modify->find_fix_style_strict("contacthistory", 0));
     if (history) {
@@ -238,10 +226,9 @@ public:
   void write_restart(FILE *file) {
     if (comm->me != 0) return;
     std::ostringstream text;
-    typedef std::map<std::string, Fingerprints>::const_iterator Owner;
-    for (Owner owner = instance_->used.begin(); owner != instance_->used.end(); ++owner)
-      for (Fingerprints::const_iterator it = owner->second.begin(); it != owner->second.end(); ++it)
-        text << it->first.first << ' ' << it->first.second << ' ' << it->second << ' ' << owner->first << '\n';
+    for (const auto &owner : instance_->used)
+      for (const auto &print : owner.second)
+        text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
     fwrite(&size, sizeof size, 1, file);

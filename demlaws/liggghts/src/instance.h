@@ -5,18 +5,7 @@
 #define DEMLAWS_INSTANCE_H
 #include "stock.h"
 
-#include "demlaws_range.h"
-#include "demlaws_rule.h"
-#include "demlaws_table.h"
-#include <algorithm>
-#include <cstring>
-#include <map>
-#include <memory>
-#include <set>
-#include <sstream>
-#include <string>
-#include <utility>
-#include <vector>
+#include "demlaws_plugin.h"
 
 namespace demlaws {
 using namespace LAMMPS_NS;
@@ -31,40 +20,36 @@ inline Types types_of(int i, int j) { return i < j ? Types(i, j) : Types(j, i); 
 struct Line {
   Files files;
   std::set<std::string> given;
-  Shear shear;
-  Line() : shear(ELASTIC_SHEAR) {}
+  Shear shear = ELASTIC_SHEAR;
 };
 
 // What walls take over from the pair style except for the words of their own line.
 struct PairSettings {
   Files files;
-  std::map<std::string, std::shared_ptr<Table>> tables; // as read: since then the folder, or the file, may be another
-  bool use_roughness, extrapolate;
-  double radius_tolerance, springs;
-  Shear shear; // the normal stiffness used to compute K_t
-  PairSettings()
-      : use_roughness(false), extrapolate(false), radius_tolerance(0.01), springs(12.), shear(ELASTIC_SHEAR) {}
-};
-
-// Holds the wall contacts of the last step, for what they store.
-class WallBook {
-public:
-  virtual ~WallBook() {}
-  // Adds what the contacts of particles in the group hold [energy], and what their plastic flow has taken that no step
-  // has booked yet.
-  virtual void add_energies(int groupbit, double &stored, double &pending) const = 0;
-  virtual void forget() = 0; // before forces are computed again
+  std::map<std::string, const Table *> tables; // as read: since then the folder, or the file, may be another
+  bool use_roughness = false, extrapolate = false;
+  double radius_tolerance = 0.01, springs = 12.;
+  Shear shear = ELASTIC_SHEAR; // the normal stiffness used to compute K_t
 };
 
 // Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended
 // and in all wall contacts. A mesh drops contacts, and hands them from triangle to triangle, without notice to the
 // model; so the dissipation of walls is added up while it happens, not when a contact ends.
 struct Ledger {
-  double taken;
-  double *taken_of; // the same, shared out to the particles of this rank; NULL unless a compute asks for a group
-  int readers;      // computes that will ask for what walls store
-  std::set<WallBook *> walls;
-  Ledger() : taken(0.), taken_of(NULL), readers(0) {}
+  double taken = 0.;
+  double *taken_of = NULL; // the same, shared out to the particles of this rank; NULL unless a compute asks for a group
+  int readers = 0;         // computes that will ask for what walls store
+  struct WallContact {
+    int particle;
+    double stored, pending; // pending: taken by plastic flow, but not booked by a step yet
+  };
+  std::vector<WallContact> at_walls; // in the last step
+  bigint step = -1;                  // of these
+  void enter(bigint now, int particle, double stored, double pending) {
+    if (now != step) at_walls.clear();
+    step = now;
+    at_walls.push_back({particle, stored, pending});
+  }
   void take(double energy, int i, int j, int nlocal) {
     taken += j < nlocal ? energy : 0.5 * energy; // the other rank has the other half
     if (!taken_of) return;
@@ -89,7 +74,7 @@ struct Instance {
   PairSettings pair;
   Ledger ledger;
   Counts counts; // of the run that goes on
-  EnergySource *source;
+  EnergySource *source = NULL;
   std::map<std::string, Fingerprints> used, stored; // by owner: of this run, of the restart file
   std::set<std::string> walls;                      // IDs of the walls whose model is demlaws/table
 
@@ -109,7 +94,7 @@ struct Instance {
 
 private:
   LAMMPS *const key_;
-  explicit Instance(LAMMPS *lmp) : source(NULL), key_(lmp) {}
+  explicit Instance(LAMMPS *lmp) : key_(lmp) {}
   static std::map<LAMMPS *, std::weak_ptr<Instance>> &all() {
     static std::map<LAMMPS *, std::weak_ptr<Instance>> instances;
     return instances;
@@ -120,60 +105,28 @@ private:
 struct Units {
   double length, pressure;
   static bool of(const std::string &style, Units &units) {
-    static const struct {
-      const char *style;
-      double length, pressure;
-    } known[] = {{"si", 1., 1.}, {"cgs", 1e2, 10.}, {"micro", 1e6, 1e-3}, {"nano", 1e9, 1e-6}};
-    for (size_t k = 0; k < sizeof known / sizeof *known; k++)
-      if (style == known[k].style) {
-        units.length = known[k].length;
-        units.pressure = known[k].pressure;
-        return true;
-      }
-    return false;
+    static const std::map<std::string, Units> known = {
+        {"si", {1., 1.}}, {"cgs", {1e2, 10.}}, {"micro", {1e6, 1e-3}}, {"nano", {1e9, 1e-6}}};
+    const std::map<std::string, Units>::const_iterator found = known.find(style);
+    if (found != known.end()) units = found->second;
+    return found != known.end();
   }
 };
 
-// Rank 0 reads the file and all ranks get it: one that cannot see it, or sees another, neither hangs nor differs.
-inline std::shared_ptr<Table> load(LAMMPS *lmp, const std::string &path) {
-  MPI_Comm world = lmp->world;
-  std::string data, problem;
-  if (lmp->comm->me == 0) {
-    try {
-      data = Table::contents(path);
-    } catch (const std::exception &caught) {
-      problem = caught.what();
-    }
+class Mpi : public Ranks {
+public:
+  explicit Mpi(LAMMPS *lmp) : world_(lmp->world) {
+    me = lmp->comm->me;
+    count = lmp->comm->nprocs;
   }
-  for (std::string *text : {&problem, &data}) {
-    long size = (long)text->size();
-    MPI_Bcast(&size, 1, MPI_LONG, 0, world);
-    text->resize(size);
-    if (size) MPI_Bcast(&(*text)[0], (int)size, MPI_CHAR, 0, world);
+
+private:
+  const MPI_Comm world_;
+  void broadcast(void *bytes, int size) const { MPI_Bcast(bytes, size, MPI_BYTE, 0, world_); }
+  void collect(const void *mine, int size, void *all) const {
+    MPI_Allgather(const_cast<void *>(mine), size, MPI_BYTE, all, size, MPI_BYTE, world_);
   }
-  std::shared_ptr<Table> table(new Table);
-  if (problem.empty()) {
-    try {
-      table->parse(data, path);
-    } catch (const std::exception &caught) {
-      problem = caught.what();
-    }
-  }
-  if (!problem.empty()) lmp->error->all(FLERR, ("model demlaws/table: " + problem).c_str());
-  problem = attach_rule(*table); // each rank's own: the first that has none, or another, speaks for all
-  int mine = problem.empty() ? lmp->comm->nprocs : lmp->comm->me, first;
-  MPI_Allreduce(&mine, &first, 1, MPI_INT, MPI_MIN, world);
-  if (first < lmp->comm->nprocs) {
-    long size = (long)problem.size();
-    MPI_Bcast(&size, 1, MPI_LONG, first, world);
-    problem.resize(size);
-    MPI_Bcast(&problem[0], (int)size, MPI_CHAR, first, world);
-    std::ostringstream what;
-    what << "model demlaws/table: rank " << first << ": " << problem;
-    lmp->error->all(FLERR, what.str().c_str());
-  }
-  return table;
-}
+};
 
 } // namespace demlaws
 #endif

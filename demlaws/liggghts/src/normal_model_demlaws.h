@@ -3,12 +3,9 @@
 #ifndef DEMLAWS_NORMAL_MODEL_H
 #define DEMLAWS_NORMAL_MODEL_H
 #include "contact_models.h"
-#include "demlaws_slip.h"
-#include "demlaws_table.h"
 #include "global_properties.h"
 #include "instance.h"
 #include "normal_model_base.h"
-#include <memory>
 
 namespace demlaws {
 
@@ -17,13 +14,10 @@ static const int MOST_STATE = 3;
 static const char *const STATE_NAMES[MOST_STATE] = {"demlaws_maximumOverlap", "demlaws_plasticOverlap",
                                                     "demlaws_radiusRatio"};
 
-struct TypePair {
-  Pair pair;
-  Watch watch;
-  double damping;                       // -2 sqrt(5/6) beta
-  double tangential;                    // kt / K = 4 G* / E*
-  double tangential_damping;            // gamma_t / gamma_n, or 0
-  std::shared_ptr<SpringCurve> springs; // of partial slip
+struct TypePair : Law {
+  double damping;            // -2 sqrt(5/6) beta
+  double tangential;         // kt / K = 4 G* / E*
+  double tangential_damping; // gamma_t / gamma_n, or 0
 };
 
 // Energies of a contact at `overlap`: what it holds, what its plastic flow took. In a contact that has not been updated
@@ -35,45 +29,6 @@ inline void energies_at(const Pair &pair, double radius, double overlap, const d
   if (overlap > 0.) step(pair, radius, overlap, now, true);
   stored_and_dissipated(pair, radius, overlap, now, stored, dissipated);
 }
-
-// The wall contacts of one wall in the last step.
-class WallContacts {
-public:
-  WallContacts() : step_(-1) {}
-  void add(bigint step, int particle, const Pair &pair, double radius, double overlap, const double *state, int size) {
-    if (step != step_) forget();
-    step_ = step;
-    const Contact contact = {&pair, radius, overlap, particle};
-    contacts_.push_back(contact);
-    states_.insert(states_.end(), state, state + size);
-  }
-  void forget() {
-    contacts_.clear();
-    states_.clear();
-  }
-  void add_energies(bigint step, const int *mask, int groupbit, int size, double &stored, double &pending) const {
-    for (size_t n = 0; step == step_ && n < contacts_.size(); n++) {
-      const Contact &c = contacts_[n];
-      if (!(mask[c.particle] & groupbit)) continue;
-      double s, booked = 0., d;
-      const double *const state = size ? &states_[n * size] : NULL;
-      if (size) stored_and_dissipated(*c.pair, c.radius, c.overlap, state, s, booked);
-      energies_at(*c.pair, c.radius, c.overlap, state, size, s, d);
-      stored += s;
-      pending += d - booked;
-    }
-  }
-
-private:
-  struct Contact {
-    const Pair *pair;
-    double radius, overlap;
-    int particle;
-  };
-  bigint step_;
-  std::vector<Contact> contacts_;
-  std::vector<double> states_;
-};
 
 } // namespace demlaws
 
@@ -88,17 +43,12 @@ namespace ContactModels {
 
 static const int DEMLAWS_TABLE = 60; // a free 6-bit id (stock uses 0 to 12)
 
-template <> class NormalModel<DEMLAWS_TABLE> : public NormalModelBase, private demlaws::WallBook {
+template <> class NormalModel<DEMLAWS_TABLE> : public NormalModelBase {
 public:
   NormalModel(LAMMPS *lmp, IContactHistorySetup *setup, class ContactModelBase *base)
-      : NormalModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()),
-        effective_modulus_(NULL), effective_shear_(NULL), beta_(NULL), roughness_(NULL), damp_tangentially_(true),
-        limit_force_(false), check_restart_(true), offset_(-1), state_size_(0), reserved_(0), types_(0) {
-    if (wall_) instance_->ledger.walls.insert(this);
-  }
+      : NormalModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()) {}
   ~NormalModel() {
-    if (wall_) instance_->ledger.walls.erase(this);
-    else instance_->pair = demlaws::PairSettings();
+    if (!wall_) instance_->pair = demlaws::PairSettings();
   }
 
   void registerSettings(Settings &settings) {
@@ -179,13 +129,14 @@ public:
   // Refuses other tables than before: the overlaps that contacts keep are of those laws.
   void compare(const demlaws::Fingerprints &used, const demlaws::Fingerprints &before, const char *when,
                const char *remedy) const {
-    for (demlaws::Fingerprints::const_iterator it = before.begin(); it != before.end(); ++it) {
-      demlaws::Fingerprints::const_iterator mine = used.find(it->first);
-      if (mine == used.end() || mine->second == it->second) continue;
+    for (const auto &old : before) {
+      const demlaws::Types types = old.first;
+      const auto now = used.find(types);
+      if (now == used.end() || now->second == old.second) continue;
       std::ostringstream what;
-      what << "model demlaws/table: " << instance_->owner << ", types " << it->first.first << " and "
-           << it->first.second << ": " << file_of(it->first.first, it->first.second) << " (fingerprint " << std::hex
-           << mine->second << ") is not the table that " << when << " (" << it->second
+      what << "model demlaws/table: " << instance_->owner << ", types " << types.first << " and " << types.second
+           << ": " << file_of(types.first, types.second) << " (fingerprint " << std::hex << now->second
+           << ") is not the table that " << when << " (" << old.second
            << "), so the overlaps that its contacts keep belong to another law; " << remedy;
       error->all(FLERR, what.str().c_str());
     }
@@ -213,9 +164,10 @@ public:
   template <bool WALL> inline void touch(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
     using demlaws::MOST_STATE;
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
-    const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
+    const demlaws::TypePair &type = law_of(data);
     const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type);
+    if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0))
+      refuse(data, demlaws::other_radius(type.pair, radius, now_.radius_tolerance));
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
@@ -234,7 +186,7 @@ public:
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
-      if (data.computeflag) enter(data.i, type.pair, radius, data.deltan, state, update ? before : NULL);
+      if (data.computeflag) book(data.i, type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
     } else
@@ -262,10 +214,7 @@ public:
 
   // Energies of one contact.
   void energies(const SurfacesCloseData &data, double overlap, double &stored, double &dissipated) const {
-    const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
-    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    demlaws::energies_at(type.pair, radius, overlap, state_size_ ? &data.contact_history[offset_] : NULL, state_size_,
-                         stored, dissipated);
+    demlaws::energies_at(law_of(data).pair, radius_of(data), overlap, state_of(data), state_size_, stored, dissipated);
   }
   demlaws::Instance &instance() const { return *instance_; }
 
@@ -281,41 +230,45 @@ public:
 
   // The overlap at which Hertz's contact is as wide as the law's in first loading at this overlap: a^2/R.
   double overlap_as_wide(const SurfacesIntersectData &data) const {
-    const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
-    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    const double length = type.pair.length_of(radius);
+    const demlaws::Pair &pair = law_of(data).pair;
+    const double length = pair.length_of(radius_of(data));
     double s, slope;
-    type.pair.table->evaluate(data.deltan / length, s, slope);
-    return type.pair.table->area(s) * length;
+    pair.table->evaluate(data.deltan / length, s, slope);
+    return pair.table->area(s) * length;
   }
 
   // For the tangential model: K_t / K, and the springs of a contact after its step.
   demlaws::Shear shear() const { return now_.shear; }
-  double shear_ratio(const SurfacesCloseData &data) const {
-    return pairs_[data.itype * types_ + data.jtype].tangential;
-  }
+  double shear_ratio(const SurfacesCloseData &data) const { return law_of(data).tangential; }
   demlaws::Compression compression(const SurfacesIntersectData &data) const {
-    const demlaws::TypePair &type = pairs_[data.itype * types_ + data.jtype];
-    const double radius = data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    return demlaws::Compression(type.pair, type.springs.get(), radius, data.deltan,
-                                state_size_ ? &data.contact_history[offset_] : NULL);
+    return law_of(data).compression(radius_of(data), data.deltan, state_of(data));
   }
 
 private:
-  void add_energies(int groupbit, double &stored, double &pending) const {
-    contacts_.add_energies(update->ntimestep, atom->mask, groupbit, state_size_, stored, pending);
+  const demlaws::TypePair &law_of(const SurfacesCloseData &data) const {
+    return pairs_[data.itype * types_ + data.jtype];
   }
-  void forget() { contacts_.forget(); }
+  static double radius_of(const SurfacesCloseData &data) {
+    return data.is_wall ? data.radi : data.radi * data.radj / (data.radi + data.radj);
+  }
+  double *state_of(const SurfacesCloseData &data) const {
+    return state_size_ && data.contact_history ? &data.contact_history[offset_] : NULL;
+  }
   // A wall contact after its step: what it holds, and what its plastic flow took since `before`.
-  inline void enter(int particle, const demlaws::Pair &pair, double radius, double overlap, const double *state,
-                    const double *before) {
-    if (instance_->ledger.readers)
-      contacts_.add(update->ntimestep, particle, pair, radius, overlap, state, state_size_);
-    if (!before || std::equal(before, before + state_size_, state)) return;
-    double stored, earlier, now;
-    demlaws::stored_and_dissipated(pair, radius, overlap, before, stored, earlier);
-    demlaws::stored_and_dissipated(pair, radius, overlap, state, stored, now);
-    instance_->ledger.take_at_wall(now - earlier, particle);
+  inline void book(int particle, const demlaws::Pair &pair, double radius, double overlap, const double *state,
+                   const double *before) {
+    demlaws::Ledger &ledger = instance_->ledger;
+    const bool flows = before && !std::equal(before, before + state_size_, state);
+    if (!ledger.readers && !flows) return;
+    double none, booked = 0., earlier = 0., stored, dissipated;
+    if (state_size_) demlaws::stored_and_dissipated(pair, radius, overlap, state, none, booked);
+    if (flows) {
+      demlaws::stored_and_dissipated(pair, radius, overlap, before, none, earlier);
+      ledger.take_at_wall(booked - earlier, particle);
+    }
+    if (!ledger.readers) return;
+    demlaws::energies_at(pair, radius, overlap, state, state_size_, stored, dissipated);
+    ledger.enter(update->ntimestep, particle, stored, dissipated - booked);
   }
 
   // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether
@@ -334,9 +287,13 @@ private:
       if (!given_.count("shear")) now_.shear = from.shear;
     }
     state_size_ = 0;
-    for (demlaws::Files::const_iterator it = now_.files.begin(); it != now_.files.end(); ++it) {
-      std::shared_ptr<demlaws::Table> &table = tables_[it->second];
-      if (!table) table = demlaws::load(lmp, it->second);
+    for (const auto &file : now_.files) {
+      const demlaws::Table *&table = tables_[file.second];
+      try {
+        if (!table) table = &demlaws::load_table(demlaws::Mpi(lmp), file.second);
+      } catch (const std::exception &problem) {
+        error->all(FLERR, (std::string("model demlaws/table: ") + problem.what()).c_str());
+      }
       state_size_ = std::max(state_size_, demlaws::state_size(table->unloading()));
     }
     if (!wall_) instance_->pair.tables = tables_;
@@ -362,95 +319,63 @@ private:
       sigma = sqrt(roughness_[i] * roughness_[i] + roughness_[j] * roughness_[j]) / units_.length;
       if (!(sigma > 0.)) error->all(FLERR, (who.str() + "surfaceRoughness must be positive").c_str());
     }
-    const double E = effective_modulus_[i][j] / force->nktv2p;
     std::string doubt;
     try {
-      doubt = demlaws::judge_modulus(table, E / units_.pressure);
-      type.pair = demlaws::Pair::checked(table, E / units_.pressure, sigma);
+      doubt =
+          type.set(table, effective_modulus_[i][j] / force->nktv2p, sigma, now_.shear, units_.length, units_.pressure);
     } catch (const std::exception &problem) {
       error->all(FLERR, (who.str() + problem.what()).c_str());
     }
     if (!doubt.empty() && instance_->counts.reported.insert(doubt).second && comm->me == 0)
       error->warning(FLERR, (who.str() + doubt).c_str());
-    type.pair.in_units(E, units_.length, units_.pressure);
-    type.watch = demlaws::Watch(type.pair);
-    if (now_.shear == demlaws::SLIP_SHEAR) {
-      if (!demlaws::has_springs(type.pair.rule))
-        error->all(FLERR, (who.str() + "'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " +
-                           table.path() + " has " + table.text("unloading"))
-                              .c_str());
-      type.springs.reset(
-          new demlaws::SpringCurve(type.pair.rule == demlaws::GIVEN ? table.unloading_curve() : table.loading_curve()));
-    }
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
     type.tangential = 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;
     return table.fingerprint();
   }
 
-  __attribute__((noinline, cold)) void place(std::ostringstream &what, const SurfacesCloseData &data) const {
-    what << "model demlaws/table: ";
-    if (data.is_wall) what << "particle " << atom->tag[data.i] << " and the wall";
-    else what << "particles " << atom->tag[data.i] << " and " << atom->tag[data.j];
+  // On the rank that has the contact, at its step.
+  __attribute__((noinline, cold)) std::string who(const SurfacesCloseData &data) const {
+    std::ostringstream what;
+    what << "model demlaws/table: particle" << (data.is_wall ? " " : "s ") << atom->tag[data.i] << " and ";
+    if (data.is_wall) what << "the wall";
+    else what << atom->tag[data.j];
     what << " (types " << data.itype << " and " << data.jtype << "): ";
+    return what.str();
   }
-  // Reports what is wrong with one contact: on the rank that has it, at its step.
+  __attribute__((noinline, cold)) void refuse(const SurfacesCloseData &data, const std::string &text) const {
+    error->one(FLERR, (who(data) + text).c_str());
+  }
   struct Report : demlaws::Findings {
     const NormalModel &model;
     const SurfacesCloseData &data;
-    const bool keeps; // else the forces of a step are computed once more
-    Report(const NormalModel &m, const SurfacesCloseData &d, bool k) : model(m), data(d), keeps(k) {}
-    bool counts(demlaws::Excess excess, double factor, const std::string &reason) {
-      demlaws::Counts &counts = model.instance_->counts;
-      demlaws::Count one;
-      one.steps = keeps;
-      one.worst = factor;
-      one.first = model.atom->tag[data.i];
-      if (!data.is_wall) one.second = model.atom->tag[data.j];
-      if (keeps) counts.of[excess].add(one);
-      return counts.reported.insert("0123456789"[excess] + reason).second;
+    Report(const NormalModel &m, const SurfacesCloseData &d, bool keeps)
+        : Findings(m.instance_->counts, keeps, m.atom->tag[d.i], d.is_wall ? -1 : m.atom->tag[d.j]), model(m), data(d) {
     }
     void warn(const std::string &text) {
-      std::ostringstream what;
-      model.place(what, data);
-      what << text << " (reported once, counted at the end of the run)";
-      model.error->warning(FLERR, what.str().c_str());
+      const std::string what = model.who(data) + text + " (reported once, counted at the end of the run)";
+      model.error->warning(FLERR, what.c_str());
     }
-    void refuse(const std::string &text) {
-      std::ostringstream what;
-      model.place(what, data);
-      what << text;
-      model.error->one(FLERR, what.str().c_str());
-    }
+    void refuse(const std::string &text) { model.refuse(data, text); }
   };
+  // keeps: else the forces of a step are computed once more.
   __attribute__((noinline, cold)) void examine(const SurfacesIntersectData &data, double radius,
                                                const demlaws::TypePair &type, const demlaws::Force &now, bool keeps) {
     Report report(*this, data, keeps);
     const bool starts = update->ntimestep == update->firststep;
     type.watch.examine(type.pair, radius, data.deltan, now, now_.extrapolate, starts, report);
   }
-  __attribute__((noinline, cold)) void refuse_radius(const SurfacesIntersectData &data, double radius,
-                                                     const demlaws::TypePair &type) const {
-    std::ostringstream what;
-    place(what, data);
-    what << "contact radius " << radius / units_.length << " m, but law " << type.pair.table->text("law")
-         << " does not collapse and " << type.pair.table->path() << " holds for "
-         << type.pair.only_radius / units_.length << " m (radius_tolerance " << now_.radius_tolerance
-         << "); make a table of this pair of types or widen the tolerance";
-    error->one(FLERR, what.str().c_str());
-  }
 
   std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
-  double **effective_modulus_, **effective_shear_, **beta_, *roughness_;
-  bool damp_tangentially_, limit_force_, check_restart_;
+  double **effective_modulus_ = NULL, **effective_shear_ = NULL, **beta_ = NULL, *roughness_ = NULL;
+  bool damp_tangentially_ = true, limit_force_ = false, check_restart_ = true;
   std::set<std::string> given_;
   demlaws::PairSettings own_, now_; // as the line says; as they hold
   demlaws::Units units_;
-  int offset_, state_size_, reserved_, types_;
-  demlaws::WallContacts contacts_;
+  int offset_ = -1, state_size_ = 0, reserved_ = 0, types_ = 0;
   std::vector<demlaws::TypePair> pairs_;
-  std::map<std::string, std::shared_ptr<demlaws::Table>> tables_;
+  std::map<std::string, const demlaws::Table *> tables_;
 };
 
 } // namespace ContactModels

@@ -63,8 +63,7 @@ public:
     std::vector<FixInsertStreamPredefined *> inserted;
     const int streams = modify->n_fixes_style("insert/stream/predefined");
     for (int i = 0; i < streams; i++) {
-      FixInsertStreamPredefined *fix =
-          static_cast<FixInsertStreamPredefined *>(modify->find_fix_style("insert/stream/predefined", i));
+      auto fix = static_cast<FixInsertStreamPredefined *>(modify->find_fix_style("insert/stream/predefined", i));
       if (fix->has_inserted()) inserted.push_back(fix);
     }
     memset(static_cast<void *>(&data_), 0, sizeof data_);
@@ -129,7 +128,6 @@ public:
   }
 
   void energies(int groupbit, double &stored, double &dissipated) {
-    for (WallBook *wall : model_.normal.instance().ledger.walls) wall->add_energies(groupbit, stored, dissipated);
     const NeighList *const list = parent_->list;
     if (!list) return;
     const NeighList *const past = parent_->listgranhistory;
@@ -284,31 +282,18 @@ private:
       parent->ev_tally_xyz(i, j, atom->nlocal, force->newton_pair, stored, 0., on_i.delta_F[0], on_i.delta_F[1],
                            on_i.delta_F[2], data.delta[0], data.delta[1], data.delta[2]);
     }
-    if (parent->storeContactForces() && update->ntimestep % parent->storeContactForcesEvery() == 0) {
-      double forces[6];
-      if (parent->fix_contact_forces()->has_partner(i, tag[j]) == -1) {
-        vectorCopy3D(on_i.delta_F, forces);
-        vectorCopy3D(on_i.delta_torque, forces + 3);
-        parent->fix_contact_forces()->add_partner(i, tag[j], forces);
-      }
-      if (parent->fix_contact_forces()->has_partner(j, tag[i]) == -1) {
-        vectorCopy3D(on_j.delta_F, forces);
-        vectorCopy3D(on_j.delta_torque, forces + 3);
-        parent->fix_contact_forces()->add_partner(j, tag[i], forces);
-      }
-    }
-    if (parent->storeContactForcesStress()) {
-      double forces[4];
-      if (parent->fix_contact_forces_stress()->has_partner(i, tag[j]) == -1) {
-        vectorCopy3D(on_i.delta_F, forces);
-        forces[3] = (double)j;
-        parent->fix_contact_forces_stress()->add_partner(i, tag[j], forces);
-      }
-      if (parent->fix_contact_forces_stress()->has_partner(j, tag[i]) == -1) {
-        vectorCopy3D(on_j.delta_F, forces);
-        forces[3] = (double)i;
-        parent->fix_contact_forces_stress()->add_partner(j, tag[i], forces);
-      }
+    const ForceData *const on[2] = {&on_i, &on_j};
+    const int bodies[2] = {i, j};
+    for (int side = 0; side < 2; side++) {
+      const int one = bodies[side], other = bodies[1 - side];
+      const double *const f = on[side]->delta_F, *const torque = on[side]->delta_torque;
+      double forces[6] = {f[0], f[1], f[2], torque[0], torque[1], torque[2]};
+      if (parent->storeContactForces() && update->ntimestep % parent->storeContactForcesEvery() == 0 &&
+          parent->fix_contact_forces()->has_partner(one, tag[other]) == -1)
+        parent->fix_contact_forces()->add_partner(one, tag[other], forces);
+      forces[3] = (double)other;
+      if (parent->storeContactForcesStress() && parent->fix_contact_forces_stress()->has_partner(one, tag[other]) == -1)
+        parent->fix_contact_forces_stress()->add_partner(one, tag[other], forces);
     }
   }
 };

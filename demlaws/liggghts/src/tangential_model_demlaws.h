@@ -14,16 +14,10 @@ namespace ContactModels {
 
 static const int TANGENTIAL_DEMLAWS = 60; // a free 6-bit id (stock uses 0 to 4)
 
-template <> class TangentialModel<TANGENTIAL_DEMLAWS> : public TangentialModelBase, private demlaws::WallBook {
+template <> class TangentialModel<TANGENTIAL_DEMLAWS> : public TangentialModelBase {
 public:
   TangentialModel(LAMMPS *lmp, IContactHistorySetup *setup, class ContactModelBase *base)
-      : TangentialModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()),
-        normal_(NULL), friction_(NULL), springs_(12), offset_(-1), slips_(false), step_(-1) {
-    if (wall_) instance_->ledger.walls.insert(this);
-  }
-  ~TangentialModel() {
-    if (wall_) instance_->ledger.walls.erase(this);
-  }
+      : TangentialModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()) {}
   void connect(const NormalModel<DEMLAWS_TABLE> &normal) { normal_ = &normal; }
 
   void registerSettings(Settings &settings) { settings.registerDoubleSetting("springs", springs_, 12.); }
@@ -34,7 +28,7 @@ public:
     slips_ = (own ? line.shear : instance_->pair.shear) == demlaws::SLIP_SHEAR;
     if (wall_ && !line.given.count("springs")) springs_ = instance_->pair.springs;
     if (!wall_) instance_->pair.springs = springs_;
-    if (springs_ != 2 * (int)(0.5 * springs_) || springs_ < 2. || springs_ > demlaws::SpringRow::MOST)
+    if (!demlaws::SpringRow::may_have(springs_))
       error->all(FLERR, "tangential model demlaws: 'springs' must be an even number from 2 to 30");
     const int scalars = slips_ ? 2 : 1, vectors = slips_ ? (int)springs_ : 1;
     for (int i = 0; i < scalars + 3 * vectors; i++) {
@@ -83,7 +77,8 @@ public:
     } else step = demlaws::shear_step(data.kt, limit, data.en, displacement, *(demlaws::Stretch *)numbers);
     if (keep && data.is_wall) instance_->ledger.take_at_wall(step.lost(), data.i);
     else if (keep) instance_->ledger.take(step.lost(), data.i, data.j, atom->nlocal);
-    if (wall_ && data.computeflag && instance_->ledger.readers) enter(data.i, step.energy);
+    if (wall_ && data.computeflag && instance_->ledger.readers)
+      instance_->ledger.enter(update->ntimestep, data.i, step.energy, 0.);
 
     const double damping = step.slides ? 0. : data.gammat, share = data.is_wall ? data.area_ratio : 1.;
     const double relative[3] = {data.vtr1, data.vtr2, data.vtr3};
@@ -120,26 +115,13 @@ public:
 
 private:
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::STRETCH_SIZE; }
-  // Energies of this wall's contacts in the last step.
-  void enter(int particle, double energy) {
-    if (update->ntimestep != step_) energies_.clear();
-    step_ = update->ntimestep;
-    energies_.push_back(std::make_pair(particle, energy));
-  }
-  void add_energies(int groupbit, double &stored, double &) const {
-    for (size_t n = 0; step_ == update->ntimestep && n < energies_.size(); n++)
-      if (atom->mask[energies_[n].first] & groupbit) stored += energies_[n].second;
-  }
-  void forget() { energies_.clear(); }
 
   const std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
-  const NormalModel<DEMLAWS_TABLE> *normal_;
-  double **friction_, springs_;
-  int offset_;
-  bool slips_;
-  bigint step_;
-  std::vector<std::pair<int, double>> energies_;
+  const NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
+  double **friction_ = NULL, springs_ = 12.;
+  int offset_ = -1;
+  bool slips_ = false;
 };
 
 } // namespace ContactModels

@@ -1,0 +1,108 @@
+// demlaws_plugin.h: what the plugins of LIGGGHTS and LAMMPS share: messages between the ranks of a run, the tables of a
+// process, the law of two materials.
+#ifndef DEMLAWS_PLUGIN_H
+#define DEMLAWS_PLUGIN_H
+
+#include "demlaws_range.h"
+#include "demlaws_rule.h"
+#include "demlaws_slip.h"
+#include <memory>
+
+namespace demlaws {
+
+// Messages between the ranks of a run: bytes only.
+class Ranks {
+public:
+  int me = 0, count = 1;
+  virtual ~Ranks() {}
+  // Rank 0's bytes to all.
+  void share(std::string &bytes) const {
+    if (count == 1) return;
+    long size = (long)bytes.size();
+    broadcast(&size, sizeof size);
+    bytes.resize(size);
+    if (size) broadcast(&bytes[0], (int)size);
+  }
+  // What every rank has, in their order.
+  template <class T> std::vector<T> gather(const T &mine) const {
+    std::vector<T> all(count, mine);
+    if (count > 1) collect(&mine, sizeof mine, &all[0]);
+    return all;
+  }
+  // All that the ranks have, one after another.
+  template <class T> std::vector<T> join(const std::vector<T> &mine) const {
+    const std::vector<long> sizes = gather((long)mine.size());
+    const long most = *std::max_element(sizes.begin(), sizes.end());
+    if (count == 1 || !most) return mine;
+    std::vector<T> padded(mine), all(count * most), joined;
+    padded.resize(most);
+    collect(&padded[0], (int)(most * sizeof(T)), &all[0]);
+    for (int rank = 0; rank < count; rank++)
+      joined.insert(joined.end(), all.begin() + rank * most, all.begin() + rank * most + sizes[rank]);
+    return joined;
+  }
+
+private:
+  virtual void broadcast(void *bytes, int size) const = 0;
+  virtual void collect(const void *mine, int size, void *all) const = 0;
+};
+
+// A table with the code of its rule, kept as long as its file stays what it was. Rank 0 reads the file and all ranks
+// get it: one that cannot see it, or sees another, neither hangs nor differs. Throws on all ranks.
+inline const Table &load_table(const Ranks &ranks, const std::string &path) {
+  static std::map<std::pair<std::string, uint32_t>, std::unique_ptr<Table>> tables;
+  std::string data, problem;
+  if (ranks.me == 0) {
+    try {
+      data = Table::contents(path);
+    } catch (const std::exception &caught) {
+      problem = caught.what();
+    }
+  }
+  ranks.share(problem);
+  ranks.share(data);
+  if (!problem.empty()) throw std::runtime_error(problem);
+  std::unique_ptr<Table> &table = tables[std::make_pair(path, crc32(0, data.data(), data.size()))];
+  if (!table) {
+    std::unique_ptr<Table> fresh(new Table);
+    fresh->parse(data, path);
+    table = std::move(fresh);
+  }
+  problem = attach_rule(*table); // each rank's own
+  const std::vector<int> failed = ranks.gather((int)!problem.empty());
+  const int first = (int)(std::find(failed.begin(), failed.end(), 1) - failed.begin());
+  if (first == ranks.count) return *table;
+  if (first != ranks.me) problem.clear();
+  const std::vector<char> text = ranks.join(std::vector<char>(problem.begin(), problem.end()));
+  throw std::runtime_error("rank " + std::to_string(first) + ": " + std::string(text.begin(), text.end()));
+}
+
+// The law of two materials.
+struct Law {
+  Pair pair;
+  Watch watch;
+  std::shared_ptr<SpringCurve> springs; // of partial slip
+
+  // modulus: E* in the engine's units, of which a metre and a pascal are so many; roughness [m]. Returns a doubt about
+  // the modulus, or ""; throws for a pair that the table does not serve.
+  std::string set(const Table &table, double modulus, double roughness, Shear shear, double metre = 1.,
+                  double pascal = 1.) {
+    const std::string doubt = judge_modulus(table, modulus / pascal);
+    pair = Pair::checked(table, modulus / pascal, roughness);
+    pair.in_units(modulus, metre, pascal);
+    watch = Watch(pair);
+    springs.reset();
+    if (shear != SLIP_SHEAR) return doubt;
+    if (!has_springs(pair.rule))
+      throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " + table.path() +
+                               " has " + table.text("unloading"));
+    springs.reset(new SpringCurve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve()));
+    return doubt;
+  }
+  Compression compression(double radius, double overlap, const double *state) const {
+    return Compression(pair, springs.get(), radius, overlap, state);
+  }
+};
+
+} // namespace demlaws
+#endif
