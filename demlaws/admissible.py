@@ -1,7 +1,7 @@
 """Admissible values of materials, surfaces and contacts: one set of limits and words for Python, YADE and the plugins.
 
 `judge(young=60.6)` returns findings: inadmissible values, which are refused, and unlikely ones, about which a warning is
-issued. `cpp/demlaws_limits.h` is the same function in C++; `tests/cpp/test_limits.py` compares the words of both.
+issued. `cpp/demlaws_range.h` judges a contact's modulus and roughness in the same words (tests/cpp/test_limits.py).
 """
 
 import math

@@ -118,7 +118,9 @@ class SpringRow {
 public:
   static const int MOST = 30, MOST_SIZE = 2 + 3 * MOST;
   static int size(int springs) { return 2 + 3 * springs; }
-  static bool may_have(double springs) { return springs == 2 * (int)(0.5 * springs) && springs >= 2. && springs <= MOST; }
+  static bool may_have(double springs) {
+    return springs == 2 * (int)(0.5 * springs) && springs >= 2. && springs <= MOST;
+  }
   SpringRow(double *numbers, int springs)
       : stiffness_(numbers[0]), share_(numbers[1]), stretch_(numbers + 2), springs_(springs) {}
 

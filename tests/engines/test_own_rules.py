@@ -64,10 +64,10 @@ def test_a_rule_of_ones_own_goes_on_after_a_restart(engine, tmp_path, ranks):
             np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-12, atol=1e-12 * scale, err_msg=column)
 
 
-REASONS = {  # of LIGGGHTS and of LAMMPS
-    "missing": ("must lie beside the table", "cannot be opened (No such file or directory)"),
-    "another": ("is not the object that the table was written with",) * 2,
-    "missing on one rank": ("must lie beside the table", "or another than the table was written with"),
+REASONS = {
+    "missing": "must lie beside the table",
+    "another": "is not the object that the table was written with",
+    "missing on one rank": "must lie beside the table",
 }
 
 
@@ -89,4 +89,4 @@ def test_an_object_that_is_not_there_is_refused(tmp_path, engine, fault):
     said = " ".join((done.stdout + done.stderr).split())
     assert done.returncode
     assert f"rank {ranks - 1}: " in said and "law.tbl.so" in said
-    assert REASONS[fault][ENGINES.index(engine)] in said
+    assert REASONS[fault] in said

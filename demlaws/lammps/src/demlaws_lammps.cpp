@@ -136,8 +136,7 @@ bool under_hybrid(void *model) {
 // What the sub-models of a pair style keep in the history, one entry a pair_coeff line.
 struct Histories {
   std::vector<std::vector<int>> sizes;
-  bool ours, kept; // there are tables; with unloading of their own
-  Histories() : ours(false), kept(false) {}
+  bool ours = false, kept = false; // there are tables; with unloading of their own
   static std::map<void *, Histories> &all() {
     static std::map<void *, Histories> histories;
     return histories;
@@ -152,7 +151,7 @@ struct PairNow {
 
 // A position that is not a number touches nothing: a particle with one would drop out of the model silently.
 void check_positions(void *object) {
-  void *const lmp = instance_of(object), *const error = *((void ***)object)[3];
+  void *const lmp = instance_of(object), *const error = error_of(object);
   const Stock &stock = Stock::get();
   Range &range = Range::of(lmp);
   const void *const now = range.used ? stock.global(lmp, "ntimestep") : NULL;
@@ -167,14 +166,11 @@ void check_positions(void *object) {
     for (int n = 0; n < 8; n++) sum[n] += 0. * x[0][k + n]; // 0, or no number for ever
   for (; k < count; k++) sum[0] += 0. * x[0][k];
   if (__builtin_expect(sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0., 1)) return;
-  const void *const tags = stock.atom(lmp, "id");
-  const bool large = stock.setting(lmp, "tagint") == 8;
   for (k = 0; 3 * k < count; k++) {
     const double *const p = x[0] + 3 * k;
     if (0. * (p[0] + p[1] + p[2]) == 0.) continue;
     std::ostringstream what;
-    what << "demlaws/table: particle " << (large ? ((const long long *)tags)[k] : ((const int *)tags)[k]) << " is at ("
-         << p[0] << ", " << p[1] << ", " << p[2]
+    what << "demlaws/table: particle " << tag_of(lmp, k) << " is at (" << p[0] << ", " << p[1] << ", " << p[2]
          << ") m, which is not finite; take a smaller time step, look at what was done to this particle";
     raise(error, false, what.str());
   }
@@ -234,20 +230,16 @@ void demlaws_pair_restart(void *pair, FILE *file) {
   if (Histories::all()[pair].ours) Stock::get().pair_settings(pair, 0, NULL);
 }
 void demlaws_pair_init(void *pair) {
-  std::map<void *, Histories>::const_iterator kept = Histories::all().find(pair);
-  if (kept != Histories::all().end() && kept->second.ours)
-    for (size_t n = 1; n < kept->second.sizes.size(); n++)
-      if (kept->second.sizes[n] != kept->second.sizes[0])
-        raise(*((void ***)pair)[3], true,
-              "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up "
-              "whenever "
-              "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the "
-              "same tangential, "
-              "rolling and twisting models");
+  const Histories &kept = Histories::all()[pair];
+  for (const std::vector<int> &sizes : kept.sizes)
+    if (kept.ours && sizes != kept.sizes[0])
+      raise(error_of(pair), true,
+            "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up "
+            "whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and "
+            "the same tangential, rolling and twisting models");
   Stock::get().pair_init(pair);
   Numbers::after_init(pair);
-  if (kept != Histories::all().end() && kept->second.kept)
-    Range::of(instance_of(pair)).look_across(instance_of(pair), *((void ***)pair)[3]);
+  if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
 }
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {
@@ -255,24 +247,19 @@ void demlaws_pair_forces(void *pair, int eflag, int vflag) {
   Ledger::of(instance_of(pair)).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
-void demlaws_wall_forces(void *wall, int vflag) {
+static void forces_of_wall(void *wall, int vflag, void (*forces)(void *, int)) {
   check_positions(wall); // there may be no pair style
   Ledger &ledger = Ledger::of(instance_of(wall));
   ledger.begin(wall);
-  Stock::get().wall_forces(wall, vflag);
+  forces(wall, vflag);
   ledger.end();
 }
-void demlaws_region_forces(void *wall, int vflag) {
-  check_positions(wall); // there may be no pair style
-  Ledger &ledger = Ledger::of(instance_of(wall));
-  ledger.begin(wall);
-  Stock::get().region_forces(wall, vflag);
-  ledger.end();
-}
+void demlaws_wall_forces(void *wall, int vflag) { forces_of_wall(wall, vflag, Stock::get().wall_forces); }
+void demlaws_region_forces(void *wall, int vflag) { forces_of_wall(wall, vflag, Stock::get().region_forces); }
 
 void demlaws_post_run(void *modify) {
   Stock::get().post_run(modify);
-  Range::of(instance_of(modify)).tell(instance_of(modify), *((void ***)modify)[3]);
+  Range::of(instance_of(modify)).tell(instance_of(modify), error_of(modify));
 }
 
 void demlaws_delete_atoms(void *command, int count, char **arg) {

@@ -6,27 +6,17 @@
 #ifndef DEMLAWS_ENERGY_H
 #define DEMLAWS_ENERGY_H
 
-#include "demlaws_table.h"
 #include "ranks.h"
-#include "stock.h"
-#include <map>
-#include <set>
 
 namespace {
 
-// A wall contact in the last pass over its wall: what it stores, what its plastic flow took that no step has booked
-// yet.
-struct WallContact {
-  double stored, pending;
-};
-
 class Ledger {
 public:
-  bool busy;        // somebody wants to know: the contacts take the long way
-  bool collecting;  // `compute pair/local` is asking every pair contact once
-  double collected; // what they store [J]
-  double pending;   // what plastic flow took of them, and of walls, that no step has booked yet [J]
-  bool first;       // no work of shear was booked before this pass
+  bool busy = false;       // somebody wants to know: the contacts take the long way
+  bool collecting = false; // `compute pair/local` is asking every pair contact once
+  double collected = 0.;   // what they store [J]
+  double pending = 0.;     // what plastic flow took of them, and of walls, that no step has booked yet [J]
+  bool first = false;      // no work of shear was booked before this pass
 
   // One for each instance of LAMMPS.
   static Ledger &of(void *lmp) {
@@ -35,9 +25,6 @@ public:
     one.lmp_ = lmp;
     return one;
   }
-  Ledger()
-      : busy(false), collecting(false), collected(0.), pending(0.), first(false), wanted_(false), empty_(false),
-        lmp_(NULL), modify_(NULL), taken_(NULL), wall_(NULL) {}
 
   // Before the pair style, or a wall, computes its forces.
   void begin(void *wall) {
@@ -51,19 +38,14 @@ public:
     newton_ = stock.setting(lmp_, "newton_pair") != 0;
     const long long step = now();
     first = empty_ && known_.insert(wall).second;
-    if (wall) {
-      Wall &book = walls_[wall];
-      book.step = step;
-      book.contacts.clear();
-    } else { // a wall that is not there any more stays silent
-      for (std::map<void *, Wall>::iterator it = walls_.begin(); it != walls_.end();)
-        if (it->second.step + 1 < step) walls_.erase(it++);
-        else ++it;
-    }
+    if (wall) walls_[wall] = {step, 0., 0.};
   }
   void end() { wall_ = NULL; }
-  void enter(const WallContact &contact) {
-    if (wall_) walls_[wall_].contacts.push_back(contact);
+  // A contact of this wall: what it stores, what its plastic flow took that no step has booked yet.
+  void enter(double stored, double pending) {
+    if (!wall_) return;
+    walls_[wall_].stored += stored;
+    walls_[wall_].pending += pending;
   }
   // Plastic flow took `energy` from the contact of the particles whose velocities are at vi and vj; NULL: a wall.
   // (The models of walls are not told the number of their particle.)
@@ -124,18 +106,17 @@ public:
 
 private:
   struct Wall {
-    long long step;
-    std::vector<WallContact> contacts;
+    long long step; // of the last pass over it
+    double stored, pending;
   };
-  bool wanted_, newton_, empty_; // empty_: when the compute was defined
-  void *lmp_, *modify_;
-  double *taken_;
-  int local_;
-  void *wall_;
+  bool wanted_ = false, newton_ = false, empty_ = false; // empty_: when the compute was defined
+  void *lmp_ = NULL, *modify_ = NULL, *wall_ = NULL;
+  double *taken_ = NULL;
+  int local_ = 0;
   std::map<void *, Wall> walls_;
   std::set<void *> known_; // NULL, the pair style, and walls that have computed forces since
 
-  void *error() const { return *((void ***)modify_)[3]; }
+  void *error() const { return error_of(modify_); }
   static const char *fix() { return "demlaws_dissipated"; }
   static const char *pairs() { return "demlaws_pairs"; }
   long long now() const {
@@ -146,9 +127,8 @@ private:
   // ComputeReduce::compute_one for our compute: this rank's share of [1] stored, [2] dissipated; asked in this order.
   static double one(void *compute, int which, int) {
     Ledger &ledger = of(instance_of(compute));
-    return which == 0 ? ledger.stored() : ledger.dissipated();
+    return which == 0 ? ledger.stored() : ledger.booked() + ledger.pending;
   }
-  double dissipated() { return booked() + pending; }
   double booked() const {
     const Stock &stock = Stock::get();
     const double *const taken = (const double *)stock.atom(lmp_, "d_demlaws_dissipated");
@@ -176,10 +156,10 @@ private:
     collecting = false;
     double sum = collected;
     const long long step = now();
-    for (std::map<void *, Wall>::const_iterator it = walls_.begin(); it != walls_.end(); ++it)
-      for (size_t n = 0; it->second.step == step && n < it->second.contacts.size(); n++) {
-        sum += it->second.contacts[n].stored;
-        pending += it->second.contacts[n].pending;
+    for (const auto &wall : walls_)
+      if (wall.second.step == step) { // else it is not there any more
+        sum += wall.second.stored;
+        pending += wall.second.pending;
       }
     return sum;
   }

@@ -11,13 +11,20 @@
 #ifndef DEMLAWS_GRANULAR_MODELS_H
 #define DEMLAWS_GRANULAR_MODELS_H
 
-#include "demlaws_slip.h"
 #include "energy.h"
 #include "granular_abi.h"
 #include "range.h"
-#include "tables.h"
 
 namespace {
+
+// A number of an input line.
+inline double number(void *error, const std::string &of, const char *text) {
+  char *end;
+  const double value = strtod(text, &end);
+  if (end == text || *end || !(value - value == 0.))
+    raise(error, true, "demlaws/table: " + of + " is '" + text + "', not a finite number");
+  return value;
+}
 
 __attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
 __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
@@ -57,9 +64,7 @@ template <bool LATE> struct Granular {
 
     // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
     Table(Model *m, const std::string &named, const demlaws::Table &table)
-        : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)), stiffness_(0.),
-          shear_stiffness_(0.), per_stiffness_(0.), shear_(demlaws::ELASTIC_SHEAR), whole_(false), speed_(true),
-          damped_(OTHERWISE) {
+        : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)) {
       name = named;
       this->material_properties = 1;
       // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
@@ -84,31 +89,21 @@ template <bool LATE> struct Granular {
         refuse(
             "Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from "
             "-1 to 0.5");
-      if (coeffs[SPRINGS] != 2 * (int)(0.5 * coeffs[SPRINGS]) || coeffs[SPRINGS] < 2. ||
-          coeffs[SPRINGS] > demlaws::SpringRow::MOST)
-        refuse("springs must be an even number from 2 to 30");
+      if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse(
             "this is not the table that the restart file was written with: bring that file back, or write pair_coeff "
             "again");
       const double modulus = Emod / (2. * (1. - poiss * poiss)); // two bodies of one material
+      shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
       std::string doubt;
       try {
-        doubt = demlaws::judge_modulus(table_, modulus);
-        pair_ = demlaws::Pair::checked(table_, modulus, coeffs[ROUGHNESS]);
+        doubt = law_.set(table_, modulus, coeffs[ROUGHNESS], shear_);
       } catch (const std::exception &problem) {
         refuse(problem.what());
       }
       if (!doubt.empty()) Range::of(of.lmp).announce(of.lmp, *of.error, doubt, name + ": " + doubt);
-      watch_ = demlaws::Watch(pair_);
-      per_stiffness_ = 0.5 / pair_.modulus;
-      shear_ = (demlaws::Shear)(int)coeffs[SHEAR];
-      if (!slips()) return;
-      if (!demlaws::has_springs(pair_.rule))
-        refuse("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, the table has " +
-               table_.text("unloading"));
-      curve_.reset(
-          new demlaws::SpringCurve(pair_.rule == demlaws::GIVEN ? table_.unloading_curve() : table_.loading_curve()));
+      per_stiffness_ = 0.5 / modulus;
     }
 
     void mix_coeffs(double *a, double *b) {
@@ -133,7 +128,7 @@ template <bool LATE> struct Granular {
       const double given = E / (1. - coeffs[POISSON] * coeffs[POISSON]), other = E / (1. - coeffs[ETA] * coeffs[ETA]);
       if (fabs(other - made_for) <= 1e-6 * made_for && !(fabs(given - made_for) <= 1e-6 * made_for))
         refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = " +
-               demlaws::limits::number("%g", coeffs[ETA]) + " E* is that of the table");
+               demlaws::number("%g", coeffs[ETA]) + " E* is that of the table");
     }
 
     double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
@@ -143,9 +138,9 @@ template <bool LATE> struct Granular {
     double shear_ratio() const { return 2. * (1. - poiss) / (2. - poiss); }
     bool slips() const { return shear_ == demlaws::SLIP_SHEAR; }
     demlaws::Compression compression() const {
-      return demlaws::Compression(pair_, curve_.get(), gm->Reff, gm->delta, gm->history + history_index);
+      return law_.compression(gm->Reff, gm->delta, gm->history + history_index);
     }
-    double effective_modulus() const { return pair_.modulus; }
+    double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
@@ -171,11 +166,12 @@ template <bool LATE> struct Granular {
     template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
       Model *const m = gm;
       if (__builtin_expect(m->contact_type > WALL_REGION, 0)) refuse_contact();
-      if (__builtin_expect(now.outside | watch_.sees(m->delta, m->Reff), 0)) examine(now);
-      if (__builtin_expect(!pair_.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
+      if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
+      if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0))
+        raise(*of.error, false, who() + demlaws::other_radius(law_.pair, m->Reff, coeffs[TOLERANCE]));
       stiffness_ = now.stiffness;
       shear_stiffness_ =
-          demlaws::shear_stiffness<RULE>(shear_, pair_, m->Reff, m->delta, now, m->history + history_index);
+          demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
       m->contact_radius =
           shear_stiffness_ * per_stiffness_; // K = 2 E* a: what mindlin, viscoelastic and heat scale with
       return now.force;
@@ -185,14 +181,15 @@ template <bool LATE> struct Granular {
     // pair/local).
     __attribute__((noinline, cold)) void account(const double *before, const double *kept, const double *state) {
       Model *const m = gm;
+      const demlaws::Pair &pair = law_.pair;
       double stored = 0., dissipated = 0., none, booked = 0.;
-      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, state, stored, dissipated);
-      demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, kept, none, booked);
+      demlaws::stored_and_dissipated(pair, m->Reff, m->delta, state, stored, dissipated);
+      demlaws::stored_and_dissipated(pair, m->Reff, m->delta, kept, none, booked);
       const double pending = dissipated - booked;
       if (m->calculate_svector && nsvector) {
         double *const out = m->svector + index_svector;
-        const bool keeps = state[0] > 0. && pair_.rule != demlaws::ELASTIC;
-        const bool own = pair_.rule == demlaws::OWN; // which remembers what it likes
+        const bool keeps = state[0] > 0. && pair.rule != demlaws::ELASTIC;
+        const bool own = pair.rule == demlaws::OWN; // which remembers what it likes
         out[MAXIMUM] = own ? NAN : keeps ? state[0] : m->delta;
         out[PLASTIC] = own ? NAN : keeps ? state[1] : 0.;
         out[STORED] = stored;
@@ -208,65 +205,42 @@ template <bool LATE> struct Granular {
       const bool wall = m->contact_type != PAIR;
       if (m->history_update && !std::equal(before, before + MOST_STATE, state)) {
         double earlier = 0.;
-        demlaws::stored_and_dissipated(pair_, m->Reff, m->delta, before, none, earlier);
+        demlaws::stored_and_dissipated(pair, m->Reff, m->delta, before, none, earlier);
         ledger_.take(m->vi, wall ? NULL : m->vj, dissipated - earlier);
       }
-      if (wall) {
-        const WallContact contact = {stored, pending};
-        ledger_.enter(contact);
-      }
+      if (wall) ledger_.enter(stored, pending);
     }
 
     const demlaws::Table &table_;
     Ledger &ledger_;
-    demlaws::Pair pair_;
-    demlaws::Watch watch_;
-    double stiffness_, shear_stiffness_, per_stiffness_;
-    demlaws::Shear shear_;
-    std::unique_ptr<demlaws::SpringCurve> curve_;
-    bool whole_, speed_; // speed_: the tangential model asks for that of the surfaces, vrel
-    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_; // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
+    demlaws::Law law_;
+    double stiffness_ = 0., shear_stiffness_ = 0., per_stiffness_ = 0.;
+    demlaws::Shear shear_ = demlaws::ELASTIC_SHEAR;
+    bool whole_ = false, speed_ = true; // speed_: the tangential model asks for that of the surfaces, vrel
+    // BY_RADIUS: viscoelastic, whose formula Abi::fits() has checked
+    enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
 
   private:
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
       raise(*of.error, true, name + ": " + what);
     }
-    // The bodies by their numbers, as far as they are known: a wall's model knows its particle's velocity alone.
-    __attribute__((noinline, cold)) void numbers(long &first, long &second) const {
-      const Stock &stock = Stock::get();
-      const void *const tags = stock.atom(of.lmp, "id");
+    // The number of body 0 or 1, as far as it is known: a wall's model knows its particle's velocity alone; -1: a wall.
+    __attribute__((noinline, cold)) long body(int which) const {
       const bool wall = gm->contact_type != PAIR;
-      long at[2] = {wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", gm->xi),
-                    wall ? -1 : ledger_.particle("x", gm->xj)};
-      for (long &n : at)
-        if (tags && n >= 0)
-          n = stock.setting(of.lmp, "tagint") == 8 ? (long)((const long long *)tags)[n] : ((const int *)tags)[n];
-      first = at[0];
-      second = at[1];
+      if (wall && which) return -1;
+      const long at = wall ? ledger_.particle("v", gm->vi) : ledger_.particle("x", which ? gm->xj : gm->xi);
+      return at < 0 ? at : (long)tag_of(of.lmp, at);
     }
     __attribute__((noinline, cold)) std::string who() const {
-      long number[2];
-      numbers(number[0], number[1]);
-      std::ostringstream what;
-      what << name << ": particle" << (gm->contact_type == PAIR ? "s " : " ") << number[0];
-      if (gm->contact_type == PAIR) what << " and " << number[1];
-      else what << " and the wall";
-      what << ": ";
-      return what.str();
+      const std::string first = std::to_string(body(0)), second = std::to_string(body(1));
+      return name + ": particle" +
+             (gm->contact_type == PAIR ? "s " + first + " and " + second : " " + first + " and the wall") + ": ";
     }
     // Reports what is wrong with one contact.
     struct Report : demlaws::Findings {
       const Table &table;
-      explicit Report(const Table &t) : table(t) {}
-      bool counts(demlaws::Excess excess, double factor, const std::string &reason) {
-        demlaws::Counts &counts = Range::of(table.of.lmp).counts;
-        demlaws::Count one;
-        one.steps = 1.;
-        one.worst = factor;
-        table.numbers(one.first, one.second);
-        if (table.gm->history_update) counts.of[excess].add(one);
-        return counts.reported.insert("0123456789"[excess] + reason).second;
-      }
+      explicit Report(const Table &t)
+          : Findings(Range::of(t.of.lmp).counts, t.gm->history_update, t.body(0), t.body(1)), table(t) {}
       void warn(const std::string &text) {
         Range::warn(table.of.lmp, *table.of.error,
                     table.who() + text + " (reported once, counted at the end of the run)");
@@ -275,19 +249,12 @@ template <bool LATE> struct Granular {
     };
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
-      watch_.examine(pair_, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATE] > 0., !gm->history_update, report);
+      law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATE] > 0., !gm->history_update, report);
     }
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;
       what << name << ": contacts of type " << gm->contact_type
            << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran or wall/gran/region";
-      raise(*of.error, false, what.str());
-    }
-    __attribute__((noinline, cold)) void refuse_radius() const {
-      std::ostringstream what;
-      what << who() << "contact radius " << gm->Reff << " m, but law " << table_.text("law")
-           << " does not collapse and the table holds for " << pair_.only_radius << " m (radius_tolerance "
-           << coeffs[TOLERANCE] << "); make a table of this pair of types or widen the tolerance";
       raise(*of.error, false, what.str());
     }
   };
@@ -319,7 +286,7 @@ template <bool LATE> struct Granular {
       Model *const m = this->gm;
       double *const state = m->history + this->history_index;
       return this->template finish<RULE>(
-          demlaws::step_rule<RULE>(this->pair_, m->Reff, m->delta, state, m->history_update != 0));
+          demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, state, m->history_update != 0));
     }
     __attribute__((noinline, cold)) double watched() {
       Model *const m = this->gm;
@@ -327,7 +294,7 @@ template <bool LATE> struct Granular {
       const double before[Table::MOST_STATE] = {state[0], state[1], state[2]};
       const double found = force();
       double now[Table::MOST_STATE] = {state[0], state[1], state[2]};
-      if (!m->history_update) demlaws::step_rule<RULE>(this->pair_, m->Reff, m->delta, now, true);
+      if (!m->history_update) demlaws::step_rule<RULE>(this->law_.pair, m->Reff, m->delta, now, true);
       this->account(before, state, now);
       return found;
     }
@@ -421,8 +388,7 @@ template <bool LATE> struct Granular {
       if (work != 0.) ledger_.take(gm->vi, wall ? NULL : gm->vj, work);
       if (!wall) return;
       const double stored = keep ? step.energy : step.before;
-      const WallContact contact = {stored, -stored};
-      ledger_.enter(contact);
+      ledger_.enter(stored, -stored);
     }
     Ledger &ledger_;
     const Table *normal_;
@@ -473,7 +439,12 @@ template <bool LATE> struct Granular {
       const size_t space = name.find(' ');
       if (space == std::string::npos)
         raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
-      made = m->normal_model = make_table<0>(m, name, Tables::get(name.substr(space + 1), m->of.lmp, *m->of.error));
+      try {
+        made = m->normal_model =
+            make_table<0>(m, name, demlaws::load_table(Ranks(m->of.lmp, *m->of.error), name.substr(space + 1)));
+      } catch (const std::runtime_error &problem) {
+        raise(*m->of.error, true, std::string("demlaws/table: ") + problem.what());
+      }
       if (!outputs) made->nsvector = 0;
       Range::of(m->of.lmp).used = true;
     } else if (type == DAMPING) made = m->damping_model = new Tangent(m, name);

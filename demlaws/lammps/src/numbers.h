@@ -14,13 +14,13 @@ class Numbers {
 public:
   // Runs a command that may deal new numbers.
   static void follow(void (*command)(void *, int, char **), void *object, int count, char **arg) {
-    void *const lmp = instance_of(object), *const error = *((void ***)object)[3], *const modify = modify_of(object);
+    void *const lmp = instance_of(object), *const error = error_of(object), *const modify = modify_of(object);
     const Stock &stock = Stock::get();
     if (!Range::of(lmp).used || !stock.global(lmp, "boxxlo")) return command(object, count, arg);
     const char *words[] = {kept(), "all", "property/atom", "d_demlaws_numbers", "ghost", "no", "writedata", "no"};
     stock.add_fix(modify, 8, const_cast<char **>(words), 1);
     double *old = (double *)stock.atom(lmp, "d_demlaws_numbers");
-    for (int i = 0, n = stock.setting(lmp, "nlocal"); i < n; i++) old[i] = (double)number(lmp, i);
+    for (int i = 0, n = stock.setting(lmp, "nlocal"); i < n; i++) old[i] = (double)tag_of(lmp, i);
     try {
       command(object, count, arg);
     } catch (...) {
@@ -31,7 +31,7 @@ public:
     std::vector<long long> mine;
     for (int i = 0, n = stock.setting(lmp, "nlocal"); i < n; i++) {
       mine.push_back((long long)old[i]);
-      mine.push_back(number(lmp, i));
+      mine.push_back(tag_of(lmp, i));
     }
     stock.delete_fix(modify, kept());
     const std::vector<long long> all = Ranks(lmp, error).join(mine);
@@ -42,13 +42,12 @@ public:
       changed = changed || all[n] != all[n + 1];
     }
     if (!changed) return;
-    if (stock.setting(lmp, "world_rank") == 0 && stock.warn)
-      stock.warn(error, "demlaws", 0,
-                 "demlaws/table: particles were given new numbers: the contacts' histories follow them");
+    if (stock.setting(lmp, "world_rank") == 0)
+      Range::warn(lmp, error, "demlaws/table: particles were given new numbers: the contacts' histories follow them");
     if (rename(lmp, modify, renamed)) return;
     // after read_restart they are still in the restart file's data, which the first init hands out
     Renamed &before = pending()[lmp];
-    for (Renamed::iterator it = before.begin(); it != before.end(); ++it) it->second = now(renamed, it->second);
+    for (auto &number : before) number.second = now(renamed, number.second);
     before.insert(renamed.begin(), renamed.end());
   }
   // The pair style has its histories now.
@@ -71,11 +70,6 @@ private:
   static long long now(const Renamed &renamed, long long old) {
     const Renamed::const_iterator it = renamed.find(old);
     return it == renamed.end() ? -1 : it->second; // -1: a particle that is gone, whose number may be dealt again
-  }
-  static long long number(void *lmp, int i) {
-    const Stock &stock = Stock::get();
-    const void *const tags = stock.atom(lmp, "id");
-    return stock.setting(lmp, "tagint") == 8 ? ((const long long *)tags)[i] : ((const int *)tags)[i];
   }
   // Goes through the histories that there are, packed as they travel from rank to rank: how many partners, then each
   // one's number (as the bits of an integer; in older versions as a number) and values. False: there are none.

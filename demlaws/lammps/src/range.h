@@ -2,7 +2,6 @@
 #ifndef DEMLAWS_REPORTS_H
 #define DEMLAWS_REPORTS_H
 
-#include "demlaws_range.h"
 #include "ranks.h"
 #include <map>
 
@@ -11,10 +10,8 @@ namespace {
 // Of one instance of LAMMPS.
 struct Range {
   demlaws::Counts counts;
-  bool used;         // there is a table
-  bool thin_told;    // that the box is thin
-  long long checked; // the step in which positions were checked
-  Range() : used(false), thin_told(false), checked(-1) {}
+  bool used = false;      // there is a table
+  long long checked = -1; // the step in which positions were checked
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;
@@ -34,32 +31,24 @@ struct Range {
   void tell(void *lmp, void *error) {
     if (!used) return;
     const Ranks ranks(lmp, error);
-    for (int k = 0; k < demlaws::EXCESSES; k++) {
-      demlaws::Count sum;
-      for (const demlaws::Count &one : ranks.gather(counts.of[k])) sum.add(one);
-      counts.of[k] = demlaws::Count();
-      const std::string line = demlaws::Counts::summary((demlaws::Excess)k, sum);
-      if (ranks.me == 0 && !line.empty()) warn(lmp, error, line);
-    }
+    for (const std::string &line : counts.summaries(ranks))
+      if (ranks.me == 0) warn(lmp, error, line);
   }
 
   void look_across(void *lmp, void *error) {
     const Stock &stock = Stock::get();
     const int *const periodic = (const int *)stock.global(lmp, "periodicity");
-    if (thin_told || !periodic) return;
+    if (!periodic) return;
     const double *const radius = (const double *)stock.atom(lmp, "radius");
     const int local = radius ? stock.setting(lmp, "nlocal") : 0;
     const std::vector<double> all = Ranks(lmp, error).gather(local ? *std::max_element(radius, radius + local) : 0.);
     const double reach = 2. * *std::max_element(all.begin(), all.end());
     static const char *const ends[3][2] = {{"boxxlo", "boxxhi"}, {"boxylo", "boxyhi"}, {"boxzlo", "boxzhi"}};
-    for (int k = 0; k < stock.setting(lmp, "dimension") && !thin_told; k++) {
-      const double *const low = (const double *)stock.global(lmp, ends[k][0]), *const high =
-                                                                                   (const double *)stock.global(
-                                                                                       lmp, ends[k][1]);
+    for (int k = 0; k < stock.setting(lmp, "dimension"); k++) {
+      const double *const low = (const double *)stock.global(lmp, ends[k][0]);
+      const double *const high = (const double *)stock.global(lmp, ends[k][1]);
       if (!periodic[k] || !low || !high || *high - *low >= 2. * reach) continue;
-      thin_told = true;
-      if (stock.setting(lmp, "world_rank") == 0 && stock.warn)
-        stock.warn(error, "demlaws", 0, demlaws::thin_box(k, *high - *low, 2. * reach, "LAMMPS"));
+      return announce(lmp, error, "thin box", demlaws::thin_box(k, *high - *low, 2. * reach, "LAMMPS"));
     }
   }
 };

@@ -3,13 +3,14 @@
 #ifndef DEMLAWS_RANKS_H
 #define DEMLAWS_RANKS_H
 
+#include "demlaws_plugin.h"
 #include "stock.h"
 
 namespace {
 
-class Ranks {
+class Ranks : public demlaws::Ranks {
 public:
-  Ranks(void *lmp, void *error) : me(0), count(1), comm_(NULL), byte_(NULL), broadcast_(NULL), gather_(NULL) {
+  Ranks(void *lmp, void *error) {
     const Stock &stock = Stock::get();
     count = std::max(1, stock.setting(lmp, "world_size"));
     if (count == 1) return;
@@ -25,39 +26,13 @@ public:
     const int handle = stock.communicator(lmp);
     comm_ = convert ? convert(handle) : (void *)(long)handle;
   }
-  // Rank 0's bytes to all.
-  void share(std::string &bytes) const {
-    if (count == 1) return;
-    long size = (long)bytes.size();
-    broadcast_(&size, sizeof size, byte_, 0, comm_);
-    bytes.resize(size);
-    if (size) broadcast_(&bytes[0], (int)size, byte_, 0, comm_);
-  }
-  // What every rank has, in their order.
-  template <class T> std::vector<T> gather(const T &mine) const {
-    std::vector<T> all(count, mine);
-    if (count > 1) gather_(&mine, sizeof mine, byte_, &all[0], sizeof mine, byte_, comm_);
-    return all;
-  }
-  // All that the ranks have, one after another.
-  template <class T> std::vector<T> join(const std::vector<T> &mine) const {
-    const std::vector<long> sizes = gather((long)mine.size());
-    const long most = *std::max_element(sizes.begin(), sizes.end());
-    if (count == 1 || !most) return mine;
-    std::vector<T> padded(mine), all(count * most), joined;
-    padded.resize(most);
-    const int bytes = (int)(most * sizeof(T));
-    gather_(&padded[0], bytes, byte_, &all[0], bytes, byte_, comm_);
-    for (int rank = 0; rank < count; rank++)
-      joined.insert(joined.end(), all.begin() + rank * most, all.begin() + rank * most + sizes[rank]);
-    return joined;
-  }
-  int me, count;
 
 private:
-  void *comm_, *byte_;
-  int (*broadcast_)(void *, int, void *, int, void *);
-  int (*gather_)(const void *, int, void *, void *, int, void *, void *);
+  void *comm_ = NULL, *byte_ = NULL;
+  int (*broadcast_)(void *, int, void *, int, void *) = NULL;
+  int (*gather_)(const void *, int, void *, void *, int, void *, void *) = NULL;
+  void broadcast(void *bytes, int size) const { broadcast_(bytes, size, byte_, 0, comm_); }
+  void collect(const void *mine, int size, void *all) const { gather_(mine, size, byte_, all, size, byte_, comm_); }
 };
 
 } // namespace
