@@ -167,8 +167,7 @@ template <bool LATE> struct Granular {
       Model *const m = gm;
       if (__builtin_expect(m->contact_type > WALL_REGION, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
-      if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0))
-        raise(*of.error, false, who() + demlaws::other_radius(law_.pair, m->Reff, coeffs[TOLERANCE]));
+      if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
       stiffness_ = now.stiffness;
       shear_stiffness_ =
           demlaws::shear_stiffness<RULE>(shear_, law_.pair, m->Reff, m->delta, now, m->history + history_index);
@@ -250,6 +249,9 @@ template <bool LATE> struct Granular {
     __attribute__((noinline, cold)) void examine(const demlaws::Force &now) const {
       Report report(*this);
       law_.watch.examine(law_.pair, gm->Reff, gm->delta, now, coeffs[EXTRAPOLATE] > 0., !gm->history_update, report);
+    }
+    __attribute__((noinline, cold)) void refuse_radius() const {
+      raise(*of.error, false, who() + demlaws::other_radius(law_.pair, gm->Reff, coeffs[TOLERANCE]));
     }
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;

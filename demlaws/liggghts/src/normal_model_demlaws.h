@@ -166,8 +166,7 @@ public:
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = law_of(data);
     const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
-    if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0))
-      refuse(data, demlaws::other_radius(type.pair, radius, now_.radius_tolerance));
+    if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type.pair);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
@@ -345,6 +344,10 @@ private:
   }
   __attribute__((noinline, cold)) void refuse(const SurfacesCloseData &data, const std::string &text) const {
     error->one(FLERR, (who(data) + text).c_str());
+  }
+  __attribute__((noinline, cold)) void refuse_radius(const SurfacesCloseData &data, double radius,
+                                                     const demlaws::Pair &pair) const {
+    refuse(data, demlaws::other_radius(pair, radius, now_.radius_tolerance));
   }
   struct Report : demlaws::Findings {
     const NormalModel &model;
