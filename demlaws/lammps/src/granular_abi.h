@@ -107,19 +107,18 @@ template <bool LATE> struct Abi {
     int num_coeffs;
     double *coeffs;
     std::string name;
-    int size_history, nondefault_history_transfer;
-    double *transfer_history_factor;
-    int history_index, beyond_contact, allow_cohesion;
+    int size_history = 0, nondefault_history_transfer = 0;
+    double *transfer_history_factor = NULL;
+    int history_index = 0, beyond_contact = 0, allow_cohesion = 1;
     int allow_synchronization[LATE ? 1 : 0];
-    int contact_radius_flag;
+    int contact_radius_flag = 0;
     Model *gm;
-    int nsvector, index_svector, allocated;
+    int nsvector, index_svector = 0, allocated = 1;
 
   protected:
     SubMod(Model *m, int coefficients, int outputs)
-        : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), size_history(0),
-          nondefault_history_transfer(0), transfer_history_factor(NULL), history_index(0), beyond_contact(0),
-          allow_cohesion(1), contact_radius_flag(0), gm(m), nsvector(outputs), index_svector(0), allocated(1) {
+        : of(m->of), num_coeffs(coefficients), coeffs(new double[coefficients ? coefficients : 1]()), gm(m),
+          nsvector(outputs) {
       std::fill(allow_synchronization, allow_synchronization + LATE, 1);
     }
   };
@@ -131,29 +130,27 @@ template <bool LATE> struct Abi {
     virtual double calculate_forces() = 0;
     virtual void set_fncrit() { Fncrit = fabs(this->gm->Fntot); }
 
-    double damp, Emod, poiss, Fncrit;
-    int material_properties, cohesive_flag;
+    double damp = 0., Emod = 0., poiss = 0., Fncrit = 0.;
+    int material_properties = 0, cohesive_flag = 0;
 
   protected:
-    NormalMod(Model *m, int coefficients, int outputs)
-        : SubMod(m, coefficients, outputs), damp(0.), Emod(0.), poiss(0.), Fncrit(0.), material_properties(0),
-          cohesive_flag(0) {}
+    NormalMod(Model *m, int coefficients, int outputs) : SubMod(m, coefficients, outputs) {}
   };
 
   struct DampingMod : public SubMod {
     virtual double calculate_forces() = 0;
-    double damp_prefactor, damp;
+    double damp_prefactor = 0., damp = 0.;
 
   protected:
-    explicit DampingMod(Model *m) : SubMod(m, 0, 0), damp_prefactor(0.), damp(0.) {}
+    explicit DampingMod(Model *m) : SubMod(m, 0, 0) {}
   };
 
   struct TangentialMod : public SubMod {
     virtual void calculate_forces() = 0;
-    double k, damp, mu;
+    double k = 0., damp = 0., mu = 0.;
 
   protected:
-    TangentialMod(Model *m, int coefficients) : SubMod(m, coefficients, 0), k(0.), damp(0.), mu(0.) {
+    TangentialMod(Model *m, int coefficients) : SubMod(m, coefficients, 0) {
       std::fill(this->allow_synchronization, this->allow_synchronization + LATE, 0);
     }
   };
@@ -203,23 +200,15 @@ template <bool LATE> struct Abi {
       for (int k = 0; k < 3; k++) this->transfer_history_factor[k] = 7. + k;
     }
     ~Probe() { *gone = true; }
+    template <class T> T called(const char *function, T answer) {
+      calls += function;
+      return answer;
+    }
     void init() { calls += "init "; }
-    bool touch() {
-      calls += "touch ";
-      return true;
-    }
-    double calculate_contact_radius() {
-      calls += "radius ";
-      return 0.375;
-    }
-    double calculate_forces() {
-      calls += "forces ";
-      return 5.5;
-    }
-    void set_fncrit() {
-      calls += "fncrit";
-      this->Fncrit = 1.;
-    }
+    bool touch() { return called("touch ", true); }
+    double calculate_contact_radius() { return called("radius ", 0.375); }
+    double calculate_forces() { return called("forces ", 5.5); }
+    void set_fncrit() { this->Fncrit = called("fncrit", 1.); }
   };
 
   // A sub-model, from the words that an input has for it.
@@ -227,6 +216,22 @@ template <bool LATE> struct Abi {
     std::vector<char *> arg;
     for (std::string &word : words) arg.push_back(&word[0]);
     stock.add(m, &arg[0], 0, (int)arg.size(), type);
+  }
+  // A contact; bodies: xi, xj, vi, vj, omegai, omegaj. That with a wall comes with dx.
+  static void place(Model *m, int type, double (*bodies)[3], double radj, double dt) {
+    m->contact_type = type;
+    m->history_update = m->calculate_svector = 0;
+    if (type == WALL) std::copy(bodies[0], bodies[0] + 3, m->dx);
+    m->xi = bodies[0];
+    m->xj = bodies[1];
+    m->vi = bodies[2];
+    m->vj = bodies[3];
+    m->omegai = bodies[4];
+    m->omegaj = bodies[5];
+    m->radi = 0.75;
+    m->radj = radj;
+    m->meff = 2.;
+    m->dt = dt;
   }
 
   // Whether this is how the running LAMMPS lays out its objects: one stock model is made in a poisoned buffer,
@@ -255,22 +260,8 @@ template <bool LATE> struct Abi {
            m->tangential_model->mu == 0.375;
     if (!good) return false;
     stock.init(m);
-    double x[3] = {0.5, 0., 0.}, zero[3] = {0., 0., 0.}, fast[3] = {-2., 1.5, 0.}, other[3] = {0., 0., 0.};
-    const auto place = [&] {
-      m->contact_type = 1;
-      m->history_update = 0;
-      m->calculate_svector = 0;
-      std::copy(x, x + 3, m->dx);
-      m->xi = x;
-      m->xj = other;
-      m->vi = fast;
-      m->vj = m->omegai = m->omegaj = zero;
-      m->radi = 0.75;
-      m->radj = 0.25;
-      m->meff = 2.;
-      m->dt = 1e-9;
-    };
-    place();
+    double bodies[6][3] = {{0.5, 0., 0.}, {0.}, {-2., 1.5, 0.}};
+    place(m, WALL, bodies, 0.25, 1e-9);
     const double a = sqrt(0.25 * 0.1875), E = 3. / (2. * (1. - 0.125 * 0.125));
     good = stock.check(m) && m->touch && m->radsum == 0.75 && m->rsq == 0.25 && m->Reff == 0.1875;
     if (good) {
@@ -297,7 +288,7 @@ template <bool LATE> struct Abi {
     good = m->size_history == 3 && m->nondefault_history_transfer == 1 && m->transfer_history_factor &&
            m->transfer_history_factor[0] == 7. && m->transfer_history_factor[2] == 9. &&
            m->nsvector == Probe::OUTPUTS && m->svector;
-    place();
+    place(m, WALL, bodies, 0.25, 1e-9);
     good = good && stock.check(m);
     if (good) {
       stock.compute(m);
@@ -329,21 +320,10 @@ template <bool LATE> struct Abi {
         }
       in[0][0] += 1.15;
       for (int way = 0; way < 2; way++) {
-        m->contact_type = 0;
+        place(m, PAIR, in, 0.5, 0.01);
         m->history_update = n % 4 != 3;
-        m->calculate_svector = 0;
         m->limit_damping = n % 2;
         std::fill(m->synchronized_verlet, m->synchronized_verlet + LATE, 0);
-        m->xi = in[0];
-        m->xj = in[1];
-        m->vi = in[2];
-        m->vj = in[3];
-        m->omegai = in[4];
-        m->omegaj = in[5];
-        m->radi = 0.75;
-        m->radj = 0.5;
-        m->meff = 2.;
-        m->dt = 0.01;
         m->history = memory;
         for (int axis = 0; axis < 3; axis++) memory[axis] = 0.01 * in[3][axis];
         double *const out = found[way];
@@ -361,21 +341,13 @@ template <bool LATE> struct Abi {
           m->Fnormal = call<double>(m->normal_model, NORMAL_FORCES);
           sum(m, m->Fnormal + call<double>(m->damping_model, FORCES));
         } else stock.compute(m);
-        const double numbers[] = {m->Reff,
-                                  m->r,
-                                  m->delta,
-                                  m->vnnr,
-                                  m->vrel,
-                                  m->contact_radius,
-                                  m->Fnormal,
-                                  m->Fntot,
-                                  m->normal_model->Fncrit,
-                                  way ? m->damping_model->damp * m->meff * m->contact_radius
-                                      : m->damping_model->damp_prefactor};
-        for (size_t k = 0; k < sizeof numbers / sizeof *numbers; k++) out[at++] = numbers[k];
-        const double *const vectors[] = {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory};
-        for (size_t k = 0; k < sizeof vectors / sizeof *vectors; k++)
-          for (int axis = 0; axis < 3; axis++) out[at++] = vectors[k][axis];
+        const double fncrit = m->normal_model->Fncrit, damp = m->damping_model->damp,
+                     prefactor = way ? damp * m->meff * m->contact_radius : m->damping_model->damp_prefactor;
+        for (double number :
+             {m->Reff, m->r, m->delta, m->vnnr, m->vrel, m->contact_radius, m->Fnormal, m->Fntot, fncrit, prefactor})
+          out[at++] = number;
+        for (double *vector : {m->dx, m->nx, m->vtr, m->fs, m->forces, m->torquesi, m->torquesj, memory + 0})
+          for (int axis = 0; axis < 3; axis++) out[at++] = vector[axis];
       }
       for (int k = 0; k < VALUES; k++) good = good && fabs(found[0][k] - found[1][k]) <= 1e-13;
     }

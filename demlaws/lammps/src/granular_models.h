@@ -484,9 +484,14 @@ template <bool LATE> struct Granular {
     if (type != NORMAL) return at;
     std::copy(c, c + 3, into);
     ((Table *)m->normal_model)->check_order();
-    while (at < count) {
+    for (int values; at < count; at += values + 1) {
       const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
-      const int values = word == "against" ? 2 : 1;
+      values = word == "against" ? 2 : 1;
+      const auto given = [&](int n) {
+        if (at + values >= count)
+          raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
+        return number(error, word, arg[at + n]);
+      };
       demlaws::Shear shear;
       if (word == "extrapolation") {
         if (value != "on" && value != "off")
@@ -496,24 +501,18 @@ template <bool LATE> struct Granular {
         if (!demlaws::shear_from_name(value, shear))
           raise(error, true, "demlaws/table: shear is elastic, loading or slip, not " + value);
         into[Table::SHEAR] = shear;
-      } else if (word != "roughness" && word != "against" && word != "radius_tolerance" && word != "springs") break;
-      else {
-        if (at + values >= count)
-          raise(error, true, "demlaws/table: " + word + (values == 2 ? " needs two numbers" : " needs a number"));
-        const double first = number(error, word, arg[at + 1]);
-        if (word == "roughness" && !(first > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
-        if (word == "roughness") into[Table::ROUGHNESS] = first;
-        else if (word == "springs") into[Table::SPRINGS] = first;
-        else if (word == "radius_tolerance") into[Table::TOLERANCE] = first;
-        else {
-          const double other = number(error, word, arg[at + 2]);
-          if (!(first > 0.) || !(other > -1. && other <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
-            raise(error, true,
-                  "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
-          join(into[0], into[2], first, other, into[0], into[2]);
-        }
-      }
-      at += values + 1;
+      } else if (word == "roughness") {
+        into[Table::ROUGHNESS] = given(1);
+        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
+      } else if (word == "springs") into[Table::SPRINGS] = given(1);
+      else if (word == "radius_tolerance") into[Table::TOLERANCE] = given(1);
+      else if (word == "against") {
+        const double E = given(1), nu = given(2);
+        if (!(E > 0.) || !(nu > -1. && nu <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
+          raise(error, true,
+                "demlaws/table: against needs a positive Young's modulus and a Poisson's ratio from -1 to 0.5");
+        join(into[0], into[2], E, nu, into[0], into[2]);
+      } else break;
     }
     m->sub_models[type]->coeffs_to_local();
     return at;
