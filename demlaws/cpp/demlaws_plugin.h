@@ -94,8 +94,8 @@ struct Law {
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
     if (!has_springs(pair.rule))
-      throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " + table.path() +
-                               " has " + table.text("unloading"));
+      throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " +
+                               table.path() + " has " + table.text("unloading"));
     springs.reset(new SpringCurve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve()));
     return doubt;
   }
