@@ -19,7 +19,7 @@ from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors, shape_factors
 from demlaws.yade import layout as at
-from demlaws.yade.layout import FIELD, PLANE, SPHERE
+from demlaws.yade.layout import FIELD, OF_SHAPE, PLANE, SPHERE
 from demlaws.yade.layout import SHAPE_RECORD as RECORD
 from demlaws.yade.memory import load_double, load_word
 from demlaws.yade.native import address
@@ -30,9 +30,8 @@ largest error of an ellipsoid's curvature is 57 % with a reach of 2 cells, 8 % w
 BAND = 2.3  # cells from the surface within which nodes have a curvature: corners of a cell with a contact are within 1.8
 FAR = 100.0
 """A gap is flat where its smaller principal radius is above this multiple of the bodies' R."""
-_PLACE = {name: RECORD.fields[name][1] for name in RECORD.names or ()}  # type: ignore[index]
 KIND_AT, INDEX_AT, TENSORS_AT, COUNTS_AT, LOW_AT, SIZE_AT = (
-    _PLACE[name] for name in ("kind", "index", "tensors", "n0", "low0", "size")
+    OF_SHAPE[name] for name in ("kind", "index", "tensors", "n0", "low0", "size")
 )
 
 

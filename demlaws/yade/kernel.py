@@ -45,7 +45,7 @@ from demlaws.yade.shear import Slip, before, compress, go, word
 
 LOWEST_MODULUS = RANGES["modulus"].low
 SHAPE_BYTES = at.SHAPE_RECORD.itemsize
-SHAPE_AT, KIND_AT = (at.SHAPE_RECORD.fields[name][1] for name in ("shape", "kind"))
+SHAPE_AT, KIND_AT = at.OF_SHAPE["shape"], at.OF_SHAPE["kind"]
 
 
 def load_state(rule, address):

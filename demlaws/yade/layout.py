@@ -80,17 +80,10 @@ RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
 
 PLANE, SPHERE, FIELD = 1, 2, 3
 """Kinds of shapes with a curvature."""
-SHAPE_RECORD = np.dtype(
-    [
-        ("shape", "i8"),
-        ("kind", "i8"),
-        ("index", "i8"),
-        ("tensors", "i8"),
-        *((name, "i8") for name in ("n0", "n1", "n2")),
-        *((name, "f8") for name in ("low0", "low1", "low2", "size")),
-    ]
-)
+_SHAPE = ("shape", "kind", "index", "tensors", "n0", "n1", "n2", "low0", "low1", "low2", "size")
+SHAPE_RECORD = np.dtype([(name, "f8" if name[:-1] == "low" or name == "size" else "i8") for name in _SHAPE])
 """A body's shape. size: spacing of the grid of a level set, radius of a sphere [m]."""
+OF_SHAPE = {name: 8 * n for n, name in enumerate(_SHAPE)}
 
 
 def label_hash(label):

@@ -208,16 +208,9 @@ class Source:
         """R [m] and E* [Pa] outside which this law may not be used, being made for contacts of this span; zeros: any."""
         if self.needs_one_contact:
             return span.radius[1], span.modulus[1]
-        for source in (self, self.curve):
+        for source, (of_radius, of_modulus) in ((self, (1.0, 1.0)), (self.curve, self.ratios[:2])):
             if source is not None and source.table is not None and not source.table.collapses:
-                return tuple(
-                    value / ratio
-                    for value, ratio in zip(
-                        (source.table.contact.radius, source.table.contact.modulus),
-                        (1.0, 1.0) if source is self else self.ratios[:2],
-                        strict=True,
-                    )
-                )
+                return source.table.contact.radius / of_radius, source.table.contact.modulus / of_modulus
         return 0.0, 0.0
 
     def as_dict(self):
@@ -300,23 +293,24 @@ class Pairs:
         self.unloading = rules.pop() if rules else "elastic"
         if unloading is not None and not (unloading == GIVEN and rules == {GIVEN}):
             self.unloading, curve = (unloading, None) if unloading == GIVEN else rule_and_curve(unloading)
-            for source in (self.default, *self.special.values()) if curve is not None else ():
-                if source is not None:
-                    source.unload_along(curve)
-        sources = [source for source in (self.default, *self.special.values()) if source is not None]
-        records = {source.definition.rule(self.unloading) for source in sources}  # each law must take the rule
+            for source in self._sources if curve is not None else ():
+                source.unload_along(curve)
+        records = {source.definition.rule(self.unloading) for source in self._sources}  # each law must take the rule
         rule = records.pop() if records else RULES["elastic"]
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
         if self.springs and rule.name not in SLIP_RULES:
             raise DemlawsError(f"shear={SLIP!r} needs unloading {', '.join(SLIP_RULES)}; the law has {rule.name!r}")
-        combined = [self.everywhere or Surface(), *self.surfaces.values()]
-        if not self._make_records(combined, False) and not self._make_records(combined, True):
+        if not self._make_records(listed, False) and not self._make_records(listed, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [at.label_hash(label) for label in self.surfaces], np.int64)
 
     @staticmethod
     def _source(given, options):
         return given if isinstance(given, Source) else Source(given, options)
+
+    @property
+    def _sources(self):
+        return [source for source in (self.default, *self.special.values()) if source is not None]
 
     def _key(self, pair):
         if not isinstance(pair, tuple) or len(pair) != 2:
@@ -476,14 +470,12 @@ class Pairs:
     @property
     def only_hertz(self):
         """Whether the law needs no surface, being Hertz for every pair."""
-        return all(source.definition.hertzian for source in (self.default, *self.special.values()) if source)
+        return all(source.definition.hertzian for source in self._sources)
 
     @property
     def name(self):
         """What acts, in words."""
-        sources = {
-            source.name + (" (table)" if source.table else "") for source in (self.default, *self.special.values()) if source
-        }
+        sources = {source.name + (" (table)" if source.table else "") for source in self._sources}
         return f"{', '.join(sorted(sources))}, {self.unloading} unloading"
 
     def as_text(self, identity=False):
@@ -510,8 +502,7 @@ class Pairs:
 
     def _own(self):
         """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
-        sources = [source for source in (self.default, *self.special.values()) if source is not None]
-        return sorted({d.name for source in sources for d in source.definitions() if home_of(d.name) != home_of("hertz")})
+        return sorted({d.name for source in self._sources for d in source.definitions() if home_of(d.name) != home_of("hertz")})
 
     def _answers(self):
         """Forces [N] that tell laws of one name apart: of every pair on loading, unloading and loading further.
