@@ -64,17 +64,8 @@ private:
     force = (4. / 3.) * s * sqrt(s);
     return 2. * sqrt(s) * slope;
   }
-  static int64_t number(double k) {
-    int64_t b;
-    memcpy(&b, &k, 8);
-    return b >> (52 - BITS);
-  }
-  static double node(int64_t number) {
-    const int64_t b = number << (52 - BITS);
-    double k;
-    memcpy(&k, &b, 8);
-    return k;
-  }
+  static int64_t number(double k) { return grid_number(k, BITS); }
+  static double node(int64_t number) { return grid_point(number, BITS); }
 };
 
 // Whether contacts with this rule have springs: those that unload along a curve which does not depend on the history.

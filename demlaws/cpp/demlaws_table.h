@@ -28,6 +28,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <map>
 #include <sstream>
 #include <stdexcept>
@@ -412,17 +413,14 @@ private:
 };
 
 inline std::string Table::contents(const std::string &path) {
-  FILE *const file = fopen(path.c_str(), "rb");
+  std::ifstream file(path.c_str(), std::ios::binary);
   if (!file)
     throw std::runtime_error(path + ": cannot be opened (" + strerror(errno) + "); make it with `demlaws table`");
-  std::string data;
-  char buffer[65536];
-  size_t got;
-  while ((got = fread(buffer, 1, sizeof buffer, file)) > 0) data.append(buffer, got);
-  const bool bad = ferror(file) != 0;
-  fclose(file);
-  if (bad) throw std::runtime_error(path + ": cannot be read");
-  return data;
+  file.peek(); // of a folder, say
+  if (file.bad()) throw std::runtime_error(path + ": cannot be read");
+  std::ostringstream data;
+  data << file.rdbuf();
+  return data.str();
 }
 
 // Three numbers with a blank between, within the limits of a table.

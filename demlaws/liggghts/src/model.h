@@ -75,32 +75,20 @@ public:
     tangential.connectToProperties(p);
     rolling.connectToProperties(p);
   }
-  void beginPass(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
-    surface.beginPass(d, i, j);
-    normal.beginPass(d, i, j);
-    tangential.beginPass(d, i, j);
-    rolling.beginPass(d, i, j);
-  }
-  void endPass(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
-    rolling.endPass(d, i, j);
-    tangential.endPass(d, i, j);
-    normal.endPass(d, i, j);
-    surface.endPass(d, i, j);
-  }
+  // empty in all of these sub-models
+  void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
+  void tally_pp(double, int, int, int) {}
+  void tally_pw(double, int, int, int) {}
   double stressStrainExponent() { return normal.stressStrainExponent(); }
-  void tally_pp(double value, int i, int j, int index) { surface.tally_pp(value, i, j, index); }
-  void tally_pw(double value, int i, int j, int index) { surface.tally_pw(value, i, j, index); }
   bool checkSurfaceIntersect(SurfacesIntersectData &d) { return surface.checkSurfaceIntersect(d); }
   inline void surfacesIntersect(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
-    surface.surfacesIntersect(d, i, j);
-    normal.surfacesIntersect(d, i, j);
-    if (cohesion.model()) cohesion.pull(d, normal.overlap_as_wide(d), i, j);
-    tangential.surfacesIntersect(d, i, j);
-    rolling.surfacesIntersect(d, i, j);
+    if (d.is_wall) touch<true>(d, i, j);
+    else touch<false>(d, i, j);
   }
-  inline void pairsIntersect(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
+  template <bool IS_WALL> inline void touch(SurfacesIntersectData &d, ForceData &i, ForceData &j) {
     surface.surfacesIntersect(d, i, j);
-    normal.template touch<false>(d, i, j);
+    normal.template touch<IS_WALL>(d, i, j);
     if (__builtin_expect(cohesion.model() != NULL, 0)) cohesion.pull(d, normal.overlap_as_wide(d), i, j);
     tangential.surfacesIntersect(d, i, j);
     rolling.surfacesIntersect(d, i, j);

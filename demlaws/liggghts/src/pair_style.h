@@ -70,8 +70,6 @@ public:
     data_.area_ratio = 1.;
     data_.computeflag = parent->computeflag();
     data_.shearupdate = parent->shearupdate();
-    ForceData on_i, on_j;
-    model_.beginPass(data_, on_i, on_j);
 
     double *const *const x = atom->x;
     const double *const radius = atom->radius;
@@ -121,7 +119,6 @@ public:
       }
     }
     contacts(parent, count, slow, addflag, all_flags, all_history, size);
-    model_.endPass(data_, on_i, on_j);
     if (parent->cpl() && addflag) parent->cpl_pair_finalize();
     if (parent->storeContactForces()) parent->fix_contact_forces()->do_forward_comm();
     if (parent->storeContactForcesStress()) parent->fix_contact_forces_stress()->do_forward_comm();
@@ -133,22 +130,19 @@ public:
     const NeighList *const past = parent_->listgranhistory;
     double **const x = atom->x;
     const int *const mask = atom->mask;
-    SurfacesCloseData data;
     for (int ii = 0; ii < list->inum; ii++) {
-      data.i = list->ilist[ii];
-      for (int jj = 0; jj < list->numneigh[data.i]; jj++) {
-        data.j = list->firstneigh[data.i][jj] & NEIGHMASK;
+      const int i = list->ilist[ii];
+      for (int jj = 0; jj < list->numneigh[i]; jj++) {
+        const int j = list->firstneigh[i][jj] & NEIGHMASK;
         // with newton off the other rank, too, has a pair that lies across the border
-        const bool mine = data.j < atom->nlocal || force->newton_pair;
-        const double share = (mask[data.i] & groupbit ? 0.5 : 0.) + (mine && (mask[data.j] & groupbit) ? 0.5 : 0.);
-        data.radi = atom->radius[data.i];
-        data.radj = atom->radius[data.j];
-        const double overlap = data.radi + data.radj - sqrt(distance(x[data.i], x[data.j]));
+        const bool mine = j < atom->nlocal || force->newton_pair;
+        const double share = (mask[i] & groupbit ? 0.5 : 0.) + (mine && (mask[j] & groupbit) ? 0.5 : 0.);
+        SurfacesCloseData data = bodies(i, j);
+        double apart[3];
+        vectorSubtract3D(x[i], x[j], apart);
+        const double overlap = data.radsum - vectorMag3D(apart);
         if (share == 0. || !(overlap > 0.)) continue;
-        data.itype = atom->type[data.i];
-        data.jtype = atom->type[data.j];
-        data.is_wall = false;
-        data.contact_history = past ? &past->firstdouble[data.i][parent_->dnum() * jj] : NULL;
+        data.contact_history = past ? &past->firstdouble[i][parent_->dnum() * jj] : NULL;
         double s, d;
         model_.energies(data, overlap, s, d);
         stored += share * s;
@@ -158,8 +152,17 @@ public:
   }
 
 private:
-  static double distance(const double *a, const double *b) {
-    return (a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]);
+  SurfacesCloseData bodies(int i, int j) const {
+    SurfacesCloseData data;
+    data.i = i;
+    data.j = j;
+    data.radi = atom->radius[i];
+    data.radj = atom->radius[j];
+    data.radsum = data.radi + data.radj;
+    data.itype = atom->type[i];
+    data.jtype = atom->type[j];
+    data.is_wall = false;
+    return data;
   }
   static const size_t BLOCK = 512;
   static const int MODELS = CONTACT_NORMAL_MODEL | CONTACT_COHESION_MODEL | CONTACT_TANGENTIAL_MODEL |
@@ -183,15 +186,8 @@ private:
     error->one(FLERR, what.str().c_str());
   }
   __attribute__((noinline, cold)) void opened(int i, int j, double squared, int *flags, double *history) {
-    SurfacesCloseData data;
-    data.i = i;
-    data.j = j;
-    data.radi = atom->radius[i];
-    data.radj = atom->radius[j];
-    data.radsum = data.radi + data.radj;
+    SurfacesCloseData data = bodies(i, j);
     data.rsq = squared;
-    data.itype = atom->type[i];
-    data.jtype = atom->type[j];
     data.contact_flags = flags;
     data.contact_history = history;
     data.computeflag = data_.computeflag;
@@ -249,7 +245,7 @@ private:
       data.en[1] = touch.delta[1] * inverse;
       data.en[2] = touch.delta[2] * inverse;
       ForceData on_i, on_j;
-      model_.pairsIntersect(data, on_i, on_j);
+      model_.template touch<false>(data, on_i, on_j);
       if (apply) {
         add(parent->relax(i), f[i], torque[i], on_i);
         if (j < local) add(parent->relax(j), f[j], torque[j], on_j);
