@@ -2,9 +2,6 @@
 //
 //   plugin load /path/demlawsplugin.so             (package PLUGIN), or LAMMPS_PLUGIN_PATH=/path
 //   LD_PRELOAD=/path/demlawsplugin.so lmp ...      (any other)
-//   pair_coeff * * demlaws/table granite.tbl 70e9 0.5 0.25 tangential mindlin NULL 1.0 0.5 damping demlaws/tangent
-//   fix w all wall/gran granular demlaws/table granite.tbl 70e9 0.5 0.25 tangential mindlin NULL 1.0 0.5 zplane 0 NULL
-//   compute e all demlaws/energy
 //
 // GranularModel::add_sub_model and construct_sub_model are where every granular style turns names into sub-models.
 // LAMMPS reaches them, and the other functions below, through addresses that the linker filled in by name: preloaded,

@@ -1,13 +1,6 @@
-// The granular sub-models of demlaws, for each layout of LAMMPS's classes (granular_abi.h).
-//   normal   demlaws/table FILE E eta nu [roughness SIGMA] [against E2 nu2] [radius_tolerance X] [extrapolation on]
-//            [shear elastic|loading|slip] [springs N]
-//            E, eta, nu as those of hertz/material; SIGMA: combined rms roughness of the two bodies [m] (without it:
-//            the length in FILE); against: the other body is of another material; shear, springs: docs/shear.md
-//   tangential demlaws XT MU
-//            creates no energy: the contact sticks until it slides (demlaws_shear.h) or, with 'shear slip', slips in
-//            parts (demlaws_slip.h); XT, MU: damping and friction as those of stock models
-//   damping  demlaws/tangent
-//            eta is the coefficient of restitution; c = c(e) sqrt(m K) with the tangent stiffness K of the table
+// The granular sub-models of demlaws, for each layout of LAMMPS's classes (granular_abi.h): normal demlaws/table,
+// tangential demlaws, which creates no energy (demlaws_shear.h, demlaws_slip.h), and damping demlaws/tangent, whose
+// eta is the coefficient of restitution, c = c(e) sqrt(m K). Their words: docs/lammps.md.
 #ifndef DEMLAWS_GRANULAR_MODELS_H
 #define DEMLAWS_GRANULAR_MODELS_H
 
