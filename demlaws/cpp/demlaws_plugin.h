@@ -1,5 +1,5 @@
-// demlaws_plugin.h: what the plugins of LIGGGHTS and LAMMPS share: messages between the ranks of a run, the tables of a
-// process, the law of two materials.
+// demlaws_plugin.h: common parts of the plugins of LIGGGHTS and LAMMPS: messages between the ranks of a run, the tables
+// of a process, the law of two materials.
 #ifndef DEMLAWS_PLUGIN_H
 #define DEMLAWS_PLUGIN_H
 
