@@ -1,0 +1,168 @@
+"""python -m studies.shapes [--only WORD ...] [--report]"""
+
+import argparse
+import csv
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from demlaws.errors import DemlawsError
+from studies.costs.costs import under_yade
+
+HERE = Path(__file__).parent
+# of the vertical stress in unloading [Pa]; not near the turn, where the inertia of the bed carries up to 20 kPa
+WINDOWS = ((20e3, 30e3), (30e3, 45e3), (45e3, 65e3))
+STRESSES = [0.5 * sum(window) for window in WINDOWS]
+EDGE = 0.4e-3  # [m]: granite edges measure 0.3 to 0.6 mm
+LARGEST = 0.02  # [m]: principal radii of flat faces count as this
+SETUP = {
+    "count": 60,
+    "seed": 1,
+    "cells": 6,  # of the grid of a level set, per largest half-axis
+    "nodes": 200,
+    "young": 60.6e9,
+    "timestep": 1e-5,
+    "windows": WINDOWS,
+    "ends": (20e3, 100e3),  # vertical stress in a cycle [Pa]
+    "cycles": 25,
+}
+RATES = {"sphere": 2e-6, "clump": 2e-6, "levelset": 6e-6}  # strain per step in a cycle: some 200 steps per half cycle
+ROUGH = {"roughness": 5e-6, "fractal_dimension": 2.2, "hardness": 6.266e9}
+LAWS = {"hertz": ("hertz", "elastic", None), "rough": ("pohrt-popov", "hertz", ROUGH)}
+RADII = {"body": "body", "curvature": {"largest": LARGEST}, "edge": EDGE}
+RUNS = [(shape, law, "body") for shape in ("sphere", "clump") for law in LAWS]
+RUNS += [("levelset", law, radius) for law in ("rough", "hertz") for radius in ("edge", "body", "curvature")]
+FIELDS = ("shape", "law", "radius", "median_radius", "solid", "stiffness", "contacts", "heights", "steps", "seconds")
+
+
+def run(case, folder, progress):
+    """The row of one run as text; the packing of its shape is made when it is missing."""
+    shape, law, radius = case
+    packing = Path(folder) / f"{shape}.yade.gz"
+    packing.parent.mkdir(parents=True, exist_ok=True)
+    given = {**SETUP, "shape": shape, "rate": RATES[shape], "packing": str(packing.resolve())}
+    if not packing.exists():
+        under_yade("shapes/yade_bed.py", {**given, "prepare": True}, progress)
+    given.update(zip(("law", "unloading", "surface"), LAWS[law], strict=True), radius=RADII[radius], prepare=False)
+    found = under_yade("shapes/yade_bed.py", given, progress)
+    row = {"shape": shape, "law": law, "radius": radius, "median_radius": found.pop("radius"), **found}
+    return {
+        name: " ".join(f"{v:.7g}" for v in value)
+        if isinstance(value, list)
+        else value
+        if isinstance(value, str)
+        else f"{value:.5g}"
+        for name, value in row.items()
+    }
+
+
+def read(path):
+    """Rows of a file of results; lists are arrays."""
+    with open(path, newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        row.update((name, np.array(row[name].split(), float)) for name in ("stiffness", "heights"))
+        row.update((name, float(row[name])) for name in ("median_radius", "solid", "contacts", "steps", "seconds"))
+    return rows
+
+
+def settlement(row):
+    """Strain that stays after each cycle, from the end of the first one [-]."""
+    low = row["heights"][2::2]
+    return (low[0] - low) / row["heights"][0]
+
+
+def exponent(row):
+    """Exponent of the modulus in stress."""
+    return np.polyfit(np.log(STRESSES), np.log(row["stiffness"]), 1)[0]
+
+
+def table(rows):
+    """Markdown."""
+    lines = [
+        "| grains | law | R | median R, mm | modulus at "
+        + ", ".join(f"{p / 1e3:.0f}" for p in STRESSES)
+        + " kPa, MPa | exponent "
+        "| first cycle, % | cycles 2 to 25, % | contacts per grain | ms per step |",
+        "|" + "---|" * 10,
+    ]
+    for row in rows:
+        first = (row["heights"][0] - row["heights"][2]) / row["heights"][0]
+        values = (
+            row["shape"],
+            row["law"],
+            row["radius"],
+            f"{1e3 * row['median_radius']:.3g}",
+            ", ".join(f"{k / 1e6:.1f}" for k in row["stiffness"]),
+            f"{exponent(row):.2f}",
+            f"{100 * first:.3f}",
+            f"{100 * settlement(row)[-1]:.3f}",
+            f"{row['contacts'] / SETUP['count']:.2f}",
+            f"{1e3 * row['seconds'] / row['steps']:.2f}",
+        )
+        lines.append("| " + " | ".join(values) + " |")
+    return "\n".join(lines)
+
+
+def picture(rows):
+    """Stiffness over pressure and settlement over cycles."""
+    from demlaws.plots import figure
+
+    fig, (left, right) = figure(columns=2, width=5.0, height=4.0)
+    colours = {"sphere": "#999999", "clump": "#c49a6c", "body": "#1f77b4", "curvature": "#2ca02c", "edge": "#d62728"}
+    for row in rows:
+        key = row["radius"] if row["shape"] == "levelset" else row["shape"]
+        style = {"color": colours[key], "ls": "-" if row["law"] == "rough" else "--"}
+        name = f"R = {key}" if row["shape"] == "levelset" else f"{key}s"
+        left.loglog(np.array(STRESSES) / 1e3, row["stiffness"] / 1e6, marker="o", label=f"{name}, {row['law']}", **style)
+        strain = 100 * settlement(row)
+        right.plot(np.arange(1, strain.size + 1), strain, **style)
+    left.set(xlabel="vertical stress (kPa)", ylabel="modulus in unloading (MPa)")
+    left.set_xticks(np.array(STRESSES) / 1e3, [f"{p / 1e3:.0f}" for p in STRESSES])
+    left.set_yticks([25, 50, 100], ["25", "50", "100"])
+    left.minorticks_off()
+    left.legend(fontsize=7)
+    right.set(xlabel="cycle", ylabel="settlement since cycle 1 (%)")
+    return fig
+
+
+def main(arguments=None):
+    """Run the missing cases, then print the table and draw the picture."""
+    parser = argparse.ArgumentParser(
+        prog="python -m studies.shapes",
+        description="Angular grains, clumps and spheres: stiffness against pressure and settlement in 25 cycles with R = body, "
+        "curvature and edge.",
+    )
+    parser.add_argument("--results", default=str(HERE / "angular.csv"), help="file of runs: missing ones are added")
+    parser.add_argument("--packings", default="results/shapes", help="folder of the packings")
+    parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="runs whose name has all of these words")
+    parser.add_argument("--report", action="store_true", help="only table and picture")
+    parser.add_argument("--figure", default="results/angular.png", help="file of the picture")
+    options = parser.parse_args(arguments)
+    path = Path(options.results)
+    done = read(path) if path.exists() else []
+    known = {(row["shape"], row["law"], row["radius"]) for row in done}
+    missing = [] if options.report else [case for case in RUNS if case not in known and set(options.only) <= set(case)]
+    try:
+        for case in missing:
+            row = run(case, options.packings, lambda text: print(text, flush=True))
+            fresh = not path.exists()
+            with open(path, "a", newline="") as file:
+                writer = csv.DictWriter(file, FIELDS)
+                if fresh:
+                    writer.writeheader()
+                writer.writerow(row)
+            print(" ".join(case), "done", flush=True)
+    except DemlawsError as error:
+        print(f"demlaws: error: {error}", file=sys.stderr)
+        return 2
+    rows = read(path)
+    print(table(rows))
+    Path(options.figure).parent.mkdir(parents=True, exist_ok=True)
+    picture(rows).savefig(options.figure)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
