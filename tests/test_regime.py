@@ -12,7 +12,7 @@ from studies.jamari import published
 
 TESTS = published.published_tests()
 
-pytestmark = pytest.mark.filterwarnings("ignore:roughness = :demlaws.errors.ValidityWarning")
+pytestmark = pytest.mark.filterwarnings("ignore:(roughness|hardness) = :demlaws.errors.ValidityWarning")
 contacts = st.builds(
     dl.Contact,
     radius=st.floats(1e-5, 1.0),
