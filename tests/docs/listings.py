@@ -111,7 +111,10 @@ def run(path, folder, environment=None):
                     text=True,
                     timeout=540,
                 )
-                printed = done.stdout + done.stderr
+                errors = [
+                    line for line in done.stderr.splitlines() if not line.startswith("demlaws: compiling")
+                ]  # first use only
+                printed = "\n".join([done.stdout, *errors])
                 if done.returncode or not same(shown, printed, tolerance):
                     wrong.append((command, printed))
         elif word != "not run":
