@@ -62,7 +62,7 @@ def write_together(*files):
             else:
                 os.replace(_waiting(name, before), name)
         raise DemlawsError(f"cannot write {path}: {error.strerror or error}; name a folder you may write to") from error
-    return path
+    return as_path(files[-1][0])
 
 
 def csv_text(titles, rows):
@@ -81,7 +81,9 @@ def save_csv(path, titles, rows):
 
 def _target(path):
     """The file to write; a symbolic link's own target, and no device or pipe, which renaming would replace by a file."""
-    path = as_path(path).resolve()
+    path = as_path(path)
+    if path.is_symlink():
+        path = path.resolve()
     if path.exists() and not path.is_file() and not path.is_dir():
         raise DemlawsError(f"cannot write {path}: it is a device or a pipe; name a file")
     return path
