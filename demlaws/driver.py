@@ -67,7 +67,8 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     >>> (path.overlap * 1e6).round(3), path.force.round(3)
     (array([0., 1., 2., 1., 0.]), array([0.   , 2.698, 7.632, 2.698, 0.   ]))
     """
-    return law.follow(np.concatenate([[0.0], *_branches(law, turning_points, "m", steps)]))
+    branches = _branches(law, turning_points, "m", steps)
+    return law.follow(np.concatenate([[0.0], *branches]))
 
 
 def force_controlled(law: Law, turning_points: ArrayLike, steps: int = 200) -> Path:

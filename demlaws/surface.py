@@ -29,7 +29,7 @@ def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightM
     ----------
     path : str or os.PathLike
         .npy, or text (.csv, .txt, .tsv, .asc) with columns split by commas, semicolons, tabs or blanks; an empty cell, NaN,
-        ***, Bad … is a missing pixel. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
+        Bad or asterisks are a missing pixel. Any other suffix is read by SurfaceTopography (pip install "demlaws[surfaces]").
     pixel : float, str or pair, optional
         Pixel size [m], or text with a unit, or a pair for x and y. ESRI (ncols, cellsize, NODATA_value) and Gwyddion
         (# Width: 1.6 mm) headers contain it.

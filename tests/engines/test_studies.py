@@ -22,9 +22,9 @@ def test_scene_of_the_trade(engine):
     by_label = {way.label: way for way in candidates.ways(engine)}
     wanted = [by_label[n] for n in (candidates.RICHEST.label, "the same, shaken", "hertz", NATIVE[engine])]
     rough, shaken, hertz, native = packings.run(engine, packings.QUICK, wanted)
-    # Hertz by our functor or as a table is the engine's own: the same law from the same state
+    # Hertz by our functor or as a table is the engine's own, but for its passive shear: the same law from the same state
     same = packings.errors(hertz, native)
-    assert abs(same.height) < 1e-9
+    assert abs(same.height) < 1e-7
     assert max(abs(same.low), abs(same.loading)) < 0.02
     # chance is less than what the law makes; grains on rough contacts sink by micrometres
     chance, law = packings.errors(shaken, rough), packings.errors(hertz, rough)
