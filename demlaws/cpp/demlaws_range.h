@@ -195,35 +195,42 @@ private:
   }
   static void check_overlap(const Pair &pair, double radius, double overlap, const Force &now, bool extrapolates,
                             bool starts, Findings &findings) {
-    const double ratio = overlap / radius, newton = pair.pascal * pair.metre * pair.metre;
-    std::ostringstream what;
-    what << "overlap " << overlap / pair.metre << " m is ";
-    const std::string overlap_is = what.str();
+    const double ratio = overlap / radius;
     if (ratio > SMALL_OVERLAP * (1. + 1e-9)) {
-      const bool undefined = ratio > LARGEST_OVERLAP;
-      const double softened = pair.modulus / pair.pascal / pair.table->of_contact("modulus", HUGE_VAL);
-      what.precision(3);
-      what << ratio << (undefined ? " times" : " of") << " the effective radius R = ";
-      what.precision(6);
-      what << radius / pair.metre << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
-           << (undefined ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
-      if (softened > 0. && softened < 0.99)
-        what << "; E* is " << softened << " of the table's: soften the grains less (`demlaws soften`)";
-      if (undefined && !extrapolates) findings.refuse(what.str() + "; " + remedy(starts) + ", or 'extrapolation on'");
-      if (findings.counts(DEEP, ratio / SMALL_OVERLAP, "")) findings.warn(what.str());
+      const bool refused = ratio > LARGEST_OVERLAP && !extrapolates;
+      if (refused) findings.refuse(too_deep(pair, radius, overlap) + "; " + remedy(starts) + ", or 'extrapolation on'");
+      if (findings.counts(DEEP, ratio / SMALL_OVERLAP, "")) findings.warn(too_deep(pair, radius, overlap));
     }
     if (!now.outside) return;
     const double last = pair.table->last_overlap() * pair.length_of(radius);
-    what.str("");
-    what << overlap_is << "beyond the last row of " << pair.table->path() << ", " << last / pair.metre << " m";
+    if (extrapolates && !findings.counts(BEYOND, overlap / last, "")) return;
+    std::ostringstream what;
+    what << "overlap " << overlap / pair.metre << " m is beyond the last row of " << pair.table->path() << ", "
+         << last / pair.metre << " m";
     if (extrapolates) {
       what << ": its last power law goes on, uncertified";
-      if (findings.counts(BEYOND, overlap / last, "")) findings.warn(what.str());
+      findings.warn(what.str());
       return;
     }
-    what << " (some " << now.force / newton << " N): make the table with a larger --max-force (`demlaws table "
-         << "--max-force N`), " << remedy(starts) << ", or say 'extrapolation on'";
+    what << " (some " << now.force / (pair.pascal * pair.metre * pair.metre)
+         << " N): make the table with a larger --max-force (`demlaws table --max-force N`), " << remedy(starts)
+         << ", or say 'extrapolation on'";
     findings.refuse(what.str());
+  }
+  static std::string too_deep(const Pair &pair, double radius, double overlap) {
+    const double ratio = overlap / radius;
+    const bool undefined = ratio > LARGEST_OVERLAP;
+    const double softened = pair.modulus / pair.pascal / pair.table->of_contact("modulus", HUGE_VAL);
+    std::ostringstream what;
+    what << "overlap " << overlap / pair.metre << " m is ";
+    what.precision(3);
+    what << ratio << (undefined ? " times" : " of") << " the effective radius R = ";
+    what.precision(6);
+    what << radius / pair.metre << " m: contact laws hold for overlaps up to " << SMALL_OVERLAP << " R"
+         << (undefined ? ", beyond R there is no answer" : "") << "; check units, loads and the step";
+    if (softened > 0. && softened < 0.99)
+      what << "; E* is " << softened << " of the table's: soften the grains less (`demlaws soften`)";
+    return what.str();
   }
   static void check_roughness(const Pair &pair, double radius, Findings &findings) {
     const double ratio = pair.sigma * pair.metre / radius;
