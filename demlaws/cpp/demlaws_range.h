@@ -62,7 +62,7 @@ struct Count {
 // The counts of one run on one rank, and what was reported already.
 struct Counts {
   Count of[EXCESSES];
-  std::set<std::string> reported;
+  std::set<std::string> reported, reasons[EXCESSES];
   // Lines for the end of a run, from the sums over all ranks; the counts begin again.
   template <class RANKS> std::vector<std::string> summaries(const RANKS &ranks) {
     std::vector<std::string> lines;
@@ -131,7 +131,7 @@ public:
   bool counts(Excess excess, double factor, const std::string &reason) {
     contact_.worst = factor;
     if (keeps_) counts_.of[excess].add(contact_);
-    return counts_.reported.insert("0123456789"[excess] + reason).second;
+    return counts_.reasons[excess].insert(reason).second;
   }
   virtual void warn(const std::string &text) = 0;
   virtual void refuse(const std::string &text) = 0;
