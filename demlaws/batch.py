@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.errors import DemlawsError
+from demlaws.units import real
 
 
 class State:
@@ -39,17 +40,10 @@ class State:
         if name in ("names", "arrays"):
             raise AttributeError(f"{name} belongs to the state that law.new_state made: set the values of its quantities")
         array = getattr(self, name)
-        new = self._values(name, values)
+        new = real(values, name, array=True)
         if new.shape not in ((), array.shape):
             raise DemlawsError(f"{name} holds {array.size} contacts, got values of shape {new.shape}: one entry each")
         array[...] = new
-
-    @staticmethod
-    def _values(name, values):
-        try:
-            return np.asarray(values, dtype=float)
-        except (TypeError, ValueError):
-            raise DemlawsError(f"{name} must be numbers, one a contact, got {values!r}") from None
 
     def __repr__(self):
         return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"

@@ -34,6 +34,15 @@ def _check(owner: Any, *names: str, scalar: bool = True) -> None:
         object.__setattr__(owner, name, float(array) if array.ndim == 0 else array)
 
 
+def _refuse_lengths(values: dict) -> None:
+    """Refuse arrays of several lengths."""
+    try:
+        np.broadcast_shapes(*map(np.shape, values.values()))
+    except ValueError:
+        sizes = {name: np.size(value) for name, value in values.items()}
+        raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
+
+
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
@@ -207,11 +216,7 @@ class Contact:
     def __post_init__(self) -> None:
         _check(self, "radius", "modulus", "roughness", scalar=False)
         _check(self, "fractal_dimension", "hardness")
-        try:
-            np.broadcast_shapes(*(np.shape(getattr(self, name)) for name in ("radius", "modulus", "roughness")))
-        except ValueError:
-            sizes = {name: np.size(getattr(self, name)) for name in ("radius", "modulus", "roughness")}
-            raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
+        _refuse_lengths({name: getattr(self, name) for name in ("radius", "modulus", "roughness")})
         if self.hardness is not None:
             pressure_of(self, self.hardness, "hardness")
         if self.hardness is not None and np.any(self.hardness > HIGHEST_HARDNESS * np.asarray(self.modulus)):
@@ -281,11 +286,7 @@ class Contact:
                 raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")
             if not np.all(value >= 0):
                 raise DemlawsError(f"{name} = {value} m: {RANGES['roughness'].remedy}")
-        try:
-            np.broadcast_shapes(*(value.shape for value in values.values()))
-        except ValueError:
-            sizes = {name: value.size for name, value in values.items()}
-            raise DemlawsError(f"one entry per contact is needed, got {sizes}; give arrays of one length") from None
+        _refuse_lengths(values)
         radius1, radius2, roughness1, roughness2 = values.values()
         if np.any(np.isinf(radius1) & np.isinf(radius2)):
             raise DemlawsError("radius1 and radius2 are both inf: two flats have no Hertz contact; give one a radius in m")

@@ -11,6 +11,7 @@ import os
 import platform
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 from pathlib import Path
@@ -344,27 +345,19 @@ def _stamp(path):
     return found.st_ino, found.st_size, found.st_mtime_ns
 
 
-_SIGNALS = {
-    4: "illegal instruction",
-    6: "abort",
-    7: "bus error",
-    8: "arithmetic exception",
-    9: "killed",
-    11: "segmentation fault",
-}
-
-
 def _reason(status, lines, script):
     """Why an engine stopped: its own error, else its last lines without the stack that MPI prints after a crash."""
     errors = [at for at, text in enumerate(lines) if text.startswith("ERROR")]
     if errors:
         return _message(lines[errors[-1] :])
-    crash = _SIGNALS.get(-status if status < 0 else status - 128)
+    number = -status if status < 0 else status - 128
+    crash = signal.strsignal(number) if 0 < number < signal.NSIG else None
     text = [line.strip() for line in lines if line.strip() and not re.match(r"\[[^]]*:\d+\]|-{20}|mpirun |Primary job", line)]
     last = " | ".join(text[-3:])
-    if crash is None:
+    if not crash:
         return last or f"it printed no message; run {script} with -echo both, which shows the last line that it read"
-    return f"{crash}; last output: {last or 'none'}; run {script} with -echo both, which shows the last line that it read"
+    crash = f"{crash.lower()}; last output: {last or 'none'}"
+    return f"{crash}; run {script} with -echo both, which shows the last line that it read"
 
 
 def _message(lines):
@@ -419,10 +412,6 @@ def log_lines(path):
         raise DemlawsError(f"cannot read {path}: {error.strerror}") from error
 
 
-_MULTI = re.compile(r"-+ Step\s+(\S+) -+ CPU =\s+(\S+)")
-_VALUE = re.compile(r"(\S+)\s*=\s*([-+]?\d\S*)")
-
-
 def _numbers(words):
     try:
         return [float(word) for word in words]
@@ -435,8 +424,8 @@ def thermo(lines, begins, column=str):
 
     A table stands between a line that begins with `begins` and the line "Loop time" of a run; its first line names the
     columns, which may be numbers themselves (LIGGGHTS heads c_1 by 1); column: from such a word to the name of the column.
-    `thermo_style multi` prints a paragraph a row, `yaml` of LAMMPS lists. Rows that a run repeats (its first step is the last
-    one of the run before) are kept once; where the columns change, only the rows after the last change are returned.
+    Rows that a run repeats (its first step is the last one of the run before) are kept once; where the columns change, only the
+    rows after the last change are returned. Of `thermo_style multi` and `yaml` nothing is read.
     """
     import numpy as np
 
@@ -451,29 +440,16 @@ def thermo(lines, begins, column=str):
         if step is None or not rows or row[step] > rows[-1][step]:
             rows.append(row)
 
-    header, multi = None, None  # header: None outside a table, [] where its line comes next
+    header = None  # None outside a table, [] where its line comes next
     for line in lines:
         words = line.split()
-        start = _MULTI.match(line)
         if line.startswith(begins):
             header = []
-        elif start or line.startswith("Loop time"):
-            if multi:
-                put(list(multi), list(multi.values()))
-            multi = {"Step": float(start[1]), "CPU": float(start[2])} if start else None
-            if not start:
-                header = None
-        elif multi is not None:
-            multi.update((name, float(value)) for name, value in _VALUE.findall(line) if _numbers([value]))
+        elif line.startswith("Loop time"):
+            header = None
         elif header == []:
-            if words[:1] == ["keywords:"]:
-                header = re.findall(r"'([^']*)'", line)
-            elif words and words[0] not in ("---", "WARNING:"):
-                header = words
+            header = words if words[:1] != ["WARNING:"] else []
         elif header:
-            listed = line.strip()
-            if listed.startswith("- ["):
-                words = listed[3:].rstrip("], ").split(",")
             row = _numbers(words) if len(words) == len(header) else None
             if row:
                 put(header, row)

@@ -150,15 +150,16 @@ class Case:
         self.bound(contact).tabulate(rtol=self.rtol).save(Path(folder) / file)
         return file
 
-    def write(self, folder, script, run, **record):
-        """Write in.case, run.sh, from the texts `script` and `run`, and case.json, the law and `record`; returns in.case."""
+    def write(self, folder, script, engine):
+        """Write in.case with the text `script`, its run.sh, and case.json, which has the law; returns in.case."""
         write_atomically(folder / "in.case", script)
-        write_atomically(folder / "run.sh", run.replace("@PYTHON@", shlex.quote(sys.executable)))
+        run = _RUN.format(python=shlex.quote(sys.executable), engine=engine, more=" --stock" if self.stock else "")
+        write_atomically(folder / "run.sh", run)
         os.chmod(folder / "run.sh", 0o755)
-        values = {"law": self.law, "unloading": self.rule, "options": self.options}
+        values = {"law": self.law, "unloading": self.rule, "options": self.options, "stock": self.stock}
         if self.curve is not None:
             values |= {"unloading_law": self.curve.name, "unloading_options": self.curve.options}
-        text = json.dumps(values | record, indent=1, default=lambda value: value.record())
+        text = json.dumps(values, indent=1, default=lambda value: value.record())
         write_atomically(folder / "case.json", text + "\n")
         return folder / "in.case"
 
@@ -178,12 +179,11 @@ def output_folder(folder):
     return folder
 
 
-RUN = """\
+_RUN = """\
 #!/bin/sh
-# ./run.sh [ranks]: the stock @ENGINE@ with the demlaws plugin; `demlaws @ENGINE@ build` compiles it at first use
+# ./run.sh [ranks]
 set -e
 cd "$(dirname "$0")"
 # DEMLAWS: another demlaws than the one that wrote this case
-exec ${DEMLAWS:-@PYTHON@ -m demlaws} @ENGINE@ run in.case -np "${1:-1}"
+exec ${{DEMLAWS:-{python} -m demlaws}} {engine} run in.case -np "${{1:-1}}"{more}
 """
-"""run.sh of a case with the plugin; @ENGINE@: the engine's command."""

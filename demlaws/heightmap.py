@@ -204,19 +204,6 @@ class HeightMap:
             return self
         return self.with_heights(_fill(self.heights))
 
-    def combined(self, other):
-        """The gap map of this surface on `other`: z1(x, y) + z2(-x, y) over the area that both cover; pixels must agree.
-
-        Against a smooth body it is what the two rough ones are against each other.
-        """
-        if not isinstance(other, HeightMap):
-            raise DemlawsError(f"a HeightMap is combined with another HeightMap, got {other!r:.60}")
-        for mine, theirs in ((self.pixel_x, other.pixel_x), (self.pixel_y, other.pixel_y)):
-            if not math.isclose(mine, theirs, rel_tol=1e-6):
-                raise DemlawsError(f"pixels of {mine:g} and {theirs:g} m do not fit: resample one of the maps")
-        rows, columns = (min(a, b) for a, b in zip(self.shape, other.shape, strict=True))
-        return self.with_heights(self.heights[:rows, :columns] + other.heights[:rows, :columns][:, ::-1])
-
     def spectrum(self, bins=60):
         """Radially averaged power spectral density: q [rad/m], C(q) [m⁴], number of wavevectors averaged; ∫C d²q = Sq².
 

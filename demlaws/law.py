@@ -484,7 +484,6 @@ class Table(Law):
         unloading: Any = "elastic",
         uncertainty: ArrayLike | None = None,
         residual: float | None = None,
-        knots: int | None = None,
         scales_with: str | None = None,
         rtol: float = 1e-3,
         name: str = "points",
@@ -508,8 +507,6 @@ class Table(Law):
             Standard uncertainty of the forces [N]; default: from the scatter.
         residual : float, optional
             Plastic overlap [m] of the measured unloading; default: extrapolated (`residual_overlap`).
-        knots : int, optional
-            Interpolate instead, with points averaged to this number where there are more.
         scales_with : {"radius", "roughness"}, optional
             As in `from_function`.
         rtol : float
@@ -528,9 +525,7 @@ class Table(Law):
         """
         from demlaws.curves.given import from_points
 
-        parts = from_points(
-            overlap, force, contact, unloading, uncertainty, residual, knots, scales_with, rtol, name, description
-        )
+        parts = from_points(overlap, force, contact, unloading, uncertainty, residual, scales_with, rtol, name, description)
         return cls._given(*parts)
 
     @classmethod

@@ -368,6 +368,15 @@ class Response:
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
 
+    def _path_of(self, overlap, state):
+        """Overlaps [m] of one contact's path, the shape in which they were given, and the arrays of its state."""
+        self.single_params()
+        values, shape = self._shaped(overlap, "overlap", "m")
+        if values.ndim > 1:
+            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
+        self._check_range(values)
+        return values.ravel(), shape, self._arrays_of(self.new_state(1) if state is None else state, 1)
+
     def follow(self, overlap: ArrayLike, state: "State | None" = None) -> "Path":
         """Take one contact along a sequence of overlaps.
 
@@ -382,16 +391,10 @@ class Response:
         -------
         Path
         """
-        self.single_params()
-        values = np.atleast_1d(self._shaped(overlap, "overlap", "m")[0])
-        if values.ndim != 1:
-            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
-        self._check_range(values)
-        state = self.new_state(1) if state is None else state
-        self._arrays_of(state, 1)
+        values, _, arrays = self._path_of(overlap, state)
         columns = [np.empty(values.size) for _ in range(4)]
         history = tuple(np.zeros(values.size) for _ in self.state_names)
-        follow_loop(self.rule, self.single_params(), values, state.arrays, history, *columns)
+        follow_loop(self.rule, self.params, values, arrays, history, *columns)
         force, stiffness, stored, dissipated = columns
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
@@ -417,15 +420,9 @@ class Response:
                 f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: the normal stiffness used to compute K_t"
             )
         ratio = number(ratio, "ratio")
-        self.single_params()
-        values, shape = self._shaped(overlap, "overlap", "m")
-        if values.ndim > 1:
-            raise DemlawsError(f"a path is a 1-D sequence of overlaps in m, got an array of shape {values.shape}")
-        self._check_range(values)
-        state = self.new_state(1) if state is None else state
-        arrays = self._arrays_of(state, 1)
+        values, shape, arrays = self._path_of(overlap, state)
         result = np.empty(values.size)
-        shear_loop(CHOICES[shear].tag, self.rule, self.single_params(), values.ravel(), arrays, result)
+        shear_loop(CHOICES[shear].tag, self.rule, self.params, values, arrays, result)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))

@@ -54,7 +54,7 @@ def sheared(
     displacement : array_like, shape (n,) or (n, 2)
         Tangential displacement [m] in one direction, or in two directions of the tangent plane.
     ratio : float
-        K_t/K of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949).
+        K_t/K of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949): above 0, at most 4/3 (ν = -1).
     shear : str
         "elastic" (default): no slip before sliding, K_t = ratio times the stiffness with which the contact would unload.
         "loading": the same with the tangent of first loading at the present force. "slip": partial slip.
@@ -103,7 +103,7 @@ def sheared(
         )
     if not (np.all(np.isfinite(depth)) and np.all(np.isfinite(plane))):
         raise DemlawsError("overlap and displacement must be finite numbers in m")
-    ratio = number(ratio, "ratio")
+    ratio = number(ratio, "ratio", high=4.0 / 3.0)
     if shear not in (*CHOICES, SLIP):
         raise DemlawsError(f"shear must be {', '.join(map(repr, (*CHOICES, SLIP)))}, got {shear!r}")
     if shear == SLIP and friction is None:

@@ -107,10 +107,9 @@ def _read_text(path):
             continue
         cells = _split(text)
         try:
-            row = [math.nan if c.strip().lower() in _MISSING_WORDS else float(c) for c in cells]
-        except ValueError:
-            bad = next(c for c in cells if not _is_number(c))
-            raise DemlawsError(f"{path}, line {number}: {bad.strip()!r} is not a height") from None
+            row = [math.nan if c.strip().lower() in _MISSING_WORDS else float(c.strip()) for c in cells]
+        except ValueError as error:
+            raise DemlawsError(f"{path}, line {number}: {str(error).partition(': ')[2]} is not a height") from None
         if width not in (None, len(row)):
             raise DemlawsError(f"{path}, line {number}: {len(row)} columns, but line {first} has {width}")
         width, first = len(row), first or number
@@ -156,14 +155,6 @@ def _split(text):
                 cells = [c.replace(",", ".") for c in cells]  # decimal commas come with semicolons
             return cells
     return text.split()
-
-
-def _is_number(cell):
-    try:
-        float(cell)
-    except ValueError:
-        return cell.strip().lower() in _MISSING_WORDS
-    return True
 
 
 def _read_instrument(path, pixels):

@@ -72,22 +72,6 @@ def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ra
     return 2.0 / math.sqrt(stiffness * (1.0 / mass1 + 1.0 / mass2) * max(1.0, 3.5 * ratio))
 
 
-def chain_limit(stiffness: float, mass: float, shear_ratio: float = 1.0) -> float:
-    """Limit of a long straight chain of equal spheres, exact: ω² = K/m max(4, 10 K_t/K).
-
-    Parameters
-    ----------
-    stiffness, mass, shear_ratio : float
-        As for `pair_limit`.
-
-    Returns
-    -------
-    float
-        Time step [s].
-    """
-    return 2.0 / math.sqrt(_stiffness(stiffness) / number(mass, "mass", "kg") * max(4.0, 10.0 * _ratio(shear_ratio)))
-
-
 def packing_limit(
     stiffness: float,
     mass: float,

@@ -1,4 +1,4 @@
-"""Shared settings, and how tests are shared out. Helpers are plain modules beside this file: examples, references, accuracy,
+"""Shared settings, and how tests are shared out. Helpers are plain modules beside this file: examples, references,
 processes."""
 
 import gc
@@ -36,10 +36,12 @@ def rng():
 @pytest.fixture
 def registered_here(monkeypatch):
     """A law that a test registers goes with it."""
+    from own_spring import restored
+
     from demlaws.laws import registry
 
     monkeypatch.setenv(registry.VARIABLE, "")
-    with registry.restored():
+    with restored():
         yield
 
 

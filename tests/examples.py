@@ -17,6 +17,16 @@ from demlaws.make import example
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
 SMOOTHER = dl.Contact(radius=4.04e-3, modulus=32.32e9, roughness=0.15e-6, fractal_dimension=2.075, hardness=6.266e9)
 SOFT = dl.Contact(radius=2e-4, modulus=3e8, roughness=1e-7, fractal_dimension=2.6, hardness=4e7)
+PLASTIC = {
+    "thornton-ning": {"yield_pressure": 1.66e9},
+    "conical-damage": {"strength": 1.66e9, "angle": 1.2},
+    "luding": {"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},
+    "eepa": {"stiffness_ratio": 3.0, "softness": 0.7},
+    "kogut-etsion": {"yield_strength": 1e9},
+    "jackson-green": {"yield_strength": 1e9, "poisson": 0.32},
+}
+"""Laws that yield by themselves, with options for granite."""
+
 CONTACTS = {"granite": GRANITE, "smoother": SMOOTHER, "soft": SOFT}
 
 
@@ -151,32 +161,3 @@ GRANITE_TESTS = {
     for name, radius, roughness, dimensions, threshold, *expected in _TESTS
 }
 SMOOTH_GRANITE = GraniteTest(_granite(4.04e-3, 0.15e-6, (2.06, 2.09)), 1.14, {})
-
-
-def granite_numbers(name, **options):
-    """(got, expected) displacement [µm] and stiffness [N/mm] of every sphere test, as two arrays."""
-    got, expected = [], []
-    for test in GRANITE_TESTS.values():
-        law = dl.law(name, test.contact, **options)
-        ends = quiet(law.overlap, np.array([0.1, 100.0]))
-        got.append(((ends[1] - ends[0]) * 1e6, quiet(law.stiffness, quiet(law.overlap, 10.0)) * 1e-3))
-        expected.append(test.expected[name])
-    return np.array(got), np.array(expected)
-
-
-def derivative(function, overlap, width, degree):
-    """dP/dδ on either side of `overlap`, of the polynomial that fits the force over `width` of it; a kink within reach
-    affects one side only. 300 Chebyshev points average out most of the rounding of single forces.
-    """
-    sides = []
-    for sign in (-1.0, 1.0):
-        half = 0.5 * width * overlap
-        centre = overlap + sign * half
-        nodes = centre + half * np.cos(np.pi * (np.arange(300) + 0.5) / 300)
-        values = function(nodes)
-        place = (nodes - centre) / half  # of the rounded nodes
-        middle, span = values[150], np.ptp(values)  # taken out, so that the fit's own rounding counts for little
-        fit = np.polynomial.chebyshev.chebfit(place, (values - middle) / span, degree)
-        slope = np.polynomial.chebyshev.chebval((overlap - centre) / half, np.polynomial.chebyshev.chebder(fit))
-        sides.append(slope * span / half)
-    return sides

@@ -3,7 +3,7 @@
 
     python tests/mutations.py                           # all mutations: some twenty minutes on one core
     python tests/mutations.py --only rms --only E*      # those whose names contain one of these texts
-    python tests/mutations.py --jobs 2 --out mutations.txt
+    python tests/mutations.py --jobs 2
     python tests/mutations.py --tests "test_report.py -k published_answer"  # is it noticed by the validation report?
     python tests/mutations.py --list                    # the mutations, after a check that each matches its source
 
@@ -18,14 +18,13 @@ are repeated without it: a test that fails there, too, has caught nothing. Exit 
 
 import argparse
 import os
+import queue
 import re
 import shlex
 import shutil
 import subprocess
 import sys
 import tempfile
-import threading
-import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import NamedTuple
@@ -110,81 +109,63 @@ def problem_of(mutation):
     return None
 
 
-class Tree:
-    """A temporary copy of the working tree in which one process at a time runs tests."""
-
-    def __init__(self, folder):
-        listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
-        names = subprocess.run(listed, cwd=PROJECT, capture_output=True, text=True, check=True).stdout.split("\0")
-        for name in names:
-            if name and (PROJECT / name).is_file():
-                (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(PROJECT / name, folder / name)
-        self.path = folder
-        self.edits = 0
-
-    def pytest(self, *arguments):
-        """Exit status and output of pytest in this tree."""
-        environment = {**os.environ, "PYTHONPATH": str(self.path), "NUMBA_CACHE_DIR": str(self.path.parent / "numba")}
-        environment.pop("CI", None)
-        command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "--tb=no", "-rfE", "-m", "not slow"]
-        command += ["-p", "no:cacheprovider", "--hypothesis-seed=0", *arguments]
-        try:
-            ran = subprocess.run(
-                command, cwd=self.path, env=environment, capture_output=True, text=True, timeout=TIME_LIMIT, check=False
-            )
-        except subprocess.TimeoutExpired:
-            return 1, "FAILED time limit"
-        return ran.returncode, ran.stdout + ran.stderr
-
-    def try_mutation(self, mutation):
-        """(what failed or None, seconds) of the tests of a mutation."""
-        (source, changed), began = source_of(self.path, mutation), time.monotonic()
-        original = source.read_text()
-        try:
-            self._write(source, changed)
-            status, output = self.pytest(*arguments_of(self.path, mutation.tests))
-        finally:
-            self._write(source, original)
-        failed = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", output, re.M)
-        if status not in (0, 1, 2) or (status and not failed):
-            raise RuntimeError(f"{mutation.name}: pytest ended with {status}:\n{output[-2000:]}")
-        return (failed.group(1) if status else None), time.monotonic() - began
-
-    def _write(self, source, text):
-        """Write a source file with a time stamp of its own, so that no compiled file of Python is taken for current."""
-        source.write_text(text)
-        self.edits += 2
-        os.utime(source, (time.time() + self.edits, time.time() + self.edits))
+def copy_tree(folder):
+    """The files of the working tree that git knows or would add, in a new folder."""
+    listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
+    for name in subprocess.run(listed, cwd=PROJECT, capture_output=True, text=True, check=True).stdout.split("\0"):
+        if name and (PROJECT / name).is_file():
+            (folder / name).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(PROJECT / name, folder / name)
+    return folder
 
 
-def run(mutations, jobs, write):
+def pytest(tree, *arguments):
+    """Tests that fail in a copy, by name."""
+    changes = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(tree.parent / "numba"), "PYTHONDONTWRITEBYTECODE": "1", "CI": ""}
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "--no-header", "--tb=no", "-rfE", "-m", "not slow"]
+    command += ["-p", "no:cacheprovider", "--hypothesis-seed=0", *arguments]
+    try:
+        ran = subprocess.run(command, cwd=tree, env=os.environ | changes, capture_output=True, text=True, timeout=TIME_LIMIT)
+    except subprocess.TimeoutExpired:
+        return ["time limit"]
+    failed = re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", ran.stdout, re.M)
+    if bool(ran.returncode) != bool(failed):
+        raise RuntimeError(f"pytest ended with {ran.returncode}:\n{(ran.stdout + ran.stderr)[-2000:]}")
+    return failed
+
+
+def failing(tree, mutation):
+    """The test that fails in a copy with the mutation; None: it survived."""
+    source, changed = source_of(tree, mutation)
+    original = source.read_text()
+    try:
+        source.write_text(changed)
+        return next(iter(pytest(tree, *arguments_of(tree, mutation.tests))), None)
+    finally:
+        source.write_text(original)
+
+
+def run(mutations, jobs):
     """Try the mutations; returns what failed by mutation (None: it survived)."""
-    failures = {}
+    failures, trees = {}, queue.Queue()
     with tempfile.TemporaryDirectory(prefix="mutations-") as folder:
-        trees = [Tree(Path(folder, f"tree{n}")) for n in range(jobs)]
-        free, lock = list(trees), threading.Lock()
+        for n in range(jobs):
+            trees.put(copy_tree(Path(folder, f"tree{n}")))
 
         def work(mutation):
-            with lock:
-                tree = free.pop()
+            tree = trees.get()
             try:
-                failed, seconds = tree.try_mutation(mutation)
+                failures[mutation.name] = failed = failing(tree, mutation)
             finally:
-                with lock:
-                    free.append(tree)
-            with lock:
-                failures[mutation.name] = failed
-                write(f"{'survived' if failed is None else 'caught':9}{mutation.name:45}{seconds:6.0f} s  {failed or ''}")
+                trees.put(tree)
+            print(f"{'survived' if failed is None else 'caught':9}{mutation.name:45}{failed or ''}", flush=True)
 
         with ThreadPoolExecutor(jobs) as pool:
             list(pool.map(work, mutations))
         tests = sorted({failed for failed in failures.values() if failed and "::" in failed})
-        if tests:  # without -x: every test that fails without a mutation is to be named
-            _, output = trees[0].pytest("--maxfail=1000", *tests)
-            for test in re.findall(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", output, re.M):
-                write(f"fails without a mutation: {test}")
-                failures.update((name, None) for name, failed in failures.items() if failed == test)
+        for test in pytest(trees.get(), "--maxfail=1000", *tests) if tests else ():  # every one that fails is to be named
+            print(f"fails without a mutation: {test}")
+            failures.update((name, None) for name, failed in failures.items() if failed == test)
     return failures
 
 
@@ -193,14 +174,10 @@ def main(arguments=None):
     parser.add_argument("--only", action="append", metavar="TEXT", help="mutations whose name contains TEXT; may be repeated")
     parser.add_argument("--tests", metavar="ARGUMENTS", help="test files and options of pytest in place of each mutation's own")
     parser.add_argument("--jobs", type=int, default=1, help="mutations tried at the same time (default: 1)")
-    parser.add_argument("--out", metavar="FILE", help="also write the table to FILE")
     parser.add_argument("--list", action="store_true", help="list the mutations and check that each can be made")
     options = parser.parse_args(arguments)
-    chosen = [
-        m
-        for m in read_mutations(Path(__file__).with_suffix(".txt"))
-        if not options.only or any(text in m.name for text in options.only)
-    ]
+    known = read_mutations(Path(__file__).with_suffix(".txt"))
+    chosen = [m for m in known if not options.only or any(text in m.name for text in options.only)]
     if options.tests:
         chosen = [mutation._replace(tests=options.tests) for mutation in chosen]
     problems = [problem for problem in map(problem_of, chosen) if problem]
@@ -210,19 +187,11 @@ def main(arguments=None):
     if options.list:
         print("\n".join(f"{mutation.name:45}{mutation.file}" for mutation in chosen))
         return 0
-    lines = []
-
-    def write(line):
-        lines.append(line)
-        print(line, flush=True)
-        if options.out:
-            Path(options.out).write_text("\n".join(lines) + "\n")
-
-    failures = run(chosen, max(options.jobs, 1), write)
+    failures = run(chosen, max(options.jobs, 1))
     survivors = [name for name, failed in failures.items() if failed is None]
-    write(f"{len(failures) - len(survivors)} of {len(failures)} mutations caught")
+    print(f"{len(failures) - len(survivors)} of {len(failures)} mutations caught")
     if survivors:
-        write(f"survived: {', '.join(survivors)}")
+        print(f"survived: {', '.join(survivors)}")
     return 1 if survivors else 0
 
 

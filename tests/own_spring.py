@@ -1,6 +1,7 @@
 """A file of a user's own law with a rule for unloading of its own, outside the package; tests of several engines write it."""
 
 import contextlib
+import os
 import textwrap
 
 import numpy as np
@@ -106,11 +107,28 @@ SPRING = """
 
 
 @contextlib.contextmanager
+def restored():
+    """Whatever is registered or loaded within goes again at its end."""
+    known = (registry._own, registry._homes, registry._marks, registry._loaded)
+    kept = [one.copy() for one in known]
+    files = os.environ.get(registry.VARIABLE)
+    try:
+        yield
+    finally:
+        os.environ.pop(registry.VARIABLE, None)
+        if files is not None:
+            os.environ[registry.VARIABLE] = files
+        for one, old in zip(known, kept, strict=True):
+            one.clear()
+            one.update(old)
+
+
+@contextlib.contextmanager
 def registered(folder, text=SPRING, name="my_spring.py"):
     """The file's law, as long as the block lasts; the path of the file."""
     file, rules = folder / name, unloading._OWN.copy()
     file.write_text(textwrap.dedent(text))
-    with registry.restored():
+    with restored():
         try:
             dl.load_laws(file)
             yield file

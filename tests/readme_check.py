@@ -12,6 +12,7 @@ absolute, or with % relative to the number stated. `python tests/readme_check.py
 import argparse
 import functools
 import itertools
+import os
 import re
 import sys
 import warnings
@@ -144,42 +145,29 @@ def checks():
 
 
 class Marked(NamedTuple):
-    """A mark of a text: what it says, of which numbers, or why it cannot be read."""
+    """A mark of a text, and the numbers before it."""
 
     place: str
     name: str
-    stated: tuple
     tolerance: str
-    fault: str = ""
+    stated: list
 
 
-def values_of(check):
-    """The values of a check, as a tuple."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        value = check.value()
-    return value if isinstance(value, tuple) else (value,)
-
-
-def marks(path, known):
-    """Marks of one file, `known`: name → how many numbers it speaks of, or None where that is not known yet."""
+def marks(path):
+    """Marks of one file."""
     text = path.read_text()
     for found in MARK.finditer(text):
-        line = text.count("\n", 0, found.start()) + 1
-        place = f"{path.relative_to(ROOT) if path.is_relative_to(ROOT) else path}:{line}"
-        words = found[1].split()
-        if len(words) != 2 or not re.fullmatch(r"\d+(\.\d+)?(e-?\d+)?%?", words[1]):
-            yield Marked(
-                place, found[1], (), "", "write <!-- check: NAME TOLERANCE -->, the tolerance a number or a percentage"
-            )
-            continue
-        name, tolerance = words
-        if name not in known:
-            yield Marked(place, name, (), tolerance, f"there is no check {name!r}: see python tests/readme_check.py --list")
-            continue
+        place = f"{os.path.relpath(path, ROOT)}:{text.count(chr(10), 0, found.start()) + 1}"
+        name, _, tolerance = found[1].partition(" ")
         before = MARK.sub(" ", text[max(0, text.rfind("\n\n", 0, found.start())) : found.start()])
-        numbers = [float(n.replace(",", "").replace("−", "-")) for n in NUMBER.findall(before)]
-        yield Marked(place, name, tuple(numbers), tolerance)
+        yield Marked(place, name, tolerance, [float(n.replace(",", "").replace("−", "-")) for n in NUMBER.findall(before)])
+
+
+def fault(mark, known):
+    """Why a mark cannot be read; empty if it can."""
+    if not re.fullmatch(r"\d+(\.\d+)?(e-?\d+)?%?", mark.tolerance):
+        return "write <!-- check: NAME TOLERANCE -->, the tolerance a number or a percentage"
+    return "" if mark.name in known else f"there is no check {mark.name!r}: see python tests/readme_check.py --list"
 
 
 def deviation(mark, values):
@@ -187,9 +175,8 @@ def deviation(mark, values):
     stated = mark.stated[-len(values) :]
     if len(stated) < len(values):
         return f"{len(values)} numbers are wanted before the mark, {len(stated)} stand there"
-    share = mark.tolerance.endswith("%")
     for number, value in zip(stated, values, strict=True):
-        width = float(mark.tolerance.rstrip("%")) * (abs(number) / 100.0 if share else 1.0)
+        width = float(mark.tolerance.rstrip("%")) * (abs(number) / 100.0 if mark.tolerance.endswith("%") else 1.0)
         if not abs(number - value) <= width * (1.0 + 1e-9):
             return f"the text says {number:g}, the run gives {value:.6g} (tolerance {mark.tolerance})"
     return ""
@@ -205,26 +192,24 @@ def main(arguments=None):
     parser.add_argument("files", nargs="*", type=Path, help="texts to read (default: README.md and docs)")
     options = parser.parse_args(arguments)
     known = checks()
+
+    @functools.cache
+    def values_of(name):
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            value = known[name].value()
+        return value if isinstance(value, tuple) else (value,)
+
     if options.list:
         for name, check in known.items():
-            print(f"{name:24} {', '.join(f'{value:.4g}' for value in values_of(check)):45} {check.command}")
+            print(f"{name:24} {', '.join(f'{value:.4g}' for value in values_of(name)):45} {check.command}")
         return 0
-    found = [mark for path in options.files or texts() for mark in marks(path.resolve(), known)]
-    if not found:
-        print("readme-check: no number is marked: <!-- check: NAME TOLERANCE --> behind it")
-        return 1
-    wrong, values = 0, {}
-    for mark in found:
-        fault = mark.fault
-        if not fault:
-            if mark.name not in values:
-                values[mark.name] = values_of(known[mark.name])
-            fault = deviation(mark, values[mark.name])
-        if fault:
-            wrong += 1
-            print(f"WRONG  {mark.place}: {mark.name}: {fault}")
-    print(f"{len(found) - wrong} marked numbers hold, {wrong} do not")
-    return 1 if wrong else 0
+    found = [mark for path in options.files or texts() for mark in marks(path.resolve())]
+    wrong = [(mark, why) for mark in found if (why := fault(mark, known) or deviation(mark, values_of(mark.name)))]
+    for mark, why in wrong:
+        print(f"WRONG  {mark.place}: {mark.name}: {why}")
+    print(f"{len(found) - len(wrong)} marked numbers hold, {len(wrong)} do not")
+    return 1 if wrong or not found else 0
 
 
 if __name__ == "__main__":

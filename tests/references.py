@@ -1,7 +1,7 @@
 """The closed forms of the explicit laws at 50 digits, written from the papers and not from the package.
 
-Every function takes what a user gives (floats are exact) and nothing that the package derives. A reference has `force`,
-`stiffness` and `energy` of an overlap, `overlap` of a force, and `kinks`; all values are mpmath numbers.
+Every function takes what a user gives (floats are exact) and nothing that the package derives. A reference has `force` and
+`stiffness` of an overlap, `overlap` of a force, and `kinks`; all values are mpmath numbers.
 """
 
 import itertools
@@ -15,9 +15,17 @@ mp.dps = 50
 
 
 class Reference:
-    """Base: stiffness is a difference quotient; energy without a closed form a quadrature, graded towards the ends."""
+    """Base: stiffness is a difference quotient, energy a quadrature, graded towards the ends."""
 
     kinks = ()
+
+    def condition(self, overlap):
+        """What rounding the overlap costs besides."""
+        return 1
+
+    def overlap(self, force, near):
+        """One step of Newton's method from an overlap that has an error of rounding, which is squared."""
+        return mpf(near) - (self.force(near) - mpf(force)) / self.stiffness(near)
 
     def stiffness(self, overlap):
         with mp.workdps(80):
@@ -42,7 +50,7 @@ class Hertz(Reference):
     def stiffness(self, overlap):
         return mpf("1.5") * self.c * mpmath.sqrt(mpf(overlap))
 
-    def overlap(self, force):
+    def overlap(self, force, near=None):
         return mpmath.cbrt(mpf(force) / self.c) ** 2
 
     def energy(self, overlap):
@@ -72,7 +80,7 @@ class Rms(Reference):
     def force(self, overlap):
         return self.hertz.force(self.roughness / self.alpha(overlap))
 
-    def overlap(self, force):
+    def overlap(self, force, near=None):
         hertz = self.hertz.overlap(force)
         a = self.roughness / hertz
         return hertz * (mpf("2.4") - mpf("2.8") / (a + 2)) ** 2
@@ -102,21 +110,6 @@ class PohrtPopov(Reference):
             return (self.c * (1 - self.m) * overlap) ** (1 / (1 - self.m))
         return self.hertz.force(overlap - self.overlap_at_threshold + self.hertz.overlap(self.threshold))
 
-    def overlap(self, force):
-        force = mpf(force)
-        if force < self.threshold:
-            return force ** (1 - self.m) / (self.c * (1 - self.m))
-        return self.overlap_at_threshold + self.hertz.overlap(force) - self.hertz.overlap(self.threshold)
-
-    def energy(self, overlap):
-        overlap = mpf(overlap)
-        low = min(overlap, self.overlap_at_threshold)
-        work = self.force(low) * low / (1 / (1 - self.m) + 1)
-        if overlap > low:
-            shift = self.hertz.overlap(self.threshold) - low
-            work += self.hertz.energy(overlap + shift) - self.hertz.energy(low + shift)
-        return work
-
 
 class Goddard(Reference):
     """K = 2 √(2 E* P/(π tan β)) up to P* = (9π³/128) E* R² tan³β, then Hertz stiffness."""
@@ -134,18 +127,6 @@ class Goddard(Reference):
         overlap = mpf(overlap)
         return self.cone * overlap**2 if overlap < self.overlap_at_threshold else self.hertz.force(overlap - self.shift)
 
-    def overlap(self, force):
-        force = mpf(force)
-        return mpmath.sqrt(force / self.cone) if force < self.threshold else self.hertz.overlap(force) + self.shift
-
-    def energy(self, overlap):
-        overlap = mpf(overlap)
-        low = min(overlap, self.overlap_at_threshold)
-        work = self.cone * low**3 / 3
-        if overlap > low:
-            work += self.hertz.energy(overlap - self.shift) - self.hertz.energy(low - self.shift)
-        return work
-
 
 class RoughPlastic(Reference):
     """K = min(K_rough(P), π R p_y)."""
@@ -158,6 +139,9 @@ class RoughPlastic(Reference):
         self.overlap_at_yield = self._solve()
         self.force_at_yield = self.rough.force(self.overlap_at_yield)
         self.kinks = (*(k for k in self.rough.kinks if k < self.overlap_at_yield), self.overlap_at_yield)
+
+    def condition(self, overlap):
+        return self.rough.condition(min(overlap, self.overlap_at_yield))
 
     def _solve(self):
         # all the rough laws end parallel to Hertz, whose load of that stiffness brackets the one sought from below
@@ -175,15 +159,6 @@ class RoughPlastic(Reference):
     def force(self, overlap):
         more = mpf(overlap) - self.overlap_at_yield
         return self.rough.force(overlap) if more < 0 else self.force_at_yield + self.stiffness_at_yield * more
-
-    def overlap(self, force):
-        more = mpf(force) - self.force_at_yield
-        return self.rough.overlap(force) if more < 0 else self.overlap_at_yield + more / self.stiffness_at_yield
-
-    def energy(self, overlap):
-        low = min(mpf(overlap), self.overlap_at_yield)
-        more = mpf(overlap) - low
-        return self.rough.energy(low) + more * (self.force_at_yield + self.stiffness_at_yield * more / 2)
 
 
 class Bahrami(Reference):
@@ -206,7 +181,7 @@ class Bahrami(Reference):
         a = self.constant / mpmath.sqrt(p) if p <= mpf("0.47") else mpf("3.51") - mpf("2.51") * p
         return hertz * (a * a / 2 + 8 * p * a / (mp.pi**2 * (mpf("4.79") - mpf("3.17") * p ** mpf("3.13")))) - self.initial
 
-    def overlap(self, force):
+    def overlap(self, force, near=None):
         return self._of_hertz(self.hertz.overlap(force))
 
     def _hertz_overlap(self, overlap):
@@ -239,12 +214,6 @@ class WaltonBraun(Reference):
     def force(self, overlap):
         return self.k1 * mpf(overlap)
 
-    def overlap(self, force):
-        return mpf(force) / self.k1
-
-    def energy(self, overlap):
-        return self.k1 * mpf(overlap) ** 2 / 2
-
     def unloading(self, maximum, overlap):
         k2 = self.ratio * self.k1 + self.growth * self.force(maximum)
         return max(mpf(0), k2 * (mpf(overlap) - mpf(maximum) * (1 - self.k1 / k2)))
@@ -266,17 +235,6 @@ class ThorntonNing(Reference):
         if overlap <= self.overlap_at_yield:
             return self.hertz.force(overlap)
         return self.force_at_yield + self.slope * (overlap - self.overlap_at_yield)
-
-    def overlap(self, force):
-        force = mpf(force)
-        if force <= self.force_at_yield:
-            return self.hertz.overlap(force)
-        return self.overlap_at_yield + (force - self.force_at_yield) / self.slope
-
-    def energy(self, overlap):
-        low = min(mpf(overlap), self.overlap_at_yield)
-        more = mpf(overlap) - low
-        return self.hertz.energy(low) + more * self.force_at_yield + self.slope * more**2 / 2
 
     def unloading(self, maximum, overlap):
         force = self.force(maximum)
@@ -310,20 +268,6 @@ class ConicalDamage(Reference):
     def force(self, overlap):
         return self.on(self.radius(overlap), overlap)
 
-    def overlap(self, force):
-        hertz = Hertz(self.r0, self.modulus)
-        if mpf(force) <= hertz.force(self.kinks[0]):
-            return hertz.overlap(force)
-        radius = mpmath.sqrt(mpf(force) / (4 * self.modulus / 3 * self.h ** mpf("1.5")))
-        return radius * (self.h + self.a) - self.r0 * self.a
-
-    def energy(self, overlap):
-        low = min(mpf(overlap), self.kinks[0])
-        work = Hertz(self.r0, self.modulus).energy(low)
-        radius = self.radius(overlap)
-        # ∫ c R² dδ with dδ = (h + A) dR
-        return work + 4 * self.modulus / 9 * self.h ** mpf("1.5") * (self.h + self.a) * (radius**3 - self.r0**3)
-
     def unloading(self, maximum, overlap):
         return self.on(self.radius(maximum), overlap)
 
@@ -341,17 +285,6 @@ class Luding(WaltonBraun):
         overlap = mpf(overlap)
         return self.k1 * overlap if overlap <= self.limit else self.k1 * self.limit + self.largest * (overlap - self.limit)
 
-    def overlap(self, force):
-        force = mpf(force)
-        if force <= self.k1 * self.limit:
-            return force / self.k1
-        return self.limit + (force - self.k1 * self.limit) / self.largest
-
-    def energy(self, overlap):
-        low = min(mpf(overlap), self.limit)
-        more = mpf(overlap) - low
-        return self.k1 * low**2 / 2 + self.k1 * low * more + self.largest * more**2 / 2
-
     def unloading(self, maximum, overlap):
         k2 = self.k1 + (self.largest - self.k1) * min(1, mpf(maximum) / self.limit)
         return max(mpf(0), self.force(maximum) - k2 * (mpf(maximum) - mpf(overlap)))
@@ -365,12 +298,6 @@ class Eepa(Reference):
 
     def force(self, overlap):
         return self.softness * self.hertz.force(overlap)
-
-    def overlap(self, force):
-        return self.hertz.overlap(mpf(force) / self.softness)
-
-    def energy(self, overlap):
-        return self.softness * self.hertz.energy(overlap)
 
     def unloading(self, maximum, overlap):
         plastic = mpmath.cbrt(1 - 1 / self.ratio) ** 2 * mpf(maximum)
@@ -397,17 +324,6 @@ class KogutEtsion(Reference):
     def force(self, overlap):
         factor, power = self.branch(overlap)
         return self.carried * factor * (mpf(overlap) / self.critical) ** power
-
-    def overlap(self, force):
-        return self.critical * max((mpf(force) / self.carried / factor) ** (1 / power) for factor, power in self.BRANCHES)
-
-    def energy(self, overlap):
-        corners = [mpf(0), *(k for k in self.kinks if k < overlap), mpf(overlap)]
-        total = mpf(0)
-        for (a, b), (factor, power) in zip(itertools.pairwise(corners), self.BRANCHES, strict=False):
-            part = (b / self.critical) ** (power + 1) - (a / self.critical) ** (power + 1)
-            total += self.carried * self.critical * factor / (power + 1) * part
-        return total
 
     def contact_radius(self, overlap):
         ratio = mpf(overlap) / self.critical
@@ -455,25 +371,6 @@ class JacksonGreen(KogutEtsion):
     def force(self, overlap):
         w = mpf(overlap) / self.critical
         return self.carried * (self.plastic(w) if w > self.joint else w ** mpf("1.5"))
-
-    def overlap(self, force):
-        if mpf(force) <= self.carried * self.joint ** mpf("1.5"):
-            return self.hertz.overlap(force)
-        target = mpf(force) / self.carried
-        start = mpmath.log(self.joint) + mpf("0.8") * mpmath.log(target / self.joint ** mpf("1.5"))
-        root = mpmath.findroot(
-            lambda x: mpmath.log(self.plastic(mpmath.exp(x)) / target), (start, start + mpf("0.01")), tol=mpf(10) ** -40
-        )
-        return self.critical * mpmath.exp(root)
-
-    def energy(self, overlap):
-        low = min(mpf(overlap), self.kinks[0])
-        work = self.hertz.energy(low)
-        if mpf(overlap) > low:
-            ends = [mpmath.log(self.joint), mpmath.log(mpf(overlap) / self.critical)]
-            part = mpmath.quad(lambda x: self.plastic(mpmath.exp(x)) * mpmath.exp(x), mpmath.linspace(*ends, 5))
-            work += self.carried * self.critical * part
-        return work
 
     def contact_radius(self, overlap):
         ratio = mpf(overlap) / self.critical

@@ -116,35 +116,6 @@ def test_impact_balances_its_energy(name, unloading):
     assert result.peak_force == result.force.max()
 
 
-@pytest.mark.parametrize(
-    ("name", "unloading"),
-    shared([(n, u) for n, u in PAIRS if not registry()[n].solved and u in ("elastic", "hertz")], telling),
-)
-def test_impact_converges_with_second_order(name, unloading):
-    """Velocity Verlet: four times the steps, a sixteenth of the error (kinks and the first touch allow a little less)."""
-    law = make(name, unloading)
-    fine = driver.impact(law, MASS, 0.05, 64 * 1000)
-    errors = [abs(driver.impact(law, MASS, 0.05, n).rebound_speed - fine.rebound_speed) for n in (250, 1000, 4000)]
-    assert errors[1] < errors[0] / 8 + 1e-9 * fine.rebound_speed
-    assert errors[2] < errors[1] / 8 + 1e-9 * fine.rebound_speed
-    assert errors[2] < 1e-5 * fine.rebound_speed
-
-
-def test_impact_with_hysteresis_loses_what_its_path_dissipates():
-    law = make("pohrt-popov", "hertz")
-    result = driver.impact(law, MASS, 0.05, 4000)
-    path = law.follow([result.peak_overlap, 0.0])
-    assert result.dissipated == pytest.approx(path.dissipated[-1], rel=1e-9)
-    assert 0.3 < result.restitution < 0.99
-
-
-@pytest.mark.parametrize("name", ["pohrt-popov", "yip-venart"])
-def test_impact_on_a_table(name):
-    law = make(name, "hertz")
-    a, b = driver.impact(law.tabulate(rtol=1e-5), MASS, 0.05, 2000), driver.impact(law, MASS, 0.05, 2000)
-    assert a.rebound_speed == pytest.approx(b.rebound_speed, rel=1e-4)
-
-
 # --- time step
 
 
@@ -181,21 +152,4 @@ def test_timestep_against_the_measured_limit(name, unloading):
     # just below the turning point, where the unloading branch is stiffest; elastic laws have one branch
     place = end * (1.0 - 1e-4) if law.state_size else end
     assert growth(law, place, state, MASS, 0.98 * dt) < 100.0
-    low, high = 0.5 * dt, 4.0 * dt
-    assert growth(law, place, state, MASS, high) > 100.0
-    for _ in range(5):
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if growth(law, place, state, MASS, middle) < 100.0 else (low, middle)
-    assert dt <= high * 1.01
-    assert dt >= 0.5 * low
-
-
-def test_timestep_is_that_of_the_stiffest_tangent():
-    """From 2 √(m/K): Hertz's K = (6PRE*²)^(1/3). A law that unloads stiffly needs a smaller step than its loading does."""
-    load = 10.0
-    stiffness = (6 * load * GRANITE.radius * GRANITE.modulus**2) ** (1 / 3)
-    limit = 2 * np.sqrt(MASS / stiffness)
-    assert 0.5 * limit <= dl.timestep(make("hertz"), MASS, load, **SINGLE) <= limit * (1 + 1e-9)  # a safety factor is allowed
-    heavier = dl.timestep(make("hertz"), 4 * MASS, load) / dl.timestep(make("hertz"), MASS, load)
-    assert heavier == pytest.approx(2.0, rel=1e-12)
-    assert dl.timestep(make("pohrt-popov", "hertz"), MASS, load) < 0.9 * dl.timestep(make("pohrt-popov"), MASS, load)
+    assert growth(law, place, state, MASS, 2.1 * dt) > 100.0

@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+from ellipsoids import ellipsoids
 from examples import GRANITE
 from mpmath import mp, mpf
 from references import REFERENCES, Hertz
@@ -143,17 +144,6 @@ def test_estimates_of_the_time_step(ratio):
     assert rayleigh_step(2e-3, 2650.0, 60e9, 0.25) == pytest.approx(float(wave), rel=1e-14)
 
 
-def test_shear_ratio_of_two_materials():
-    """4 G*/E*, 1/G* = Σ 2 (2 - ν)(1 + ν)/E, 1/E* = Σ (1 - ν²)/E (Mindlin 1949); 2(1 - ν)/(2 - ν) for one material."""
-    from demlaws.timestep import shear_ratio
-
-    bodies = ((70e9, 0.2), (3e9, 0.4))
-    exact = [(mpf(e), mpf(v)) for e, v in bodies]
-    wanted = 4 * sum((1 - v**2) / e for e, v in exact) / sum(2 * (2 - v) * (1 + v) / e for e, v in exact)
-    assert shear_ratio(*(dl.Material(*body) for body in bodies)) == pytest.approx(float(wanted), rel=1e-14)
-    assert shear_ratio(*2 * [dl.Material(1e9, 0.25)]) == pytest.approx(6 / 7, rel=1e-14)
-
-
 # --- asperities of a measured map
 
 
@@ -170,7 +160,7 @@ def test_sphere_between_yield_and_flow(poisson):
     full = first * mpf(ratio) / 2
     times = np.array([0.5, 1.5, 5.0, 30.0, 79.0, 100.0])
     radii = np.full(times.size, float(radius))
-    found = ellipsoid.ellipsoids(material, radii, radii, float(first) * times)
+    found = ellipsoids(material, radii, radii, float(first) * times)
     np.testing.assert_allclose(found.first_yield, float(first), rtol=1e-13)
     np.testing.assert_allclose(found.full_plasticity, float(full), rtol=1e-13)
     for i in range(times.size):
@@ -207,3 +197,14 @@ def test_tail_of_a_layer(model, number, layer):
             mp.pi / mpmath.sqrt(2) * number * mpmath.quad(layer, [separation, separation + 1, separation + 4, separation + 12])
         )
     assert float(load) == pytest.approx(float(force[0]), rel=1e-5)
+
+
+def test_shear_ratio_of_two_materials():
+    """4 G*/E*, 1/G* = Σ 2 (2 - ν)(1 + ν)/E, 1/E* = Σ (1 - ν²)/E (Mindlin 1949); 2(1 - ν)/(2 - ν) for one material."""
+    from demlaws.timestep import shear_ratio
+
+    bodies = ((70e9, 0.2), (3e9, 0.4))
+    exact = [(mpf(e), mpf(v)) for e, v in bodies]
+    wanted = 4 * sum((1 - v**2) / e for e, v in exact) / sum(2 * (2 - v) * (1 + v) / e for e, v in exact)
+    assert shear_ratio(*(dl.Material(*body) for body in bodies)) == pytest.approx(float(wanted), rel=1e-14)
+    assert shear_ratio(*2 * [dl.Material(1e9, 0.25)]) == pytest.approx(6 / 7, rel=1e-14)

@@ -115,19 +115,6 @@ def test_direction_does_not_matter():
     np.testing.assert_array_equal(one.shear_force, two.shear_force[:, 0])
 
 
-@every_pair
-def test_springs_converge_under_oblique_cycles(name, unloading):
-    """32 springs against 2,000, with slip in the plane and a normal force that rises and falls."""
-    law = make(name, unloading)
-    turn = np.linspace(0.0, 6.0, 500)
-    depth = quiet(law.overlap, LOAD) * (0.2 + 0.13 * turn) * (1.0 - 0.3 * np.sin(3.0 * turn) ** 2)
-    sliding = FRICTION * quiet(law.overlap, LOAD) / RATIO
-    plane = 0.7 * sliding * np.stack([np.sin(2.0 * turn), np.cos(3.0 * turn) - 1.0], -1)
-    few, many = (quiet(sheared, law, depth, plane, RATIO, "slip", FRICTION, n) for n in (32, 2000))
-    np.testing.assert_allclose(few.shear_force, many.shear_force, atol=0.015 * FRICTION * few.force.max())
-    assert few.dissipated[-1] == pytest.approx(many.dissipated[-1], rel=0.02)
-
-
 def test_the_force_falls_with_the_stiffness_and_is_kept_where_it_rises():
     law, overlap, sliding = hertz()
     depth = overlap * np.array([1.0, 1.0, 0.25, 1.0])

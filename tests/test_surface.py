@@ -38,13 +38,6 @@ def test_form_of_its_order_is_removed_and_nothing_else(order, seed, holes):
     np.testing.assert_allclose(rough.without_form(order).heights, rough.heights, atol=1e-15)
 
 
-def test_blocks_of_rows_give_the_same_fit(monkeypatch):
-    heights = self_affine((300, 200), 1e-6, 0.8, 1e-6, 3)
-    whole = heights.without_form(3).heights
-    monkeypatch.setattr(heightmap, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
-    np.testing.assert_allclose(heights.without_form(3).heights, whole, atol=1e-18)
-
-
 @pytest.mark.parametrize("hurst", shared([0.1, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95], lambda hurst: hurst in (0.1, 0.8, 0.95)))
 @pytest.mark.parametrize("size", [512, pytest.param(1024, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("periodic", [False, True])
@@ -109,37 +102,12 @@ def test_synthetic_maps_are_seeded_and_as_asked():
     assert smooth.slope < 0.9 * self_affine(256, 1e-6, 0.8, 1e-6, 1).slope
 
 
-def test_a_map_becomes_a_surface_for_every_law():
-    heights = self_affine(256, 2e-6, 0.78, 2.4e-6, 2)
-    found = heights.surface(hardness=6e9)
+def test_a_map_becomes_a_surface():
+    found = self_affine(256, 2e-6, 0.78, 2.4e-6, 2).surface(hardness=6e9)
     assert isinstance(found, dl.Surface)
     assert found.roughness == pytest.approx(2.4e-6) and found.hardness == 6e9
     assert found.fractal_dimension == pytest.approx(2.22, abs=0.05)
-    granite = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
-    pair = dl.Contact.between(
-        granite,
-        granite,
-        radius1=8e-3,
-        radius2=9e-3,
-        roughness1=1e-6,
-        roughness2=found.roughness,
-        fractal_dimension=found.fractal_dimension,
-    )
-    assert pair.roughness == pytest.approx(math.hypot(2.4e-6, 1e-6))
-    for name in ("hertz", "rms", "pohrt-popov", "bahrami"):
-        assert dl.law(name, pair).overlap(15.0) > 0
     assert HeightMap(np.zeros((8, 8)), 1e-6).surface().roughness == 0.0
-
-
-def test_a_map_travels_in_plain_values():
-    import json
-
-    heights = self_affine((20, 30), 1e-6, 0.8, 1e-6, 1).without_form(1)
-    again = HeightMap.from_portable(json.loads(json.dumps(heights.portable())))
-    np.testing.assert_array_equal(again.heights, heights.heights)
-    assert (again.pixel_x, again.form_order) == (1e-6, 1)
-    with pytest.raises(dl.DemlawsError):
-        HeightMap.from_portable(heights.record())
 
 
 # --- files
@@ -147,13 +115,13 @@ def test_a_map_travels_in_plain_values():
 
 @pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc"])
 def test_files_come_back(tmp_path, suffix):
-    heights = self_affine((20, 30), 0.5e-6, 0.8, 1e-6, 1)
+    heights = HeightMap(self_affine((20, 30), 0.5e-6, 0.8, 1e-6, 1).heights, 0.5e-6, 1.5e-6 if suffix == ".asc" else None)
     holes = heights.heights.copy()
     holes[3, 4] = np.nan
     path = surface.write(tmp_path / f"map{suffix}", heights.with_heights(holes))
     back = surface.read(path, pixel=None if suffix == ".asc" else 0.5e-6)
     np.testing.assert_allclose(back.heights, holes, rtol=1e-8, atol=1e-20)
-    assert back.pixel_x == pytest.approx(0.5e-6, rel=1e-12)
+    assert (back.pixel_x, back.pixel_y) == pytest.approx((heights.pixel_x, heights.pixel_y), rel=1e-12)
 
 
 @pytest.mark.parametrize(("name", "text", "expected"), [
@@ -174,20 +142,14 @@ def test_text_formats(tmp_path, name, text, expected):
         assert heights.heights[0, 3] == pytest.approx(4.5e-6)
 
 
-def test_gwyddion_header(tmp_path):
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-8-sig"])
+def test_gwyddion_header_in_the_encodings_of_instruments(tmp_path, encoding):
     path = tmp_path / "g.txt"
-    path.write_text("# Channel: Height\n# Width: 8.0 µm\n# Height: 4.0 µm\n# Value units: nm\n" + "1 2 3 4\n" * 4)
+    path.write_text(
+        "# Channel: Height\n# Width: 8.0 µm\n# Height: 4.0 µm\n# Value units: µm\n" + "1 2 3 4\n" * 4, encoding=encoding
+    )
     heights = surface.read(path)
     assert (heights.pixel_x, heights.pixel_y) == pytest.approx((2e-6, 1e-6))
-    assert heights.heights[0, 3] == pytest.approx(4e-9)
-
-
-@pytest.mark.parametrize("encoding", ["latin-1", "utf-16", "utf-8-sig"])
-def test_encodings_of_instruments(tmp_path, encoding):
-    path = tmp_path / "g.txt"
-    path.write_text("# Width: 8 µm\n# Height: 4 µm\n# Value units: µm\n" + "1 2 3 4\n" * 4, encoding=encoding)
-    heights = surface.read(path)
-    assert heights.pixel_x == pytest.approx(2e-6)
     assert heights.heights[0, 3] == pytest.approx(4e-6)
 
 
@@ -213,32 +175,35 @@ def test_masked_heights_are_missing():
         ("a.asc", b"ncols 4\nnrows 6\ncellsize 1e-6\n" + b"1 2 3 4\n" * 5),
         ("a.asc", b"ncols 8\nnrows 4\ncellsize 1e-6\n" + b"1 2 3 4\n" * 8),
         ("a.txt", "# Value units: Å\n".encode() + b"1 2 3 4\n" * 4),
+        *((f"a.{suffix}", b"") for suffix in ("npy", "csv", "asc", "sur", "x3p")),
     ],
 )
-def test_bad_files_are_named(tmp_path, name, content):
+def test_bad_files_are_refused(tmp_path, name, content):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(dl.DemlawsError):
         surface.read(tmp_path / name, pixel=1e-6)
 
 
-def test_bad_arguments_are_named(tmp_path):
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda path: surface.read(path.with_name("none.npy")),
+        lambda path: surface.read(path),
+        lambda path: surface.read(path, pixel="1 league"),
+        lambda path: surface.read(path, pixel="-1um"),
+        lambda path: surface.read(path, pixel=1e-6, unit="feet"),
+        lambda path: surface.read(path, pixel=1e-6).without_form(20),
+        lambda path: self_affine(8, 1e-6, 1.5, 1e-6, 1),
+        lambda path: self_affine(8, 1e-6, 0.5, -1e-6, 1),
+        lambda path: self_affine(64, 1e-6, 0.5, 1e-6, 1, shortest=1.0),
+        lambda path: HeightMap(np.zeros((16, 16)), 1e-6).fractal_dimension_by_boxes(),
+        lambda path: surface.write(path.with_name("m.tif"), self_affine(8, 1e-6, 0.8, 1e-6, 1)),
+    ],
+)
+def test_bad_arguments_are_refused(tmp_path, call):
     path = surface.write(tmp_path / "m.npy", self_affine(8, 1e-6, 0.8, 1e-6, 1))
-    for call, words in (
-        (lambda: surface.read(tmp_path / "none.npy"), "no such height map"),
-        (lambda: surface.read(path), "pixel size"),
-        (lambda: surface.read(path, pixel="1 league"), "number in m, or with one of the units"),
-        (lambda: surface.read(path, pixel="-1um"), "positive"),
-        (lambda: surface.read(path, pixel=1e-6, unit="feet"), "units of height"),
-        (lambda: surface.read(path, pixel=1e-6).without_form(20), "form order"),
-        (lambda: self_affine(8, 1e-6, 1.5, 1e-6, 1), "hurst"),
-        (lambda: self_affine(8, 1e-6, 0.5, -1e-6, 1), "roughness"),
-        (lambda: self_affine(64, 1e-6, 0.5, 1e-6, 1, shortest=1.0), "no wave"),
-        (lambda: HeightMap([[1, 2], [3, 4]], 1e-6), "at least 4"),
-        (lambda: HeightMap(np.zeros((16, 16)), 1e-6).fractal_dimension_by_boxes(), "64 by 64"),
-        (lambda: surface.write(tmp_path / "m.tif", self_affine(8, 1e-6, 0.8, 1e-6, 1)), "suffixes"),
-    ):
-        with pytest.raises(dl.DemlawsError, match=words):
-            call()
+    with pytest.raises(dl.DemlawsError):
+        call(path)
 
 
 def test_other_files_need_surface_topography(tmp_path, monkeypatch):
@@ -246,14 +211,6 @@ def test_other_files_need_surface_topography(tmp_path, monkeypatch):
     (tmp_path / "map.opd").write_bytes(b"anything")
     with pytest.raises(dl.DemlawsError, match=r"demlaws\[surfaces\]"):
         surface.read(tmp_path / "map.opd")
-
-
-@pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc", ".sur", ".x3p"])
-def test_an_empty_file_is_said_to_be_empty(tmp_path, suffix):
-    """Before: an instrument's was asked for a `physical_sizes` that no option of ours gives."""
-    (tmp_path / f"map{suffix}").touch()
-    with pytest.raises(dl.DemlawsError):
-        surface.read(tmp_path / f"map{suffix}", pixel=1e-6)
 
 
 def test_instrument_files_go_through_surface_topography(tmp_path):
@@ -272,14 +229,6 @@ def test_instrument_files_go_through_surface_topography(tmp_path):
     with pytest.raises(dl.DemlawsError, match="SurfaceTopography cannot read") as error:
         surface.read(bad)
     assert len(str(error.value)) < 300
-
-
-def test_an_asc_grid_may_have_rectangular_pixels(tmp_path):
-    """Before: refused, with the advice to write another format."""
-    made = HeightMap(self_affine(16, 1e-6, 0.8, 1e-6, 1).heights, 1e-6, 2.5e-6)
-    back = surface.read(surface.write(tmp_path / "map.asc", made))
-    assert (back.pixel_x, back.pixel_y) == (made.pixel_x, made.pixel_y)
-    np.testing.assert_allclose(back.heights, made.heights, rtol=1e-8)
 
 
 # --- fields of view, curvature, plain counting
@@ -324,12 +273,8 @@ def test_field_of_view():
         heights.cropped(-1.0)
 
 
-@pytest.mark.parametrize("hurst", [0.3, 0.8])
-def test_plain_box_counting_is_not_the_calibrated_one(hurst):
-    """On a map of known dimension: plain counting errs by up to 0.4, and shows why the other is calibrated."""
-    heights = self_affine(256, 1e-6, hurst, 1e-6, 3)
-    plain, calibrated = (heights.fractal_dimension_by_boxes(plain=p) for p in (True, False))
-    assert abs(calibrated - (3.0 - hurst)) < 0.05 < 0.4
-    assert abs(plain - (3.0 - hurst)) < 0.4
-    if hurst == 0.3:
-        assert plain < calibrated - 0.1
+def test_blocks_of_rows_give_the_same_fit(monkeypatch):
+    heights = self_affine((300, 200), 1e-6, 0.8, 1e-6, 3)
+    whole = heights.without_form(3).heights
+    monkeypatch.setattr(heightmap, "_blocks", lambda rows, columns: [slice(0, 7), slice(7, 250), slice(250, rows)])
+    np.testing.assert_allclose(heights.without_form(3).heights, whole, atol=1e-18)

@@ -1,21 +1,21 @@
 """Tables: the certificate holds, kinks are nodes, files come back bit for bit or not at all."""
 
 import functools
+import math
 import os
-import re
 import stat
+import tempfile
 import zlib
+from pathlib import Path
 
-import numba
 import numpy as np
 import pytest
-from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs, shared
-from made_up import made_up_law
+from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs
 
 import demlaws as dl
-from demlaws.core import loops
 from demlaws.core.loops import leaves
 from demlaws.curves import text as table_file
+from demlaws.curves.closed import ClosedForm
 from demlaws.laws.registry import registry
 
 SMOOTHER_ALIKE = SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimension)
@@ -79,7 +79,7 @@ def test_below_the_first_node_a_power_law_holds(name, rng):
 @every_law
 def test_tolerance_sets_the_size(name):
     if registry()[name].solved:
-        with pytest.raises(dl.DemlawsError, match="comes from a solver"):
+        with pytest.raises(dl.DemlawsError):
             make(name).tabulate(rtol=1e-6)
         return
     sizes = [table_of(name, "elastic", rtol).nodes.u.size for rtol in (1e-3, 1e-5, 1e-7)]
@@ -87,19 +87,6 @@ def test_tolerance_sets_the_size(name):
     assert table_of(name, "elastic", 1e-7).force_error <= 1e-7
     power = table_of(name, "elastic", 1e-3).force_error < 1e-13  # in s straight: a cell is exact, however wide
     assert power or sizes[0] < sizes[-1]
-
-
-@pytest.mark.parametrize("name", ["pohrt-popov", "goddard", "rough-plastic", "bahrami"])
-def test_kinks_are_nodes(name):
-    table, law = table_of(name), make(name)
-    kinks = np.array(law.kinks()) / table.length
-    double = table.nodes.u[:-1][np.diff(table.nodes.u) == 0.0]
-    inside = kinks[kinks < table.nodes.u[-1]]
-    np.testing.assert_allclose(double, np.sort(inside), rtol=1e-12)
-    for kink in inside * table.length:
-        close = kink * (1.0 + np.array([-1e-7, -1e-11, 1e-11, 1e-7]))
-        np.testing.assert_allclose(table.stiffness(close), law.stiffness(close), rtol=1e-5)
-        np.testing.assert_allclose(table.force(close), law.force(close), rtol=1e-5)
 
 
 # --- a table is a law
@@ -128,9 +115,8 @@ def test_a_table_does_what_its_law_does(name, unloading, rng):
     assert table.energy(0.0) == table.force(0.0) == table.overlap(0.0) == 0.0
 
 
-@pytest.mark.parametrize("loading", ["hertz", "pohrt-popov"])
-def test_table_of_a_yielded_contact_unloads_by_thornton_as_its_law(loading):
-    law = dl.law("rough-plastic", GRANITE, unloading="thornton", yield_pressure=0.5e9, loading=loading)
+def test_table_of_a_yielded_contact_unloads_by_thornton_as_its_law():
+    law = dl.law("rough-plastic", GRANITE, unloading="thornton", yield_pressure=0.5e9, loading="hertz")
     table = law.tabulate(rtol=1e-5)
     path = GRANITE.roughness * np.array([4.0, 3.9, 3.7, 6.0, 5.8, 5.7])
     a, b = table.follow(path), law.follow(path)
@@ -165,15 +151,11 @@ def test_range_errors():
         lambda: table.evaluate(np.array([1e-6, 1.01 * table.largest_overlap]), table.new_state(2)),
         lambda: table.overlap(1.01 * table.largest_force),
     ):
-        with pytest.raises(dl.DemlawsError, match=r"beyond the table, which ends at .*make it with a larger max_force"):
+        with pytest.raises(dl.DemlawsError):
             call()
-    for bad in (0.0, 1.0, 1e-13, "fine", None):
-        with pytest.raises(dl.DemlawsError, match="rtol"):
-            make("pohrt-popov").tabulate(rtol=bad)
-    with pytest.raises(dl.DemlawsError, match="max_force"):
-        make("pohrt-popov").tabulate(max_force=-1.0)
-    with pytest.raises(dl.DemlawsError, match=r"max_force = 1e\+09 N"):
-        make("pohrt-popov").tabulate(max_force="1e6kN")
+    for bad in ({"rtol": 0.0}, {"rtol": 1.0}, {"rtol": 1e-13}, {"rtol": None}, {"max_force": -1.0}, {"max_force": "1e6kN"}):
+        with pytest.raises(dl.DemlawsError):
+            make("pohrt-popov").tabulate(**bad)
 
 
 @pytest.mark.parametrize("name", [n for n, d in registry().items() if d.collapses])
@@ -195,25 +177,22 @@ def test_bound_to_another_contact(name, rng):
 
 @pytest.mark.parametrize("name", [n for n, d in registry().items() if not d.collapses])
 def test_a_curve_of_one_contact_is_not_lent(name):
-    with pytest.raises(dl.DemlawsError, match="holds for the contact it was made for only"):
+    with pytest.raises(dl.DemlawsError):
         table_of(name).bound_to(SOFT)
     many = GRANITE.with_values(radius=np.array([4e-3, 5e-3]))
-    with pytest.raises(dl.DemlawsError, match=r"no single dimensionless curve|one pair of bodies"):
+    with pytest.raises(dl.DemlawsError):
         dl.law(name, many, **options_of(name)).tabulate()
 
 
 def test_a_surface_of_another_form_is_refused():
     """The curve of Df = 2.22 was taken for that of 2.6 without a word; an unloading curve keeps the surface it was made for."""
     table = table_of("pohrt-popov")
-    with pytest.raises(dl.DemlawsError, match=r"for fractal_dimension = 2\.22, the contact has 2\.6"):
+    with pytest.raises(dl.DemlawsError):
         table.bound_to(GRANITE.with_values(fractal_dimension=2.6))
     assert table.bound_to(GRANITE.with_values(fractal_dimension=None)).contact == GRANITE
     assert table.for_unloading(GRANITE.with_values(fractal_dimension=2.6)).contact == GRANITE
     assert table_of("rms").bound_to(GRANITE.with_values(fractal_dimension=2.6)).force(1e-6) == table_of("rms").force(1e-6)
-
-
-def test_no_roughness_is_refused_where_the_table_scales_with_it():
-    with pytest.raises(dl.DemlawsError, match="roughness = 0 m"):
+    with pytest.raises(dl.DemlawsError):
         table_of("rms").bound_to(GRANITE.with_values(roughness=0.0))
 
 
@@ -240,14 +219,10 @@ def test_a_saved_table_comes_back_bit_for_bit(name, unloading, tmp_path, rng):
     assert again.read_bytes() == path.read_bytes()
 
 
-@functools.cache
-def small_file(unloading="hertz"):
+def small_file():
     """Bytes of the smallest table with a kink."""
-    import tempfile
-    from pathlib import Path
-
     with tempfile.TemporaryDirectory() as folder:
-        table = make("pohrt-popov", unloading).tabulate(rtol=0.05, max_force=100.0)
+        table = make("pohrt-popov", "hertz").tabulate(rtol=0.05, max_force=100.0)
         return table.save(Path(folder) / "small.tbl").read_bytes()
 
 
@@ -286,91 +261,20 @@ def test_a_table_is_given_a_curve_and_other_rules():
 
 def test_a_curve_that_ends_too_early_is_refused():
     curve = make("pohrt-popov", "table").unloading_law.tabulate(max_force=10.0)
-    with pytest.raises(dl.DemlawsError, match="must reach beyond this table's"):
+    with pytest.raises(dl.DemlawsError):
         dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=50.0)
     assert dl.law("pohrt-popov", GRANITE, curve).tabulate(max_force=5.0).unloading == "table"
 
 
-def test_the_reader_needs_every_key_that_it_lists(tmp_path):
-    """Each key left out is missed by name; the keys for people are not; and no other keys are written."""
-    for unloading in ("hertz", "table"):
-        lines = unsealed(small_file(unloading))
-        keys = [line.partition(":")[0] for line in lines[1 : lines.index("overlap force stiffness")]]
-        needed = [key.name for key in (*table_file.CURVE, *table_file.SHARED) if key.last_version == table_file.VERSIONS[-1]]
-        needed += [f"unloading_{key.name}" for key in table_file.CURVE if unloading == "table" and f"{key.name}" != "contact"]
-        assert set(needed) <= set(keys)
-        for key in keys:
-            data = sealed([line for line in lines if line.partition(":")[0] != key])
-            if key in needed:
-                assert f"lack {key!r}" in refuse(tmp_path / "a.tbl", data)[1]
-            else:
-                (tmp_path / "a.tbl").write_bytes(data)
-                dl.Table.load(tmp_path / "a.tbl")
-
-
-def refuse(path, data):
-    path.write_bytes(data)
-    with pytest.raises(dl.DemlawsError) as refusal:
-        dl.Table.load(path)
-    message = str(refusal.value)
-    assert "\n" not in message
-    assert "line " in message
-    return int(message.split("line ")[1].split(":")[0].split(" ")[0]), message
-
-
-@pytest.mark.parametrize("part", shared(range(4), (0).__eq__))
-def test_truncated_at_any_byte(tmp_path, part):
-    data = small_file()
-    for length in range(part, len(data) - 1, 4):  # without its last newline nothing is missing yet
-        number, message = refuse(tmp_path / "cut.tbl", data[:length])
-        lines = data[:length].count(b"\n") + 1
-        assert number in (lines, lines - 1), message
-        assert number == 1 or "cut short" in message
-
-
-@pytest.mark.parametrize(
-    "content",
-    [
-        b"",
-        b"\n",
-        b"overlap,force\n0,0\n",
-        b"\x7fELF\x02\x01\x01\x00",
-        b"\xff\xfe# demlaws-table 1\n",
-        b"# demlaws-table 1",
-        b"{}",
-        b"a newer version",
-        b"text after the end",
-    ],
-)
-def test_foreign_files(content, tmp_path):
-    whole, line = small_file(), 1
-    if content == b"a newer version":
-        content = whole.replace(b"demlaws-table 3", b"demlaws-table 4", 1)
-    elif content == b"text after the end":
-        content, line = whole + b"1 2 3\n", whole.count(b"\n") + 1
-    number, _ = refuse(tmp_path / "foreign.tbl", content)
-    assert number == line or content == b"# demlaws-table 1"
-
-
 def test_line_ends_of_another_system(tmp_path):
     """CR LF is read as LF, in every line or in some; a CR alone ends no line."""
-    data = small_file()
-    for ends in (b"\r\n", b"\r"):
-        (tmp_path / "dos.tbl").write_bytes(data.replace(b"\n", ends))
-        if ends == b"\r":
-            refuse(tmp_path / "dos.tbl", data.replace(b"\n", ends))
-            continue
-        loaded = dl.Table.load(tmp_path / "dos.tbl")
-        assert loaded.save(tmp_path / "again.tbl").read_bytes() == data
-    (tmp_path / "mixed.tbl").write_bytes(data.replace(b"\n", b"\r\n", 7))
-    assert dl.Table.load(tmp_path / "mixed.tbl").fingerprint == loaded.fingerprint
-
-
-def test_the_fingerprint_is_the_last_check_mark(tmp_path):
-    table = table_of("pohrt-popov", "hertz")
-    mark = table.save(tmp_path / "a.tbl").read_text().split()[-1]
-    assert f"{table.fingerprint:08x}" == mark == f"{dl.Table.load(tmp_path / 'a.tbl').fingerprint:08x}"
-    assert table.fingerprint != table_of("pohrt-popov", "elastic").fingerprint
+    data, file = small_file(), tmp_path / "dos.tbl"
+    for text in (data.replace(b"\n", b"\r\n"), data.replace(b"\n", b"\r\n", 7)):
+        file.write_bytes(text)
+        assert dl.Table.load(file).save(tmp_path / "again.tbl").read_bytes() == data
+    file.write_bytes(data.replace(b"\n", b"\r"))
+    with pytest.raises(dl.DemlawsError):
+        dl.Table.load(file)
 
 
 def test_a_law_that_is_not_here_is_its_table(tmp_path):
@@ -385,29 +289,23 @@ def test_a_law_that_is_not_here_is_its_table(tmp_path):
     assert own.joined("elastic").bound_to(SMOOTHER).force(1e-8) == known.joined("elastic").bound_to(SMOOTHER_ALIKE).force(1e-8)
 
 
-@pytest.mark.parametrize("said", ["yes", "no"])
-def test_collapses_is_what_the_file_says(said, tmp_path):
-    lines = [f"collapses: {said}" if line.startswith("collapses") else line for line in unsealed(small_file())]
+def test_a_curve_that_the_file_says_not_to_collapse_is_not_lent(tmp_path):
+    lines = ["collapses: no" if line.startswith("collapses") else line for line in unsealed(small_file())]
     (tmp_path / "a.tbl").write_bytes(sealed(lines))
-    table = dl.Table.load(tmp_path / "a.tbl")
-    for one in (table, table.joined("elastic")):
-        if said == "yes":
-            one.bound_to(SMOOTHER_ALIKE)
-        else:
-            with pytest.raises(dl.DemlawsError, match="made for only"):
-                one.bound_to(SMOOTHER_ALIKE)
-    without = [line for line in lines if not line.startswith("collapses")]
-    assert "lack 'collapses'" in refuse(tmp_path / "b.tbl", sealed(without))[1]
+    for table in (dl.Table.load(tmp_path / "a.tbl"), dl.Table.load(tmp_path / "a.tbl").joined("elastic")):
+        with pytest.raises(dl.DemlawsError):
+            table.bound_to(SMOOTHER_ALIKE)
 
 
 def test_missing_file_and_folder(tmp_path):
-    with pytest.raises(dl.DemlawsError, match=r"cannot read table .*No such file"):
-        dl.Table.load(tmp_path / "none.tbl")
-    with pytest.raises(dl.DemlawsError, match=r"cannot read table .*directory"):
-        dl.Table.load(tmp_path)
     (tmp_path / "file").write_text("")
-    with pytest.raises(dl.DemlawsError, match="cannot write"):
-        table_of("hertz").save(tmp_path / "file" / "a.tbl")
+    for call in (
+        lambda: dl.Table.load(tmp_path / "none.tbl"),
+        lambda: dl.Table.load(tmp_path),
+        lambda: table_of("hertz").save(tmp_path / "file" / "a.tbl"),
+    ):
+        with pytest.raises(dl.DemlawsError):
+            call()
 
 
 def test_devices_and_links_are_not_replaced_by_files(tmp_path):
@@ -422,8 +320,12 @@ def test_devices_and_links_are_not_replaced_by_files(tmp_path):
 
 
 def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
-    path = tmp_path / "a.tbl"
-    table_of("hertz").save(path)
+    path, old = tmp_path / "a.tbl", os.umask(0o027)
+    try:
+        table_of("hertz").save(path)
+    finally:
+        os.umask(old)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o640
     before = path.read_bytes()
 
     def full(*_):
@@ -432,19 +334,10 @@ def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
     for name in ("replace", "fdopen"):
         with monkeypatch.context() as patch:
             patch.setattr(os, name, full)
-            with pytest.raises(dl.DemlawsError, match="No space left on device"):
+            with pytest.raises(dl.DemlawsError):
                 table_of("rms").save(path)
         assert path.read_bytes() == before
         assert os.listdir(tmp_path) == ["a.tbl"]
-
-
-def test_saved_with_the_permissions_of_any_new_file(tmp_path):
-    old = os.umask(0o027)
-    try:
-        path = table_of("hertz").save(tmp_path / "a.tbl")
-    finally:
-        os.umask(old)
-    assert stat.S_IMODE(path.stat().st_mode) == 0o640
 
 
 @pytest.mark.parametrize("bits", [1, 4, 7])
@@ -475,6 +368,28 @@ def test_a_kink_anywhere_in_the_grid(bits, place):
 # --- laws that are not the registry's
 
 
+def made_up_law(contact, exponent=1.5, kinks=()):
+    """P = C (σ^(1.5 - n) δ^n + 0.3 √σ Σ (δ - kink σ)), C = (4/3) E* √R, terms of the sum where they are positive."""
+    places = (*map(float, kinks), math.inf)
+
+    def force(p, overlap):
+        u = overlap / p.roughness
+        f = u**exponent
+        for kink in places:
+            f += 0.3 * max(u - kink, 0.0)
+        return p.hertz_coefficient * p.roughness**1.5 * f
+
+    def stiffness(p, overlap):
+        u = overlap / p.roughness
+        k = exponent * u ** (exponent - 1.0)
+        for kink in places:
+            k += 0.3 if u >= kink else 0.0
+        return p.hertz_coefficient * p.roughness**0.5 * k
+
+    facts = {"length": "roughness", "collapses": True, "kinks": lambda p, **_: [kink * contact.roughness for kink in kinks]}
+    return dl.Law(contact, ClosedForm(dl.define("made-up", force, stiffness, **facts), contact, {}))
+
+
 def test_a_law_with_three_kinks_is_tabulated_to_its_certificate(tmp_path, rng):
     """Two kinks in one cell among them; as a file, too."""
     law = made_up_law(GRANITE, kinks=(0.3, 1.7, 1.72))
@@ -493,35 +408,9 @@ def test_a_law_with_three_kinks_is_tabulated_to_its_certificate(tmp_path, rng):
     np.testing.assert_allclose(table.overlap(law.force(overlap)), overlap, rtol=2e-4)
 
 
-@pytest.mark.slow
-def test_an_unloading_curve_with_three_kinks():
-    """The curve of a twice as stiff contact: a table unloads along it as its law does, through the kinks."""
-    kinks = (0.3, 1.7, 3.0)
-    law = made_up_law(GRANITE, kinks=kinks).joined(made_up_law(GRANITE.with_values(modulus=2.0 * GRANITE.modulus), kinks=kinks))
-    table = law.tabulate(rtol=1e-3, max_force=100.0)
-    np.testing.assert_allclose(table.unloading_law.nodes.kinks, kinks, rtol=1e-12)
-    top = GRANITE.roughness * np.linspace(0.1, 4.0, 200)
-    states = law.new_state(200), table.new_state(200)
-    for part in (1.0, 0.97, 0.9, 0.8):
-        exact, read = law.evaluate(part * top, states[0]), table.evaluate(part * top, states[1])
-        assert np.max(np.abs(read[0] - exact[0]) / law.force(top)) <= 2e-3
-        assert np.max(np.abs(states[1].plastic_overlap - states[0].plastic_overlap) / top) <= 1e-3
-
-
-def test_a_table_with_many_kinks_is_vectorised():
-    """A kink more is a comparison more for all contacts at once, no loop and no branch."""
-    table = made_up_law(GRANITE, kinks=(0.3, 1.7, 3.0)).tabulate(rtol=1e-2, max_force=100.0)
-    compiled = numba.njit(error_model="numpy", fastmath={"contract"}, nogil=True)(loops.batch_loop.py_func)
-    overlap, force, stiffness = np.linspace(0.0, table.largest_overlap, 64), np.empty(64), np.empty(64)
-    compiled(table.rule, table.params, overlap, (), loops.UNBOUNDED, loops.FINITE, force, stiffness)
-    np.testing.assert_array_equal(force, table.force(overlap))
-    (text,) = compiled.inspect_llvm().values()
-    assert len(re.findall(r"= f\w+ (?:\w+ )*<\d+ x double>", text)) > 10
-
-
 def test_more_kinks_than_a_table_holds_are_refused():
     kinks = tuple(np.geomspace(0.1, 0.97, table_file.MOST_KINKS + 1))
-    with pytest.raises(dl.DemlawsError, match="33 kinks of the stiffness lie in the table's range: a table holds 32 at most"):
+    with pytest.raises(dl.DemlawsError):
         made_up_law(GRANITE, kinks=kinks).tabulate(max_force=50.0)
 
 

@@ -32,13 +32,13 @@ class Example:
 
     path: in the folder of examples; changed: the changes that a run by Mindlin needs beside the example's text (nothing where
     it has Mindlin already); steps: of the shortened run; share: of the steps that the script itself asks for;
-    roughness: Sq [m]; after: commented-out or interactive parts of the example, run behind it; swaps: parts of the text in
-    place of others.
+    roughness: Sq [m]; before: run in the example's folder before it; after: commented-out or interactive parts of the example,
+    run behind it; swaps: parts of the text in place of others.
     """
 
-    def __init__(self, name, path, changed, steps, roughness, share=1.0, after="", swaps=(), batch=None):
+    def __init__(self, name, path, changed, steps, roughness, share=1.0, before="", after="", swaps=(), batch=None):
         self.name, self.path, self.changed, self.steps, self.roughness = name, path, changed, steps, roughness
-        self.share, self.after, self.swaps, self.batch = share, after, swaps, batch
+        self.share, self.before, self.after, self.swaps, self.batch = share, before, after, swaps, batch
 
 
 TRIAX = """
@@ -49,6 +49,24 @@ def history():
     rows.append((triax.meanStress, triax.porosity))
 O.run(1000, True)
 assert len(rows) > 10 and isinstance(O.engines[-1], NewtonIntegrator), O.engines
+"""
+
+# Data files of capillary bridges, which YADE's package does not have: by its own solver, as writesCapFile.m does it, with few
+# radius ratios, suctions and distances, which suffice for this example
+BRIDGES = """
+import numpy
+exec(open("solveLaplace_uc.py").read())
+for ratio in (1, 1.1, 1.25, 1.5, 1.75, 2):
+    suctions = (15, 20, 26, 33, 40)
+    found = [solveLaplace_uc(0, ratio, suction, numpy.arange(2.0, 40.0, 2.0), 1e-3, 0) for suction in suctions]
+    found = [rows[numpy.argsort(rows[:, 0])][:, [0, 1, 2, 3, 4, 5, 7, 8]] for rows in found]
+    distances = numpy.linspace(0.0, found[0][-1, 0], 20)
+    with open(f"M(r={ratio})", "w") as file:
+        print(ratio, len(distances), sep="\\n", file=file)
+        for distance in distances:
+            rows = [[numpy.interp(distance, r[:, 0], column) for column in r.T] for r in found if r[-1, 0] >= distance]
+            for row in [[len(rows)], *([distance, *row[1:]] for row in rows)]:
+                print(*row, sep="\\t", file=file)
 """
 
 # Mindlin's functor serves the contacts of grids, too; both laws take the same constant step
@@ -122,7 +140,7 @@ EXAMPLES = (
         "PFacets and grids",
         "pfacet/pFacets_grids_spheres_interacting.py",
         f"{MINDLIN}, constant step",
-        40000,
+        24000,
         1e-7,
         swaps=[*GRID, (STEPPER, "")],
         after=CONSTANT,
@@ -136,6 +154,22 @@ EXAMPLES = (
         swaps=[*GRID, (STEPPER, ""), ("poisson = 3", "poisson = 0.3")],
         after=CONSTANT,
     ),
+    Example(
+        "roots of cylinders",
+        "chained-cylinders/chained-cylinder-roots.py",
+        f"{MINDLIN}; 100 times stiffer",  # and poisson .3, which is 3 there
+        24000,
+        1e-6,
+        swaps=[
+            ("Law2_CylScGeom_FrictPhys_CundallStrack()", ""),
+            ("poisson = 3", "poisson = 0.3"),
+            ("young = 4.0e6", "young = 4.0e8"),
+            ("young=4000000.0", "young=4e8"),
+            ("young=1.0e6", "young=1e8"),
+            ("O.dt = 5e-4", "O.dt = 5e-5"),
+        ],
+    ),
+    Example("capillary bridges", "capillaryLaplaceYoung/CapillaryPhys-example.py", "nothing", 20000, 1e-7, before=BRIDGES),
     Example("yade-batch", "triax-tutorial/script-session1.py", MINDLIN, 1000, 1e-5, batch="triax-tutorial/triax-table"),
 )
 WAYS = ("Mindlin", "ours")
@@ -200,6 +234,7 @@ def one(given):
     for old, new in example.swaps:
         assert old in text, f"{example.path} no longer holds {old!r}"
         text = text.replace(old, new)
+    exec(compile(example.before, "before", "exec"), main)
     exec(compile(text, example.path, "exec"), main)
     exec(compile(example.after, "after", "exec"), main)
     example.share = 1.0  # of the steps that are left

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
-from demlaws.core.loops import bind_params, history_loop
+from demlaws.core import loops
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
@@ -117,9 +117,7 @@ class Ranking(Tabular, list):
 
 def history(law, force):
     """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts on a virgin contact."""
-    overlap, stiffness = np.empty((2, np.size(force)))
-    history_loop(law.rule, law.params, np.array(force, float), (0.0,) * law.state_size, overlap, stiffness)
-    return overlap, stiffness
+    return loops.history(law.unloads.rule, law.params, np.array(force, float))
 
 
 # --- one law
@@ -181,9 +179,8 @@ class _Model:
     def overlap(self, x):
         """Overlap [m] and tangent stiffness [N/m] at each force."""
         contact, options = self.inputs(x)
-        params = bind_params(self.shape(contact, options), contact)
-        overlap, stiffness = np.empty((2, self.force.size))
-        history_loop(self.rule.tag, params, self.force, (0.0,) * len(self.rule.state), overlap, stiffness)
+        params = loops.bind_params(self.shape(contact, options), contact)
+        overlap, stiffness = loops.history(self.rule, params, self.force)
         # outside the range of a curve: far away, not NaN
         return np.where(np.isfinite(overlap), overlap, 1e3 * contact.radius), stiffness
 
@@ -256,21 +253,25 @@ class _Model:
 
         ends = []
         for bound in (self.low[index], self.high[index]):
-            trial, known = x.copy(), {x[index]: -limit}
+            known = {x[index]: (-limit, x)}
 
-            def excess(place, trial=trial, known=known):
+            def excess(place, known=known):
                 if place not in known:
-                    trial[index] = place
-                    trial[:], cost = self.solve(trial, index, 1e-6, 12)
+                    start = known[min(known, key=lambda other: abs(other - place))][1].copy()
+                    start[index] = place
+                    start, cost = self.solve(start, index, 1e-6, 40)
                     away = math.sqrt(max(cost - least, 0.0)) - limit
-                    known[place] = away if abs(away) > 0.005 * limit else 0.0
-                return known[place]
+                    known[place] = away if abs(away) > 0.005 * limit else 0.0, start
+                return known[place][0]
 
             near, place, width = x[index], x[index], math.copysign(step, bound - x[index])
             while place != bound and excess(place) < 0.0:
                 near, place = place, (min if width > 0.0 else max)(place + width, bound)
                 width *= 2.0
-            ends.append(brentq(excess, near, place) if near != place and excess(place) >= 0.0 else place)
+            if near != place and excess(place) >= 0.0:
+                # where the least sum of squares jumps, no place has the limit
+                place = brentq(excess, near, place, xtol=1e-3 * abs(place - near))
+            ends.append(place)
         return ends
 
 
@@ -340,7 +341,7 @@ def _drift(residual, count):
 
 def _report(model, x, squares, absolute, notes):
     """The `Fit` of a solution: intervals, notes, AICc."""
-    from scipy import stats
+    from scipy import special
 
     n, k = model.force.size, x.size
     low, high, jacobian, residual = model.low, model.high, model.jacobian(x), model.residual(x)
@@ -361,7 +362,7 @@ def _report(model, x, squares, absolute, notes):
         inverse = np.linalg.pinv(jacobian[:, used] / size[used]) / size[used, None]
         covariance[np.ix_(used, used)] = variance * widening**2 * inverse @ inverse.T
     half = 0.5 + 0.5 * _CONFIDENCE
-    quantile = float(stats.norm.ppf(half) if absolute else stats.t.ppf(half, n - k))
+    quantile = float(special.ndtri(half) if absolute else special.stdtrit(n - k, half))
     errors = np.sqrt(np.diag(covariance))
     ends = np.array([x - quantile * errors, x + quantile * errors]).T
     outside = ~((ends[:, 0] > low) & (ends[:, 1] < high))

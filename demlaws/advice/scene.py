@@ -5,13 +5,12 @@ import itertools
 import math
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from demlaws.advice.errors import QUANTITIES, Sample
-from demlaws.advice.fit import Fit
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
 from demlaws.law import Law
@@ -176,19 +175,6 @@ class Scene:
         """A scene from a TOML file; its keys are the fields, see `demlaws choose --template`."""
         return _from_toml(Path(path))
 
-    def with_fit(self, fit: Fit) -> "Scene":
-        """This scene with the surface, the modulus and the law that `demlaws.fit` found for its contacts."""
-        if len(self.materials) > 1:
-            raise DemlawsError(
-                f"a fit is of one kind of grain, this scene has {len(self.materials)}: give materials and surfaces instead"
-            )
-        contact = fit.contact
-        poisson = self.materials[0].poisson
-        material = replace(self.materials[0], young=2.0 * contact.modulus * (1.0 - poisson**2), hardness=contact.hardness)
-        surface = Surface(contact.roughness / math.sqrt(2.0), contact.fractal_dimension, contact.hardness)
-        changes = {"materials": material, "surfaces": surface, "reference": fit.name, "reference_options": fit.law.options}
-        return replace(self, **changes, yield_pressure=fit.law.options.get("yield_pressure"))
-
     @property
     def unloads(self) -> bool:
         """Whether unloading matters."""
@@ -292,7 +278,6 @@ def _from_toml(path):
         raise DemlawsError(f"cannot read scene {path}: {error.strerror or error}") from error
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise DemlawsError(f"{path}: {error}") from error
-    measured = text.pop("measured", None)
     values = {}
     try:
         for key, kind in (("material", Material), ("surface", Surface)):
@@ -313,26 +298,9 @@ def _from_toml(path):
         unloading = text.get("unloading")
         if isinstance(unloading, str) and ("/" in unloading or "." in unloading):  # a table's file, beside the scene's
             text["unloading"] = str(path.parent.absolute() / unloading)
-        scene = Scene(**values, **text)
+        return Scene(**values, **text)
     except (DemlawsError, TypeError) as error:  # TypeError: a Material without its modulus
         raise DemlawsError(f"{path}: {error}") from None
-    if measured is not None:
-        scene = scene.with_fit(_fit_measured(scene, measured, path))
-    return scene
-
-
-def _fit_measured(scene, measured, path):
-    from demlaws.advice.fit import fit
-    from demlaws.points import read_points
-
-    unknown = set(measured if isinstance(measured, dict) else ["measured"]) - {"points", "radius", "laws", "free", "unloading"}
-    if unknown or "points" not in measured or "radius" not in measured:
-        raise DemlawsError(
-            f"{path}: [measured] needs points (a CSV file) and radius (effective, m); may have laws, free, unloading"
-        )
-    points = read_points(path.parent / str(measured["points"]))
-    contact = scene.contacts(number(measured["radius"], "radius", "m"))[0]
-    return fit(points, contact, measured.get("laws"), measured.get("unloading"), measured.get("free")).best
 
 
 def unloading_rule(scene, name, options):

@@ -131,7 +131,7 @@ def check_law(
     Notes
     -----
     Round trip, stiffness against the derivative, energy = ∫P dδ, finite and increasing, arrays equal to numbers, no work
-    returned on random paths, the certificate of its table, and its `exact` reference if it has one.
+    returned on random paths, and the certificate of its table.
 
     Examples
     --------
@@ -153,17 +153,6 @@ def _curve_checks(law):
         *curve_checks(law.params, law.contact.radius, law.definition.solved),
         alone(law),
     ]
-    if law.definition.exact is not None:
-        at = law.contact.roughness * np.geomspace(1e-4, 30.0, 200) if law.contact.roughness else overlaps(law, 200)
-        for kink in (*law.kinks(), law.contact.roughness or 1.0):
-            at = at[np.abs(at / kink - 1.0) > 1e-6]
-        force, stiffness = law.definition.exact(law.contact, at, **law.options)
-        for what, found, exact, allowed in (
-            ("force", law.force(at), force, 1e-14),
-            ("stiffness", law.stiffness(at), stiffness, 1e-13),
-        ):
-            error = np.abs(found / exact.astype(float) - 1.0)
-            checks.append(largest_of(f"{what} against its exact equation", error, at, allowed))
     if law.collapses and not law.definition.solved:  # a solved law's curve comes with a number of its own
         try:
             refuse_unless_collapses(law, law.contact)

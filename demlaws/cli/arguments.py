@@ -50,21 +50,3 @@ def law_name(text):
         print_laws()
         sys.exit(0)
     return text
-
-
-def figures(*numbers):
-    """Numbers of a paper's figures: "all", or a list of them and of ranges, 3,4,11-14."""
-
-    def convert(text):
-        chosen = set()
-        for part in text.split(","):
-            low, _, high = part.strip().partition("-")
-            if part.strip() == "all":
-                chosen.update(numbers)
-            elif low.isdecimal() and (high or low).isdecimal():
-                chosen.update(n for n in numbers if int(low) <= n <= int(high or low))
-            if not chosen or (low.isdecimal() and not high and int(low) not in numbers):
-                raise argparse.ArgumentTypeError(f"{text!r}: the figures are {', '.join(map(str, numbers))}, or all")
-        return sorted(chosen)
-
-    return convert

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.output import Output, output, record, write_csv
+from demlaws.cli.output import Output, record, write_csv
 from demlaws.errors import DemlawsError
 
 FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "table_rows", "meets")
@@ -33,7 +33,6 @@ def register(subparsers):
         help="table file to write, one per pair of kinds of grain; for LIGGGHTS and LAMMPS the folder of a whole case",
     )
     parser.add_argument("--csv", type=Output(TITLES), help="file to write all candidates to")
-    parser.add_argument("--figure", type=output, help="picture to draw: error against cost")
     parser.set_defaults(func=run)
 
 
@@ -41,12 +40,10 @@ def run(arguments):
     """Do what the command's arguments ask."""
     from tqdm import tqdm
 
-    from demlaws import plots
     from demlaws.advice.choose import choose, table_name
     from demlaws.advice.errors import QUANTITIES
     from demlaws.advice.scene import TEMPLATE, Scene
     from demlaws.materials import DENSITY
-    from demlaws.plots import choose as plots_choose
     from demlaws.timestep import STEP_SAFETY, rayleigh_step
 
     if arguments.template:
@@ -87,8 +84,6 @@ def run(arguments):
     )
     if arguments.csv is not None:
         write_csv(arguments.csv, TITLES, ((c.describe(), *(getattr(c, name) for name in FIELDS)) for c in choices))
-    if arguments.figure is not None:
-        print(plots.save(plots_choose.choices_figure(choices), arguments.figure))
     best = choices.best
     if not best.meets:
         raise DemlawsError(

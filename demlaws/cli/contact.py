@@ -16,13 +16,7 @@ def add_law_arguments(parser, law_required=True):
         "which the contact unloads (default: the law's default rule, else elastic)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
-    curve = parser.add_argument_group("unloading along another law's curve, through the largest overlap")
-    curve.add_argument("--unloading-law", type=law_name, help="name of that law")
-    curve.add_argument(
-        "--unloading-option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of that law"
-    )
-    curve.add_argument("--unloading-roughness", type=length, help="its combined roughness σ in m (default: the contact's)")
-    curve.add_argument("--unloading-radius", type=length, help="its effective radius R in m (default: the contact's)")
+    parser.add_argument("--unloading-law", type=law_name, help="name of a law along whose curve the contact unloads")
     add_contact_arguments(parser)
 
 
@@ -121,21 +115,14 @@ def _unloading_from(arguments, contact):
     from demlaws.laws.registry import find
     from demlaws.make import law
 
-    changes = {n: getattr(arguments, f"unloading_{n}") for n in ("roughness", "radius")}
-    changes = {name: value for name, value in changes.items() if value is not None}
     if arguments.unloading_law is None:
-        if changes or arguments.unloading_option:
-            raise DemlawsError(
-                "--unloading-option, --unloading-roughness and --unloading-radius describe the curve of --unloading-law: "
-                "name that law"
-            )
         return arguments.unloading
     if arguments.unloading not in (None, "elastic", "table"):
         raise DemlawsError(f"give either --unloading {arguments.unloading} or --unloading-law")
-    options = dict(arguments.unloading_option)
+    options = {}
     if arguments.test is not None:
-        options = {**granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test)), **options}
-    return law(arguments.unloading_law, contact.with_values(**changes), **options)
+        options = granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test))
+    return law(arguments.unloading_law, contact, **options)
 
 
 def draw(path, make):

@@ -47,7 +47,7 @@ class _PartParser(Parser):
 def register(subparsers):
     """Add both commands and their own sub-commands."""
     stock = _register(subparsers, "liggghts", "LIGGGHTS", WITHOUT_COMPILER)
-    stock.add_argument("--stock", choices=("hertz", "edinburgh"), help="fit this stock model instead; needs no compiler")
+    stock.add_argument("--stock", choices=("hertz",), help="fit stock hertz instead; needs no compiler")
     _register(subparsers, "lammps", "LAMMPS")
 
 

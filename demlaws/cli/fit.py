@@ -74,7 +74,6 @@ def run(arguments):
 
     from demlaws import plots
     from demlaws.advice.fit import fit
-    from demlaws.plots import choose as plots_choose
     from demlaws.points import read_points
 
     points = read_points(arguments.points)
@@ -109,4 +108,4 @@ def run(arguments):
         ]
         write_csv(arguments.csv, TITLES, rows)
     if arguments.figure is not None:
-        print(plots.save(plots_choose.fit_figure(ranking, points.source), arguments.figure))
+        print(plots.save(plots.fit_figure(ranking, points.source), arguments.figure))

@@ -59,8 +59,6 @@ def register(subparsers):
     surface.add_argument("--figure", type=output, help="picture to draw")
     add_contact_arguments(surface, test=False)
     contact = surface.add_argument_group("pressing: a ball (the first body) on the map (the second body)")
-    contact.add_argument("--flat", action="store_true", help="press with a smooth flat in place of a ball")
-    contact.add_argument("--on", metavar="FILE", help="height map of the other body: both are rough")
     contact.add_argument("--load", type=force, help="load in N")
     contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
@@ -69,8 +67,7 @@ def register(subparsers):
     contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (without: aluminium's)")
     contact.add_argument("--csv", type=Output(MICRO_CONTACTS), help="write the micro-contacts under load")
     contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
-    contact.add_argument("--curve", choices=("loading", "reloading"), default="loading", help="which curve the table holds")
-    contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz; reloading: elastic)")
+    contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz)")
     contact.add_argument("--max-force", type=force, help="end of the computed curve in N")
     contact.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the table (default 1e-5)")
     synthetic = surface.add_argument_group("synthetic, with --roughness its Sq (default 1um)")
@@ -215,8 +212,6 @@ def _contact(arguments, name):
     from demlaws.solvers.contact import RoughContact
 
     heights = _levelled(arguments, name)
-    if arguments.on is not None:
-        heights = heights.combined(_levelled(arguments, arguments.on))
     if arguments.young is None:
         raise DemlawsError("--young and --poisson missing: give those of the ball and of the map's body")
     contact = RoughContact(
@@ -225,12 +220,11 @@ def _contact(arguments, name):
         arguments.poisson[-1],
         arguments.plastic_factor,
         arguments.plastic_ratio,
-        flat=arguments.flat,
     )
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
     if arguments.load is not None:
-        if contact.pair.hardness is not None and not contact.flat:
+        if contact.pair.hardness is not None:
             print(assess(contact.pair, arguments.load))
         step = contact.load(arguments.load, min(arguments.tolerance, 1.0))
         print(step)
@@ -241,25 +235,18 @@ def _contact(arguments, name):
             _write(arguments.out, contact.unload(step).heights)
         draw(arguments.figure, lambda plots: plots.contact_figure(contact, step))
     if arguments.table is not None:
-        _table(arguments, contact, arguments.load)
+        _table(arguments, contact)
     return 0
 
 
-def _table(arguments, contact, load):
+def _table(arguments, contact):
     from demlaws.make import law
 
-    if arguments.flat:
-        raise DemlawsError("--table: a law for DEM is that of a ball; leave out --flat")
-    options = {"curve": arguments.curve} if arguments.curve == "loading" else {"curve": arguments.curve, "load": load}
-    if arguments.curve == "reloading" and load is None:
-        raise DemlawsError("--load missing: the reloading curve is the one after this load")
-    if arguments.max_force is not None:
-        options["max_force"] = arguments.max_force
-    unloading = "elastic" if arguments.curve == "reloading" else arguments.unloading
+    options = {} if arguments.max_force is None else {"max_force": arguments.max_force}
     bound = law(
         ASPERITY,
         contact.pair,
-        unloading,
+        arguments.unloading,
         surface=contact.heights,
         poisson=contact.poisson,
         plastic_factor=contact.plastic_factor,
@@ -269,10 +256,8 @@ def _table(arguments, contact, load):
     table = bound.tabulate(arguments.rtol)
     table.save(arguments.table)
     record(table=str(arguments.table), force_error=table.force_error, stiffness_error=table.stiffness_error)
-    if load is None:
-        draw(arguments.figure, lambda plots: plots.law_figure(contact, {arguments.curve: bound}))
     print(
-        f"{arguments.table}: law asperity ({arguments.curve}, {unloading} unloading), {table.nodes.u.size} rows, "
+        f"{arguments.table}: law asperity ({arguments.unloading} unloading), {table.nodes.u.size} rows, "
         f"error of force {table.force_error:.1e}, of stiffness {table.stiffness_error:.1e}"
     )
 

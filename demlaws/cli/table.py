@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from demlaws.cli import example
-from demlaws.cli.arguments import force, length, plain, whole
+from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, law_from
 from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
@@ -17,8 +17,7 @@ def register(subparsers):
         "with its certificate in the header.",
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
-            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl \\\n'
-            "      --unloading-law pohrt-popov --unloading-roughness 0.5um\n"
+            '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading-law hertz\n'
             "  demlaws table --points test.csv --unloading test.csv --radius 8mm --modulus 32GPa --out measured.tbl\n\n"
             "test.csv: two columns with units in the header, for instance\n"
             "  overlap (um),force (N)"
@@ -35,7 +34,6 @@ def register(subparsers):
     points.add_argument(
         "--force-noise", type=force, metavar="N", help="standard uncertainty of a force in N (default: scatter)"
     )
-    points.add_argument("--knots", type=whole(2, 30), help="interpolate, averaged to so many knots (default: smooth)")
     points.add_argument("--residual", type=length, help="overlap in m at which unloading ends (default: found from the points)")
     table.add_argument(
         "--rtol", type=plain, help="relative tolerance in force and stiffness (default 1e-5; of points 1e-3, about their curve)"
@@ -84,7 +82,6 @@ def measured_table(arguments):
         unloading=unloading,
         uncertainty=arguments.force_noise,
         residual=None if arguments.residual is None else arguments.residual - arguments.zero,
-        knots=arguments.knots,
         rtol=1e-3 if arguments.rtol is None else arguments.rtol,
         description=f"points of {arguments.points.name}",
     )

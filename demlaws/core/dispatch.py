@@ -6,7 +6,6 @@ on-disk cache valid from one process to the next. The names of these types go in
 each is unique in the package; a type from elsewhere is given a name of its own.
 """
 
-import inspect
 import itertools
 
 from numba import types
@@ -14,7 +13,7 @@ from numba.extending import overload
 
 from demlaws.core.cache import follow, is_ours
 from demlaws.core.fastmath import read_only
-from demlaws.core.numba_compat import INLINED_KERNEL
+from demlaws.core.numba_compat import INLINED_KERNEL, calls, kernel
 
 
 def function_of_text(arguments, lines, names):
@@ -39,16 +38,14 @@ def generic(otherwise=None):
     """
 
     def decorate(function):
-        name, arguments = function.__name__, ", ".join(inspect.signature(function).parameters)
+        name = function.__name__
         _GENERIC.add(name)
 
-        @overload(function, jit_options=INLINED_KERNEL, strict=False)
         def choose(*kinds):
-            kernel = kernel_of(kinds[0], name)
-            if kernel is None:
-                return None if otherwise is None else otherwise(*kinds)
-            return function_of_text(arguments, [f"return kernel({arguments})"], {"kernel": kernel})
+            bound = kernel_of(kinds[0], name)
+            return kernel(otherwise(*kinds)) if bound is None and otherwise else bound
 
+        calls(function, choose)
         return function
 
     return decorate

@@ -29,18 +29,6 @@ public:
     if (count > 1) collect(&mine, sizeof mine, &all[0]);
     return all;
   }
-  // All that the ranks have, one after another.
-  template <class T> std::vector<T> join(const std::vector<T> &mine) const {
-    const std::vector<long> sizes = gather((long)mine.size());
-    const long most = *std::max_element(sizes.begin(), sizes.end());
-    if (count == 1 || !most) return mine;
-    std::vector<T> padded(mine), all(count * most), joined;
-    padded.resize(most);
-    collect(&padded[0], (int)(most * sizeof(T)), &all[0]);
-    for (int rank = 0; rank < count; rank++)
-      joined.insert(joined.end(), all.begin() + rank * most, all.begin() + rank * most + sizes[rank]);
-    return joined;
-  }
 
 private:
   virtual void broadcast(void *bytes, int size) const = 0;
@@ -68,13 +56,14 @@ inline const Table &load_table(const Ranks &ranks, const std::string &path) {
     fresh->parse(data, path);
     table = std::move(fresh);
   }
-  problem = attach_rule(*table); // each rank's own
-  const std::vector<int> failed = ranks.gather((int)!problem.empty());
-  const int first = (int)(std::find(failed.begin(), failed.end(), 1) - failed.begin());
-  if (first == ranks.count) return *table;
-  if (first != ranks.me) problem.clear();
-  const std::vector<char> text = ranks.join(std::vector<char>(problem.begin(), problem.end()));
-  throw std::runtime_error("rank " + std::to_string(first) + ": " + std::string(text.begin(), text.end()));
+  struct Problem {
+    char text[1000];
+  } mine = {};
+  snprintf(mine.text, sizeof mine.text, "%s", attach_rule(*table).c_str()); // each rank's own
+  const std::vector<Problem> all = ranks.gather(mine);
+  for (int rank = 0; rank < ranks.count; rank++)
+    if (all[rank].text[0]) throw std::runtime_error("rank " + std::to_string(rank) + ": " + all[rank].text);
+  return *table;
 }
 
 // The law of two materials.

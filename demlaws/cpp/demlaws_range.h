@@ -1,6 +1,6 @@
 // demlaws_range.h: where a contact leaves the range of its law. Overlaps, roughness, moduli, and the limits that a
 // table names: the checks of the plugins of LIGGGHTS and LAMMPS, their messages, their counts.
-// Limits and words are those of demlaws/units.py, admissible.py and criterion.py.
+// Limits are those of demlaws/units.py, admissible.py and criterion.py.
 #ifndef DEMLAWS_RANGE_H
 #define DEMLAWS_RANGE_H
 
@@ -12,36 +12,6 @@ namespace demlaws {
 const double SMALL_OVERLAP = 0.1, LARGEST_OVERLAP = 1.; // over R: warned of beyond the first, refused beyond the other
 const double LARGE_ROUGHNESS = 0.1;                     // sigma over R, likewise
 const double SOFTENED = 1e-5, STIFFENED = 10.;          // E* over the table's, warned of beyond them
-
-// An inadmissible value, or an unlikely one, in words; an admissible value has no text.
-struct Finding {
-  bool admissible;
-  std::string text;
-};
-
-inline std::string number(const char *format, double value) {
-  char text[40];
-  snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-// Effective modulus E* [Pa].
-inline Finding judge_modulus(double modulus) {
-  if (std::isfinite(modulus) && modulus > LEAST_MODULUS) return {true, ""};
-  return {false, "modulus = " + number("%g", modulus) +
-                     " Pa: the effective modulus E* is above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?"};
-}
-
-// Combined roughness [m] of a contact beside its effective radius [m].
-inline Finding judge_roughness(double roughness, double radius) {
-  const std::string what = "roughness = " + number("%g", roughness) + " m";
-  if (!std::isfinite(roughness) || roughness < 0.) return {false, what + ": rms roughness Sq cannot be negative"};
-  if (!(roughness > LARGE_ROUGHNESS * radius)) return {true, ""};
-  const bool admissible = roughness <= LARGEST_ROUGHNESS * radius;
-  return {admissible, what + " is " + number("%.3g", roughness / radius) + " of the radius " + number("%g", radius) +
-                          " m, above " + number("%g", admissible ? LARGE_ROUGHNESS : LARGEST_ROUGHNESS) +
-                          ": the laws take roughness for small beside the radius; did you mean µm (1 µm = 1e-6 m)?"};
-}
 
 // What a contact can leave. Each kind is counted by itself.
 enum Excess { DEEP, BEYOND, ROUGH, YIELDS, ABOVE, BELOW, EXCESSES };
@@ -96,13 +66,16 @@ private:
 
 // Text about the modulus of a pair, "" for a plausible value; throws for an inadmissible one.
 inline std::string judge_modulus(const Table &table, double modulus) {
-  const Finding alone = judge_modulus(modulus);
-  if (!alone.admissible) throw std::runtime_error(alone.text);
+  std::ostringstream what;
+  what << "modulus = " << modulus << " Pa";
+  if (!std::isfinite(modulus) || !(modulus > LEAST_MODULUS)) {
+    what << ": the effective modulus E* is above 1000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?";
+    throw std::runtime_error(what.str());
+  }
   const double made_for = table.of_contact("modulus", modulus);
   if (modulus >= SOFTENED * made_for && modulus <= STIFFENED * made_for) return "";
-  std::ostringstream what;
-  what << "modulus = " << modulus << " Pa is " << modulus / made_for << " times the effective modulus of "
-       << table.path() << ", " << made_for << " Pa: check the units of Young's modulus and Poisson's ratio";
+  what << " is " << modulus / made_for << " times the effective modulus of " << table.path() << ", " << made_for
+       << " Pa: check the units of Young's modulus and Poisson's ratio";
   return what.str();
 }
 
@@ -235,9 +208,13 @@ private:
   static void check_roughness(const Pair &pair, double radius, Findings &findings) {
     const double ratio = pair.sigma * pair.metre / radius;
     if (!(ratio > LARGE_ROUGHNESS)) return;
-    const Finding found = judge_roughness(pair.sigma, radius / pair.metre);
-    if (!found.admissible) findings.refuse(found.text);
-    if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS, "")) findings.warn(found.text);
+    const double limit = ratio > LARGEST_ROUGHNESS ? LARGEST_ROUGHNESS : LARGE_ROUGHNESS;
+    std::ostringstream what;
+    what << "roughness = " << pair.sigma << " m is " << std::round(1000. * ratio) / 1000. << " of the radius "
+         << radius / pair.metre << " m, above " << limit
+         << ": the laws take roughness for small beside the radius; did you mean µm (1 µm = 1e-6 m)?";
+    if (ratio > LARGEST_ROUGHNESS) findings.refuse(what.str());
+    if (findings.counts(ROUGH, ratio / LARGE_ROUGHNESS, "")) findings.warn(what.str());
   }
   // Central pressure over hardness: Hertz's p0 times 1 - exp(-2/(3 alpha^0.6)), alpha = sigma over Hertz's overlap.
   double pressure(const Pair &pair, double radius, double force) const {

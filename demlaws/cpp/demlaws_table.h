@@ -180,10 +180,11 @@ public:
   // ds/du where the curve reaches s, up to its last row.
   double slope_where(double s) const {
     double value, slope;
-    evaluate(invert(s), value, slope);
+    evaluate(where(s), value, slope);
     return slope;
   }
-  double where(double s) const { return invert(s); }
+  // u at which the curve reaches s, up to its last row: Newton's method between bounds.
+  double where(double s) const;
   // d ln s / d ln u of a row: the exponent of the power law below it.
   static double exponent(const Row &row) { return row.u * row.slope / row.s; }
 
@@ -229,7 +230,6 @@ private:
   }
   static Cell hermite(double t0, double t1, double width, const Row &left, const Row &right);
   void below(std::vector<Cell> &cells, bool straight, double until);
-  double invert(double s) const;
   Row reversed(double y, double beside) const;
   double gauss(double a, double b) const {
     static const double x[4] = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
@@ -323,7 +323,6 @@ public:
   Unloading unloading() const { return unloads_; }
   // The lines limit_1, limit_2, ... of the header.
   const std::vector<Limit> &limits() const { return limits_; }
-  double first_overlap() const { return loading_.first(); }
   double last_overlap() const { return loading_.last(); }
 
   // s(u) and its slope; false beyond the table. See Curve.
@@ -755,8 +754,7 @@ inline void Curve::below(std::vector<Cell> &cells, bool straight, double until) 
   }
 }
 
-// u at which the curve reaches s, up to its last row: Newton's method between bounds.
-inline double Curve::invert(double s) const {
+inline double Curve::where(double s) const {
   double low = 0., high = u_last_, value, slope;
   if (s < s_first_) high = u_first_;
   double u = 0.5 * high;
@@ -799,7 +797,7 @@ inline void Curve::build_reverse(const Curve &curve) {
 }
 
 inline Row Curve::reversed(double y, double beside) const {
-  Row row = {y, invert(y * beside + seat_), 0.};
+  Row row = {y, where(y * beside + seat_), 0.};
   double s, slope;
   evaluate(row.s, s, slope);
   row.slope = 1. / slope;

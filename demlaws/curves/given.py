@@ -40,17 +40,17 @@ def from_function(
 
 
 def from_points(
-    overlap, force, contact, unloading, uncertainty, residual, knots, scales_with, rtol, name, description
+    overlap, force, contact, unloading, uncertainty, residual, scales_with, rtol, name, description
 ) -> tuple[Contact, TableCurve, Any]:
     """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
     definition = _definition(contact, name, description, scales_with)
-    curve = MeasuredCurve(overlap, force, uncertainty, knots)
+    curve = MeasuredCurve(overlap, force, uncertainty)
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
     _warn_of_other_units(table, contact, curve.largest)
     if isinstance(unloading, tuple | list) and len(unloading) == 2:
         past, back, foot = residual_overlap(unloading[0], unloading[1], residual)
-        other = MeasuredCurve(past, back, None, knots, "unloading")
+        other = MeasuredCurve(past, back, None, "unloading")
         top, reached = float(past.max() + foot), float(back.max())
         expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
         if abs(reached / expected - 1.0) > MeasuredCurve.MOST:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.units import number, real, whole
+from demlaws.units import number, real
 
 FEWEST = 6
 """Overlaps from which on a curve is smoothed; fewer are interpolated."""
@@ -45,9 +45,8 @@ class Knots(NamedTuple):
 class MeasuredCurve:
     """Rising curve of measured points: a smoothing spline in ln δ, ln P (`_smooth`).
 
-    Fewer than 6 overlaps are interpolated as they are. knots: interpolate instead, by Fritsch and Carlson's monotone cubics:
-    up to `knots` points each is a knot (points of one overlap become their mean); more are averaged in ln δ, ln P over so
-    many intervals of equal ratio. Neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is
+    Fewer than 6 overlaps are interpolated, by Fritsch and Carlson's monotone cubics: points of one overlap become their mean,
+    neighbours whose forces fall are averaged (pool adjacent violators). Points whose force is
     further from the curve than 25 % (of it, or of a twentieth of the largest) and 4 standard uncertainties are refused, those
     without an overlap or without a force, which make no knot, too. Below the first knot the curve is a power law with the
     exponent there, from 1 to 4; beyond the last, one with the exponent there.
@@ -59,14 +58,11 @@ class MeasuredCurve:
     MOST = 0.05
     """Difference of the forces with which loading ends and unloading begins, relative."""
 
-    def __init__(
-        self, overlap: Any, force: Any, uncertainty: Any = None, knots: int | None = None, what: str = "first loading"
-    ):
+    def __init__(self, overlap: Any, force: Any, uncertainty: Any = None, what: str = "first loading"):
         (overlap, force, sigma), without = _columns(overlap, force, uncertainty, what)
         order = np.argsort(overlap, kind="stable")
         overlap, force, sigma = overlap[order], force[order], sigma[order]
-        smooth = knots is None and np.unique(overlap).size >= FEWEST
-        groups = _equal_groups(overlap) if smooth else _groups(overlap, whole(knots or FEWEST, "knots", 2, 30))
+        smooth, groups = np.unique(overlap).size >= FEWEST, _equal_groups(overlap)
         x = np.array([np.mean(np.log(overlap[g])) for g in groups])
         y = np.array([np.mean(np.log(force[g])) for g in groups])
         fitted = None
@@ -248,23 +244,6 @@ def _listed(values, what):
     if isinstance(values, str) or not hasattr(values, "__iter__"):
         raise DemlawsError(f"{what}: overlaps [m] and forces [N] are two rows of numbers, got {values!r:.60}")
     return values
-
-
-def _groups(overlap, knots):
-    """Rows of places that become one knot each."""
-    edges = np.flatnonzero(np.diff(overlap) > 0.0) + 1
-    groups = np.split(np.arange(overlap.size), edges)
-    if len(groups) <= knots:
-        return groups
-    x = np.log(overlap)
-    number = np.minimum((knots * (x - x[0]) / (x[-1] - x[0])).astype(int), knots - 1)
-    least, result = overlap.size // (3 * knots), []
-    for group in np.split(np.arange(overlap.size), np.flatnonzero(np.diff(number) > 0) + 1):
-        if result and min(result[-1].size, group.size) < least:  # too few for a mean of their own
-            result[-1] = np.concatenate([result[-1], group])
-        else:
-            result.append(group)
-    return result
 
 
 def _rising(x, y, groups):

@@ -20,54 +20,41 @@ thermo_modify   format float %.17e lost ignore norm no
 thermo          ${every}
 timestep        5e-8
 """
-TWO_PARTICLES = (
-    HEAD
-    + """\
+_MODEL = "demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent"
+
+
+def _scene(region, walls, others, gap, overlap):
+    """Two spheres, of which the second, `gap` from the origin, moves along x."""
+    return f"""\
+{HEAD}\
 boundary        f f f
-newton          ${newton}
-region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
+newton          ${{newton}}
+region          box block {region} units box
 create_box      1 box
 neighbor        1e-4 bin
 neigh_modify    delay 0
 pair_style      granular
-pair_coeff      * * demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent
-variable        gap equal 2*${radius}+1e-7
-variable        diameter equal 2*${radius}
-create_atoms    1 single 0 0 0 units box
-create_atoms    1 single ${gap} 0 0 units box
-set             group all diameter ${diameter} density 2650
-variable        overlap equal "2*v_radius-(xcm(right,x)-xcm(left,x))"
-"""
-    + _WATCH
-    + moves(5e-8)
-)
-# a sphere against a wall at its left: a plane, or the same plane as a region; the first sphere lies far off
-WALL = (
-    HEAD
-    + """\
-boundary        f f f
-newton          ${newton}
-region          box block -0.01 0.06 -0.03 0.03 -0.03 0.03 units box
-create_box      1 box
-neighbor        1e-4 bin
-neigh_modify    delay 0
-pair_style      granular
-pair_coeff      * * demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent
+pair_coeff      * * {_MODEL}
+{walls}\
+variable        gap equal {gap}+1e-7
+variable        diameter equal 2*${{radius}}
+create_atoms    1 single {others} units box
+create_atoms    1 single ${{gap}} 0 0 units box
+set             group all diameter ${{diameter}} density 2650
+variable        overlap equal "{overlap}"
+{_WATCH}{moves(5e-8)}"""
+
+
+_WALLS = f"""\
 variable        model string &
-"granular demlaws/table ${table} ${young} 1.0 0.25 tangential demlaws 1.0 0.5 damping demlaws/tangent"
+"granular {_MODEL}"
 region          ground plane 0 0 0 1 0 0 units box
-if "${wall} == plane" then "fix wall all wall/gran ${model} xplane 0 NULL" &
-else "fix wall all wall/gran/region ${model} region ground"
-variable        gap equal ${radius}+1e-7
-variable        diameter equal 2*${radius}
-create_atoms    1 single 0.05 0 0.02 units box
-create_atoms    1 single ${gap} 0 0 units box
-set             group all diameter ${diameter} density 2650
-variable        overlap equal "v_radius-xcm(right,x)"
+if "${{wall}} == plane" then "fix wall all wall/gran ${{model}} xplane 0 NULL" &
+else "fix wall all wall/gran/region ${{model}} region ground"
 """
-    + _WATCH
-    + moves(5e-8)
-)
+TWO_PARTICLES = _scene("-0.03 0.03 -0.02 0.02 -0.02 0.02", "", "0 0 0", "2*${radius}", "2*v_radius-(xcm(right,x)-xcm(left,x))")
+WALL = _scene("-0.01 0.06 -0.03 0.03 -0.03 0.03", _WALLS, "0.05 0 0.02", "${radius}", "v_radius-xcm(right,x)")
+"""A sphere against a wall at its left: a plane, or the same plane as a region; the first sphere lies far off."""
 
 
 def follow(law, text=TWO_PARTICLES, radius=None, every=4, newton="on", **options):

@@ -8,7 +8,7 @@ import numpy as np
 import demlaws
 from demlaws.errors import DemlawsError
 from demlaws.files import write_atomically
-from demlaws.grains import RUN, make_case, output_folder
+from demlaws.grains import make_case, output_folder
 from demlaws.laws.names import USUAL
 from demlaws.laws.registry import find
 
@@ -133,7 +133,7 @@ def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
         "energies": "" if stock else " c_energy[1] c_energy[2]",
         "taken": "" if stock else " d_demlaws_dissipated",
     }
-    return case.write(folder, _CASE.format(**values), RUN.replace("@ENGINE@", "lammps"))
+    return case.write(folder, _CASE.format(**values), "lammps")
 
 
 _WORDS = "# demlaws/table FILE E restitution nu [roughness of the pair] [against E nu of the other body]\n"

@@ -196,7 +196,7 @@ def _prepare(
     """Shape of the law.
 
     surface: height map, form removed, or the path of one, whose form of order 2 is then removed; it is the gap map of the
-    pair: of two rough bodies, `HeightMap.combined`. curve: "loading" or "reloading" (elastic, after a first loading to
+    pair. curve: "loading" or "reloading" (elastic, after a first loading to
     `load` [N]); max_force: end of the computed curve [N], by default where the contact reaches the edge of the map or
     the bulk yields, whichever comes first. Above it the curve is extrapolated: a power law until it has Hertz's
     stiffness, then that. poisson, plastic_factor, plastic_ratio: ν, c_h, c_A of the asperities

@@ -28,7 +28,6 @@ from demlaws.laws.definition import (
     elastic_bulk,
     power_of,
 )
-from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE_YIELD_PRESSURE
 from demlaws.units import number
 
@@ -141,18 +140,6 @@ def _bulk(p):
     return p.yield_overlap, p.yield_overlap, p.yield_overlap / p.yield_force
 
 
-def _exact(contact, overlap, strength, angle):
-    delta, radius, modulus = (extended(v) for v in (overlap, contact.radius, contact.modulus))
-    sine = np.sin(extended(angle))
-    blunting, h = (1 - sine) / sine, (PI * extended(strength) / (2 * modulus)) ** 2
-    now = np.maximum((delta + radius * blunting) / (h + blunting), radius)
-    elastic = delta - (now - radius) * blunting
-    force = 4 * modulus / 3 * np.sqrt(now) * elastic * np.sqrt(elastic)
-    slope = 1 / (h + blunting)
-    crushed = 8 * modulus / 3 * h * np.sqrt(h) * now * slope
-    return force, np.where(now > radius, crushed, 2 * modulus * np.sqrt(now * elastic))
-
-
 def _advise(conditions):
     return elastic_bulk(conditions, False, f"{conditions.state}: calibrated on ballast in bulk, not measured on contacts")
 
@@ -169,7 +156,6 @@ LAW = Definition(
     length="radius",
     collapses=False,
     example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2},
-    exact=_exact,
     unloading=("elastic", "thornton"),
     refused={
         "hertz": "a crushed tip is wider, and at some contacts Hertz's curve of the old radius returns more work than it took; "

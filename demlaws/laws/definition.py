@@ -69,6 +69,15 @@ def elastic_asperities(conditions: Conditions, fits: bool = True, reason: str = 
     return fits, f"{reason}; if the asperities are elastic: roughness alone does not decide that" if fits else reason
 
 
+def yielding_bulk(conditions: Conditions) -> tuple[bool, str]:
+    """Advice of a law of a smooth sphere whose bulk yields."""
+    if not conditions.yields:
+        return False, f"{conditions.state}: the bulk is elastic; hertz or a rough law will do"
+    smooth = conditions.pressure_drop > 0.95
+    part = "the bulk yields" if smooth else "the bulk yields, but the surface is rough: see rough-plastic"
+    return bool(smooth), f"{conditions.state}: {part}"
+
+
 def plastic_from_the_start(conditions: Conditions) -> tuple[bool, str]:
     """Advice of a law whose parameters are calibrated on bulk tests, not measured on contacts."""
     return False, f"{conditions.state}: its stiffnesses are not those of a contact but calibrated on the bulk's behaviour"
@@ -210,7 +219,6 @@ class Definition(NamedTuple):
     options: dict = {}  # noqa: RUF012  each option of `prepare` → Option
     example: dict = {}  # noqa: RUF012  options with which tests and figures make the law, where it has no default
     example_curve: dict = {}  # noqa: RUF012  what of these changes where the law is an example of an unloading curve
-    exact: Callable | None = None  # contact, overlap, **options → force and stiffness in numpy.longdouble (`extended`)
     unloading: tuple = ("elastic", "hertz")  # rules that it is fitted, chosen and measured with, the plainest first
     rules: tuple = ()  # rules of its own (`own_rule`), which no other law is offered
     rule_numbers: Callable | None = None  # params, length [m], a table's relative error → values of its rule's `keys`, no units

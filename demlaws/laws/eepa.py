@@ -11,7 +11,6 @@ from demlaws.core.shear import of_first_loading
 from demlaws.core.unloading import Rule, own_rule
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits, plastic_from_the_start
-from demlaws.laws.extended import extended, from_hertz
 from demlaws.units import number
 
 
@@ -171,11 +170,6 @@ def _prepare(contact, stiffness_ratio=None, softness=1.0):
     return EepaShape(number(softness, "softness", "", 0.0, 1e3), ratio)
 
 
-def _exact(contact, overlap, stiffness_ratio, softness=1.0):
-    force, stiffness = from_hertz(contact, extended(overlap), 1)
-    return extended(softness) * force, extended(softness) * stiffness
-
-
 def _numbers(p, length, error):
     """k2/(E* √R), δp/δmax."""
     return p.unloading / (0.75 * p.hertz_coefficient), p.plastic_ratio
@@ -196,7 +190,6 @@ LAW = Definition(
     length="radius",
     example={"stiffness_ratio": 3.0},
     example_curve={"softness": 4.0},
-    exact=_exact,
     unloading=("elastic", "eepa"),
     rules=(EEPA,),
     rule_numbers=_numbers,

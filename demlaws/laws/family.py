@@ -185,17 +185,21 @@ def _solve(model, value):
     return curve(model, value)
 
 
-def _curve_shape(solved, share, lowest, highest):
+@functools.lru_cache(maxsize=64)
+def _curve_shape(model, value, share, lowest, highest):
     """The curve as a table in the overlap over σ: straight in s, as P ∝ δ^1.5, to the seat, then the solver's."""
-    seat, equivalent, slope = _seat(solved, share)
+    solved = _solve(model, value)
+    seat, equivalent, slope = _seat(model, value, share)
     u, _ = grid(lowest, highest, [], _BITS)
     s, slopes = solved.hertz_overlap(np.maximum(u - equivalent / slope, 0.0) + seat)
     below = u * slope < equivalent
     return shape_from_nodes(Nodes.from_curve(u, np.where(below, slope * u, s), np.where(below, slope, slopes)), _BITS, 1.0, 0.0)
 
 
-def _seat(solved, share):
+@functools.lru_cache(maxsize=64)
+def _seat(model, value, share):
     """U, s and ds/dU of a curve at the seating load."""
+    solved = _solve(model, value)
     approach = solved.approach(share)
     return tuple(float(v) for v in (approach, *solved.hertz_overlap(approach)))
 
@@ -221,11 +225,11 @@ def prepare(model, law, contact, seating_share, rtol):
         from demlaws.solvers.axisymmetric import family
 
         values = [float(v) for v in family(model, low, high, rtol=rtol, reference_force=share)]
-    curves = [_solve(model, value) for value in values]
-    seats = [_seat(c, share) for c in curves]
+    seats = [_seat(model, value, share) for value in values]
     lowest = min(equivalent / slope for _, equivalent, slope in seats)
-    highest = max(float(curves[0].approach(_HIGHEST_FORCE)) - seats[0][0], float(np.max(0.1 * radius / roughness)))
-    shapes = [_curve_shape(c, share, lowest, highest) for c in curves]
+    end = float(_solve(model, values[0]).approach(_HIGHEST_FORCE)) - seats[0][0]
+    highest = max(end, float(np.max(0.1 * radius / roughness)))
+    shapes = [_curve_shape(model, value, share, lowest, highest) for value in values]
     if len(shapes) == 1:
         return ImplicitShape(shapes[0], law, low)
     ratio = math.log(values[-1] / values[0]) / (len(values) - 1)

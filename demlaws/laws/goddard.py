@@ -3,13 +3,10 @@
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import cbrt, hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition, Drawing, Fitting, Option, Parameter, slope_softens
-from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.laws.pohrt_popov import transition_energy
 from demlaws.units import number
 
@@ -79,13 +76,6 @@ def _prepare(contact, slope=None):
     return GoddardShape(3.0 * math.pi**2 / 16.0 * max(tangent**2, 1e-40))
 
 
-def _exact(contact, overlap, slope):
-    delta = extended(overlap)
-    d = 3 * PI**2 / 16 * np.tan(extended(slope)) ** 2 * extended(contact.radius)
-    t = delta / d
-    return from_hertz(contact, np.where(t < 1, extended(3) / 4 * delta * np.cbrt(t), delta - d / 4), np.minimum(np.cbrt(t), 1))
-
-
 LAW = Definition(
     name="goddard",
     prepare=_prepare,
@@ -96,7 +86,6 @@ LAW = Definition(
     length="radius",
     example={"slope": 0.035},
     example_curve={"slope": 0.03},
-    exact=_exact,
     options={
         "slope": Option("rad", "0 to 1", "slope β of the tip's or the surface's flank; needed", slope_softens),
     },

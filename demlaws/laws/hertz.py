@@ -46,12 +46,6 @@ def _prepare(contact):
     return HertzShape()
 
 
-def _exact(contact, overlap):
-    from demlaws.laws.extended import extended, from_hertz
-
-    return from_hertz(contact, extended(overlap), 1)
-
-
 def _advise(conditions):
     drop = float(conditions.pressure_drop)
     reason = f"α = {conditions.roughness_parameter:.2g} at first: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
@@ -65,7 +59,6 @@ LAW = Definition(
     source="Hertz 1882; Johnson, Contact Mechanics, 1985, ch. 4",
     description="smooth elastic spheres",
     length="radius",
-    exact=_exact,
     unloading=("elastic",),  # which is Hertz's
     hertzian=True,
     fitting=Fitting(free=("modulus",)),

@@ -17,10 +17,9 @@ from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, no_limits, yielding_bulk
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
-from demlaws.laws.extended import PI, extended, from_hertz
-from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION, advise_smooth
+from demlaws.laws.kogut_etsion import POISSON_OPTION, STRENGTH, STRENGTH_OPTION
 from demlaws.units import number
 
 _LOG2_E = 1.4426950408889634
@@ -157,28 +156,6 @@ def _numbers(p, length, error):
     return _YIELD * p.critical_overlap / length, p.spread
 
 
-def _exact(contact, overlap, yield_strength, poisson=0.3):
-    delta, radius, modulus, strength = (extended(v) for v in (overlap, contact.radius, contact.modulus, yield_strength))
-    c = extended("1.295") * np.exp(extended("0.736") * extended(poisson))
-    critical = (PI * c * strength / (2 * modulus)) ** 2 * radius
-    w = delta / critical
-    b = extended("0.14") * np.exp(23 * np.minimum(strength / modulus, extended("0.1")))
-    spread = np.sqrt(critical * w / radius * (w / extended("1.9")) ** b) ** extended("-0.7")
-    hardness = extended("2.84") * (1 - np.exp(extended("-0.82") * spread))
-    bulk, deep = w ** (extended(5) / 12), w ** (extended(5) / 9)
-    left = np.exp(-deep / 25)
-    plastic = np.exp(-bulk / 4) * w**1.5 + 4 * hardness / c * (1 - left) * w
-    slope = np.exp(-bulk / 4) * np.sqrt(w) * (extended("1.5") - 5 * bulk / 48)
-    slope += 4 * hardness / c * (1 - left + left * deep / 45)
-    slope -= (
-        4 * extended("2.84") / c * (1 - left) * np.exp(extended("-0.82") * spread) * spread * extended("0.574") * (1 + b) / 2
-    )
-    carried = from_hertz(contact, critical, 1)[0]
-    force, tangent = from_hertz(contact, delta, 1)
-    yields = (plastic < w**1.5) & (w > extended("0.01"))
-    return np.where(yields, carried * plastic, force), np.where(yields, carried / critical * slope, tangent)
-
-
 LAW = Definition(
     name="jackson-green",
     prepare=_prepare,
@@ -190,7 +167,6 @@ LAW = Definition(
     length="radius",
     collapses=False,
     example={"yield_strength": 1.0375e9},
-    exact=_exact,
     unloading=("elastic", "etsion"),
     rules=(ETSION, JACKSON),
     rule_numbers=_numbers,
@@ -200,7 +176,7 @@ LAW = Definition(
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
     advice=Advice(
         rigid="its hardness goes with a/R and S_y/E*, which softer contacts change; take kogut-etsion or thornton-ning",
-        advise=advise_smooth,
+        advise=yielding_bulk,
         smooth=True,
     ),
     drawing=Drawing(label="Jackson-Green", colour="#de77ae", line="-."),

@@ -21,9 +21,8 @@ from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Limit, Option, Parameter
+from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Limit, Option, Parameter, yielding_bulk
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
-from demlaws.laws.extended import PI, extended, from_hertz
 from demlaws.units import number
 
 _FACTOR1, _POWER1, _FACTOR2, _POWER2 = 1.03, 1.425, 1.40, 1.263
@@ -137,28 +136,6 @@ def _numbers(p, length, error):
     return p.critical_overlap * _AREA ** (-1.0 / (_AREA_POWER - 1.0)) / length, _AREA_POWER - 1.0
 
 
-def _exact(contact, overlap, yield_strength, poisson=0.3):
-    delta = extended(overlap)
-    pressure = (extended("0.454") + extended("0.41") * extended(poisson)) * extended("2.8") * extended(yield_strength)
-    critical = (PI * pressure / (2 * extended(contact.modulus))) ** 2 * extended(contact.radius)
-    w = delta / critical
-    carried = from_hertz(contact, critical, 1)[0]
-    powers = [(extended(factor), extended(power)) for factor, power in (("1", "1.5"), ("1.03", "1.425"), ("1.40", "1.263"))]
-    branches = np.array([factor * w**power for factor, power in powers])
-    least = np.argmin(branches, axis=0)
-    force = carried * np.take_along_axis(branches, least[None], 0)[0]
-    return force, force * np.array([power for _, power in powers])[least] / delta
-
-
-def advise_smooth(conditions):
-    """Advice of the laws of a smooth sphere whose bulk yields."""
-    if not conditions.yields:
-        return False, f"{conditions.state}: the bulk is elastic; hertz or a rough law will do"
-    smooth = conditions.pressure_drop > 0.95
-    part = "the bulk yields" if smooth else "the bulk yields, but the surface is rough: see rough-plastic"
-    return bool(smooth), f"{conditions.state}: {part}"
-
-
 STRENGTH = Parameter(
     "Pa", True, lambda c: (1e-5 * c.modulus, 0.3 * c.modulus), lambda c: c.modulus * np.geomspace(0.005, 0.1, 3), option=True
 )
@@ -176,7 +153,6 @@ LAW = Definition(
     length="radius",
     collapses=False,
     example={"yield_strength": 1.0375e9},
-    exact=_exact,
     unloading=("elastic", "etsion"),
     rules=(ETSION, JACKSON),
     rule_numbers=_numbers,
@@ -184,6 +160,6 @@ LAW = Definition(
     refused=NOT_THORNTON,
     options={"yield_strength": STRENGTH_OPTION, "poisson": POISSON_OPTION},
     fitting=Fitting(identifiable=False, parameters={"yield_strength": STRENGTH}, free=("yield_strength",)),
-    advice=Advice(advise=advise_smooth, smooth=True),
+    advice=Advice(advise=yielding_bulk, smooth=True),
     drawing=Drawing(label="Kogut-Etsion", colour="#4d9221", line="--"),
 )

@@ -6,8 +6,6 @@ Compared with MercuryDPM (LinearPlasticViscoelasticInteraction.cc): δ* = k̂2/(
 
 from typing import NamedTuple
 
-import numpy as np
-
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
@@ -22,7 +20,6 @@ from demlaws.laws.definition import (
     no_limits,
     plastic_from_the_start,
 )
-from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import K1, LINEAR, ONLY_STRAIGHT, STRAIGHT, LinearParams, numbers
 from demlaws.units import number
 
@@ -61,13 +58,6 @@ def _kinks(p, **_):
     return [p.limit]
 
 
-def _exact(contact, overlap, loading_stiffness, stiffness_ratio, plasticity_depth):
-    k1, ratio, delta = extended(loading_stiffness), extended(stiffness_ratio), extended(overlap)
-    limit = ratio / (ratio - 1) * extended(plasticity_depth) * 2 * extended(contact.radius)
-    more = np.maximum(delta - limit, 0)
-    return k1 * (delta - more) + ratio * k1 * more, np.where(more > 0, ratio * k1, k1)
-
-
 LAW = Definition(
     name="luding",
     prepare=_prepare,
@@ -80,7 +70,6 @@ LAW = Definition(
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},
     example_curve={"loading_stiffness": 1.5e7},
-    exact=_exact,
     unloading=("elastic", "linear"),
     rules=(LINEAR,),
     rule_numbers=numbers,

@@ -96,11 +96,6 @@ bind(PohrtPopovShape, scale=_scale)
 bind(PohrtPopovParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
-def stiffness_exponent(fractal_dimension):
-    """m of K ∝ P^m: 0.2567 Df."""
-    return 0.2567 * fractal_dimension
-
-
 def _prepare(contact):
     # Extended precision once, so that the exponent and the threshold carry one rounding each.
     dimension = np.longdouble(contact.fractal_dimension)
@@ -108,17 +103,6 @@ def _prepare(contact):
     root_pi = np.sqrt(np.longdouble("3.14159265358979323846264338327950288"))
     kappa = np.longdouble(3) / 4 * root_pi * (20 / (root_pi**3 * dimension)) ** (1 / m)
     return PohrtPopovShape(float(2 / (3 * (1 - m))), float(kappa))
-
-
-def _exact(contact, overlap):
-    from demlaws.laws.extended import PI, extended, from_hertz
-
-    dimension, sigma, delta = extended(contact.fractal_dimension), extended(contact.roughness), extended(overlap)
-    m = extended("0.2567") * dimension
-    r = 2 / (3 * (1 - m))
-    h = extended(3) / 4 * np.sqrt(PI) * (20 / (np.sqrt(PI) ** 3 * dimension)) ** (1 / m) * sigma
-    t = delta / (r * h)
-    return from_hertz(contact, np.where(t < 1, h * t**r, delta - (r - 1) * h), np.where(t < 1, t ** (r - 1), 1))
 
 
 def _advise(conditions):
@@ -133,7 +117,6 @@ LAW = Definition(
     description="self-affine roughness",
     kinks=_kinks,
     needs=("fractal_dimension",),
-    exact=_exact,
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")
     ),

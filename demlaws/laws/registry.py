@@ -11,7 +11,6 @@ import sys
 import traceback
 import zlib
 from collections import defaultdict
-from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -154,23 +153,6 @@ def _home(names: dict[str, Any]) -> str:
     """Where the code that registers stands: its file, or the name of its module."""
     file = names.get("__file__")
     return os.path.realpath(file) if file else str(names.get("__name__", "?"))
-
-
-@contextlib.contextmanager
-def restored() -> Iterator[None]:
-    """Whatever is registered or loaded within goes again at its end: for tests and trials."""
-    known: tuple[Any, ...] = (_own, _homes, _marks, _loaded)
-    kept = [one.copy() for one in known]
-    files = os.environ.get(VARIABLE)
-    try:
-        yield
-    finally:
-        os.environ.pop(VARIABLE, None)
-        if files is not None:
-            os.environ[VARIABLE] = files
-        for one, old in zip(known, kept, strict=True):
-            one.clear()
-            one.update(old)
 
 
 def _check(definition: Any) -> None:

@@ -8,7 +8,6 @@ import numpy as np
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.laws.definition import ROUGHNESS, Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_asperities
-from demlaws.laws.extended import extended, from_hertz
 
 
 class RmsShape(NamedTuple):
@@ -110,19 +109,6 @@ def _limits(contact):
     return limits
 
 
-def _exact(contact, overlap):
-    sigma = extended(contact.roughness)
-    u = extended(overlap) / sigma
-    s = np.where(u < 2, u / 4, np.maximum(u - extended("1.4"), u / 2))
-    for _ in range(80):  # Newton in log s: u(s) rises from 5.76 s to s + 1.4
-        ratio = (extended("2.4") + 2 * s) / (1 + 2 * s)
-        value = np.log(s) + 2 * np.log(ratio) - np.log(u)
-        slope = 1 + 2 * s * (2 / (extended("2.4") + 2 * s) - 2 / (1 + 2 * s))
-        s = s * np.exp(-value / slope)
-    ratio = (extended("2.4") + 2 * s) / (1 + 2 * s)
-    return from_hertz(contact, s * sigma, 1 / (ratio * (ratio + 4 * s * (1 - ratio) / (1 + 2 * s))))
-
-
 def _advise(conditions):
     alpha = conditions.roughness_parameter
     return elastic_asperities(conditions, alpha <= 1.0, f"α = {alpha:.2g} at first: the fit was made on surfaces up to 1")
@@ -135,7 +121,6 @@ LAW = Definition(
     source="Greenwood, Johnson & Matsubara 1984; Yimsiri & Soga 2000; Altuhafi, Baudet & Coop 2023, Eq. 5",
     description="rough metal surfaces, fitted",
     limits=_limits,
-    exact=_exact,
     fitting=Fitting(parameters={"roughness": ROUGHNESS}, free=("roughness",)),
     advice=Advice(advise=_advise, rank=2, candidate=True),
     drawing=Drawing(label="RMS", colour="#1f77b4"),

@@ -28,7 +28,6 @@ from demlaws.laws.definition import (
     Option,
     Parameter,
 )
-from demlaws.laws.extended import PI, extended
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.units import number
 
@@ -201,28 +200,6 @@ def _limits(contact, **options):
     return [limit._replace(maximum_force=math.inf) for limit in limits if limit.minimum_force > 0.0]
 
 
-def _exact(contact, overlap, **options):
-    definition, rest = _of_loading(options)
-    if definition.exact is None:
-        return None
-    shape = _prepare(contact, **options)
-    delta = extended(overlap)
-    stiffness = PI * extended(contact.radius) * extended(shape.yield_pressure)
-    after = PI * extended(contact.radius) * extended(shape.stiffness_pressure)
-    pressure = extended(shape.load_pressure)
-    load = PI**3 / 6 * pressure * (extended(contact.radius) * pressure / extended(contact.modulus)) ** 2
-    middle = np.log(extended(contact.radius))
-    low, high = middle - 70, middle + 7
-    for _ in range(45):  # to 2e-12 of δ_y: where K = K_y the force changes with the square of that
-        middle = (low + high) / 2
-        force, tangent = definition.exact(contact, np.exp(middle), **rest)
-        before = force < load if shape.load_pressure > 0.0 else tangent < stiffness
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    yields = np.exp(low)
-    force, tangent = definition.exact(contact, np.minimum(delta, yields), **rest)
-    return force + after * np.maximum(delta - yields, 0), np.where(delta > yields, after, tangent)
-
-
 def _advise(conditions):
     part = "the bulk yields" if conditions.yields else "the bulk is elastic; a rough law alone will do"
     return conditions.yields, f"{conditions.state}: {part}"
@@ -240,7 +217,6 @@ LAW = Definition(
     collapses=False,
     before_yield=_before_yield,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
-    exact=_exact,
     unloading=("elastic", "hertz", "thornton"),
     options={
         "yield_pressure": Option("Pa", "above 0", "p_y = K_y/(π R), K_y: stiffness at yield and after; needed", PRESSURE),

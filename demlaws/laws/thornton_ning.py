@@ -9,8 +9,7 @@ from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits
-from demlaws.laws.extended import PI, extended, from_hertz
+from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits, yielding_bulk
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
 from demlaws.materials import GRANITE_YIELD_PRESSURE
@@ -53,23 +52,6 @@ def _bulk(p):
     return p.yield_overlap, p.yield_area, p.area_slope
 
 
-def _exact(contact, overlap, yield_pressure):
-    delta, radius, modulus = (extended(v) for v in (overlap, contact.radius, contact.modulus))
-    pressure = extended(yield_pressure)
-    yields = (PI * pressure / (2 * modulus)) ** 2 * radius
-    stiffness = PI * radius * pressure
-    force, tangent = from_hertz(contact, np.minimum(delta, yields), 1)
-    return force + stiffness * np.maximum(delta - yields, 0), np.where(delta > yields, stiffness, tangent)
-
-
-def _advise(conditions):
-    if not conditions.yields:
-        return False, f"{conditions.state}: the bulk is elastic; hertz or a rough law will do"
-    smooth = conditions.pressure_drop > 0.95
-    part = "the bulk yields" if smooth else "the bulk yields, but the surface is rough: see rough-plastic"
-    return bool(smooth), f"{conditions.state}: {part}"
-
-
 LAW = Definition(
     name="thornton-ning",
     prepare=_prepare,
@@ -82,7 +64,6 @@ LAW = Definition(
     length="radius",
     collapses=False,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
-    exact=_exact,
     unloading=("elastic", "hertz", "thornton"),
     default_unloading="thornton",
     options={
@@ -105,6 +86,6 @@ LAW = Definition(
         },
         free=("yield_pressure",),
     ),
-    advice=Advice(advise=_advise, smooth=True),
+    advice=Advice(advise=yielding_bulk, smooth=True),
     drawing=Drawing(label="Thornton-Ning", colour="#bcbd22", line="--"),
 )

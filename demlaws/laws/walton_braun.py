@@ -19,7 +19,6 @@ from demlaws.laws.definition import (
     no_limits,
     plastic_from_the_start,
 )
-from demlaws.laws.extended import extended
 from demlaws.laws.linear_unloading import K1, LINEAR, ONLY_STRAIGHT, STRAIGHT, LinearParams, numbers
 from demlaws.units import number
 
@@ -56,11 +55,6 @@ def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, growth=None)
     return WaltonBraunShape(k1, 1.0, number(growth, "growth", "1/m", allow_low=True))
 
 
-def _exact(contact, overlap, loading_stiffness, stiffness_ratio=None, growth=None):
-    k1, delta = extended(loading_stiffness), extended(overlap)
-    return k1 * delta, k1 + 0 * delta
-
-
 LAW = Definition(
     name="walton-braun",
     prepare=_prepare,
@@ -72,7 +66,6 @@ LAW = Definition(
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 2.0},
     example_curve={"loading_stiffness": 6e6},
-    exact=_exact,
     unloading=("elastic", "linear"),
     rules=(LINEAR,),
     rule_numbers=numbers,

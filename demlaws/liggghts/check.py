@@ -1,11 +1,7 @@
 """Prove the plugin on this machine: versions, build, and two particles pressed together inside LIGGGHTS."""
 
-import shutil
-import subprocess
-
 from demlaws.engines import laws_to_check, moves, self_test
-from demlaws.errors import DemlawsError
-from demlaws.liggghts.build import PACKAGES, build, engine_library, headers, packaged
+from demlaws.liggghts.build import build, engine_library, headers
 from demlaws.liggghts.run import ENGINE, HEAD, executable, versions
 
 _PARTICLES = """\
@@ -51,27 +47,10 @@ def follow(law, text=WITH_ENERGIES, **options):
     return ENGINE.follow(law, text, **options)
 
 
-def packages():
-    """Debian's versions of the binary, library and headers; raises where they differ."""
-    if not shutil.which("dpkg-query"):
-        return {}
-    names = ("liggghts", "libliggghts[0-9]*", "libliggghts-dev")  # libliggghts3, since Debian 13 libliggghts3t64
-    out = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${Version}\n", *names], capture_output=True, text=True).stdout
-    found = dict(line.split() for line in out.splitlines() if len(line.split()) == 2)
-    if len(set(found.values())) > 1:
-        raise DemlawsError(f"binary, library and headers differ in version: {found}; {PACKAGES}")
-    return found
-
-
 def check(report=print):
     """Versions, build and self-test; prints the results, raises DemlawsError at the first failure."""
     report(f"binary    {executable()}: {versions()}")
-    library = engine_library()
-    if packaged(library):
-        for name, version in packages().items():
-            report(f"package   {name} {version}")
-    else:
-        report(f"library   {library}, headers {headers()}")
+    report(f"library   {engine_library()}, headers {headers()}")
     report(f"plugin    {build()}")
     for law, rtol, limit, name in laws_to_check():
         self_test(report, *follow(law, rtol=rtol), name, limit)

@@ -9,71 +9,43 @@ import numpy as np
 import demlaws
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.files import write_atomically
-from demlaws.grains import RUN, make_case, output_folder
+from demlaws.grains import make_case, output_folder
 from demlaws.laws.names import USUAL
 from demlaws.make import law as make_law
 from demlaws.units import number
 
 
 class StockFit(NamedTuple):
-    """A stock model that meets a law at one load, and how far it is from it elsewhere."""
+    """Stock `hertz` that meets a law at one load, and how far it is from it elsewhere."""
 
-    model: str  # hertz or edinburgh/stiffness
     load: float  # [N]
-    parameters: dict  # what the input sets
+    modulus: float  # effective modulus that the input sets [Pa]
     loads: np.ndarray  # [N]
-    error: np.ndarray  # (force of the stock model at the law's overlap) / load - 1
-    plastic_error: float  # (plastic overlap after unloading from `load`) / (the law's) - 1; NaN where the law has none
+    error: np.ndarray  # (force of stock hertz at the law's overlap) / load - 1
 
     def table(self):
         """The errors as text lines."""
-        lines = [
-            f"fit of stock {self.model} at {self.load:g} N: " + ", ".join(f"{k} = {v:.6g}" for k, v in self.parameters.items())
+        lines = [f"fit of stock hertz at {self.load:g} N: effective modulus [Pa] = {self.modulus:.6g}"]
+        return lines + [
+            f"  at {p:8.3g} N the force is {100 * e:+7.1f} % off" for p, e in zip(self.loads, self.error, strict=True)
         ]
-        lines += [f"  at {p:8.3g} N the force is {100 * e:+7.1f} % off" for p, e in zip(self.loads, self.error, strict=True)]
-        if not math.isnan(self.plastic_error):
-            lines.append(f"  plastic overlap after {self.load:g} N: {100 * self.plastic_error:+.1f} % off")
-        return lines
 
 
-def stock_fit(law, load, model="hertz", loads=None):
-    """Stock `hertz` or `edinburgh/stiffness` that meets `law` (one contact) at `load` [N] of first loading.
+def stock_fit(law, load, loads=None):
+    """Stock `hertz` that has the overlap of `law` (one contact) at `load` [N] of first loading, and its errors at `loads`.
 
-    hertz: the effective modulus for which Hertz has the law's overlap at that load; elastic, so no hysteresis. Serves
-    all radii as far as Hertz does. edinburgh/stiffness: P = k δ^n with the law's overlap and tangent, and k2/k1 for the
-    law's plastic overlap after that load; holds for this radius only, loses its history when a contact changes ranks
-    and takes no damping: one rank, coefficientRestitution 1. [the fits: our derivation]
+    Elastic, so no hysteresis. Serves all radii as far as Hertz does. [our derivation]
     """
     load = number(load, "load", "N")
-    contact = law.contact
-    if contact.size is not None:
+    if law.contact.size is not None:
         raise DemlawsError("a stock fit needs one contact, not an array of them")
     loads = load * np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0]) if loads is None else np.asarray(loads, float)
     with warnings.catch_warnings():  # the table of errors goes beyond the law's support on purpose
         warnings.simplefilter("ignore", ValidityWarning)
         overlap, overlaps = float(law.overlap(load)), np.asarray(law.overlap(loads))
-        path = law.follow(np.array([overlap]))
-    plastic = float(path.plastic_overlap[0]) if law.state_size else 0.0
-    if model == "hertz":
-        modulus = load / (4.0 / 3.0 * math.sqrt(contact.radius) * overlap**1.5)
-        forces = 4.0 / 3.0 * modulus * math.sqrt(contact.radius) * overlaps**1.5
-        parameters, left = {"effective modulus [Pa]": modulus}, 0.0
-    elif model in ("edinburgh", "edinburgh/stiffness"):
-        model = "edinburgh/stiffness"
-        exponent = float(law.stiffness(overlap)) * overlap / load
-        stiffness = load / overlap**exponent
-        kept = (max(plastic, 0.0) / overlap) ** exponent
-        forces = stiffness * overlaps**exponent
-        parameters = {
-            "LoadingStiffness": stiffness,
-            "overlapExponent": exponent,
-            "UnloadingStiffness": 1.0 / (1.0 - kept),
-        }
-        left = overlap * kept ** (1.0 / exponent)
-    else:
-        raise DemlawsError(f"stock model {model!r}: choose hertz or edinburgh")
-    plastic_error = left / plastic - 1.0 if plastic > 0.0 else math.nan
-    return StockFit(model, load, parameters, loads, forces / loads - 1.0, plastic_error)
+    modulus = load / (4.0 / 3.0 * math.sqrt(law.contact.radius) * overlap**1.5)
+    forces = 4.0 / 3.0 * modulus * math.sqrt(law.contact.radius) * overlaps**1.5
+    return StockFit(load, modulus, loads, forces / loads - 1.0)
 
 
 def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
@@ -81,41 +53,36 @@ def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
 
     law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written
     are the tables (one for all pairs where the law collapses, else one per pair of types and a wall), in.case with its
-    property block, run.sh and post/. Walls are of the first grain's material and have the last type. With stock="hertz" or
-    "edinburgh", fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at other loads.
+    property block, run.sh and post/. Walls are of the first grain's material and have the last type. With stock="hertz",
+    fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at other loads.
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     if case.stock is None:
         words, roughness = table_words(case, folder)
-        model = _Model("demlaws/table", words, roughness, [g.material.young for g in case.grains])
-        return case.write(folder, _render(case, model), RUN.replace("@ENGINE@", "liggghts"), stock=None)
-    model = _stock_model(case, stock_fit(case.bound(case.grains[0].contact(case.grains[0])), case.load, case.stock))
-    write_atomically(folder / "fit.txt", "\n".join(model.notes) + "\n")
-    return case.write(folder, _render(case, model), _RUN_STOCK, stock=model.name)
+        model = _Model("demlaws/table", "demlaws", words, roughness, [g.material.young for g in case.grains])
+        return case.write(folder, _render(case, model), "liggghts")
+    if case.stock != "hertz":
+        raise DemlawsError(f"stock model {case.stock!r}: only hertz is fitted")
+    notes = stock_fit(case.bound(case.grains[0].contact(case.grains[0])), case.load).table()
+    write_atomically(folder / "fit.txt", "\n".join(notes) + "\n")
+    model = _Model("hertz", "history", "", None, [_stock_young(case, grain) for grain in case.grains], notes)
+    return case.write(folder, _render(case, model), "liggghts")
 
 
 class _Model(NamedTuple):
     """What a case says of its contact model."""
 
     name: str
+    tangential: str
     words: str  # behind `tangential ...`, for pairs and walls
     roughness: list | None  # Sq of each type [m], where the table is for all of them
     young: list  # [Pa] of each type
-    fit: StockFit | None = None
-    notes: tuple = ()
-    damped: bool = True
+    notes: tuple = ()  # of a fit
 
 
-def _stock_model(case, fit):
-    notes = fit.table()
-    if fit.model == "hertz":
-        young = []
-        for grain in case.grains:
-            own = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load, "hertz")
-            young.append(2.0 * own.parameters["effective modulus [Pa]"] * (1.0 - grain.material.poisson**2))
-        return _Model("hertz", "", None, young, fit, tuple(notes))
-    notes.append("one rank only, no damping: stock edinburgh loses its history across ranks and blows up with damping")
-    return _Model(fit.model, "", None, [g.material.young for g in case.grains], fit, tuple(notes), damped=False)
+def _stock_young(case, grain):
+    fit = stock_fit(make_law(case.law, grain.contact(grain), **case.options), case.load)
+    return 2.0 * fit.modulus * (1.0 - grain.material.poisson**2)
 
 
 def table_words(case, folder):
@@ -151,7 +118,7 @@ def _render(case, model):
         return [*values, values[0]]
 
     values = {
-        "title": case.title + (f", as a fit of stock {model.name}" if model.fit else ""),
+        "title": case.title + (f", as a fit of stock {model.name}" if model.notes else ""),
         "version": demlaws.__version__,
         "notes": "".join(f"# {line}\n" for line in model.notes),
         "side": side,
@@ -159,11 +126,11 @@ def _render(case, model):
         "types": types,
         "young": " ".join(f"{v:.10g}" for v in [*model.young, model.young[0]]),
         "poisson": " ".join(f"{v:g}" for v in of_types("poisson")),
-        "restitution": f"{types} {_matrix(case.restitution if model.damped else 1.0, types)}",
+        "restitution": f"{types} {_matrix(case.restitution, types)}",
         "friction": f"{types} {_matrix(case.friction, types)}",
-        "more": _more_properties(model, types),
+        "more": _more_properties(model),
         "model": model.name,
-        "tangential": "history" if model.fit else "demlaws",
+        "tangential": model.tangential,
         "words": f" {model.words}" if model.words else "",
         "step": f"{step:g}",
         "steps": steps,
@@ -194,33 +161,11 @@ def _matrix(value, n):
     return " ".join([f"{value:.12g}"] * (n * n))
 
 
-def _more_properties(model, types):
-    lines = []
-    if model.roughness is not None:
-        values = " ".join(f"{v:.10g}" for v in [*model.roughness, model.roughness[0]])
-        lines.append(f"fix             p5 all property/global surfaceRoughness peratomtype {values}")
-    return "".join(line + "\n" for line in lines) + (stock_properties(model.fit, types) if model.fit else "")
-
-
-def stock_properties(fit, types):
-    """The property lines that a stock model's fit needs; none for hertz."""
-    if fit.model == "hertz":
+def _more_properties(model):
+    if model.roughness is None:
         return ""
-    parameters = fit.parameters
-    values = {
-        "LoadingStiffness": parameters["LoadingStiffness"],
-        "UnloadingStiffness": parameters["UnloadingStiffness"],
-        "pullOffForce": 0.0,
-        "surfaceEnergy": 0.0,
-        "coefficientAdhesionStiffness": 0.0,
-    }
-    lines = [
-        f"fix             p6_{name} all property/global {name} peratomtypepair {types} {_matrix(value, types)}"
-        for name, value in values.items()
-    ]
-    for name, value in (("overlapExponent", parameters["overlapExponent"]), ("adhesionExponent", 1.0)):
-        lines.append(f"fix             p7_{name} all property/global {name} scalar {value:.12g}")
-    return "".join(line + "\n" for line in lines)
+    values = " ".join(f"{v:.10g}" for v in [*model.roughness, model.roughness[0]])
+    return f"fix             p5 all property/global surfaceRoughness peratomtype {values}\n"
 
 
 _CASE = """\
@@ -283,17 +228,4 @@ next            turn
 jump            in.case settle
 label           rest
 print           "kinetic energy ${{moving}} J; grains at rest have less than {rest:.3g} J"
-"""
-
-_RUN_STOCK = """\
-#!/bin/sh
-# ./run.sh [ranks]: stock liggghts, no plugin
-set -e
-cd "$(dirname "$0")"
-ranks=${1:-1}
-if [ "$ranks" -gt 1 ]; then
-  root=; [ "$(id -u)" = 0 ] && root=--allow-run-as-root
-  exec mpirun $root --oversubscribe -np "$ranks" "${DEMLAWS_LIGGGHTS:-liggghts}" -in in.case
-fi
-exec "${DEMLAWS_LIGGGHTS:-liggghts}" -in in.case
 """

@@ -175,32 +175,3 @@ def nine_point_figure(heights):
     right.semilogx(np.abs(radius) * MICRO, z * MICRO, ".", ms=3)
     right.set(xlabel="radius of curvature (µm)", ylabel="height of the summit (µm)")
     return fig
-
-
-def law_figure(contact, laws):
-    """Force against overlap of loading and reloading laws of a map, beside Hertz and the model's own points.
-
-    laws: name → demlaws.Law.
-    """
-    fig, (left, right) = figure(columns=2, width=5.2, height=4.1)
-    pair = contact.pair
-    first = next(iter(laws.values()))
-    limits = [limit.maximum_force * (1 - 1e-9) for limit in first.limits()]
-    end = min([4.0 * contact.heights.sq, *(first.overlap(force) for force in limits)])
-    force = np.geomspace(1e-4, 1.0, 200) * contact.at(end).load
-    left.loglog(
-        (9 * force**2 / (16 * pair.radius * pair.modulus**2)) ** (1 / 3) * MICRO, force, "--", color="#222222", label="Hertz"
-    )
-    stiffness = (6 * force * pair.radius * pair.modulus**2) ** (1 / 3)
-    right.loglog(force, stiffness / 1e3, "--", color="#222222", label="Hertz")
-    for (name, law), colour in zip(laws.items(), ("#e377c2", "#7f3fbf", "#2ca02c"), strict=False):
-        overlap = np.array([law.overlap(float(f)) for f in force])
-        left.loglog(overlap * MICRO, force, color=colour, label=name)
-        right.loglog(force, np.array([law._both(d)[1] for d in overlap]) / 1e3, color=colour, label=name)
-    overlaps = end * np.geomspace(1e-3, 1, 40)
-    left.loglog(overlaps * MICRO, [contact.at(d).load for d in overlaps], "k.", ms=4, label="model, one cut each")
-    left.set(xlabel="overlap (µm)", ylabel="force (N)")
-    right.set(xlabel="force (N)", ylabel="tangent stiffness (N/mm)")
-    left.legend(fontsize=8)
-    right.legend(fontsize=8)
-    return fig

@@ -137,18 +137,6 @@ def ellipsoid(p, ab, gamma, mean_radius, geometric_radius, indentation, yield_fa
     return mean * area, area, ELASTIC_PLASTIC, first, full, elastic_area, gamma / ab, gamma
 
 
-@loop
-def _ellipsoid_loop(p, radius_x, radius_y, indentation, out):
-    for i in range(indentation.size):
-        rx, ry = radius_x[i], radius_y[i]
-        ratio = max(rx, ry) / min(rx, ry)
-        mean, geometric = rx * ry / (rx + ry), math.sqrt(rx * ry)
-        alpha, beta, gamma = _shape_factors(ratio)
-        values = ellipsoid(p, alpha * beta, gamma, mean, geometric, indentation[i], p.yield_factor, False)
-        out[i, 0], out[i, 1], out[i, 2], out[i, 3], out[i, 4] = values[0], values[1], values[2], values[3], values[4]
-        out[i, 5] = residual(p, mean, values[0], values[1], indentation[i], values[6], values[7], values[2])
-
-
 @kernel
 def residual(p, mean_radius, force, area, indentation, gamma_over_ab, gamma, state):
     """Indentation left after unloading: the ellipsoid that carries the same force elastically over the same area."""
@@ -195,30 +183,3 @@ def plasticity(modulus, hardness, poisson, plastic_factor=ALUMINIUM_FACTOR, plas
         )
     ratio = number(plastic_ratio, "plastic_ratio (c_A)", low=2.0)
     return Plasticity(number(modulus, "modulus", "Pa"), hardness, yield_factor(nu), factor, ratio)
-
-
-class Ellipsoids(NamedTuple):
-    """Elastic-plastic ellipsoids: arrays, one entry each, SI units."""
-
-    force: np.ndarray
-    area: np.ndarray
-    state: np.ndarray  # 0 elastic, 1 elastic-plastic, 2 plastic
-    first_yield: np.ndarray  # ω1
-    full_plasticity: np.ndarray  # ω2
-    residual: np.ndarray  # indentation that stays after unloading from here
-
-
-def ellipsoids(material, radius_x, radius_y, indentation):
-    """Ellipsoids with principal radii Rx, Ry [m] pressed in by ω [m]: `Ellipsoids` (numbers become arrays of length 1).
-
-    Elastic to ω1 (p0 = K_ν H_m), fully plastic from ω2 (P = c_h H_m 2π√(RxRy) ω), between them Jamari & Schipper's
-    interpolation. ω1 and ω2 [our derivation] make area and force continuous at both ends. The residual indentation [our
-    derivation] is that of the shape which rebuilds the same area elastically at the same force.
-    """
-    rx, ry, w = (np.ascontiguousarray(v, float).ravel() for v in np.broadcast_arrays(radius_x, radius_y, indentation))
-    for name, values in (("radius_x", rx), ("radius_y", ry), ("indentation", w)):
-        if not np.all(np.isfinite(values) & (values > 0)):
-            raise DemlawsError(f"{name} must be positive and finite, in m")
-    out = np.empty((w.size, 6))
-    _ellipsoid_loop(material, rx, ry, w, out)
-    return Ellipsoids(out[:, 0], out[:, 1], out[:, 2].astype(int), out[:, 3], out[:, 4], out[:, 5])

@@ -48,12 +48,12 @@ class Binding:
     the critical step for a time stepper, from `engines(law, timestep=…)`.
     """
 
-    def __init__(self, label, pairs, ratio, way):
-        self.label, self.pairs, self.ratio = label, pairs, ratio
+    def __init__(self, label, pairs, way):
+        self.label, self.pairs = label, pairs
         self.attachment = self.reason = self.held = self.runner = self.share = None
         if way != "public":
             try:
-                self.attachment = native.Attachment(pairs, ratio)
+                self.attachment = native.Attachment(pairs)
             except native.BridgeUnavailable as error:
                 if way == "native":
                     raise
@@ -103,21 +103,20 @@ class Binding:
 
     def same_as(self, other):
         """Whether two bindings are the same law: contacts of one may continue with the other."""
-        return (self.way, self.ratio, self.pairs.as_text(True)) == (other.way, other.ratio, other.pairs.as_text(True))
+        return (self.way, self.pairs.as_text(True)) == (other.way, other.pairs.as_text(True))
 
     # --- saved with the scene
 
     def as_text(self, attributes):
         """JSON from which `from_text` restores the law in another process; attributes: the functor's."""
-        ratio = None if self.ratio is None else float(self.ratio)
-        content = {"way": self.way, "ratio": ratio, "account": self.account, "attributes": attributes}
+        content = {"way": self.way, "account": self.account, "attributes": attributes}
         return json.dumps(content | {"pairs": self.pairs.as_text()})
 
     @classmethod
     def from_text(cls, label, text):
         """The binding described by `as_text`, in no scene, and the functor's attributes."""
         content = json.loads(text)
-        binding = cls(label, Pairs.from_text(content["pairs"]), content["ratio"], content["way"])
+        binding = cls(label, Pairs.from_text(content["pairs"]), content["way"])
         return binding, content["attributes"]
 
     def history(self):
@@ -150,6 +149,7 @@ class Binding:
 
     def between_engines(self, function):
         """function(), called by the simulation's own thread where it runs: contacts do not change while they are read."""
+        _ = O.engines  # a scene that was loaded and has not made a step gets its laws
         in_simulation = threading.current_thread().name.startswith("Dummy")  # Python's name for a thread made by C++
         if not O.running or self.runner is None or in_simulation:
             return function()
@@ -223,6 +223,7 @@ class Binding:
         self.answer()
         self.judge_unlisted(self.context.take_unlisted())
         self.judge_shapes()
+        self.warn_of_joints()
         if self.context.take_deep():
             rows = self.rows(real_contacts())
             self.warn_of_deep(rows[rows["tag"] > 0])
@@ -310,6 +311,19 @@ class Binding:
             text = body_radius_text(contact, float(self.memory.rows_of([contact])["radius"][0]))
             warn(f"law {self.label!r}: {text}", ShapeWarning)
 
+    def warn_of_joints(self):
+        """Warn once where two contacts have the same physics."""
+        words = self.context.words
+        if words[at.SHARED] == 1:
+            words[at.SHARED] = 2
+            bodies = f"{words[at.SHARED_BODY1]}+{words[at.SHARED_BODY2]}"
+            warn(
+                f"law {self.label!r}: contact {bodies} has the physics of another one: a sphere passes a joint of "
+                "GridConnections or ChainedCylinders. YADE applies Mindlin's force, native or ours, in both contacts: the "
+                "sphere gets it twice until it leaves the chain, with CylScGeom6D even longer",
+                ShapeWarning,
+            )
+
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
         rows = rows[rows["modulus"] > 0.0]
@@ -371,14 +385,10 @@ class Binding:
                 "InteractionLoop in O.engines (engines within an integrator are not served)"
             )
         if kind == at.LOST_ROW:
-            if any(isinstance(O.bodies[number].shape, yade.ChainedCylinder) for number in (first, second)):
-                return (
-                    " shares its physics with a contact that has ended: the sphere passed from one ChainedCylinder to the "
-                    "next. Build the chain of GridConnections"
-                )
             return (
-                " has a history that this process does not have: its scene was saved or loaded without demlaws. Load it by "
-                "O.load after `import demlaws.yade`, or let all contacts begin again: O.interactions.clear()"
+                " has a history that this process does not have: its scene was saved or loaded without demlaws (or the public "
+                "bridge met a joint of a chain). Load it by O.load after `import demlaws.yade`, or let all contacts begin "
+                "again: O.interactions.clear()"
             )
         if kind == at.NO_ROW:
             return f" is one too many: there is memory for {int(self.context.words[at.CAPACITY])} contacts"

@@ -80,7 +80,7 @@ def self_tests(dl, chosen):
             given, options, unloading = name, find(name).example, rule
             if rule == GIVEN:
                 given, options, unloading = example(name, contact, rule), {}, None
-            binding = Binding("check", Pairs(given, surfaces, unloading, options, spans), None, "native")
+            binding = Binding("check", Pairs(given, surfaces, unloading, options, spans), "native")
         except dl.DemlawsError as error:
             print(f"{name:18}{rule:11}  not joined: {str(error).split(': ', 1)[-1][:90]}")
             continue

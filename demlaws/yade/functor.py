@@ -4,14 +4,12 @@ import builtins
 import keyword
 import math
 import warnings
-from numbers import Real
 
 import yade
 
 from demlaws.core.shear import DEFAULT, SLIP
-from demlaws.errors import DemlawsError, did_you_mean, warn
+from demlaws.errors import DemlawsError, warn
 from demlaws.laws.names import HERTZ
-from demlaws.laws.registry import registry
 from demlaws.yade import native, selftest
 from demlaws.yade.binding import Binding
 from demlaws.yade.pairs import Pairs, Span
@@ -47,7 +45,6 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         (passive); "loading": the same of first loading at the present force; "slip": partial slip, native bridge only;
         "native": Mindlin's shear as YADE has it, which can create energy (docs/shear.md).
     bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available).
-    tangential_ratio: K_t/K; None takes YADE's, 2(1-ν)/(2-ν) for equal materials.
     label: name of the law in saved files, unique in a scene and constant.
     radii, moduli: smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve
         (Yip–Venart, Greenwood–Tripp) need; default: those of the bodies in the scene.
@@ -67,22 +64,18 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         radius=None,
         shear=DEFAULT,
         bridge="auto",
-        tangential_ratio=None,
         label="demlaws",
         radii=None,
         moduli=None,
         **options,
     ):
         attributes = {name: options.pop(name) for name in list(options) if name in NATIVE_ATTRIBUTES}
-        _refuse_misspelt(options)
         if bridge not in ("auto", "native", "public"):
             raise DemlawsError(f'bridge must be "auto", "native" or "public", got {bridge!r}')
         if not isinstance(label, str) or not label.isidentifier() or keyword.iskeyword(label):
             raise DemlawsError(f"label must be a Python name, got {label!r}: YADE makes a variable of it")
         if getattr(vars(builtins).get(label), "__module__", "") == "builtins":
             raise DemlawsError(f"label {label!r} would hide what Python has under this name: YADE makes a variable of it")
-        if tangential_ratio is not None and not (isinstance(tangential_ratio, Real) and 0.0 < tangential_ratio < 10.0):
-            raise DemlawsError(f"tangential_ratio = {tangential_ratio!r}: K_t/K must be positive (2(1-ν)/(2-ν) is below 2)")
         super().__init__(label=label, **attributes)
         spans = _spans(radii, moduli, flats)
         if shear == "native":
@@ -90,7 +83,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         elif shear == SLIP and bridge == "public":
             raise DemlawsError("shear='slip' needs the native bridge: the public way cannot set the shear force")
         pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear, radius=radius)
-        self.binding = Binding(label, pairs, tangential_ratio, bridge)
+        self.binding = Binding(label, pairs, bridge)
         self.binding.check_functor(self)
         _take_up(self, bridge, stacklevel=3)
 
@@ -149,19 +142,13 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         that of a fixed one is infinite, that of a clump's member its own."""
         from demlaws.yade.restitution import restitution
 
-        return restitution(self.binding.pairs, self.binding.ratio, first, second, speed, en)
+        return restitution(self.binding.pairs, first, second, speed, en)
 
     def en_for(self, restitution, first, second, speed):
         """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys that gives these bodies this restitution at this speed."""
         from demlaws.yade.restitution import en_for
 
-        return en_for(self.binding.pairs, self.binding.ratio, first, second, speed, restitution)
-
-    def export_vtk(self, path):
-        """Write the contacts as lines between their bodies, with force, overlaps, branch and energies, to a .vtk file."""
-        from demlaws.yade.export import write_contacts
-
-        return self.binding.between_engines(lambda: write_contacts(path, self.binding.contacts()))
+        return en_for(self.binding.pairs, first, second, speed, restitution)
 
     def attributes(self):
         """Attributes of the native functor that are saved with a scene: settings, and YADE's own sums of energy."""
@@ -200,15 +187,6 @@ def _take_up(functor, bridge, stacklevel):
             BridgeWarning,
             stacklevel=stacklevel,
         )
-
-
-def _refuse_misspelt(options):
-    """Raise where a name that is no option of any law resembles an argument of the functor."""
-    arguments = {*Law2_ScGeom_MindlinPhys_Demlaws.__init__.__kwdefaults__, "law", "unloading", "surfaces", *NATIVE_ATTRIBUTES}
-    for name in options:
-        meant = did_you_mean(name, arguments)
-        if meant.endswith("?") and not any(name in definition.options for definition in registry().values()):
-            raise DemlawsError(f"Law2_ScGeom_MindlinPhys_Demlaws has no argument {name!r}{meant}")
 
 
 def _range(name, unit, given):

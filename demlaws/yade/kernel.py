@@ -174,6 +174,15 @@ def deep(context, row, overlap):
 
 
 @numba.njit(error_model="numpy", nogil=True)
+def shared(context, interaction):
+    """Note a contact that has the physics of another one: both get the force."""
+    store_word(context + 8 * at.SHARED_BODY1, np.int64(load_int(interaction + word(context, at.BODY1))))
+    store_word(context + 8 * at.SHARED_BODY2, np.int64(load_int(interaction + word(context, at.BODY2))))
+    store_word(context + 8 * at.SHARED, 1)
+    alarm(context)
+
+
+@numba.njit(error_model="numpy", nogil=True)
 def serves(record, radius, modulus):
     """Whether the pair's law may be used at this R and E*: a table of a law that does not collapse is for one contact."""
     only_radius, only_modulus = load_double(record + at.RECORD_RADIUS), load_double(record + at.RECORD_MODULUS)
@@ -327,10 +336,10 @@ def initialise_contact(context, row, geom, phys, interaction):
     record = word(context, at.RECORDS) + pair * word(context, at.RECORD_BYTES)
     store_double(row + at.RADIUS, radius)
     store_double(row + at.MODULUS, modulus)
-    ratio = from_bits(word(context, at.RATIO))
+    ratio = 0.0
     add_word(context + 8 * at.OPEN, 1)
     if native == 0.0:
-        ratio = 0.0
+        pass  # a marker
     elif not LOWEST_MODULUS < modulus < math.inf:
         fault(context, at.WRONG_MODULUS, interaction, modulus)
         store_double(row + at.MODULUS, 0.0)  # a marker until the guard stops the run: no force
@@ -338,7 +347,7 @@ def initialise_contact(context, row, geom, phys, interaction):
         fault(context, at.WRONG_CONTACT, interaction, radius)
     elif load_double(record + at.RECORD_ROUGHNESS) > LARGEST_ROUGHNESS * radius:
         fault(context, at.TOO_ROUGH, interaction, radius)
-    elif ratio == 0.0:
+    else:
         ratio = load_double(phys + word(context, at.KSO)) / (1.5 * native)
     store_double(row + at.RATIO_OF_ROW, ratio)
     store_double(row + at.TAG, pair + 1.0)
@@ -457,6 +466,8 @@ def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_
         store_double(phys + word(context, at.KSO), 0.0)
         return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
     prefetch_from(row + at.AHEAD * 8 * word(context, at.ROW_WORDS))
+    if load_word(row + at.ROW_INTERACTION) != interaction and word(context, at.SHARED) == 0:
+        shared(context, interaction)
     if overlap > 0.0 and word(context, at.RADIUS_MODE) == at.CURVATURE_RADIUS:
         follow(kind, context, geom, interaction, row)
     old = load_state(rule, row + at.STATE)
@@ -501,6 +512,7 @@ def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_
         add_word(context + 8 * at.OPEN, -1)
         store_double(row + at.TAG, 0.0)
         store_word(row + at.ROW_PHYSICS, 0)
+        store_double(phys + word(context, at.MARK), 0.0)  # at a joint of a chain, another contact has the same phys
     return keep
 
 

@@ -13,7 +13,6 @@ KN, KNO, KSO, MARK = 4, 5, 6, 7  # offsets in MindlinPhys [bytes]; MARK: of prev
 GEOMETRY, GEOMETRY_6D, PHYSICS = 9, 10, 11  # addresses of tables of virtual functions with which objects of these classes begin
 BODY1, BODY2, BODY_BY_ID, MATERIAL, LABEL = 12, 13, 14, 15, 16
 SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
-RATIO = 22  # tangential over normal stiffness (a double); 0: as YADE's Ip2 functor has it
 OPEN = 23  # contacts that have begun and that the law has not seen end
 BANKED = 24  # dissipation of contacts that have ended [J] (a double)
 ROWS, ROW_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # address of the contacts' rows, their size, number, mark
@@ -36,6 +35,7 @@ SPRINGS, SPRING_COUNT = 60, 61  # offset in a row of the springs of partial slip
 RADIUS_MODE, EDGES, SHAPES, SHAPE_COUNT, SHAPES_STALE, LARGEST_RADIUS = 62, 63, 64, 65, 66, 67
 BODY_STATE, POSITION, ORIENTATION, POINT = 68, 69, 70, 71  # offsets in Body, State and ScGeom [bytes]
 ODD_SEEN, ODD_BODY1, ODD_BODY2 = 90, 91, 92  # a contact with R of a body of another shape; 2: reported
+SHARED, SHARED_BODY1, SHARED_BODY2 = 95, 96, 97  # a contact with the physics of another one; 2: reported
 NEW_CONTACTS = 93  # 1: contacts have begun whose R a Python function gives
 GAP_RADIUS = 94  # address of `curvature.gap_radius`
 ROUND_SHAPES = 119  # first words of objects of shapes with a radius of their own, 0 behind the last
@@ -125,5 +125,5 @@ class Context:
 
     def forget(self):
         """Clear all notes of native code."""
-        self.words[[FAULTS, UNLISTED_SEEN, DEEP, ODD_SEEN]] = 0
+        self.words[[FAULTS, UNLISTED_SEEN, DEEP, ODD_SEEN, SHARED]] = 0
         self.words[[SHAPES_STALE, NEW_CONTACTS]] = 1

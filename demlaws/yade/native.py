@@ -395,9 +395,9 @@ def _reserve(count, words):
 
 
 class Attachment:
-    """A law made ready for functors: context, pair records and a patched table of virtual functions. ratio: K_t/K or None."""
+    """A law made ready for functors: context, pair records and a patched table of virtual functions."""
 
-    def __init__(self, pairs, ratio):
+    def __init__(self, pairs):
         self.layout = layout()
         _, index, thunk = self.layout.slot
         self.context = at.Context()
@@ -417,14 +417,13 @@ class Attachment:
         words[at.EDGES] = pairs.radii.edges.ctypes.data
         words[at.GAP_RADIUS] = pairs.radii.gap_address()
         self.context.doubles[at.LARGEST_RADIUS] = pairs.radii.shapes.largest if pairs.radii.shapes else 0.0
-        self.context.doubles[at.RATIO] = ratio or 0.0
         self._looked = 0  # rows that were in use when `collect` last looked
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
         words[at.GENERATION] = 1 + int.from_bytes(os.urandom(3), "little")
         self.rows, self._free = _reserve(MOST_ROWS, pairs.row_words), np.zeros(0, np.int64)
         words[at.ROWS], words[at.CAPACITY] = self.rows.ctypes.data, len(self.rows) - at.AHEAD
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
-        point = self.native_table = ctypes.c_uint64.from_address(address(probe) + self.layout.find_slot(probe)[0]).value
+        point = ctypes.c_uint64.from_address(address(probe) + self.layout.find_slot(probe)[0]).value
         self.table = np.zeros(COPIED + 3, np.int64)
         self.table[: COPIED + 2] = read_memory(
             point - 16, 8 * (COPIED + 2), ctypes.c_int64
@@ -537,12 +536,6 @@ class Attachment:
         """Make `functor` act by this law: an unchanged Mindlin functor, or one that acts by a law of ours."""
         offset, _, _ = self.layout.slot if acting(functor) is not None else self.layout.find_slot(functor)
         ctypes.c_uint64.from_address(address(functor) + offset).value = self.table.ctypes.data + 16
-
-    def release(self, functor):
-        """Restore the native table of a functor: only for measurements, since the native law then acts."""
-        if self.acts_in(functor):
-            offset, _, _ = self.layout.slot
-            ctypes.c_uint64.from_address(address(functor) + offset).value = self.native_table
 
     def acts_in(self, functor):
         """Whether `functor` calls this law."""

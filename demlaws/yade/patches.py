@@ -1,9 +1,11 @@
 """The entry points of YADE that this package replaces; `remove` restores them.
 
 `O.engines` hides the guards; a dispatcher's `functors` that are assigned in a scene get theirs; `O.energy` contains the laws'
-energies; saving writes the laws to the scene, loading attaches them again. Importing a name from
-`demlaws.yade` installs the replacements.
+energies; saving writes the laws to the scene. A loaded scene gets its laws at its first step, or when one of these is read
+before. Importing a name from `demlaws.yade` installs the replacements.
 """
+
+import functools
 
 import yade
 
@@ -22,9 +24,8 @@ def install():
     _put(omega, "energy", property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset))
     _put(yade.LawDispatcher, "functors", property(scene.FUNCTORS.__get__, scene.set_functors))
     for name in ("save", "saveTmp", "sceneToString"):
-        _wrap(name, _saving)
-    for name in ("load", "loadTmp", "reload", "stringToScene"):
-        _wrap(name, _loading)
+        native = getattr(omega, name)
+        _put(omega, name, functools.wraps(native)(_saving(native)))
     scene.attach_saved()
 
 
@@ -39,13 +40,6 @@ def _put(cls, name, new):
     setattr(cls, name, new)
 
 
-def _wrap(name, wrapper):
-    native = getattr(yade.wrapper.Omega, name)
-    new = wrapper(native)
-    new.__doc__ = native.__doc__
-    _put(yade.wrapper.Omega, name, new)
-
-
 def _saving(native):
     def save(omega, *arguments, **keywords):
         def now():
@@ -56,13 +50,3 @@ def _saving(native):
         return laws[0].binding.between_engines(now) if laws else now()
 
     return save
-
-
-def _loading(native):
-    def load(omega, *arguments, **keywords):
-        laws = scene.laws_here()
-        result = native(omega, *arguments, **keywords)
-        scene.attach_saved(laws)
-        return result
-
-    return load

@@ -139,7 +139,7 @@ def initialise_contact(binding, contact, row):
             _stop(binding, bodies, at.WRONG_CONTACT, row["radius"])
         if pairs.roughnesses[number] > LARGEST_ROUGHNESS * row["radius"]:
             _stop(binding, bodies, at.TOO_ROUGH, row["radius"])
-        row["ratio"] = binding.ratio or phys.kso / (1.5 * phys.kno)
+        row["ratio"] = phys.kso / (1.5 * phys.kno)
     row["tag"] = number + 1
     phys.prevU = yade.Vector3(0, row["tag"], 0)
     binding.context.words[at.OPEN] += 1

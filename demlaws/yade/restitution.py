@@ -22,7 +22,7 @@ STEPS = 600
 """Steps of a Hertz contact's duration: the rebound is within 1e-3 of its limit."""
 
 
-def restitution(pairs, ratio, first, second, speed, en=None):
+def restitution(pairs, first, second, speed, en=None):
     """Rebound over impact speed of two bodies (of spheres, or one of them a flat) that collide head-on at `speed` [m/s].
 
     en: of Ip2_FrictMat_FrictMat_MindlinPhys, None for no damping. Computed in a scene of its own.
@@ -48,22 +48,22 @@ def restitution(pairs, ratio, first, second, speed, en=None):
     own = O.addScene()
     O.switchToScene(own)
     try:
-        return _bounce(Binding("impact", pairs, ratio, "native"), lower, upper, 1.0 / sum(1.0 / m for m in masses), speed, en)
+        return _bounce(Binding("impact", pairs, "native"), lower, upper, 1.0 / sum(1.0 / m for m in masses), speed, en)
     finally:
         O.resetThisScene()
         O.switchToScene(home)
 
 
-def en_for(pairs, ratio, first, second, speed, wanted):
+def en_for(pairs, first, second, speed, wanted):
     """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys with which the rebound of these bodies is `wanted` times their speed."""
-    most = restitution(pairs, ratio, first, second, speed)
+    most = restitution(pairs, first, second, speed)
     if not (isinstance(wanted, Real) and 0.0 < wanted <= most):
         raise DemlawsError(
             f"a restitution of {wanted!r} is not possible at {speed:g} m/s: the law itself dissipates, {most:.4f} is the most"
         )
 
     def excess(en):
-        return restitution(pairs, ratio, first, second, speed, en) - wanted
+        return restitution(pairs, first, second, speed, en) - wanted
 
     least = 1e-3
     if excess(least) > 0.0:

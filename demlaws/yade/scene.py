@@ -2,8 +2,8 @@
 
 A guard is a PyRunner right before the engine that contains a law. It runs at the first step, at the second, then every hundred
 steps, and before the next step's contacts whenever native code asks for it (`kernel.alarm`). `O.engines` does not show it. In a
-saved scene a functor that does not accept Mindlin's contacts is in the law's place; the guard runs at the first step of the
-process that loads the scene and puts the law there. Without a guard YADE ends with an error; the native law never acts instead.
+saved scene a functor that does not accept Mindlin's contacts is in the law's place; the guard runs at the first step after
+loading and puts the law there. Without a guard YADE ends with an error; the native law never acts instead.
 """
 
 import json
@@ -98,12 +98,14 @@ def visible(engines):
 
 def get_visible():
     """`O.engines` for users."""
+    _attach_loaded()
     return visible(get_engines())
 
 
 def set_visible(engines):
     """`O.engines = …` for users: check the list, put guards before the laws, and let the laws enter the scene."""
     engines = visible(list(engines))
+    _attach_loaded()
     before, old = get_engines(), laws_here()
     laws = _laws_in(engines, old)
     _refuse_switch(engines, before, laws, old)
@@ -121,6 +123,7 @@ def set_visible(engines):
             functor.binding.enter(token_here())
         functor.binding.watched_by(functor.binding.runner)
         _warn(functor.binding.bound_steppers(engines))
+    _at_work[O.thisScene] = laws
 
 
 def set_functors(dispatcher, functors):
@@ -146,6 +149,7 @@ def set_functors(dispatcher, functors):
 
 def with_energies(tracker):
     """YADE's EnergyTracker with the present energies [J] of the laws of the scene, if it tracks energies."""
+    _attach_loaded()
     for label, functor in laws_here().items() if O.trackEnergy else ():
         totals = functor.totals()
         parts = {"Elastic": totals.stored, "Plastic": totals.dissipated}
@@ -353,11 +357,12 @@ _placeholder = yade.Law2_L3Geom_FrictPhys_ElPerfPl
 """A functor that does not accept Mindlin's contacts."""
 
 
-def attach_saved(known=None):
-    """Replace placeholders by the laws that the scene's tags describe.
+_at_work = {}
+"""Number of a scene → label → functor: those that were at work before loading continue if the file describes the same laws."""
 
-    known: label → functor of the scene before loading, which continues if the file describes the same law.
-    """
+
+def attach_saved():
+    """Replace placeholders by the laws that the scene's tags describe."""
     waiting = [
         (dispatcher, functor, _tag(LAW.format(label=functor.label)))
         for _, dispatcher, functor in law_functors(get_engines())
@@ -368,13 +373,20 @@ def attach_saved(known=None):
         return
     token = O.tags[TOKEN] = uuid.uuid4().hex  # the one in the file may be that of another scene of this process
     for dispatcher, label, text in waiting:
-        law = _restored(label, (known or {}).get(label), text)
+        law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         law.binding.enter(token, json.loads(text)["account"])
         law.binding.restore(_tag(HISTORY.format(label=label)))
         commands = GUARD_COMMAND.format(label=label), PREPARE.format(label=label)
         law.binding.watched_by(next((e for e in get_engines() if getattr(e, "command", None) in commands), None))
     set_engines(get_engines())  # YADE sets its variables named by labels
+    _at_work[O.thisScene] = laws_here()
+
+
+def _attach_loaded():
+    """Attach the laws of a scene that was loaded and has not made a step, in which the guards do this."""
+    if not O.running:
+        attach_saved()
 
 
 def _restored(label, known, text):

@@ -18,6 +18,7 @@ from demlaws.make import example, example_curve
 from making.formula import latex, lines, symbols_of
 from making.symbols import SYMBOLS, meaning
 from making.words import WORDS
+from studies.extremes.exact import EXACT
 
 ROOT = Path(__file__).resolve().parents[2]
 GRANITE = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
@@ -77,12 +78,12 @@ def fields_of(module, suffix):
 
 def rounding(definition, law):
     """Largest error of force and stiffness against extended precision, in units of ε, over the loads shown; or None."""
-    if definition.exact is None:
+    if definition.name not in EXACT:
         return None
     overlap = np.geomspace(*(quietly(law.overlap, load) for load in (LOADS[0], LOADS[-1])), 400)
     for kink in law.kinks():
         overlap = overlap[np.abs(overlap / kink - 1.0) > 1e-6]
-    force, stiffness = definition.exact(law.contact, overlap, **law.options)
+    force, stiffness = EXACT[definition.name](law.contact, overlap, **law.options)
     given = quietly(law.force, overlap), quietly(law.stiffness, overlap)
     worst = [
         float(np.max(np.abs(np.asarray(g, np.longdouble) / e - 1))) for g, e in zip(given, (force, stiffness), strict=True)

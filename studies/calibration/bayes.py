@@ -9,6 +9,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
+from studies.costs.costs import under_yade
 
 NAMES = ("roughness", "modulus")
 UNITS = (1e-6, 1e9)  # samples are in µm and GPa
@@ -49,8 +50,6 @@ def contact_test(seed=1):
 
 def strains(samples, packing=None):
     """(axial strain [1e-3] between REFERENCE and each of STRESSES, one row per sample; the packing), from one run of YADE."""
-    from studies.costs.costs import under_yade
-
     given = {
         "samples": np.asarray(samples).tolist(),
         "radius": RADIUS,

@@ -1,15 +1,12 @@
 """A packing pressed in one direction, for each sample of a law; started by `studies.calibration` under YADE (JSON files)."""
 
-import json
-import os
-import sys
-
 import numpy as np
 import yade
 from yade import pack, utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
+from studies.under_yade import serve
 
 O = yade.O  # noqa: E741
 
@@ -53,10 +50,8 @@ def prepare(given):
     return [[list(b.state.pos) for b in O.bodies], O.cell.size[2]]
 
 
-def main():
-    """Read the specification, press the packing for each sample, write strains at the stresses."""
-    with open(sys.argv[1]) as file:
-        given = json.load(file)
+def press(given):
+    """Strains at the stresses, the packing pressed for each sample."""
     centres, side = packing = given["packing"] or prepare(given)
     strains = []
     for sample in given["samples"]:
@@ -67,10 +62,7 @@ def main():
             raise RuntimeError(f"{rows[-1][1]:g} Pa: the packing does not reach {given['stresses'][-1]:g} Pa")
         height = np.interp(given["stresses"], np.maximum.accumulate(rows[:, 1]), rows[:, 0])
         strains.append((1.0 - height / side).tolist())
-    with open(sys.argv[2], "w") as file:
-        json.dump({"strain": strains, "packing": packing}, file)
-    sys.stdout.flush()
-    os._exit(0)  # YADE's own end takes seconds
+    return {"strain": strains, "packing": packing}
 
 
-main()
+serve(press)

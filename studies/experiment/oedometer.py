@@ -15,9 +15,11 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import HERTZ, POHRT_POPOV
+from studies.costs.costs import under_yade
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "oedometer.jsonl"
+SCRIPT = "experiment/yade_oedometer.py"
 RADIUS = 30e-6  # [m], median of the beads: assumed
 FITTED = {"young": 137.459e9, "friction": 0.36298}
 """E [Pa] and friction of their calibration.
@@ -120,42 +122,36 @@ def axial_stresses():
 
 def run(count, seeds, path=RESULTS, cases=CASES, progress=print):
     """Run what `path` does not have yet, one YADE at a time, and add a line to it after each run."""
-    from studies.costs.costs import under_yade
-
     done = {(row["count"], row["seed"], row["label"]) for row in read(path)}
-    curve = measured()
     for seed in range(1, seeds + 1):
         wanted = [case for case in cases if (count, seed, case.label) not in done]
-        if not wanted:
-            continue
-        given = {**SETUP, "count": count, "seed": seed, "radial": float(curve.radial[0]), "axial": axial_stresses()}
-        script = "experiment/yade_oedometer.py"
-        given["packing"] = under_yade(script, given)
-        progress(f"{count} grains, seed {seed}: loose packing after {given['packing']['seconds']:.0f} s")
-        for case in wanted:
-            found = under_yade(script, {**given, "case": case._asdict()})
-            found["rows"] = [[float(f"{value:.6g}") for value in row] for row in found["rows"]]
-            row = {"count": count, "seed": seed, **case._asdict(), **found}
-            with open(path, "a") as file:
-                file.write(json.dumps(row) + "\n")
-            progress(f"{count} grains, seed {seed}, {case.label}: {found['steps']} steps, {found['seconds']:.0f} s")
+        if wanted:
+            _tests(_specification(count, seed), wanted, path, progress)
 
 
 def run_from_one_packing(count, seed=1, path=RESULTS, progress=print):
     """YADE's law and ours, both Hertz, from the same packing at the start of the test: what differs is the code."""
-    from studies.costs.costs import under_yade
+    given = _specification(count, seed)
+    given["packing"] = under_yade(SCRIPT, {**given, "case": CASES[0]._asdict(), "keep": True})
+    _tests(given, CASES[:2], path, progress, SAME)
 
-    given = {**SETUP, "count": count, "seed": seed, "radial": float(measured().radial[0]), "axial": axial_stresses()}
-    script, (native, hertz) = "experiment/yade_oedometer.py", CASES[:2]
-    given["packing"] = under_yade(script, given)
-    given["packing"] = under_yade(script, {**given, "case": native._asdict(), "keep": True})
-    with open(path, "a") as file:
-        for case in (native, hertz):
-            found = under_yade(script, {**given, "case": case._asdict()})
-            found["rows"] = [[float(f"{value:.6g}") for value in row] for row in found["rows"]]
-            row = {"count": count, "seed": seed, **case._asdict(), "label": f"{case.label}{SAME}", **found}
+
+def _specification(count, seed):
+    """What the script is given, with a loose packing that it has made."""
+    radial = float(measured().radial[0])
+    given = {**SETUP, "count": count, "seed": seed, "radial": radial, "axial": axial_stresses()}
+    return {**given, "packing": under_yade(SCRIPT, given)}
+
+
+def _tests(given, cases, path, progress, same=""):
+    about = {name: given[name] for name in ("count", "seed")}
+    for case in cases:
+        found = under_yade(SCRIPT, {**given, "case": case._asdict()})
+        found["rows"] = [[float(f"{value:.6g}") for value in row] for row in found["rows"]]
+        row = {**about, **case._asdict(), "label": f"{case.label}{same}", **found}
+        with open(path, "a") as file:
             file.write(json.dumps(row) + "\n")
-            progress(f"{row['label']}: {found['steps']} steps, {found['seconds']:.0f} s")
+        progress(f"{given['count']} grains, seed {given['seed']}, {row['label']}: {row['steps']} steps, {row['seconds']:.0f} s")
 
 
 def read(path=RESULTS):

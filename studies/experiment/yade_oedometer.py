@@ -1,9 +1,6 @@
 """One oedometer test in a periodic cell; started by `studies.experiment` under YADE: SPECIFICATION RESULT (JSON files)."""
 
 import itertools
-import json
-import os
-import sys
 import time
 
 import numpy as np
@@ -12,6 +9,7 @@ from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
+from studies.under_yade import serve
 
 O = yade.O  # noqa: E741
 LOOK = 20  # steps between two settings of the cell's velocity
@@ -173,17 +171,11 @@ def oedometer(given, case):
     }
 
 
-def main():
-    """Read the specification, run one packing or one test, write the result."""
-    with open(sys.argv[1]) as file:
-        given = json.load(file)
+def answer(given):
+    """A packing, or a test of it."""
     started = time.process_time()
     result = oedometer(given, given["case"]) if given.get("case") else prepare(given)
-    result["seconds"] = time.process_time() - started
-    with open(sys.argv[2], "w") as file:
-        json.dump(result, file)
-    sys.stdout.flush()
-    os._exit(0)  # YADE's own end takes seconds
+    return {**result, "seconds": time.process_time() - started}
 
 
-main()
+serve(answer)

@@ -4,15 +4,11 @@ import sys
 
 from tqdm import tqdm
 
-from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.arguments import law_name, whole
-from demlaws.cli.output import output
-from demlaws.files import save_csv
 from demlaws.laws.registry import find
 from studies.costs.costs import available
 from studies.extremes import extremes, report, stability
-from studies.extremes import figure as pictures
 
 
 def parser():
@@ -23,7 +19,7 @@ def parser():
         "ratcheting, kinks, impacts, and the stable time step. Exit status 1 if a check failed.",
         **example(
             "  python -m studies.extremes --law pohrt-popov --paths 1e6\n"
-            "  python -m studies.extremes --paths 1e7 --csv stability.csv\n"
+            "  python -m studies.extremes --paths 1e7\n"
             "  python -m studies.extremes --law hertz --paths 0 --yade --liggghts --lammps"
         ),
     )
@@ -37,10 +33,6 @@ def parser():
         help="random load paths in all, shared by the cases; 0: engines only (default 1e5)",
     )
     parser.add_argument("--cycles", type=whole(100, 10**9), default=1_000_000, help="tiny cycles a case (default 1e6)")
-    parser.add_argument("--csv", type=output, help="file to write every figure to")
-    parser.add_argument(
-        "--figure", type=output, help="picture to draw: energy gain by steps per contact, rounding by decade, stable step"
-    )
     parser.add_argument("--yade", action="store_true", help="also inside YADE: two spheres, and a thousand (some minutes)")
     parser.add_argument("--liggghts", action="store_true", help="also inside LIGGGHTS")
     parser.add_argument("--lammps", action="store_true", help="also inside LAMMPS")
@@ -53,20 +45,10 @@ def parser():
 def run(arguments):
     """Do what the command's arguments ask."""
     laws = [find(n).name for n in arguments.law] if arguments.law else None
-    paths, cycles = arguments.paths, arguments.cycles
-    rows, problems = [], []
-    if paths:
-        rows = _laws(arguments, laws, paths, cycles)
-        problems += stability.failures(rows)
-    inside = _engines(arguments, laws, problems)
-    if arguments.csv is not None:
-        if rows:
-            print(save_csv(arguments.csv, stability.TITLES, map(stability.csv_row, rows)))
-        if inside:
-            path = arguments.csv.with_name(f"{arguments.csv.stem}_engines{arguments.csv.suffix}") if rows else arguments.csv
-            print(save_csv(path, report.TITLES, map(report.csv_row, inside)))
-    if arguments.figure is not None:
-        print(plots.save(pictures.stability_figure(rows, inside), arguments.figure))
+    problems = []
+    if arguments.paths:
+        problems += stability.failures(_laws(arguments, laws, arguments.paths, arguments.cycles))
+    problems += _engines(arguments, laws)
     for problem in problems:
         print(f"FAILS: {problem}")
     return 1 if problems else 0
@@ -88,10 +70,10 @@ def _laws(arguments, laws, paths, cycles):
     return rows
 
 
-def _engines(arguments, laws, problems):
-    """Figures from inside the engines that were asked for, printed as they come; faults are added to `problems`."""
+def _engines(arguments, laws):
+    """Faults inside the engines that were asked for; figures are printed as they come."""
     wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts, "LAMMPS": arguments.lammps}
-    rows = []
+    problems = []
     for engine in extremes.ENGINES:
         if not wanted[engine]:
             reason = available(engine.lower()) if arguments.engines else ""
@@ -112,8 +94,7 @@ def _engines(arguments, laws, problems):
                 lines = report.table(own).split("\n")
                 progress.write("\n".join(lines if len(own) == 1 else lines[-1:]))
         problems += report.failures(own)
-        rows += own
-    return rows
+    return problems
 
 
 def main(arguments=None):

@@ -4,14 +4,16 @@ Forces of an engine are compared step by step with the same law in Python, at th
 arithmetic makes of the positions. The smallest overlap two spheres can have is the spacing of doubles at R1 + R2, since
 engines take it as (R1 + R2) - distance: some 2e-16 of the larger sphere; none below exists inside an engine.
 
-Engines are driven through `demlaws.yade.extremes.Yade` (in YADE's process) and `demlaws.liggghts.extremes.Liggghts`
-(LIGGGHTS's library in a process of its own), and through `studies.extremes.lammps_extremes.Lammps` (LAMMPS's, likewise); all
-offer `two_spheres`, `impacts`, `let_go` and `stops`.
+Engines are driven through `yade_extremes.Yade` (in YADE's process) and `liggghts_extremes.Liggghts`
+(LIGGGHTS's library in a process of its own), and through `lammps_extremes.Lammps` (LAMMPS's, likewise); all
+offer `two_spheres`, `impacts`, `let_go` and `stopped_by`.
 """
 
 import functools
+import itertools
 import json
 import math
+import pickle
 import subprocess
 import sys
 import warnings
@@ -208,6 +210,15 @@ class Compared(NamedTuple):
     returned: float  # most work that one of them returned, over force × overlap at its top
     reload: float  # force at exactly the overlap of before, in ε
     broken: int  # contacts closed again whose force is not the virgin one
+
+    @classmethod
+    def joined(cls, parts):
+        """Of several groups of pairs: counts add up, of errors the worst counts."""
+        columns = dict(zip(cls._fields, zip(*parts, strict=True), strict=True))
+        errors = columns.pop("decades")
+        decades = {d: max(one.get(d, 0.0) for one in errors) for d in set().union(*errors)}
+        counts = ("not_finite", "closed", "broken")
+        return cls(decades=decades, **{n: (sum if n in counts else max)(values) for n, values in columns.items()})
 
 
 def compare(group, prescribed, kinds, overlap, force):
@@ -419,11 +430,7 @@ class Balance(NamedTuple):
 class Released(NamedTuple):
     """A packing let go and shaken."""
 
-    spheres: int
-    ratio: float
-    steps: int
     contacts: int  # most at one time
-    speed: float  # fastest at the start [m/s]
     not_finite: int
     drift: float  # largest departure of kinetic + stored + dissipated energy from that at the start of its stretch, over it
     momentum: float  # change of momentum over the sum of its parts
@@ -434,7 +441,6 @@ def release(engine, case, name, count=1000, steps=4000, every=100, shakes=3):
     made = packing(case, name, count)
     random = np.random.default_rng(11)
     stretches = [made.velocities(random) for _ in range(shakes + 1)]
-    fastest = float(np.linalg.norm(stretches[0], axis=1).max())
     found = engine.let_go(made, stretches, steps // (shakes + 1), every)
     bad, drift, momentum, most = 0, 0.0, 0.0, 0
     for velocity, rows in zip(stretches, found, strict=True):
@@ -449,7 +455,7 @@ def release(engine, case, name, count=1000, steps=4000, every=100, shakes=3):
             drift = max(drift, abs(total / first - 1.0))
             momentum = max(momentum, float(np.linalg.norm(row.momentum - start.momentum)) / parts)
             most = max(most, row.contacts)
-    return Released(count, float(made.radius[0] / made.radius[-1]), steps, most, fastest, bad, drift, momentum)
+    return Released(most, bad, drift, momentum)
 
 
 # --- one case
@@ -462,12 +468,10 @@ class Figures(NamedTuple):
     law: str
     unloading: str
     evaluation: str
-    contacts: str
     pairs: int
     steps: int
     compared: Compared
     ratcheting: float
-    cycles: int
     impacts: Impacts
     packings: dict  # name → Released
 
@@ -484,42 +488,17 @@ def measure(engine, case, quick=False, seed=5):
     steps, cycles = (120, 200) if quick else (600, 10_000)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ValidityWarning)
-        parts, pairs, label = [], 0, "extreme"
+        parts, pairs = [], 0
         for group in groups(case, random, quick):
-            label = "granite pair" if group.contact.size is None else label
             prescribed, kinds = paths(group, steps, random)
             overlap, force = engine.two_spheres(group, prescribed)
             parts.append(compare(group, prescribed, kinds, overlap, force))
             pairs += group.size
-        decades = {}
-        for part in parts:
-            for decade, error in part.decades.items():
-                decades[decade] = max(decades.get(decade, 0.0), error)
-        compared = Compared(
-            sum(p.not_finite for p in parts),
-            max(p.to_law for p in parts),
-            decades,
-            max(p.later for p in parts),
-            sum(p.closed for p in parts),
-            max(p.returned for p in parts),
-            max(p.reload for p in parts),
-            sum(p.broken for p in parts),
-        )
         size = {"count": 200, "steps": 400} if quick else {}
         chosen = list(PACKINGS)[-1:] if _one_contact(case) else PACKINGS
         packings = {name: release(engine, case, name, **size) for name in chosen}
-        return Figures(
-            engine.name,
-            *case,
-            label,
-            pairs,
-            steps,
-            compared,
-            ratcheting(engine, case, cycles),
-            cycles,
-            impacts(engine, case, quick),
-            packings,
-        )
+        compared, ratchet = Compared.joined(parts), ratcheting(engine, case, cycles)
+        return Figures(engine.name, *case, pairs, steps, compared, ratchet, impacts(engine, case, quick), packings)
 
 
 # --- engines in processes of their own
@@ -529,25 +508,22 @@ def serve(engine, request):
     """In an engine's process: measure the cases of `request` and print each result as a line that `run` understands."""
     for law, unloading in request["cases"]:
         found = measure(engine, Case(law, unloading, engine.evaluation), request["quick"])
-        print("RESULT " + json.dumps(as_json(found)), flush=True)
+        _print(found)
     if request["stops"]:
-        print("RESULT " + json.dumps(engine.stops()), flush=True)
+        _print(stops(engine))
 
 
-def as_json(value):
-    """Figures as what JSON holds; `from_json` turns them back."""
-    if hasattr(value, "_asdict"):
-        value = value._asdict()
-    return {str(k): as_json(v) for k, v in value.items()} if isinstance(value, dict) else value
+def stops(engine):
+    """The engine's reaction to NaN and infinity: (what was done, message or None) of touching and lone spheres."""
+    names = {"nan": "NaN", "inf": "infinite"}
+    return [
+        (f"{names[value]} {where}, {'touching' if touching else 'alone'}", engine.stopped_by(touching, where, value))
+        for touching, value, where in itertools.product((True, False), names, ("position", "velocity"))
+    ]
 
 
-def from_json(content):
-    """Figures of a law, as `as_json` wrote them."""
-    compared, blows = content["compared"], content["impacts"]
-    compared["decades"] = {int(k): v for k, v in compared["decades"].items()}
-    blows["gains"] = {int(k): v for k, v in blows["gains"].items()}
-    packings = {name: Released(**one) for name, one in content["packings"].items()}
-    return Figures(**{**content, "compared": Compared(**compared), "impacts": Impacts(**blows), "packings": packings})
+def _print(found):
+    print("RESULT " + pickle.dumps(found).hex(), flush=True)
 
 
 ENGINES = ("YADE", "LIGGGHTS", "LAMMPS")
@@ -586,9 +562,8 @@ def run(engine, laws=None, unloadings=None, quick=False, stops=True):
                 if not text.startswith("RESULT "):
                     noise = [*noise[-40:], text]
                     continue
-                content = json.loads(text.removeprefix("RESULT "))
                 results += 1
-                yield from_json(content) if isinstance(content, dict) else [tuple(x) for x in content]
+                yield pickle.loads(bytes.fromhex(text.removeprefix("RESULT ")))
         except BaseException:
             process.kill()
             raise

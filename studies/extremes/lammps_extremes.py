@@ -6,14 +6,10 @@
 import ctypes
 import math
 import sys
-from pathlib import Path
-
-import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.lammps.build import build
 from demlaws.lammps.run import HEAD, executable, versions
-from demlaws.laws.registry import registry
 from studies.extremes import liggghts_extremes
 from studies.extremes.extremes import POISSON
 
@@ -27,8 +23,7 @@ region box block {ends} units box
 create_box {types} box
 neighbor {skin:.17g} bin
 neigh_modify delay 0 one 20000 page 200000
-pair_style granular
-{pairs}
+{contacts}
 timestep {dt:.17g}
 """
 )
@@ -71,26 +66,18 @@ class Lammps(liggghts_extremes.Liggghts):
     """LAMMPS, its library in this process."""
 
     name = "LAMMPS"
+    start = _START
 
     def __init__(self, screen=False):
         super().__init__(library=_Library(screen))
 
-    def _start(self, case, table, modulus, roughness, low, high, skin, dt, boundary="f f f"):
-        """An instance with one particle type for each modulus and roughness; returns the types of the entries."""
-        path = Path(self._folder.name) / "law.tbl"
-        table.save(path)
-        kinds, types = np.unique(np.stack([modulus, roughness], axis=1), axis=0, return_inverse=True)
-        definition = registry()[case.law]
-        rough = definition.collapses and definition.length == "roughness"
-        pairs = []
+    def _contacts(self, path, kinds, rough):
+        lines = ["pair_style granular"]
         for k, (e, sigma) in enumerate(kinds.tolist(), 1):
             words = f"demlaws/table {path} {2.0 * e * (1.0 - POISSON**2):.17g} 1 {POISSON:.17g}"
             words += f" roughness {math.hypot(sigma, sigma):.17g}" if rough else ""
-            pairs.append(f"pair_coeff {k} {k} {words} tangential mindlin NULL 0 0 damping demlaws/tangent")
-        ends = " ".join(f"{a:.17g} {b:.17g}" for a, b in zip(low, high, strict=True))
-        values = {"types": len(kinds), "skin": float(skin), "pairs": "\n".join(pairs), "dt": float(dt)}
-        self._lib.start(_START.format(boundary=boundary, ends=ends, **values))
-        return np.ravel(types) + 1
+            lines.append(f"pair_coeff {k} {k} {words} tangential mindlin NULL 0 0 damping demlaws/tangent")
+        return "\n".join(lines)
 
 
 if __name__ == "__main__":

@@ -31,13 +31,11 @@ units si
 hard_particles yes
 soft_particles yes
 processors 1 1 1
-region box block {low} {high} units box
+region box block {ends} units box
 create_box {types} box
 neighbor {skin:.17g} bin
 neigh_modify delay 0 one 20000 page 200000
-{properties}
-pair_style gran model demlaws/table tangential history {words}
-pair_coeff * *
+{contacts}
 timestep {dt:.17g}
 """
 
@@ -98,6 +96,7 @@ class Liggghts:
 
     name = "LIGGGHTS"
     evaluation = "table"
+    start = _HEAD
 
     def __init__(self, screen=False, library=None):
         self._lib = library or _Library(screen)
@@ -108,8 +107,16 @@ class Liggghts:
         path = Path(self._folder.name) / "law.tbl"
         table.save(path)
         kinds, types = np.unique(np.stack([modulus, roughness], axis=1), axis=0, return_inverse=True)
-        n, definition = len(kinds), registry()[case.law]
-        rough = definition.collapses and definition.length == "roughness"
+        definition = registry()[case.law]
+        ends = " ".join(f"{a:.17g} {b:.17g}" for a, b in zip(low, high, strict=True))
+        values = {"boundary": boundary, "ends": ends, "types": len(kinds), "skin": float(skin), "dt": float(dt)}
+        values["contacts"] = self._contacts(path, kinds, definition.collapses and definition.length == "roughness")
+        self._lib.start(self.start.format(**values))
+        return np.ravel(types) + 1
+
+    def _contacts(self, path, kinds, rough):
+        """Lines of the materials and the pair style, of types with these moduli and roughnesses; path: of the table."""
+        n = len(kinds)
         each = {
             "youngsModulus": [2.0 * e * (1.0 - POISSON**2) for e, _ in kinds.tolist()],
             "poissonsRatio": [POISSON] * n,
@@ -121,20 +128,8 @@ class Liggghts:
         ]
         for k, (name, value) in enumerate((("coefficientRestitution", "1"), ("coefficientFriction", "0"))):
             lines.append(f"fix q{k} all property/global {name} peratomtypepair {n} {' '.join([value] * n * n)}")
-        ends = " ".join(f"{a:.17g} {b:.17g}" for a, b in zip(low, high, strict=True)).split()
-        self._lib.start(
-            _HEAD.format(
-                boundary=boundary,
-                low=" ".join(ends[:-1]),
-                high=ends[-1],
-                types=n,
-                skin=float(skin),
-                properties="\n".join(lines),
-                words=f"table {path}" + (" surfaceRoughness on" if rough else ""),
-                dt=float(dt),
-            )
-        )
-        return np.ravel(types) + 1
+        words = f"table {path}" + (" surfaceRoughness on" if rough else "")
+        return "\n".join([*lines, f"pair_style gran model demlaws/table tangential history {words}", "pair_coeff * *"])
 
     def _fill(self, types, position, radius, mass):
         """Make the particles; afterwards their order is that of `rows`."""
@@ -226,15 +221,9 @@ class Liggghts:
             found.append(rows)
         return found
 
-    def stops(self):
-        """The engine's reaction to NaN and infinity: (what was done, message or None) of touching and lone spheres."""
-        names = {"nan": "NaN", "inf": "infinite"}
-        return [
-            (f"{names[value]} {where}, {'touching' if touching else 'alone'}", stopped_by(touching, where, value, self.name))
-            for touching in (True, False)
-            for value in names
-            for where in ("position", "velocity")
-        ]
+    def stopped_by(self, *fault):
+        """The engine's error after a fault (see `extremes.stops`), or None."""
+        return stopped_by(*fault, self.name)
 
     def stop(self, touching, where, value):
         """Four spheres, one of which gets a number that is none; ends the process where the engine stops."""

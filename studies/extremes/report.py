@@ -1,8 +1,8 @@
-"""The extremes inside the engines as text, CSV rows, and sentences on what fails."""
+"""The extremes inside the engines as text, and sentences on what fails."""
 
 import math
 
-from studies.extremes.extremes import DRIFT, PACKINGS, RETURN, STEPS, Compared, Figures, Released
+from studies.extremes.extremes import DRIFT, PACKINGS, RETURN
 from studies.extremes.stability import EPS, TABLE, safe_steps
 
 
@@ -10,12 +10,12 @@ def table(rows):
     """The figures as text, one line a case."""
     head = (
         f"{'engine':9}{'law':16}{'unloading':10}{'contact-':>9}{'not':>5}{'error':>9}{'force error (ε)':>20}{'later':>8}"
-        f"{'closed':>7}{'most':>9}{'ratchet':>8}{'reload':>7}{'broken':>7}{'rebound':>9}{'gain at':>9}{'safe':>7}"
+        f"{'closed':>7}{'most':>9}{'ratchet':>8}{'reload':>7}{'broken':>7}{'rebound error':>18}{'gain at':>9}{'safe':>7}"
         f"{'energy drift':>17}{'momentum':>9}"
     )
     under = (
         f"{'':35}{'steps':>9}{'fin.':>5}{'to law':>9}{'<1e-9 to >1e-3 R':>20}{'(ε)':>8}{'paths':>7}{'returned':>9}{'':>8}"
-        f"{'(ε)':>7}{'differ':>7}{'error':>9}{'50 steps':>9}{'steps':>7}{'soft':>9}{'stiff':>8}{'error':>9}"
+        f"{'(ε)':>7}{'differ':>7}{'>1 cm/s':>9}{'slower':>9}{'50 steps':>9}{'steps':>7}{'soft':>9}{'stiff':>8}{'error':>9}"
     )
     lines = [head, under]
     for r in rows:
@@ -29,7 +29,7 @@ def table(rows):
         momentum = max((p.momentum for p in r.packings.values()), default=math.nan)
         lines.append(
             f"{r.engine:9}{r.law:16}{r.unloading:10}{r.pairs * r.steps:9d}{bad:5d}{c.to_law:9.1e}{errors:>20}{c.later:8.3g}"
-            f"{c.closed:7d}{c.returned:9.0e}{r.ratcheting:8.0e}{c.reload:7.2g}{c.broken:7d}{i.rebound:9.0e}"
+            f"{c.closed:7d}{c.returned:9.0e}{r.ratcheting:8.0e}{c.reload:7.2g}{c.broken:7d}{i.rebound:9.0e}{i.slow:9.0e}"
             f"{i.gains.get(50, math.nan):9.0e}{f'{safe:.0f}' if math.isfinite(safe) else 'none':>7}"
             f"{drift[0]:>9}{drift[1]:>8}{momentum:9.0e}"
         )
@@ -43,36 +43,6 @@ def stops_table(engine, found):
         message = "not stopped" if message is None else message
         lines.append(f"{engine:9}{what:28}{message if len(message) < 110 else message[:107] + '...'}")
     return "\n".join(lines)
-
-
-TITLES = (
-    *Figures._fields[:7],
-    *(f for f in Compared._fields if f != "decades"),
-    *(f"force_error_eps_decade_{d}" for d in range(-16, 1)),
-    "ratcheting",
-    "cycles",
-    "rebound",
-    "slow_rebound",
-    *(f"gain_{s}_steps" for s in STEPS),
-    "safe_steps",
-    *(f"{name}_{field}" for name in PACKINGS for field in Released._fields),
-)
-
-
-def csv_row(r):
-    """One line of the CSV file: the values that TITLES names."""
-    return (
-        *r[:7],
-        *(getattr(r.compared, f) for f in Compared._fields if f != "decades"),
-        *(r.compared.decades.get(d, "") for d in range(-16, 1)),
-        r.ratcheting,
-        r.cycles,
-        r.impacts.rebound,
-        r.impacts.slow,
-        *(r.impacts.gains.get(s, "") for s in STEPS),
-        safe_steps(r.impacts.gains),
-        *(value for name in PACKINGS for value in r.packings.get(name, [""] * len(Released._fields))),
-    )
 
 
 def failures(rows):

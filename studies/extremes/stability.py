@@ -2,7 +2,7 @@
 
 Each figure is a number that should be 0, or a few ε = 2.2e-16, or inside a stated range; `table` prints them in the manner
 of Boost.Math's accuracy tables. References for rounding errors are the laws' closed forms in extended precision
-(`Definition.exact`), written from the equations and not from the kernels.
+(`exact`), written from the equations and not from the kernels.
 """
 
 import math
@@ -23,6 +23,7 @@ from demlaws.granite import find_test
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.timestep import timestep
+from studies.extremes.exact import EXACT
 from studies.extremes.paths import finite_loop, path_loop
 
 EPS = float(np.finfo(float).eps)
@@ -91,11 +92,11 @@ def extreme_contacts(count, random, dimension=GRANITE.fractal_dimension):
 
 
 def contacts_for(case, count, random):
-    """Laws on extreme contacts, as (law, label) pairs; where the law refuses extremes, on the granite pair."""
+    """Laws on extreme contacts; where the law refuses extremes, on the granite pair."""
     definition = registry()[case.law]
     one_curve = case.evaluation == "table" and not definition.collapses
     if definition.solved or one_curve:
-        return [(case.bind(GRANITE, 0.9), "granite pair")]
+        return [case.bind(GRANITE, 0.9)]
     result = []
     for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,):
         contact = extreme_contacts(count, random, dimension)
@@ -103,7 +104,7 @@ def contacts_for(case, count, random):
             contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-12 * contact.radius))
             if definition.length == "roughness":
                 contact = contact.with_values(roughness=np.maximum(contact.roughness, 1e-5 * contact.radius))
-        result.append((case.bind(contact, 0.9 if case.evaluation == "table" else None), f"Df {dimension:g}"))
+        result.append(case.bind(contact, 0.9 if case.evaluation == "table" else None))
     return result
 
 
@@ -162,10 +163,10 @@ def hold_loop(rule, p, state, mass, load, overlap, kick, dt, steps, limit):
 def rounding_by_decade(case, count=20_000, seed=3):
     """Worst relative error of the force in ε by decade of δ/σ (δ/R for laws without roughness): {decade: error}.
 
-    None where there is no reference (`Definition.exact`), and of a table.
+    None where there is no reference (`EXACT`), and of a table.
     """
     definition = registry()[case.law]
-    if np.finfo(np.longdouble).eps > 1e-18 or definition.exact is None or case.evaluation == "table":
+    if np.finfo(np.longdouble).eps > 1e-18 or case.law not in EXACT or case.evaluation == "table":
         return None
     random = np.random.default_rng(seed)
     radius = 10.0 ** random.uniform(-6.0, 0.0, count)
@@ -179,7 +180,7 @@ def rounding_by_decade(case, count=20_000, seed=3):
     with warnings.catch_warnings():  # of large overlaps, and of a hardness that soft contacts do not reach
         warnings.simplefilter("ignore", ValidityWarning)
         contact = Contact(radius[keep], modulus[keep], sigma[keep], GRANITE.fractal_dimension, GRANITE.hardness)
-        exact, _ = definition.exact(contact, overlap, **definition.example)
+        exact, _ = EXACT[case.law](contact, overlap, **definition.example)
         force = case.bind(contact).force(overlap)
     error = np.abs((force.astype(np.longdouble) - exact) / exact).astype(float) / EPS
     return {int(d): float(error[decade == d].max()) for d in np.unique(decade)}
@@ -194,7 +195,6 @@ class Figures(NamedTuple):
     law: str
     unloading: str
     evaluation: str
-    contacts: str  # on which the paths ran
     paths: int
     not_finite: int  # values on paths and first loadings: NaN, infinite or negative
     falling: int  # forces that fall as the overlap grows
@@ -219,7 +219,7 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ValidityWarning)
         laws = contacts_for(case, 1000, random)
-        for law, _ in laws:
+        for law in laws:
             count = law.contact.size or 1
             radius = np.broadcast_to(np.asarray(law.contact.radius, float), count).copy()
             largest = radius * (0.098 if registry()[case.law].solved else 0.5 if case.evaluation == "table" else 1.0)
@@ -243,7 +243,6 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
         ratios = [r for law in singles for r in step_ratios(law)]
         return Figures(
             *case,
-            laws[0][1] if len(laws) == 1 and laws[0][1].startswith("granite") else "extreme",
             done,
             bad,
             falling,
@@ -463,39 +462,6 @@ def table(rows):
             f"{f'{r.step_ratio[0]:.3f}-{r.step_ratio[1]:.3f}':>14}{'ok' if r.refused else 'NO':>5}"
         )
     return "\n".join(lines)
-
-
-TITLES = (
-    *Figures._fields[:9],
-    *(f"force_error_eps_decade_{d}" for d in range(-9, 7)),
-    "ratcheting",
-    "kink_eps",
-    "reload_eps",
-    "broken",
-    *(f"gain_{s}_steps" for s in STEPS),
-    "safe_steps",
-    "step_over_limit_smallest",
-    "step_over_limit_largest",
-    "refused",
-)
-
-
-def csv_row(r):
-    """One line of the CSV file: the values that TITLES names."""
-    decades = [(r.rounding or {}).get(d, "") for d in range(-9, 7)]
-    gains = [r.gains.get(s, "") for s in STEPS]
-    return (
-        *r[:9],
-        *decades,
-        r.ratcheting,
-        r.kink,
-        r.reload,
-        r.broken,
-        *gains,
-        r.safe_steps,
-        *r.step_ratio,
-        r.refused,
-    )
 
 
 def failures(rows):

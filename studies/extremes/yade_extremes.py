@@ -1,7 +1,5 @@
 """The extremes inside YADE: how `demlaws.extremes` drives it. `python -m studies.extremes --yade` runs this file under YADE."""
 
-import math
-
 import numpy as np
 import yade
 
@@ -154,16 +152,8 @@ class Yade:
             found.append(rows)
         return found
 
-    def stops(self):
-        """YADE's reaction to NaN and infinity: (what was done, message or None) of touching and lone spheres."""
-        found = []
-        for touching in (True, False):
-            for what, value in (("NaN", math.nan), ("infinite", math.inf)):
-                for where in ("position", "velocity"):
-                    found.append((f"{what} {where}, {'touching' if touching else 'alone'}", self._stop(touching, where, value)))
-        return found
-
-    def _stop(self, touching, where, value):
+    def stopped_by(self, touching, where, value):
+        """YADE's error after a fault (see `extremes.stops`), or None."""
         from studies.extremes.stability import GRANITE, Case
 
         radius = 2.0 * GRANITE.radius
@@ -177,7 +167,7 @@ class Yade:
         O.dt = 1e-7
         O.step()
         O.step()
-        wrong = yade.Vector3(value, 0.0, 0.0)
+        wrong = yade.Vector3(float(value), 0.0, 0.0)
         if where == "position":
             bodies[2].state.pos = wrong
         else:

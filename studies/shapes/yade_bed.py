@@ -1,9 +1,6 @@
 """A box of grains in YADE: packed by six walls, probed at rising pressure, loaded in cycles; started by `studies.shapes`."""
 
-import json
 import math
-import os
-import sys
 import time
 
 import numpy as np
@@ -13,6 +10,7 @@ from yade import utils
 import __main__
 import demlaws as dl
 from demlaws.yade import Curvature, Law2_ScGeom_MindlinPhys_Demlaws, engines
+from studies.under_yade import serve
 
 O = yade.O  # noqa: E741
 LOOSE, ROUGH = math.radians(3), math.radians(30)  # friction of a packing in the making, and after
@@ -218,10 +216,4 @@ def moduli(track, turns, windows):
     return found
 
 
-with open(sys.argv[1]) as file:
-    given = json.load(file)
-found = prepare(given) if given["prepare"] else measure(given)
-with open(sys.argv[2], "w") as file:
-    json.dump(found, file)
-sys.stdout.flush()
-os._exit(0)  # YADE's own end takes seconds
+serve(lambda given: prepare(given) if given["prepare"] else measure(given))

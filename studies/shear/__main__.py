@@ -1,5 +1,6 @@
 """`python -m studies.shear`: oblique impacts, the closed gas, pictures of shear."""
 
+import itertools
 import sys
 
 from tqdm import tqdm
@@ -32,7 +33,7 @@ def parser():
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--paths", type=int, help="so many random paths of every law, rule and choice: work returned")
     parser.add_argument("--springs", type=int, nargs="+", help="errors of partial slip with these numbers of springs")
-    parser.add_argument("--bytes", action="store_true", help="what a particle keeps per contact, by engine and model")
+    parser.add_argument("--bytes", action="store_true", help="memory of a contact, by engine and model")
     parser.add_argument("--packing", nargs="+", metavar="SHEAR", help="25 oedometer cycles and shear to the peak, in YADE")
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
@@ -57,7 +58,7 @@ def run(arguments):
         print_springs(arguments.springs)
         return
     if arguments.bytes:
-        for engine, model, size in memory.bytes_per_contact():
+        for engine, model, size in itertools.chain(memory.bytes_in_yade(), memory.bytes_per_contact()):
             print(f"{engine}, {model}: {size}", flush=True)
         return
     if arguments.packing:

@@ -1,9 +1,10 @@
-"""Bytes that one particle keeps for one contact: restart files of two spheres that touch, and that do not."""
+"""Bytes kept for one contact: by a particle, from restart files of two spheres that touch or do not; by the law in YADE."""
 
 import tempfile
 from pathlib import Path
 
 from demlaws.make import example
+from demlaws.yade.run import run as run_in_yade
 from studies.shear.gas import CONTACT, DIAMETER, ENGINES
 
 START = """\
@@ -49,6 +50,29 @@ MODELS = {
         "any law, slip": "demlaws/table hertz.tbl 60.6e9 0.5 0.25 shear slip tangential demlaws 1 0.5",
     },
 }
+
+YADE = """\
+import demlaws as dl
+from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
+from demlaws.yade.layout import ROW_WORDS
+surface = {"granite": dl.Surface(2.4e-6, 2.22)}
+laws = ("Hertz", "hertz", "elastic"), ("elastic law", "pohrt-popov", "elastic"), ("Hertz unloading", "pohrt-popov", "hertz")
+for name, law, rule in laws:
+    for shear in "elastic", "slip":
+        functor = Law2_ScGeom_MindlinPhys_Demlaws(law, rule, surface, shear=shear, bridge="native")
+        print(f"ROW {name}, shear {shear}: {8 * functor.binding.attachment.context.words[ROW_WORDS]}", flush=True)
+"""
+
+
+def bytes_in_yade():
+    """Rows (engine, model, bytes): the row of a contact in the law's memory, beside YADE's own objects."""
+    with tempfile.TemporaryDirectory() as name:
+        script = Path(name) / "rows.py"
+        script.write_text(YADE)
+        for line in run_in_yade(script, capture_output=True, text=True).stdout.splitlines():
+            if line.startswith("ROW "):
+                model, _, size = line.removeprefix("ROW ").rpartition(": ")
+                yield "yade", model, int(size)
 
 
 def bytes_per_contact():

@@ -75,30 +75,24 @@ def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, sp
     return velocity, spin
 
 
+def rebound(law, mass, friction, ratio, normal, sideways, model, steps=2000, springs=64):
+    """(tangential velocity, ω R) [m/s] after an impact with one of MODELS; ratio: K_t/K."""
+    peak, duration = dl.driver.elastic_contact(law, mass, normal)
+    number, largest = list(MODELS).index(model), 1.01 * float(law.stiffness(peak))
+    return oblique_loop(
+        law.rule, law.params, mass, normal, sideways, ratio, friction, duration / steps, number, springs, largest
+    )
+
+
 def impact(angle, model, friction=FRICTION, steps=4000, springs=64):
     """`Impact` at an angle from the normal [degrees] with one of MODELS."""
     pair = dl.Contact.between(SPHERE, PLATE, radius1=RADIUS, radius2=math.inf)
-    law = dl.law("hertz", pair)
     mass = DENSITY * 4.0 / 3.0 * math.pi * RADIUS**3
     normal, sideways = SPEED * math.cos(math.radians(angle)), SPEED * math.sin(math.radians(angle))
     # 1/G* = (2 - ν1)/G1 + (2 - ν2)/G2, K_t/K = 4 G*/E*
     compliance = sum((2.0 - m.poisson) * 2.0 * (1.0 + m.poisson) / m.young for m in (SPHERE, PLATE))
     ratio = 4.0 / (compliance * pair.modulus)
-    peak, duration = dl.driver.elastic_contact(law, mass, normal)
-    largest = 1.01 * float(law.stiffness(peak))
-    velocity, spin = oblique_loop(
-        law.rule,
-        law.params,
-        mass,
-        normal,
-        sideways,
-        ratio,
-        friction,
-        duration / steps,
-        list(MODELS).index(model),
-        springs,
-        largest,
-    )
+    velocity, spin = rebound(dl.law("hertz", pair), mass, friction, ratio, normal, sideways, model, steps, springs)
     return Impact(velocity / sideways, spin / sideways, (velocity**2 + 0.4 * spin**2) / sideways**2)
 
 

@@ -8,62 +8,29 @@ from demlaws.advice.soften import Softening
 from demlaws.contact import Material, Surface
 from demlaws.grains import Grain
 from demlaws.materials import GRANITE
-from studies.trade.liggghts_oedometer import CASE, DRAG, EDGE, carry_out, contact_forces, flat, prepare
+from studies.trade.liggghts_oedometer import (
+    CASE,
+    DRAG,
+    EDGE,
+    FORCES,
+    TOUCHING,
+    carry_out,
+    contact_forces,
+    flat,
+    held_state,
+    prepare,
+    press,
+)
 
 RTOL = 1e-5  # of the tables
-_PRESSING = CASE.index("thermo_style    custom step v_stress")
-_DRIVE = "fix             drive all move/mesh mesh plate linear 0. 0. -{speed:.10g}\n"
-CYCLES = (
-    CASE[:_PRESSING].replace(_DRIVE, "")
-    + """\
-variable        sense equal -1.0
-thermo_style    custom step v_stress v_touched v_sense
-thermo_modify   norm no lost ignore format float %.12g
-thermo          {every}
-variable        turn loop {cycles}
-label           again
-variable        sense equal -1.0
-fix             drive all move/mesh mesh plate linear 0. 0. -{speed:.10g}
-label           pressing
-run             {every}
-if              "${{stress}} >= {full:.10g}" then "jump SELF pressed"
-jump            SELF pressing
-label           pressed
-unfix           drive
-variable        sense equal 0.0
-if              "${{turn}} > 1" then "jump SELF held"
-run             {hold}
-dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
-run             0
-undump          forces
-label           held
-variable        sense equal 1.0
-fix             drive all move/mesh mesh plate linear 0. 0. {speed:.10g}
-label           easing
-run             {every}
-if              "${{stress}} < {least:.10g}" then "jump SELF eased"
-jump            SELF easing
-label           eased
-unfix           drive
-next            turn
-jump            SELF again
-"""
-)
-
-
-POUR = (
-    CASE[: CASE.index("variable        touching")]
-    + """\
-dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
-run             0
-"""
-)
+POUR = CASE + FORCES.format(name="forces")
 _SERVO = (
     "fix             {name} all mesh/surface/stress/servo file {name}.stl type 3 move {at} com {at} ctrlPV force axis {axis} "
     "target_val v_push_{name} vel_max {{fastest:.10g}} kp {{stiff:.10g}}\n"
 )
 SHEAR = (
-    CASE[: CASE.index("fix             plate all mesh")]
+    CASE
+    + TOUCHING
     + """\
 unfix           gravity
 unfix           right
@@ -104,9 +71,9 @@ next            tries
 jump            SELF pressing
 the_walls_have_not_come_to_their_stress
 label           pressed
-dump            before all local 1 post/before.txt c_contacts[1] c_contacts[2] c_contacts[3]
-run             0
-undump          before
+"""
+    + FORCES.format(name="before")
+    + """\
 variable        sheared equal 1.0
 variable        goal equal 1e9
 variable        last equal {left:.10g}*${{z}}
@@ -116,9 +83,8 @@ run             {every}
 if              "${{z}} <= ${{last}}" then "jump SELF sheared"
 jump            SELF shearing
 label           sheared
-dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
-run             0
 """
+    + FORCES.format(name="forces")
 )
 LOOKS = 100  # steps between two readings of the walls
 MOST = 20_000  # looks until the walls have come to their stress
@@ -136,67 +102,44 @@ def _made(scene, told, places):
     return {**scene, **told, "grains": two, "poisson": GRANITE.poisson}, way, centres
 
 
-def _held(scene, forces):
-    """Forces [N] between grains, and how many contacts a grain has."""
-    return {"forces": forces.tolist(), "coordination": 2.0 * forces.size / len(scene["radii"])}
-
-
 def pour(folder, scene, told):
     """A loose block falls and comes to rest; what it wrote, as YADE's does (see yade_softening.py)."""
     given, way, centres = _made(scene, told, "loose")
     path = Path(folder) / "in.pour"
     log, forces, seconds = carry_out(path, prepare(path, {**given, "settle": told["time"]}, way, centres, POUR, AIR))
-    held = {**_held(scene, forces), "kinetic": float(log["KinEng"][-1])}
+    held = {**held_state(scene, forces), "kinetic": float(log["KinEng"][-1])}
     return {"height": float(log["centre"][-1]), "held": held, "steps": int(log["Step"][-1]), "seconds": seconds}
+
+
+def _drag(told):
+    """The same share of speed in a contact's own period [1/s]."""
+    return DRAG / told["size"] / Softening(told["factor"]).step
 
 
 def cycles(folder, scene, told):
     """One run; what it wrote, as YADE's does (see yade_softening.py)."""
     given, way, centres = _made(scene, told, "centres")
-    drag = DRAG / told["size"] / Softening(told["factor"]).step  # the same share of speed in a contact's own period
-    path = Path(folder) / "in.cycles"
     own = {name: told[name] for name in ("least", "every", "cycles")}
-    log, forces, seconds = carry_out(path, prepare(path, given, way, centres, CYCLES, drag, **own))
-    step, stress, sense = log["Step"], log["stress"], log["sense"]
-    # the first row of a run repeats the last of the one before, with the sense in which it then goes
-    height = log["touched"] + np.append(0.0, np.cumsum(sense[1:] * np.diff(step))) * told["speed"] * told["dt"]
-    turns = np.flatnonzero((sense[1:] != sense[:-1]) & (sense[1:] != 0.0)) + 1
-    branches = [part.tolist() for part in np.split(np.stack([height, stress], 1), turns)]
-    if len(branches) != 2 * told["cycles"]:
-        raise RuntimeError(f"{len(branches)} branches of {told['cycles']} cycles")
-    kept = np.flatnonzero(sense == 0.0)
-    end = int(kept[-1]) if kept.size else int(turns[0])
-    return {
-        "top": float(height[0]),
-        "branches": branches,
-        "held": {
-            **_held(scene, forces),
-            "plate": float(height[end]),
-            "stress": float(stress[end]),
-        },
-        "steps": int(step[-1]),
-        "seconds": seconds,
-    }
+    return press(Path(folder) / "in.cycles", given, way, centres, _drag(told), **own)
 
 
 def shear(folder, scene, told):
     """Isotropic compression, then the plate comes down between sides kept at their stress; as yade_softening.py has it."""
     given, way, centres = _made(scene, told, "centres")
-    drag = DRAG / told["size"] / Softening(told["factor"]).step
     path = Path(folder) / "in.shear"
     stiff = told["gain"] / told["fastest"]
     more = {"stiff": stiff, "fastest": told["fastest"], "every": LOOKS, "most": MOST, "left": 1.0 - told["strain"]}
-    plugin = prepare(path, given, way, centres, SHEAR, drag, **more)
+    plugin = prepare(path, given, way, centres, SHEAR, _drag(told), **more)
     spans = (-EDGE, scene["width"] + EDGE), (-EDGE, 1.5 * centres[:, 2].max() + EDGE)
     for axis, name in enumerate(("right", "rear")):
         (path.parent / f"{name}.stl").write_text(flat(axis, *spans))
     log, forces, seconds = carry_out(path, plugin)
-    before = _held(scene, contact_forces(path.parent / "post" / "before.txt"))
+    before = held_state(scene, contact_forces(path.parent / "post" / "before.txt"))
     down = np.flatnonzero((log["sheared"] == 1.0) & np.append(np.diff(log["Step"]) > 0, True))  # a run repeats the last row
     columns = ("across_x", "across_y", "across_z", "x", "y", "z")
     return {
         "before": {"coordination": before["coordination"]},
-        "held": _held(scene, forces),
+        "held": held_state(scene, forces),
         "rows": np.stack([log[name][down] for name in columns], 1).tolist(),
         "steps": int(log["Step"][-1]),
         "seconds": seconds,

@@ -1,4 +1,4 @@
-"""Errors of the runs of the study against the process as it is, as points, tables and CSV rows."""
+"""Errors of the runs of the study against the process as it is, as points and tables."""
 
 import math
 from typing import NamedTuple
@@ -131,11 +131,6 @@ def _judged(point):
     return stiff or [n for n in OF_PROCESS[point.run.process][:1] if n in point.errors]
 
 
-def first_quantity(point: Point) -> str:
-    """The quantity whose error is the largest of those that a point is judged by."""
-    return max(_judged(point), key=lambda n: abs(point.errors[n]), default="")
-
-
 def worst(point: Point) -> float:
     """Largest error of the packing's stiffness (of a pour: of its height, of shear: of the peak strength)."""
     return max((abs(point.errors[n]) for n in _judged(point)), default=math.nan)
@@ -158,7 +153,7 @@ def table(found: list[Point]) -> str:
         own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.seconds)
         names = [n for n in OF_PROCESS[key[1]] if any(n in p.errors for p in own)]
         head = " ".join(f"{n:>12}" for n in names)
-        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8} {'s':>7}  {head}")
+        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8} {'s':>7}  {head}   unbalanced")
         for p in own:
             cells = []
             for n in names:
@@ -168,8 +163,8 @@ def table(found: list[Point]) -> str:
                     cells.append(f"{p.errors[n]:+12.3f}")
                 else:
                     cells.append(f"{100 * p.errors[n]:+11.1f}%")
-            mark = "  *" if p.front else ""
-            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f} {p.seconds:7.2f}  {' '.join(cells)}{mark}")
+            cells.append(f"{'-' if p.unbalanced is None else f'{p.unbalanced:.1g}':>12}" + "  *" * p.front)
+            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f} {p.seconds:7.2f}  {' '.join(cells)}")
         spread = [
             next((p.chance[n] for p in own if p.chance.get(n) == p.chance.get(n) and n in p.chance), math.nan) for n in names
         ]
@@ -227,19 +222,3 @@ def similarity_table(found: list[Similar]) -> str:
         way = f"{start}, σ {'scaled' if one.run.scaled else 'alone'}, {one.run.stress / 1e3:g} kPa"
         lines.append(f"{way:44}{one.run.depth:10.2g}  {' '.join(cells)}")
     return "\n".join(lines)
-
-
-COMPARED = tuple(dict.fromkeys(name for names in OF_PROCESS.values() for name in names))
-TITLES = (
-    *Run._fields,
-    *("kappa", "steps", "seconds", "copies", "front"),
-    *(f"{name}_error" for name in COMPARED),
-    *(f"{name}_chance" for name in COMPARED),
-)
-
-
-def csv_row(point: Point) -> tuple:
-    """One line of the CSV file: the values that TITLES names."""
-    figures = (point.errors.get(n, math.nan) for n in COMPARED), (point.chance.get(n, math.nan) for n in COMPARED)
-    about = (point.run.kappa, point.steps, point.seconds, point.copies, point.front)
-    return (*point.run, *about, *figures[0], *figures[1])

@@ -19,7 +19,7 @@ from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.grains import Grain
-from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS
+from demlaws.laws.names import HERTZ, POHRT_POPOV
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
@@ -134,6 +134,7 @@ class Run(NamedTuple):
             "options": options,
             "dt": dt,
             "speed": speed,
+            "back": speed,
             "settle": RESTING * 0.5 * unit,
             "hold": 0.25 * RESTING * 0.5 * unit,
             "every": int(np.clip(round(sunk / (150 * speed * dt)), 1, 40)),
@@ -156,41 +157,11 @@ def _copies(run, count):
 
 
 def plan(engine: str, quick: bool = False) -> list[Run]:
-    """The runs of a study in one engine, the most informative first. quick: some minutes, factors of 1, 10 and 100 only."""
-    one, softer = Run(engine, "cycles", cycles=1 if quick else 25), (10.0, 100.0)
-
-    def softened(run):
-        return [run, *(run._replace(factor=s, scaled=scaled) for s in softer for scaled in (True, False))]
-
-    runs = [r for run in softened(one) for r in _copies(run, 3)]
-    if quick:
+    """The runs in one engine whose rows are kept. quick: some minutes, those of E, E/10 and E/100, loaded and unloaded once."""
+    runs = [run for run in load() if run.engine == engine]
+    if not quick:
         return runs
-    if engine == "yade":
-        runs += similar() + scenes(engine, OTHERS) + scenes(engine, FASTER) + scenes(engine) + tried(engine)
-    once = one._replace(cycles=1)
-    for rate in (1e-3, 1e-2, 1e-4):
-        runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s, inertial=rate), 3)]
-    runs += [r for s in (1.0, *softer) for r in _copies(once._replace(factor=s), 3)]
-    pour = Run(engine, "pour", stress=2e3)
-    runs += [r for way in softened(pour) for r in _copies(way, 3)]
-    shear = Run(engine, "shear", stress=1e5, inertial=1e-3)
-    slower = shear._replace(inertial=3e-4)
-    ways = softened(shear) + [shear._replace(factor=s, inertial=rate) for rate in (1e-2, 3e-3) for s in (1.0, 10.0)]
-    ways += [shear._replace(part=0.9), *softened(slower), *(slower._replace(part=part) for part in (0.7, 0.9))]
-    runs += [r for way in ways for r in _copies(way, 3)]
-    if engine == "yade":
-        for rate in (5e-4, 2e-3, 3e-3):
-            runs += [r for s in (1.0, 10.0) for r in _copies(once._replace(factor=s, inertial=rate), 2)]
-        runs += [r for part in (0.5, 0.9) for r in _copies(pour._replace(part=part), 3)]
-        runs += _copies(once._replace(density=100.0), 3)
-    runs += [r for part in (0.1, 0.7, 0.9, 1.2) for r in _copies(once._replace(part=part), 3)]
-    for law, rule in ((HERTZ, "elastic"), (RMS, "hertz"), (POHRT_POPOV, "elastic")):
-        runs += _copies(one._replace(law=law, unloading=rule), 3)
-    third = [one._replace(factor=3.0, scaled=scaled) for scaled in (True, False)]
-    runs += [r for run in third for r in _copies(run, 3)]
-    slow = [once._replace(factor=s, inertial=1e-5) for s in (1.0, 10.0)]
-    thousand = [once._replace(factor=1000.0, scaled=scaled) for scaled in (True, False)]
-    return list(dict.fromkeys(runs + [r for run in (*slow, *thousand) for r in _copies(run, 2)]))
+    return [r for r in runs if r.factor in (1.0, 10.0, 100.0) and r == Run(engine, "cycles", r.factor, r.scaled, copy=r.copy)]
 
 
 OTHERS: tuple[dict[str, Any], ...] = (
@@ -236,11 +207,6 @@ TRIED = tuple(
 tolerance is compared with the advice."""
 SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
 """Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
-
-
-def tried(engine: str) -> list[Run]:
-    """The held-back scenes at full modulus and softer, slow and fast, in shorter and longer steps."""
-    return [run._replace(factor=s, inertial=rate, part=part) for run in held_back(engine) for s, rate, part in TRIED]
 
 
 def held_back(engine: str) -> list[Run]:

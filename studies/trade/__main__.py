@@ -6,18 +6,14 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from demlaws import plots, units
+from demlaws import units
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.arguments import law_name, pressure, whole
-from demlaws.cli.output import output
 from demlaws.errors import DemlawsError
-from demlaws.files import save_csv
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import find
 from studies.softening import results, study
-from studies.softening.figure import softening_figure
 from studies.trade import candidates, packings, peers, trade
-from studies.trade import figure as pictures
 from studies.trade.candidates import ENGINES, NAMES
 from studies.trade.keep import keep
 
@@ -34,9 +30,9 @@ def parser():
         "LIGGGHTS or LAMMPS step that a law takes, and the engines' own models; with --scene the errors of a whole packing; "
         "with --softening those of softer grains, faster loading and longer steps against time to solution.",
         **example(
-            "  python -m studies.trade --engines --csv trade.csv --figure trade.png\n"
-            "  python -m studies.trade --scene yade liggghts lammps --figure scene.png\n"
-            "  python -m studies.trade --softening --figure study.png            (the kept rows)\n"
+            "  python -m studies.trade --engines\n"
+            "  python -m studies.trade --scene yade liggghts lammps\n"
+            "  python -m studies.trade --softening                               (the kept rows)\n"
             "  python -m studies.trade --softening rows.jsonl --engines yade --quick (missing rows)\n"
             "  python -m studies.trade --law hertz --law pohrt-popov"
         ),
@@ -81,8 +77,6 @@ def parser():
     parser.add_argument(
         "--keep", action="store_true", help="write what demlaws choose reads: these costs, the kept study's curves"
     )
-    parser.add_argument("--csv", type=output, help="file to write every figure to")
-    parser.add_argument("--figure", type=output, help="picture to draw: error against cost with the Pareto front")
     parser.set_defaults(func=run)
     return parser
 
@@ -91,10 +85,6 @@ def _peers(arguments):
     laws = tuple(find(n).name for n in arguments.law) if arguments.law else peers.PEERS
     rows = peers.held_together(laws, progress=lambda jobs: tqdm(jobs, desc="peers", leave=False, disable=None))
     print(peers.held_table(rows))
-    if arguments.csv is not None:
-        titles = ("test", "law", "unloading", "rms", "worst", "loading", "left", "parameters")
-        lines = [(r.test, r.law, r.unloading, r.rms, r.worst, r.loading, r.left, str(r.parameters)) for r in rows]
-        print(save_csv(arguments.csv, titles, lines))
 
 
 def run(arguments):
@@ -113,42 +103,28 @@ def run(arguments):
 
     entries, floor = trade.measure(laws, arguments.contacts, arguments.rounds, progress)
     print(trade.table(entries, floor))
-    steps = []
     chosen = next((e for e in entries if e[:3] == (POHRT_POPOV, "hertz", "closed form")), None)
     if chosen is not None:
-        steps = trade.steps_trade(chosen.ns)
         print("\nimpacts of a granite sphere, 1e-3 to 1 m/s, any phase of the step, pohrt-popov with hertz unloading")
-        print(trade.steps_table(steps))
-    found = {}
+        print(trade.steps_table(trade.steps_trade(chosen.ns)))
     for engine in engines:
-        found[engine] = trade.engine_trade(engine, arguments.quick, progress)
+        found = trade.engine_trade(engine, arguments.quick, progress)
         print(f"\na step of {NAMES[engine]}, a close packing, one thread; force error against {trade.RICHEST[0]}")
-        print(trade.engine_table(found[engine]))
+        print(trade.engine_table(found))
     if arguments.keep:
         if laws:
             raise DemlawsError("--keep writes the costs of all laws: leave out --law")
         print(keep(entries))
-    if arguments.csv is not None:
-        print(save_csv(arguments.csv, trade.TITLES, map(trade.csv_row, entries)))
-    if arguments.figure is not None:
-        print(plots.save(pictures.trade_figure(entries, floor, steps, found), arguments.figure))
-    return None
 
 
 def _scenes(arguments):
     setup = packings.QUICK if arguments.quick else packings.Setup()
     setup = replace(setup, stress=units.number(arguments.stress, "stress", "Pa", 1e4, 1e8, allow_low=True))
-    found = {}
     for engine in trade.installed(arguments.scene):
         with tqdm(total=len(candidates.ways(engine)), desc=engine, leave=False, disable=None) as bar:
-            found[engine] = packings.run(engine, setup, progress=lambda label, bar=bar: bar.update())
+            found = packings.run(engine, setup, progress=lambda label, bar=bar: bar.update())
         print(f"{setup.count} granite spheres in {NAMES[engine]}, compressed to {setup.stress / 1e3:g} kPa")
-        print(packings.table(found[engine], setup) + "\n")
-    if arguments.csv is not None:
-        rows = [row for engine, outcomes in found.items() for row in packings.csv_rows(engine, outcomes)]
-        print(save_csv(arguments.csv, packings.TITLES, rows))
-    if arguments.figure is not None:
-        print(plots.save(pictures.scene_figure(found, setup), arguments.figure))
+        print(packings.table(found, setup) + "\n")
 
 
 def _softening(arguments):
@@ -170,10 +146,6 @@ def _softening(arguments):
     alike = results.similarity(study.load(path))
     if alike:
         print(results.similarity_table(alike) + "\n")
-    if arguments.csv is not None:
-        print(save_csv(arguments.csv, results.TITLES, map(results.csv_row, points)))
-    if arguments.figure is not None:
-        print(plots.save(softening_figure(points), arguments.figure))
 
 
 def main(arguments=None):

@@ -17,6 +17,16 @@ CDM = (GRANITE_YIELD_PRESSURE, 1.4)
 """sigmaMax [Pa] and alpha of YADE's Conical Damage Model: the yield pressure, and the slope that is nearest to RICHEST."""
 
 
+STONE = {
+    "young": GRANITE.young,
+    "poisson": GRANITE.poisson,
+    "density": GRANITE.density,
+    "surface": vars(SURFACE),
+    "cdm": CDM,
+}
+"""The granite as engines' scripts take it."""
+
+
 class Way(NamedTuple):
     """One way to compute the contacts of a scene."""
 

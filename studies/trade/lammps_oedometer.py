@@ -7,7 +7,7 @@ import numpy as np
 from demlaws.grains import Case
 from demlaws.lammps.export import Models, models, wall_lines
 from demlaws.lammps.run import HEAD, run
-from studies.trade.liggghts_oedometer import DRAG, EVERY, _data, grains, outcome, timed, turns
+from studies.trade.liggghts_oedometer import DRAG, EVERY, _data, grains, held_state, timed
 
 START = """\
 boundary        f f f
@@ -103,7 +103,7 @@ def oedometer(folder, given, way, ranks=1):
         "area": width * width,
         "settle": round(given["settle"] / given["dt"]),
         "speed": given["speed"],
-        "back": given["speed"] / 3,
+        "back": given["back"],
         "full": given["stress"],
         "hold": round(given["hold"] / given["dt"] / EVERY) * EVERY,
         "every": EVERY,
@@ -112,4 +112,13 @@ def oedometer(folder, given, way, ranks=1):
     (folder / "in.oedometer").write_text(text)
     log, seconds = timed(lambda: run(folder / "in.oedometer", ranks, plugin=way["model"] != "hertz"))
     forces = np.abs(np.loadtxt(folder / "post" / "forces.txt", skiprows=9))
-    return outcome(log, log["height"], *turns(given, log, values["hold"]), forces[forces > 0.0], seconds)
+    rows = np.stack([log["height"], log["stress"]], 1)
+    peak = int(np.argmax(log["stress"] >= given["stress"]))
+    end = int(np.argmin(np.abs(log["Step"] - log["Step"][peak] - values["hold"])))
+    return {
+        "height": float(log["centre"][0]),
+        "branches": [rows[: peak + 1].tolist(), rows[end:].tolist()],
+        "held": {**held_state(given, forces[forces > 0.0]), "plate": float(rows[end, 0]), "stress": float(rows[end, 1])},
+        "steps": int(log["Step"][-1]),
+        "seconds": seconds,
+    }

@@ -7,8 +7,9 @@ import numpy as np
 
 from demlaws.grains import Case, Grain
 from demlaws.liggghts.build import library_path
-from demlaws.liggghts.export import stock_fit, table_words
+from demlaws.liggghts.export import table_words
 from demlaws.liggghts.run import HEAD, run
+from studies.trade.peers import edinburgh_fit
 
 DRAG = 3e3  # of the smaller grain's speed [1/s]: the same for every law; damping in contacts differs, and edinburgh bears none
 
@@ -46,53 +47,74 @@ thermo_style    custom step v_centre v_top ke
 thermo_modify   norm no lost ignore format float %.12g
 thermo          1000
 run             {settle}
-variable        touching equal ${{top}}
+"""
+FORCES = """\
+dump            {name} all local 1 post/{name}.txt c_contacts[1] c_contacts[2] c_contacts[3]
+run             0
+undump          {name}
+"""
+TOUCHING = "variable        touching equal ${{top}}\n"
+PRESS = (
+    CASE
+    + TOUCHING
+    + """\
 fix             plate all mesh/surface/stress file plate.stl type 3 move 0 0 ${{touching}}
 fix             press all wall/gran model {model} tangential history mesh n_meshes 1 meshes plate {words}
-fix             drive all move/mesh mesh plate linear 0. 0. -{speed:.10g}
 variable        stress equal f_plate[3]/{area:.10g}
 variable        touched equal ${{touching}}
-thermo_style    custom step v_stress v_touched v_centre ke
+variable        way equal -{speed:.10g}
+thermo_style    custom step v_stress v_touched v_centre v_way
 thermo_modify   norm no lost ignore format float %.12g
 thermo          {every}
+variable        turn loop {cycles}
+label           again
+variable        way equal -{speed:.10g}
+fix             drive all move/mesh mesh plate linear 0. 0. -{speed:.10g}
 label           pressing
 run             {every}
 if              "${{stress}} >= {full:.10g}" then "jump SELF pressed"
 jump            SELF pressing
 label           pressed
 unfix           drive
+variable        way equal 0.0
+if              "${{turn}} > 1" then "jump SELF held"
 run             {hold}
-variable        least equal 0.8*${{stress}}
-dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
-run             0
-undump          forces
+variable        least equal {least}
+"""
+    + FORCES.format(name="forces")
+    + """\
+label           held
+variable        way equal {back:.10g}
 fix             drive all move/mesh mesh plate linear 0. 0. {back:.10g}
 label           easing
 run             {every}
 if              "${{stress}} < ${{least}}" then "jump SELF eased"
 jump            SELF easing
 label           eased
+unfix           drive
+next            turn
+jump            SELF again
 """
+)
 EVERY = 40  # steps between two readings of the plate
+
+
+def data_text(ends, atoms, velocities=(), types=2):
+    """A data file: ends of the box [m] along x, y, z; of each particle type, diameter, density, place; velocity and spin."""
+    lines = ["data", "", f"{len(atoms)} atoms", f"{types} atom types", ""]
+    lines += [f"{low:.17g} {high:.17g} {a}lo {a}hi" for a, (low, high) in zip("xyz", ends, strict=True)]
+    for title, rows in (("Atoms", atoms), ("Velocities", velocities)):
+        if rows:
+            lines += ["", title, "", *(" ".join([str(n), *(f"{v:.17g}" for v in row)]) for n, row in enumerate(rows, start=1))]
+    return "\n".join(lines) + "\n"
 
 
 def _data(centres, radii, width, density, types=3):
     """A data file; the type is the number of the radius, smallest first."""
     kinds = {radius: n + 1 for n, radius in enumerate(sorted(set(radii)))}
-    low, high = -2.0 * max(radii), width + 2.0 * max(radii)
-    lines = ["start", "", f"{len(radii)} atoms", f"{types} atom types", ""]
-    lines += [
-        f"{low} {high} xlo xhi",
-        f"{low} {high} ylo yhi",
-        f"{low} {centres[:, 2].max() + 6.0 * max(radii)} zlo zhi",
-        "",
-        "Atoms",
-        "",
-    ]
-    for n, (place, radius) in enumerate(zip(centres, radii, strict=True)):
-        x, y, z = (f"{v:.17g}" for v in place)
-        lines.append(f"{n + 1} {kinds[radius]} {2 * radius:.17g} {density:.17g} {x} {y} {z}")
-    return "\n".join(lines) + "\n"
+    side = -2.0 * max(radii), width + 2.0 * max(radii)
+    atoms = [(kinds[radius], 2 * radius, density, *place) for place, radius in zip(centres, radii, strict=True)]
+    return data_text((side, side, (side[0], centres[:, 2].max() + 6.0 * max(radii))), atoms, types=types)
 
 
 def flat(axis, *spans):
@@ -130,10 +152,10 @@ def edinburgh(law, contacts, load):
 
     The model has one exponent for all pairs: that of the first.
     """
-    fits = [stock_fit(law(contact), load, "edinburgh") for contact in contacts]
-    exponent = fits[0].parameters["overlapExponent"]
+    fits = [edinburgh_fit(law(contact), load) for contact in contacts]
+    exponent = fits[0].exponent
     stiffness = [load / float(law(contact).overlap(load)) ** exponent for contact in contacts]
-    unloading = pairwise([f.parameters["UnloadingStiffness"] for f in fits])
+    unloading = pairwise([f.ratio for f in fits])
     return edinburgh_lines(pairwise(stiffness), unloading, f"{exponent:.12g}", pairwise([0.0] * 5))
 
 
@@ -223,35 +245,29 @@ def contact_forces(path):
     return forces[forces > 0.0]
 
 
+def press(path, given, way, centres, drag=DRAG, **more):
+    """Rest, pressing, hold, easing to `least`, as often as `cycles` says; what was found, as yade_oedometer.py has it."""
+    log, forces, seconds = carry_out(path, prepare(path, given, way, centres, PRESS, drag, back=given["back"], **more))
+    step, stress, speed = log["Step"], log["stress"], log["way"]
+    height = log["touched"] + np.append(0.0, np.cumsum(speed[1:] * np.diff(step))) * given["dt"]
+    turns = np.flatnonzero((speed[1:] != speed[:-1]) & (speed[1:] != 0.0)) + 1
+    branches = [part.tolist() for part in np.split(np.stack([height, stress], 1), turns)]
+    if len(branches) != 2 * more["cycles"]:
+        raise RuntimeError(f"{len(branches)} branches of {more['cycles']} cycles")
+    end = int(np.append(turns[0], np.flatnonzero(speed == 0.0))[-1])
+    held = {**held_state(given, forces), "plate": float(height[end]), "stress": float(stress[end])}
+    about = {"steps": int(step[-1]), "seconds": seconds}
+    return {"height": float(log["centre"][0]), "branches": branches, "held": held, **about}
+
+
+def held_state(given, forces):
+    """Forces [N] between grains, and how many contacts a grain has."""
+    return {"forces": forces.tolist(), "coordination": 2.0 * forces.size / len(given["radii"])}
+
+
 def oedometer(folder, given, way):
     """One way through the test; what it wrote, as YADE's does (see studies.trade.packings.outcome)."""
-    path = Path(folder) / "in.oedometer"
-    back = given["speed"] / 3
-    plugin = prepare(path, given, way, np.array(given["centres"]), CASE, back=back, every=EVERY)
-    log, forces, seconds = carry_out(path, plugin)
-    steps = log["Step"]
-    peak, held = turns(given, log, round(given["hold"] / given["dt"]))
-    down = given["speed"] * (np.minimum(steps, steps[peak]) - steps[0]) * given["dt"]
-    up = back * np.maximum(steps - steps[held], 0.0) * given["dt"]
-    return outcome(log, log["touched"] - down + up, peak, held, forces, seconds)
-
-
-def turns(given, log, hold):
-    """Rows of a log in which the stress is reached and in which the hold of so many steps ends."""
-    peak = int(np.argmax(log["stress"] >= given["stress"]))
-    return peak, int(np.argmin(np.abs(log["Step"] - log["Step"][peak] - hold)))
-
-
-def outcome(log, height, peak, held, forces, seconds):
-    """Results of a test as `studies.trade.packings.outcome` reads them; height: of the plate, in each row of the log."""
-    rows = np.stack([height, log["stress"]], 1)
-    return {
-        "height": float(log["centre"][0]),
-        "plate": float(height[held]),
-        "loading": rows[: peak + 1].tolist(),
-        "stress": float(log["stress"][held]),
-        "forces": forces.tolist(),
-        "unloading": rows[held:].tolist(),
-        "steps": int(log["Step"][-1]),
-        "seconds": seconds,
-    }
+    path, own = Path(folder) / "in.oedometer", {"least": "0.8*${stress}", "every": EVERY, "cycles": 1}
+    found = press(path, given, way, np.array(given["centres"]), **own)
+    found["branches"][1].insert(0, [found["held"]["plate"], found["held"]["stress"]])
+    return found

@@ -14,12 +14,11 @@ from demlaws.grains import Grain
 from demlaws.granite import find_test, options_for
 from demlaws.laws.names import CONICAL_DAMAGE, EEPA, HERTZ, LUDING, THORNTON_NING, WALTON_BRAUN
 from demlaws.laws.registry import find
-from demlaws.liggghts.export import stock_fit
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY, GRANITE
 from demlaws.units import number
 from studies.costs.costs import plugin_costs, under_yade, yade_costs
-from studies.trade.candidates import CDM, RICHEST, SURFACE, Way
+from studies.trade.candidates import CDM, RICHEST, STONE, SURFACE, Way
 
 GRANITE_CONTACT = find_test("SS(18-18)").contact
 CDM_STRENGTHS = (0.3, 0.5, 1.0, 2.0, 4.0)  # sigmaMax over the yield pressure
@@ -44,17 +43,34 @@ def _largest(found, forces):
     return float(error.max()), float(error.mean())
 
 
+class EdinburghFit(NamedTuple):
+    """Stock edinburgh/stiffness, P = k1 δ^n; ratio: k2/k1."""
+
+    exponent: float
+    stiffness: float
+    ratio: float
+
+
+def edinburgh_fit(law, load):
+    """The model with the overlap and tangent of `law` (one contact) at `load` [N] of first loading, and its plastic overlap."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        overlap = float(law.overlap(load))
+        exponent = float(law.stiffness(overlap)) * overlap / load
+        plastic = float(law.follow(np.array([overlap])).plastic_overlap[0]) if law.state_size else 0.0
+    kept = (max(plastic, 0.0) / overlap) ** exponent
+    return EdinburghFit(exponent, load / overlap**exponent, 1.0 / (1.0 - kept))
+
+
 def edinburgh_force(fit, overlaps):
     """Force [N] of stock edinburgh/stiffness along rows of overlaps [m] that begin at the largest.
 
     P = k1 δ^n, but no more than k2 (δ^n - δp^n) with δp^n = (1 - k1/k2) δmax^n, and no less than 0
     (normal_model_edinburgh_stiffness.h of LIGGGHTS 3.8.0, without adhesion).
     """
-    n, first = fit.parameters["overlapExponent"], fit.parameters["LoadingStiffness"]
-    ratio = fit.parameters["UnloadingStiffness"]
-    power = overlaps**n
-    kept = (1.0 - 1.0 / ratio) * power[:, :1]
-    return first * np.maximum(np.minimum(power, ratio * (power - kept)), 0.0)
+    power = overlaps**fit.exponent
+    kept = (1.0 - 1.0 / fit.ratio) * power[:, :1]
+    return fit.stiffness * np.maximum(np.minimum(power, fit.ratio * (power - kept)), 0.0)
 
 
 def edinburgh_error(reference, peaks):
@@ -62,7 +78,7 @@ def edinburgh_error(reference, peaks):
     overlaps, forces = reference_paths(reference, peaks)
     tried = []
     for load in np.geomspace(peaks.min(), peaks.max(), 25):
-        fit = stock_fit(reference, float(load), "edinburgh")
+        fit = edinburgh_fit(reference, float(load))
         tried.append((*_largest(edinburgh_force(fit, overlaps), forces), float(load)))
     return min(tried)
 
@@ -126,15 +142,8 @@ def law_costs(names, engine="yade", overlap=1e-4, side=8, repeats=40):
     every way in turn, `overlap` radii deep at each contact. side³ spheres; repeats: rounds."""
     radius = 2.0 * GRANITE_CONTACT.radius
     grain = Grain(radius, GRANITE, SURFACE)
-    given = {
-        "young": GRANITE.young,
-        "poisson": GRANITE.poisson,
-        "density": GRANITE.density,
-        "surface": vars(SURFACE),
-        "radius": radius,
-        "overlap": number(overlap, "overlap", "of the spheres' radius", 0.0, 0.04) * radius,
-        "cdm": CDM,
-    }
+    deep = number(overlap, "overlap", "of the spheres' radius", 0.0, 0.04) * radius
+    given = {**STONE, "radius": radius, "overlap": deep}
     contact = grain.contact(grain)
     ways = [way_of(name, engine) for name in names]
     with warnings.catch_warnings(), np.errstate(all="ignore"):

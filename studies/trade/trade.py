@@ -194,14 +194,8 @@ def engine_trade(engine, quick=False, progress=lambda things: things, chosen=Non
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore", ValidityWarning)
         reference = _bind(*RICHEST)
-        given = {
-            "young": candidates.GRANITE.young,
-            "poisson": candidates.GRANITE.poisson,
-            "density": candidates.GRANITE.density,
-            "surface": vars(candidates.SURFACE),
-            "radius": grain.radius,
-            "overlap": float(reference.overlap(math.sqrt(LOADS[0] * LOADS[1]))),
-        }
+        overlap = float(reference.overlap(math.sqrt(LOADS[0] * LOADS[1])))
+        given = {**candidates.STONE, "cdm": (1e9, 0.5), "radius": grain.radius, "overlap": overlap}
         if engine == "yade":
             costs = yade_costs(ways, given, contact, *((6, 10) if quick else (10, 40)))
         else:
@@ -270,16 +264,3 @@ def steps_table(entries):
     lines = [f"{'steps per contact':>18}{'energy drift':>14}{'rebound error':>15}{'ns an impact':>14}"]
     lines += [f"{e.steps:18d}{e.gain:14.1e}{e.rebound_error:15.1e}{e.ns:14.0f}" for e in entries]
     return "\n".join(lines)
-
-
-TITLES = (
-    *Entry._fields[:8],
-    *(f"own_{q}" for q in COMPARED),
-    *(f"richest_{q}" for q in COMPARED),
-    "pareto_front",
-)
-
-
-def csv_row(e):
-    """One line of the CSV file: the values that TITLES names."""
-    return (*e[:8], *(e.own[q] for q in COMPARED), *(e.richest[q] for q in COMPARED), e.front)

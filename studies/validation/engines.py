@@ -1,16 +1,14 @@
 """Rows that engines compute: impacts, restitution, regular arrays."""
 
-import json
 import math
-import subprocess
-import tempfile
-from pathlib import Path
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
 from demlaws.laws.names import HERTZ
-from studies.costs.costs import available
+from studies.costs.costs import available, under_yade
+from studies.validation import lammps_tests
+from studies.validation.in_lammps import answer as in_lammps
+from studies.validation.in_liggghts import answer as in_liggghts
 from studies.validation.jobs import (
     PROBE,
     array_jobs,
@@ -36,7 +34,7 @@ from studies.validation.published import (
 from studies.validation.row import between, missing, near
 
 
-def impact_rows(engine, found):
+def impact_rows(engine, _, found):
     """Rows of the published impacts in an engine."""
     for one, answer in zip(IMPACTS, found, strict=False):
         yield near(f"peak force: {one.name}", engine, one.peak, answer["peak"], IMPACT_TOLERANCE, "chung-ooi", "N")
@@ -165,47 +163,30 @@ def _tangent(one, overlap):
 
 
 def in_yade(jobs):
-    """What in_yade.py answers to the jobs."""
-    from demlaws.yade.run import command, environment
-
-    with tempfile.TemporaryDirectory() as scratch:
-        files = [Path(scratch) / name for name in ("given.json", "found.json")]
-        files[0].write_text(json.dumps(jobs))
-        line = command(Path(__file__).with_name("in_yade.py"), files)
-        done = subprocess.run(line, env=environment(), capture_output=True, text=True, stdin=subprocess.DEVNULL)
-        if not files[1].is_file():
-            raise DemlawsError(f"YADE stopped (exit {done.returncode}): {(done.stdout + done.stderr).strip()[-400:]}")
-        return json.loads(files[1].read_text())
-
-
-def in_liggghts(jobs):
-    """Answers of LIGGGHTS to the jobs."""
-    from studies.validation.in_liggghts import answer
-
-    return answer(jobs)
-
-
-def in_lammps(jobs):
-    """Answers of LAMMPS to the jobs."""
-    from studies.validation.in_lammps import answer
-
-    return answer(jobs)
+    """Answers of YADE to the jobs."""
+    return under_yade("validation/in_yade.py", jobs)
 
 
 ENGINES = {"YADE": ("yade", in_yade), "LIGGGHTS": ("liggghts", in_liggghts), "LAMMPS": ("lammps", in_lammps)}
 
 
-def packing_rows(found):
+def all_kept_rows(engine, _, found):
+    """Rows of LAMMPS's own tests with the law in place of stock hertz."""
+    for one, answer in zip(KEPT, found, strict=True):
+        yield from kept_rows(one, engine, answer["places"])
+
+
+def packing_rows(engine, jobs, found):
     """Exponent n of the bulk stiffness, K ∝ pressure^n, of a random packing in YADE."""
-    for job, answer in zip(packing_jobs(), found, strict=True):
+    for job, answer in zip(jobs, found, strict=True):
         pressure, stiffness = np.array(answer).T
         exponent = np.polyfit(np.log(pressure), np.log(stiffness), 1)[0]
         what = f"random packing, {job['law']}: exponent of bulk stiffness over pressure"
         if job["law"] == HERTZ:
             note = "smooth grains: below what is measured, the reason for rough laws"
-            yield between(what, "YADE", 0.30, 0.45, exponent, "sands", note=note)
+            yield between(what, engine, 0.30, 0.45, exponent, "sands", note=note)
         else:
-            yield between(what, "YADE", 0.45, 0.60, exponent, "sands")
+            yield between(what, engine, 0.45, 0.60, exponent, "sands")
 
 
 def rows(packing=True):
@@ -215,23 +196,16 @@ def rows(packing=True):
         if why:
             yield engine, missing("impacts and regular arrays", engine, "", "duffy-mindlin", why)
             continue
-        first, second = impact_jobs(), array_jobs()
-        third = packing_jobs() if packing and name == "yade" else []
-        fourth = shear_jobs() if name == "yade" else []
-        kept, collisions = kept_jobs(), collision_jobs(engine)
-        yield from (("Oblique impacts", row) for row in collision_rows(engine, collisions, ask(collisions)))
-        answers = ask(kept + first + fourth + second + third)
-        for one, answer in zip(KEPT, answers, strict=False):
-            yield from (("LAMMPS's own tests", row) for row in kept_rows(one, engine, answer["places"]))
+        asked = [
+            ("Oblique impacts", collision_jobs(engine), collision_rows),
+            ("LAMMPS's own tests", kept_jobs(), all_kept_rows),
+            ("Impacts in the engines", impact_jobs(), impact_rows),
+            ("Regular arrays", array_jobs(), array_rows),
+        ]
+        if name == "yade":
+            asked.append(("Regular arrays", shear_jobs(), shear_rows))
+            asked += [("Random packing", packing_jobs(), packing_rows)] if packing else []
+        for group, jobs, rows_of in asked:
+            yield from ((group, row) for row in rows_of(engine, jobs, ask(jobs)))
         if name == "lammps":
-            from studies.validation import lammps_tests
-
             yield from (("LAMMPS's own tests", row) for row in lammps_tests.rows())
-        found = answers[len(kept) :]
-        impacts, found = found[: len(first)], found[len(first) :]
-        sheared, found = found[: len(fourth)], found[len(fourth) :]
-        yield from (("Impacts in the engines", row) for row in impact_rows(engine, impacts))
-        yield from (("Regular arrays", row) for row in array_rows(engine, second, found[: len(second)]))
-        yield from (("Regular arrays", row) for row in shear_rows(engine, fourth, sheared))
-        if third:
-            yield from (("Random packing", row) for row in packing_rows(found[len(second) :]))

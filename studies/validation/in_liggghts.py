@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.liggghts.run import HEAD, run
+from studies.trade.liggghts_oedometer import data_text
 from studies.validation.arrays import CELLS, EDGE, RIGID, SITES
 from studies.validation.jobs import STOCK, bound, contact_of, quiet
 
@@ -123,23 +124,13 @@ LIGGGHTS = Engine(HEAD, _material, _plane, run, "")
 def collisions(job, folder, engine=LIGGGHTS):
     """Velocities sideways and away, and ω R [m/s] of spheres after each collision of `in_yade.collisions`."""
     radius, other, count = job["radius"], job["other"], len(job["motions"])
-    lines = ["collisions", "", f"{2 * count if other else count} atoms", "2 atom types", ""]
     far = 3.0 * max(radius, other)
-    lines += [
-        f"{-far:.17g} {count * far:.17g} xlo xhi",
-        *(f"{-far:.17g} {far:.17g} {a}lo {a}hi" for a in "yz"),
-        "",
-        "Atoms",
-        "",
-    ]
-    moving = ["", "Velocities", ""]
-    for n, (down, sideways, spin) in enumerate(job["motions"]):
-        lines.append(f"{n + 1} 1 {2 * radius:.17g} {job['density']:.17g} {n * far:.17g} 0 {radius * (1.0 + 1e-9):.17g}")
-        moving.append(f"{n + 1} {sideways:.17g} 0 {-down:.17g} 0 {spin / radius:.17g} 0")
-        if other:
-            lines.append(f"{n + 1 + count} 1 {2 * other:.17g} {job['other_density']:.17g} {n * far:.17g} 0 {-other:.17g}")
-            moving.append(f"{n + 1 + count} 0 0 0 0 {job['other_spin'] * spin / other:.17g} 0")
-    (folder / "start.data").write_text("\n".join(lines + moving) + "\n")
+    spheres = [(1, 2 * radius, job["density"], n * far, 0.0, radius * (1.0 + 1e-9)) for n in range(count)]
+    moving = [(sideways, 0.0, -down, 0.0, spin / radius, 0.0) for down, sideways, spin in job["motions"]]
+    if other:
+        spheres += [(1, 2 * other, job["other_density"], n * far, 0.0, -other) for n in range(count)]
+        moving += [(0.0, 0.0, 0.0, 0.0, job["other_spin"] * spin / other, 0.0) for *_, spin in job["motions"]]
+    (folder / "start.data").write_text(data_text(((-far, count * far), (-far, far), (-far, far)), spheres, moving))
     values = {"skin": 0.1 * radius, "steps": 3 * job["steps"], "line": engine.line}
     plane = "" if other else engine.plane(job)
     text = engine.head + COLLISIONS.format(material=engine.material(job, folder), plane=plane, **values)
@@ -184,12 +175,8 @@ def lattice(job, folder, engine=LIGGGHTS):
         for cell in np.ndindex(CELLS, CELLS, CELLS)
         for site in SITES[job["array"]]
     ]
-    lines = ["array", "", f"{len(places)} atoms", "2 atom types", ""]
-    lines += [f"0 {whole:.17g} {a}lo {a}hi" for a in "xyz"] + ["", "Atoms", ""]
-    for number, place in enumerate(places, start=1):
-        x, y, z = (f"{v:.17g}" for v in place)
-        lines.append(f"{number} 1 {2 * radius:.17g} {job['density']:.17g} {x} {y} {z}")
-    (folder / "start.data").write_text("\n".join(lines) + "\n")
+    atoms = [(1, 2 * radius, job["density"], *place) for place in places]
+    (folder / "start.data").write_text(data_text([(0.0, whole)] * 3, atoms))
     text = engine.head.replace("boundary        f f f", "boundary        p p p")
     text += ARRAY.format(skin=0.1 * radius, material=engine.material(job, folder))
     path = {name: gradient for name, gradient in job["path"].items() if name != "shear"}

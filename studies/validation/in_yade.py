@@ -1,6 +1,5 @@
-"""The rows that YADE computes; started under YADE by `engines`: in_yade.py SPECIFICATION RESULT (JSON files)."""
+"""The rows that YADE computes; started under YADE by `engines`."""
 
-import json
 import sys
 
 import numpy as np
@@ -9,6 +8,7 @@ from yade import pack, utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
+from studies.under_yade import serve
 from studies.validation.arrays import CELLS, EDGE, RIGID, SITES
 
 O = yade.O  # noqa: E741
@@ -200,12 +200,4 @@ def packing(job):
 KINDS = {"impact": impact, "collisions": collisions, "lattice": lattice, "packing": packing}
 
 if __name__ == "__main__":
-    given, result = sys.argv[-2:]
-    with open(given) as file:
-        jobs = json.load(file)
-    answers = []
-    for number, job in enumerate(jobs):
-        print("PROGRESS", number, flush=True)
-        answers.append(KINDS[job["kind"]](job))
-    with open(result, "w") as file:
-        json.dump(answers, file)
+    serve(lambda jobs: [KINDS[job["kind"]](job) for job in jobs])

@@ -30,52 +30,30 @@ def contact_of(job):
     return Contact(0.5 * job["radius"], modulus, sigma, job["surface"].get("fractal_dimension"), job["surface"].get("hardness"))
 
 
+def _impact(job, contact, mass, steps, rounds):
+    """A job with the step, duration and overlap of its impact in Python."""
+    one = bound(job["law"], contact, job["unloading"], **job["options"])
+    exact = quiet(impact, one, mass, job["speed"], steps)
+    about = {"dt": exact.duration / exact.time.size, "steps": exact.time.size, "overlap": exact.peak_overlap}
+    return {"kind": "impact", **job, **about, "rounds": rounds}
+
+
 def impact_jobs():
     """The printed impacts, then the yielding ones."""
     jobs = []
     for one in IMPACTS:
-        exact = quiet(impact, bound(HERTZ, one.contact), one.mass, one.speed, 2000)
-        jobs.append(
-            {
-                **{name: getattr(one, name) for name in ("young", "poisson", "density", "radius", "speed", "plane")},
-                "kind": "impact",
-                "law": HERTZ,
-                "unloading": "elastic",
-                "options": {},
-                "surface": {"roughness": 0.0},
-                "dt": exact.duration / 2000,
-                "rounds": 4,
-                "steps": 2000,
-                "overlap": exact.peak_overlap,
-            }
-        )
+        job = {name: getattr(one, name) for name in ("young", "poisson", "density", "radius", "speed", "plane")}
+        job |= {"law": HERTZ, "unloading": "elastic", "options": {}, "surface": {"roughness": 0.0}}
+        jobs.append(_impact(job, one.contact, one.mass, 2000, 4))
+    job = {"young": 60e9, "poisson": 0.0, "density": 2500.0, "radius": 0.01, "plane": False, "surface": {"roughness": SMOOTH}}
+    contact, mass = contact_of(job), 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
+    pressure = YIELD_RATIO * contact.modulus
     for ratio in SPEEDS:
-        job = {
-            "young": 60e9,
-            "poisson": 0.0,
-            "density": 2500.0,
-            "radius": 0.01,
-            "plane": False,
-            "surface": {"roughness": SMOOTH},
-        }
-        contact = contact_of(job)
-        mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
-        pressure = YIELD_RATIO * contact.modulus
-        options = {"yield_pressure": pressure, "loading": HERTZ}
-        job["speed"] = ratio * yield_speed(contact, pressure, mass)
-        exact = quiet(impact, bound(ROUGH_PLASTIC, contact, "thornton", **options), mass, job["speed"], 4000)
-        job |= {"kind": "impact", "law": ROUGH_PLASTIC, "unloading": "thornton", "options": options}
-        jobs.append(
-            job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
-        )
+        own = {"law": ROUGH_PLASTIC, "unloading": "thornton", "options": {"yield_pressure": pressure, "loading": HERTZ}}
+        jobs.append(_impact({**job, **own, "speed": ratio * yield_speed(contact, pressure, mass)}, contact, mass, 4000, 8))
     for name, unloading, options, _ in BRANCHES:
-        job = {"young": 60e9, "poisson": 0.0, "density": 2500.0, "radius": 0.01, "plane": False, "speed": 0.1}
-        job |= {"surface": {"roughness": SMOOTH}, "kind": "impact", "law": name, "unloading": unloading, "options": options}
-        mass = 0.5 * 4.0 / 3.0 * math.pi * job["radius"] ** 3 * job["density"]
-        exact = quiet(impact, bound(name, contact_of(job), unloading, **options), mass, job["speed"], 2000)
-        jobs.append(
-            job | {"dt": exact.duration / exact.time.size, "rounds": 8, "steps": exact.time.size, "overlap": exact.peak_overlap}
-        )
+        own = {"law": name, "unloading": unloading, "options": options, "speed": 0.1}
+        jobs.append(_impact({**job, **own}, contact, mass, 2000, 8))
     return jobs
 
 

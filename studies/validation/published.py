@@ -55,12 +55,17 @@ def quiet(function, *arguments):
 # --- impacts
 
 
-class Impact:
+class Impact(NamedTuple):
     """A sphere of `radius` [m] that meets its like, or a rigid plane, at `speed` [m/s]; the peak force [N] is printed."""
 
-    def __init__(self, name, young, poisson, density, radius, speed, plane, peak):
-        self.name, self.young, self.poisson, self.density = name, young, poisson, density
-        self.radius, self.speed, self.plane, self.peak = radius, speed, plane, peak
+    name: str
+    young: float
+    poisson: float
+    density: float
+    radius: float
+    speed: float
+    plane: bool
+    peak: float
 
     @property
     def mass(self):

@@ -3,7 +3,6 @@
 import dataclasses
 import math
 import warnings
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from demlaws.advice import modulus
 from demlaws.advice.choose import kept_cost, reference_plan
 from demlaws.advice.errors import error_of
 from demlaws.advice.kept import kept
-from demlaws.advice.scene import TEMPLATE, samples
+from demlaws.advice.scene import samples
 from demlaws.cli import main
 from demlaws.errors import NotPassive
 from demlaws.materials import GRANITE
@@ -79,33 +78,18 @@ def test_predictions(name):
     assert choices.best.cost == min(c.cost for c in met)
 
 
-@pytest.mark.slow
-def test_what_is_left_out():
-    best = dl.choose(SCENES["below the threshold"]).best
-    assert best.name == "pohrt-popov" and best.state_bytes == 0
-    best = dl.choose(SCENES["no yield"]).best
-    assert best.name == "pohrt-popov"
-    assert dict(best.left_out)["bulk yield"] < 1e-12
-    assert dl.choose(SCENES["smooth"]).best.name == "hertz"
-    cyclic = dl.choose(SCENES["cyclic"])
-    assert cyclic.best.unloading == "hertz"
-    elastic = next(c for c in cyclic if c.unloading == "elastic" and c.name == "pohrt-popov")
-    assert dict(elastic.left_out)["unloading history"] == pytest.approx(elastic.error, rel=0.05)
-
-
 def test_the_law_is_ready():
     choices = dl.choose(SCENES["cyclic"])
     pair = dl.Contact(4e-3, 32.32e9, 2.4e-6, 2.22)
     for choice in choices[:4]:
-        law = choice.law(pair)
-        assert law.overlap(10.0) == pytest.approx(1.17e-4 ** (1 / 2) * 5e-4, rel=1.0)
-        assert law.state_size == {"elastic": 0, "hertz": 2, "thornton": 3}[choice.unloading]
+        assert choice.law(pair).state_size == {"elastic": 0, "hertz": 2, "thornton": 3}[choice.unloading]
     namespace = {"dl": dl, "contact": pair}
     exec(choices.best.script(), namespace)
     assert namespace["law"].unloading == choices.best.unloading
 
 
 def test_range_rules():
+    assert reference_plan(scene(reference="bahrami", cyclic=True)).unloading == "elastic"  # the rule "hertz" is not passive
     choices = dl.choose(scene(force=(0.01, 1.0)))
     assert any(text.startswith("rms") and "α" in why for text, why in choices.ruled_out.items())
     hard = dl.choose(scene(force=(1e3, 2e4)))
@@ -147,61 +131,46 @@ TOML = """
 name = "test"
 quantity = "overlap"
 tolerance = 0.05
-radii = [0.005, 0.02]
-force = [1, 50]
+radii = ["5mm", 0.02]
+force = [1, "50N"]
 cyclic = true
 [material]
-young = 60.6e9
+young = "60.6GPa"
 poisson = 0.25
 density = 2680
 [surface]
-roughness = 1.7e-6
+roughness = "1.7um"
 fractal_dimension = 2.22
 """
 
 
 def test_scene_file(tmp_path, capsys):
-    from demlaws.cli import main
-
+    """Quantities may have units; an unknown key or section is refused."""
     file = tmp_path / "scene.toml"
     file.write_text(TOML)
     loaded = dl.Scene.load(file)
-    assert loaded.radii == (0.005, 0.02)
-    assert loaded.surfaces[0].roughness == 1.7e-6
+    assert loaded.radii == pytest.approx((0.005, 0.02)) and loaded.force == pytest.approx((1.0, 50.0))
+    assert loaded.materials[0].young == pytest.approx(60.6e9) and loaded.surfaces[0].roughness == pytest.approx(1.7e-6)
     table = tmp_path / "law.tbl"
-    assert main(["choose", str(file), "--all", "--out", str(table), "--csv", str(tmp_path / "c.csv")]) == 0
+    assert main(["choose", str(file), "--all", "--out", str(table)]) == 0
     assert "chosen: pohrt-popov" in capsys.readouterr().out
     assert dl.Table.load(table).unloading == "hertz"
-    file.write_text(TOML.replace("tolerance", "tolerence"))
-    assert main(["choose", str(file)]) == 2
-    assert "tolerence" in capsys.readouterr().err
-
-
-def test_scene_from_measured_points(tmp_path):
-    pair = dl.Contact(4.35e-3, 32.32e9, 3e-6, 2.22)
-    law = dl.law("rms", pair, "hertz")
-    force = np.r_[np.linspace(1, 80, 40), np.linspace(78, 2, 20)]
-    from demlaws.advice.fit import history
-
-    overlap = history(law, force)[0] + 1e-8 * np.random.default_rng(0).standard_normal(force.size)
-    (tmp_path / "p.csv").write_text(
-        "displacement (um),force (N)\n" + "".join(f"{d * 1e6},{f}\n" for d, f in zip(overlap, force, strict=True))
-    )
-    file = tmp_path / "scene.toml"
-    file.write_text(TOML + '[measured]\npoints = "p.csv"\nradius = 4.35e-3\nlaws = ["hertz", "rms"]\n')
-    loaded = dl.Scene.load(file)
-    assert loaded.reference == "rms"
-    assert loaded.contacts(4.35e-3)[0].roughness == pytest.approx(3e-6, rel=0.05)
-    assert loaded.contacts(4.35e-3)[0].modulus == pytest.approx(32.32e9, rel=1e-6)
+    for old, new in (
+        ("tolerance", "tolerence"),
+        ("young =", "youngs ="),
+        ("[material]", "[[materials]]\nyoung = 1e9\npoisson = 0.2\n[material]"),
+        ("[surface]", "[surfaces]\nrough = 3\n[other]"),
+    ):
+        file.write_text(TOML.replace(old, new))
+        assert main(["choose", str(file)]) == 2
 
 
 YIELDING = {"yield_pressure": 1.66e9, "force": (50.0, 800.0), "quantity": "overlap", "cyclic": True}
 
 
 @pytest.mark.slow
-def test_liggghts_wants_a_table_for_each_pair_of_sizes(monkeypatch, tmp_path):
-    monkeypatch.setenv("DEMLAWS_LIGGGHTS", "nowhere")
-    with pytest.raises(dl.DemlawsError, match=r"rough-plastic: its curve depends on the radius.* give them as classes"):
+def test_liggghts_wants_a_table_for_each_pair_of_sizes(tmp_path):
+    with pytest.raises(dl.DemlawsError):
         dl.choose(scene(engine="liggghts", radii=(3e-3, 5e-3), **YIELDING))
     classes = scene(engine="liggghts", radii=(), classes=(3e-3, 5e-3), **YIELDING)
     choices = dl.choose(classes)
@@ -209,22 +178,16 @@ def test_liggghts_wants_a_table_for_each_pair_of_sizes(monkeypatch, tmp_path):
     assert best.name == "rough-plastic"
     assert best.meets
     case = best.export(tmp_path / "case")
-    text = case.read_text()
-    for pair in ("1-1", "1-2", "2-2", "1-wall", "2-wall"):
+    for pair, radius in (("1-1", 1.5e-3), ("1-2", 1.875e-3), ("2-2", 2.5e-3), ("1-wall", 3e-3), ("2-wall", 5e-3)):
         file = f"rough-plastic.{pair}.tbl"
-        assert file in text
-        assert dl.Table.load(tmp_path / "case" / file).unloading == best.unloading
-    # each pair's own radius, not one for all
-    small, large = (dl.Table.load(tmp_path / "case" / f"rough-plastic.{p}.tbl").contact.radius for p in ("1-1", "2-2"))
-    assert (small, large) == pytest.approx((1.5e-3, 2.5e-3))
+        assert file in case.read_text()
+        table = dl.Table.load(tmp_path / "case" / file)
+        assert table.unloading == best.unloading and table.contact.radius == pytest.approx(radius)
     for choice in choices:
         assert measured_error(choice) <= choice.error
 
 
-def test_two_kinds_have_three_tables(monkeypatch, tmp_path, capsys):
-    from demlaws.cli import main
-
-    monkeypatch.setenv("YADE", "nowhere")
+def test_two_kinds_have_three_tables(tmp_path, capsys):
     two = TOML.replace("[material]", "[[materials]]").replace("[surface]", "[[surfaces]]")
     two += "[[surfaces]]\nroughness = 3e-6\nfractal_dimension = 2.3\n[[materials]]\nyoung = 50e9\npoisson = 0.2\n"
     (tmp_path / "two.toml").write_text(two)
@@ -233,25 +196,6 @@ def test_two_kinds_have_three_tables(monkeypatch, tmp_path, capsys):
     tables = [dl.Table.load(tmp_path / f"law-{pair}.tbl") for pair in ("0-0", "0-1", "1-1")]
     assert len({t.contact.roughness for t in tables}) == 3
     assert tables[0].contact.fractal_dimension == 2.22
-
-
-def test_a_rule_is_left_by_the_type_of_its_refusal(monkeypatch):
-    """NotPassive, whatever it says, means the next plainer rule; any other error is the user's to see."""
-    assert reference_plan(scene(reference="bahrami", cyclic=True)).unloading == "elastic"
-
-    def refuse(kind):
-        def bind(name, contact, rule="elastic", **options):
-            if rule != "elastic":
-                raise kind("words of no meaning")
-            return dl.law(name, contact, **options)
-
-        monkeypatch.setattr("demlaws.advice.scene.bind_law", bind)
-
-    refuse(NotPassive)
-    assert reference_plan(scene(cyclic=True)).unloading == "elastic"
-    refuse(dl.DemlawsError)
-    with pytest.raises(dl.DemlawsError, match="words of no meaning"):
-        reference_plan(scene(cyclic=True))
 
 
 def test_costs_are_the_kept_ones():
@@ -282,47 +226,23 @@ def test_glass_beads_have_a_reference_that_their_loads_can_meet():
     assert choices.best.meets
     granite = dl.Scene(radii=5e-3, materials=GLASS, surfaces=dl.Surface(0.3e-6), force=(1.0, 10.0))
     assert reference_plan(granite).options == ()  # loads above the default seat: nothing changes
-
-
-def test_quantities_of_a_scene_have_units(tmp_path):
-    file = tmp_path / "scene.toml"
-    file.write_text('radii = ["1mm", "3mm"]\nforce = ["2mN", "5N"]\n[material]\nyoung = "60GPa"\npoisson = 0.2\n')
-    scene = dl.Scene.load(file)
-    assert scene.radii == pytest.approx((1e-3, 3e-3))
-    assert scene.force == pytest.approx((2e-3, 5.0))
-    assert scene.materials[0].young == pytest.approx(60e9)
-
-
-def test_no_law_answers_for_a_force_that_no_bead_carries():
-    """Before: 1e12 N on a bead had a choice, at an overlap of a million radii."""
-    with pytest.raises(dl.DemlawsError, match=r"times the effective radius R = 0.000125 m"):
+    with pytest.raises(dl.DemlawsError):  # before: 1e12 N on a bead had a choice, at an overlap of a million radii
         dl.choose(dl.Scene(radii=0.25e-3, materials=GLASS, force=(1.0, 1e12)), tables=False)
 
 
-def test_the_template_names_every_key_and_is_a_scene(tmp_path, capsys):
-    """Every field of a scene, of its material and surface; uncommented lines load, and the page shows the same file."""
-    tomllib = pytest.importorskip("tomllib")
+def test_the_template_names_every_key_and_reaches_yield(tmp_path, capsys):
+    """Every field of a scene, of its material and surface. Before: laws that do not yield were ruled out there, so that what
+    leaving yield out would cost was not seen."""
+    pytest.importorskip("tomllib")
     assert main(["choose", "--template"]) == 0
     text = capsys.readouterr().out
     file = tmp_path / "scene.toml"
     file.write_text(text)
     scene = dl.Scene.load(file)
-    assert scene.pressure == (1e5, 2e6) and scene.rate == 10.0 and scene.materials[0].density == 2680
     keys = {line.removeprefix("#- ").partition("=")[0].strip() for line in text.splitlines() if "=" in line}
     fields = {f.name for kind in (dl.Scene, dl.Material, dl.Surface) for f in dataclasses.fields(kind)}
     assert fields - keys == {"materials", "surfaces", "reference_options", "edge_radius"}  # sections, refused
-    assert text in (Path(__file__).parents[2] / "docs/reference/scene-file.md").read_text()
-    for line in text.splitlines():
-        if line.startswith("#- ") and "=" in line:
-            tomllib.loads(line.removeprefix("#- "))
-
-
-def test_the_template_reaches_yield_and_says_what_leaving_it_out_costs(tmp_path, capsys):
-    """Before: laws that do not yield were ruled out there, so that what that would cost was not seen."""
-    pytest.importorskip("tomllib")
-    file = tmp_path / "scene.toml"
-    file.write_text(TEMPLATE.read_text())
-    choices = dl.choose(dl.Scene.load(file), tables=False)
+    choices = dl.choose(scene, tables=False)
     assert choices.reference.name == "rough-plastic"
     elastic = next(c for c in choices if c.name == "pohrt-popov" and c.unloading == "hertz")
     assert not elastic.meets and dict(elastic.left_out)["bulk yield"] > 0.2
@@ -341,14 +261,12 @@ def test_softer_grains_are_advised_and_written(tmp_path, capsys):
     assert advice.factor > 1.0
     table = tmp_path / "law.tbl"
     assert main(["choose", str(file), "--soften", "--out", str(table)]) == 0
-    said = capsys.readouterr().out
-    assert f"modulus / {advice.factor:g}" in said and "predicted error of the packing" in said
+    assert f"modulus / {advice.factor:g}" in capsys.readouterr().out
     whole = dl.Scene.load(file).contacts(2e-3)[0]
     assert dl.Table.load(table).contact.modulus == pytest.approx(whole.modulus / advice.factor)
     assert dl.Table.load(table).contact.roughness == pytest.approx(whole.roughness * advice.factor ** (2 / 3))
     file.write_text(file.read_text().replace("0.5", "1e-5"))
     assert main(["choose", str(file), "--soften"]) == 2
-    assert "tolerance = 1e-05" in capsys.readouterr().err
 
 
 @pytest.mark.slow
@@ -371,7 +289,7 @@ def test_contacts_that_unload_along_a_curve():
     assert softer.unloading.contact.modulus == pytest.approx(pair.modulus / 8.0)
     plain = dl.choose(scene(unloading="elastic", **given), tables=False)
     assert plain.reference.unloading == "elastic" and plain.best.unloading == "elastic"
-    with pytest.raises(NotPassive, match="unloading curve"):
+    with pytest.raises(NotPassive):
         dl.choose(scene(unloading=dl.law("rms", pair), **given), tables=False)
 
 
@@ -381,26 +299,3 @@ def test_an_unloading_curve_of_a_scene_file_stands_beside_it(tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(TOML.replace("cyclic = true", 'cyclic = true\nunloading = "back.tbl"'))
     assert dl.Scene.load(file).unloading.name == "hertz"
-
-
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        ("young =", "youngs ="),
-        ("[material]", "[[materials]]\nyoung = 1e9\npoisson = 0.2\n[material]"),
-        ("[surface]", "[surfaces]\nrough = 3\n[other]"),
-    ],
-)
-def test_mistaken_tables_of_a_scene_file(tmp_path, old, new):
-    file = tmp_path / "scene.toml"
-    file.write_text(TOML.replace(old, new))
-    with pytest.raises(dl.DemlawsError):
-        dl.Scene.load(file)
-
-
-def test_a_fit_is_of_one_kind_of_grain():
-    """The other kinds were dropped without a word."""
-    scene = dl.Scene(radii=4e-3, materials=[GRANITE, GRANITE], force=(1, 2))
-    best = dl.fit([(x * 1e-6, 2.7 * x**1.5) for x in range(1, 9)], dl.Contact(4e-3, 32e9), laws="hertz").best
-    with pytest.raises(dl.DemlawsError, match="one kind of grain, this scene has 2"):
-        scene.with_fit(best)

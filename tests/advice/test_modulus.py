@@ -14,7 +14,7 @@ from demlaws.advice.scene import Scene, stable_step
 from demlaws.materials import GRANITE
 from demlaws.timestep import STEP_SAFETY, from_contacts, shear_ratio
 from studies.softening import results, study
-from studies.softening.curves import error_curve, fitted
+from studies.softening.curves import fitted
 
 
 def scene_of(run, **changes):
@@ -70,7 +70,9 @@ def test_time_to_solution_of_held_back_packings():
     """All steps of the process, rest and hold too, at one cost a step: at most 1.3 times those of the fastest of sixteen runs
     that met the tolerance, in at least 9 of 10 packings that no prediction is made from; and the advised run meets it."""
     told = {*study.scenes("yade", study.OTHERS), *study.scenes("yade", study.FASTER)}
-    assert len(study.held_back("yade")) == 10 and not told & set(study.tried("yade"))
+    assert len(study.held_back("yade")) == 10 and not told & {
+        run._replace(factor=s, inertial=rate, part=part) for run in study.held_back("yade") for s, rate, part in study.TRIED
+    }
     for tolerance in TOLERANCES:
         cases = time_to_solution(tolerance)
         assert sum(mine <= 1.3 * fastest for mine, fastest, _ in cases) >= 9, (tolerance, cases)
@@ -160,14 +162,6 @@ def test_each_process_has_its_own_advice():
     assert "literature" in unknown.lines()[-1]
 
 
-def test_a_step_that_shakes_the_grains_is_not_advised():
-    half, long = (modulus.predict(PACKING, 1.0, part=part) for part in (0.68, 1.224))
-    assert half.coarse == 0.0 < long.coarse and long.dt == pytest.approx(1.8 * half.dt)
-    assert max(modulus.PARTS) == STEP_SAFETY
-    with pytest.raises(dl.DemlawsError, match="part of the stability limit"):
-        modulus.predict(PACKING, 1.0, part=2.5)
-
-
 def test_what_is_not_known_is_refused():
     run = study.Run("yade", "cycles")
     for call in (
@@ -178,15 +172,6 @@ def test_what_is_not_known_is_refused():
     ):
         with pytest.raises(dl.DemlawsError):
             call()
-
-
-def test_a_curve_between_before_and_beyond_its_points():
-    curve = modulus.Curve(*np.array(error_curve([(1.0, 0.1), (4.0, 0.2), (2.0, 0.15), (6.0, 0.18), (8.0, 0.18)])))
-    assert curve.at(1.0) == pytest.approx(0.1) and curve.at(8.0) == pytest.approx(0.2)  # monotone
-    assert 6.0 not in curve.place  # a level part has two points
-    assert curve.at(math.sqrt(2.0)) == pytest.approx(math.sqrt(0.1 * 0.15))
-    assert 0.025 <= curve.at(0.25) < 0.1 and curve.at(9.0) == math.inf
-    assert np.all(np.diff([curve.at(x) for x in np.geomspace(1e-3, 8.0, 50)]) >= 0.0)
 
 
 def test_the_kept_curves_are_those_of_the_kept_rows():

@@ -135,20 +135,33 @@ def count(engine, folder, tangent):
         print(f"{name:{WIDTH}} {step:22.0f} {step / stock:11.3f}", flush=True)
 
 
+def prepare(engine, folder, more=""):
+    """Write input and tables."""
+    (folder / "in.cost").write_text((LIGGGHTS if engine == "liggghts" else LAMMPS) + RUN + more)
+    write_tables(folder)
+
+
+def interleaved(engine, folder, ranks, rounds, steps, warm=100, tangent=False, portable=False):
+    """law → ((whole step, pair loop) [s] of each round), law → contacts; of the block in `folder`."""
+    module = import_module(f"demlaws.{engine}.run")
+    times, contacts = {name: [] for name in (STOCK, *OURS)}, {}
+    for _ in range(rounds):
+        for name, seconds in times.items():
+            values = variables(engine, name, ranks, steps, warm, tangent)
+            log = module.run(folder / "in.cost", ranks, values, plugin=name in OURS, portable=portable)
+            contacts[name] = log["contacts"][-1]
+            seconds.append(module.timings(folder / f"log.{engine}"))
+    return times, contacts
+
+
 def measure(engine, folder, options):
     """Print ratios of interleaved timings for every size and number of ranks."""
-    module = import_module(f"demlaws.{engine}.run")
     for side in options.sides:
         write_block(folder / "block.data", side)
         one = {}
         for ranks in options.ranks:
-            times, contacts = {name: [] for name in (STOCK, *OURS)}, {}
-            for _ in range(options.rounds):
-                for name, seconds in times.items():
-                    values = variables(engine, name, ranks, options.steps, options.warm, options.tangent)
-                    log = module.run(folder / "in.cost", ranks, values, plugin=name in OURS, portable=options.portable)
-                    contacts[name] = log["contacts"][-1]
-                    seconds.append(module.timings(folder / f"log.{engine}"))
+            settings = (options.rounds, options.steps, options.warm, options.tangent, options.portable)
+            times, contacts = interleaved(engine, folder, ranks, *settings)
             print(f"\n{side**3} spheres, ranks: {ranks}, {options.rounds} rounds of {options.steps} steps")
             titles = ("step ratio", "fastest", "pair ratio", "efficiency")
             print(f"{'law':{WIDTH}} {'contacts':>9} {'µs/step':>8}" + "".join(f"{title:>12}" for title in titles))
@@ -180,8 +193,7 @@ def main():
         OURS.update({f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs})
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        (folder / "in.cost").write_text((LIGGGHTS if options.engine == "liggghts" else LAMMPS) + RUN)
-        write_tables(folder)
+        prepare(options.engine, folder)
         if options.count:
             count(options.engine, folder, options.tangent)
         else:

@@ -1,16 +1,19 @@
 """Ratios of interleaved timings, compared with the stored ones: `make bench`.
 
-    python tests/benchmarks/ratios.py [--only kernels start ...] [--keep] [--contacts 4e6] [--rounds 9]
+    python tests/benchmarks/ratios.py [--only kernels start ...] [--every] [--keep] [--contacts 4e6] [--rounds 9]
 
 Times depend on the machine and on what else it does, ratios to a peer in the same run much less. Each ratio comes with its
 noise: by how much the first and the second half of the rounds disagree. tests/benchmarks/ratios.json holds, by machine, what
 was measured last with --keep; a ratio that is larger by more than 3 % beyond the noise of both is printed as SLOWER, one
 above its goal as a miss. Nothing here fails: the suite has no timing in it.
 
-kernels   `law.evaluate` over a copy kernel on the same arrays (bench_batch.py): virgin contacts, and a random mixture
+kernels   `law.evaluate` over a copy kernel on the same arrays (batch.py): virgin contacts, and a random mixture; --every: of
+          each law and rule
+cores     the same on all cores over one core, law and copy kernel: what memory allows
 start     `import demlaws` over `import numba`; `demlaws --help` over an argparse program's help; user and system time
+waits     seconds, no ratios: what a user waits for in a new process with an empty cache of machine code, then with a full one
+liggghts, lammps, yade    a step (in YADE the interaction loop) over that with the engine's own Hertz law and shear
 surfaces  a load step of a measured map over scipy.ndimage.label of the same map
-yade, liggghts   a step with our laws over the engine's own Hertz, per contact
 """
 
 import argparse
@@ -19,20 +22,28 @@ import json
 import math
 import os
 import platform
+import re
 import resource
 import subprocess
 import sys
+import tempfile
 import time
 import warnings
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
 import numba
+import numpy as np
 
 import demlaws as dl
+from demlaws.core.unloading import RULES
+from demlaws.yade.run import run as run_in_yade
 
 sys.path.insert(0, str(Path(__file__).parent))
-import bench_batch
+import batch
+import bench_engines
+import bench_fit
 
 FILE = Path(__file__).with_name("ratios.json")
 ALLOWED = 0.03
@@ -60,34 +71,37 @@ def ratio_of(ours, peer, goal=None):
     return Ratio(min(ours) / min(peer), abs(math.log(halves[0] / halves[1])), goal)
 
 
-def alternate(functions, rounds):
-    """Processor seconds of each function (name → function), one round after another."""
-    taken = {name: [] for name in functions}
-    for _ in range(rounds + 1):
-        for name, function in functions.items():
-            start = time.thread_time()
-            function()
-            taken[name].append(time.thread_time() - start)
-    return {name: times[1:] for name, times in taken.items()}  # the first round compiles and touches memory
+# --- what is measured: functions from (contacts, rounds, every) to name → Ratio
 
 
-# --- what is measured: functions from (contacts, rounds) to name → Ratio
+CASES = [
+    *(batch.Case(*case) for case in product(("hertz", "rms", "pohrt-popov", "goddard", "rough-plastic"), ("elastic", "hertz"))),
+    *(batch.Case(law, "thornton") for law in ("pohrt-popov", "rough-plastic")),
+    *(batch.Case("pohrt-popov", rule, "table") for rule in ("elastic", "hertz")),
+    *(batch.Case("pohrt-popov", rule, scales="each") for rule in ("elastic", "hertz")),
+    batch.Case("yip-venart", "elastic"),
+]
 
 
-def kernels(contacts, rounds):
-    laws = ("hertz", "rms", "pohrt-popov", "goddard", "rough-plastic")
-    chosen = bench_batch.cases(laws, ("elastic", "hertz"), ("closed",), ("one",), ("float64",), ("1",))
-    chosen += bench_batch.cases(("pohrt-popov", "rough-plastic"), ("thornton",), ("closed",), ("one",), ("float64",), ("1",))
-    chosen += bench_batch.cases(("pohrt-popov",), ("elastic", "hertz"), ("table",), ("one",), ("float64",), ("1",))
-    chosen += bench_batch.cases(("pohrt-popov",), ("elastic", "hertz"), ("closed",), ("each",), ("float64",), ("1",))
-    chosen += bench_batch.cases(("yip-venart",), ("elastic",), ("closed",), ("one",), ("float64",), ("1",))
+def kernels(contacts, rounds, every=False):
+    cases = CASES
+    if every:
+        cases = [batch.Case(*case) for case in product(dl.laws(), RULES, ("closed", "table"), ("one", "each"))]
     found = {}
-    for case in chosen:
-        law = bench_batch.make(case, contacts)
-        for extreme in bench_batch.EXTREMES if law else ():
-            law_times, copy_times = bench_batch.times(law, case, extreme, contacts, rounds)
-            name = f"{case.law}, {case.unloading}, {case.form}, {case.scales}, {extreme}"
-            found[name] = ratio_of(law_times, copy_times, bench_batch.goal(case))
+    for case in cases:
+        law = batch.make(case, contacts)
+        for extreme in batch.EXTREMES if law else ():
+            found[", ".join((*case, extreme))] = ratio_of(*batch.times(law, extreme, contacts, rounds), batch.goal(case))
+    return found
+
+
+def cores(contacts, rounds, every=False):
+    found = {}
+    for case in (batch.Case("hertz", "elastic"), batch.Case("pohrt-popov", "hertz"), batch.Case("rough-plastic", "thornton")):
+        law = batch.make(case, contacts)
+        one, several = (batch.times(law, "mixture", contacts, rounds, parallel) for parallel in (False, True))
+        for what, ours, peer, goal in zip(("law", "copy of its arrays"), several, one, (1 / 1.7, None), strict=True):
+            found[f"{case.law}, {case.unloading}, {what}"] = ratio_of(ours, peer, goal)
     return found
 
 
@@ -98,7 +112,7 @@ def _cpu_of(command):
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def start(contacts, rounds):
+def start(contacts, rounds, every=False):
     help_of = "import argparse; argparse.ArgumentParser().parse_args(['--help'])"
     commands = {
         "numba": ["-c", "import numba"],
@@ -118,7 +132,46 @@ def start(contacts, rounds):
     }
 
 
-def surfaces(contacts, rounds):
+FIT = """
+import numpy, demlaws
+points = numpy.loadtxt({file!r})
+demlaws.fit(points, demlaws.Contact(4.35e-3, 32.32e9, 4e-6, 2.4, 6.266e9))
+"""
+PLOT = """
+import matplotlib; matplotlib.use("agg")
+import demlaws
+law = demlaws.law("pohrt-popov", demlaws.Contact(4.35e-3, 32.32e9, 2.4e-6, 2.22), unloading="hertz")
+print(law.follow([1e-6, 2e-6, 1e-6]).force)
+law.plot()
+"""
+
+
+def waits(contacts, rounds, every=False):
+    """Wall time; run on an idle machine."""
+    force = np.concatenate([np.linspace(1, 90, 40), np.linspace(86, 2, 20)])
+    case = next(case for case in bench_fit.CASES if case.name == "inside")._replace(force=force, noise=5e-8)
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "points")
+        np.savetxt(file, bench_fit.made(case, 1))
+        commands = {
+            "a force and a plot": (8.0, 1.5, ["-c", PLOT]),
+            "fit of all laws to 60 points": (6.0, 2.0, ["-c", FIT.format(file=str(file))]),
+            "choose on ballast.toml": (8.0, 2.0, ["-m", "demlaws", "choose", str(FILE.parents[1] / "data" / "ballast.toml")]),
+        }
+        for name, (cold, warm, command) in commands.items():
+            taken = []
+            for _ in range(max(2, min(rounds, 4)) + 1):
+                begin = time.perf_counter()
+                environment = {**os.environ, "NUMBA_CACHE_DIR": str(Path(folder, name)), "PYTHONWARNINGS": "ignore"}
+                subprocess.run([sys.executable, *command], env=environment, stdout=subprocess.DEVNULL, check=True)
+                taken.append(time.perf_counter() - begin)
+            found[f"{name}, first time (s)"] = Ratio(taken[0], 0.1, cold)
+            found[f"{name}, again (s)"] = Ratio(min(taken[1:]), math.log(max(taken[1:]) / min(taken[1:])), warm)
+    return found
+
+
+def surfaces(contacts, rounds, every=False):
     from scipy import ndimage
 
     from demlaws.solvers.contact import RoughContact
@@ -130,36 +183,59 @@ def surfaces(contacts, rounds):
         heights = self_affine(size, 0.5e-6, 0.8, 1.3e-6, 1, periodic=True)
         contact = RoughContact(heights, published_contact("isotropic").pair, 0.34, flat=True)
         load = 0.2 * (size / 512) ** 2
-        step = contact.load(load)
-        both = {
-            "load": lambda contact=contact, load=load: contact.load(load),
-            "label": lambda contact=contact, cut=step.cut: ndimage.label(contact.gap > cut),
-        }
-        taken = alternate(both, min(rounds, 5))
-        found[f"load step / labelling, {size}²"] = ratio_of(taken["load"], taken["label"], 20.0)
+        cut, taken = contact.load(load).cut, ([], [])
+        for _ in range(min(rounds, 5)):
+            began = time.thread_time()
+            contact.load(load)
+            between = time.thread_time()
+            ndimage.label(contact.gap > cut)
+            taken[0].append(between - began)
+            taken[1].append(time.thread_time() - between)
+        found[f"load step / labelling, {size}²"] = ratio_of(*taken, 20.0)
     return found
 
 
-def _engine(engine, quick_rounds):
-    from studies.trade import trade
-
-    runs = [trade.engine_trade(engine, quick=True) for _ in range(quick_rounds)]
+def _steps(engine, goals, rounds):
     found = {}
-    for entries in zip(*runs, strict=True):
-        values = [e.cost.over_hertz for e in entries]
-        found[entries[0].cost.way.label] = Ratio(min(values), math.log(max(values) / min(values)))
+    with tempfile.TemporaryDirectory() as folder:
+        bench_engines.prepare(engine, Path(folder))
+        bench_engines.write_block(Path(folder) / "block.data", 22)
+        for ranks in (1, 2):
+            times, _ = bench_engines.interleaved(engine, Path(folder), ranks, max(3, rounds // 2), 300)
+            steps = {name: [step for step, _ in seconds] for name, seconds in times.items()}
+            stock = steps.pop(bench_engines.STOCK)
+            for name, ours in steps.items():
+                found[f"{name}, {ranks} ranks"] = ratio_of(ours, stock, goals[name.endswith("unloading")])
     return found
 
 
-def yade(contacts, rounds):
-    return _engine("yade", 2)
+def liggghts(contacts, rounds, every=False):
+    return _steps("liggghts", (0.95, 0.95), rounds)
 
 
-def liggghts(contacts, rounds):
-    return _engine("liggghts", 2)
+def lammps(contacts, rounds, every=False):
+    return _steps("lammps", (1.0, 1.03), rounds)
 
 
-PARTS = {function.__name__: function for function in (kernels, start, surfaces, yade, liggghts)}
+def yade(contacts, rounds, every=False):
+    laws = ("hertz", "pohrt-popov, hertz unloading", "rough-plastic, thornton unloading")
+    script = Path(__file__).parents[2] / "yade_scripts" / "cost.py"
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        options = ["--quick", "--bridge", "--sizes", "4000", "15000", "60000", "--out", folder, "--laws", *laws]
+        lines = run_in_yade(script, options, capture_output=True, text=True).stdout.splitlines()
+    for line in lines:
+        if heading := re.match(r"interaction loop, (\d+) contacts", line):
+            size = heading[1]
+        elif name := next((name for name in laws if line.startswith(f"bridge: {name}  ")), None):
+            columns = re.findall(r"([\d.]+) \(([\d.]+)-([\d.]+)\)", line)
+            for threads, (median, low, high) in enumerate(columns, start=1):
+                noise = math.log(float(high) / float(low))
+                found[f"{name}, {size} contacts, {threads} threads"] = Ratio(float(median), noise, 1.05)
+    return found
+
+
+PARTS = {function.__name__: function for function in (kernels, cores, start, waits, surfaces, liggghts, lammps, yade)}
 
 
 # --- what is kept
@@ -208,6 +284,7 @@ def main(arguments=None):
     parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS))
     parser.add_argument("--contacts", type=float, default=4e6, help="contacts of a batch (default %(default)g)")
     parser.add_argument("--rounds", type=int, default=10, help="default %(default)s")
+    parser.add_argument("--every", action="store_true", help="every law and rule, as closed form and as table")
     parser.add_argument("--keep", action="store_true", help=f"write the ratios to {FILE.name}")
     chosen = parser.parse_args(arguments)
     warnings.simplefilter("ignore", dl.ValidityWarning)
@@ -215,12 +292,7 @@ def main(arguments=None):
     print(f"{where}, load {os.getloadavg()[0]:.1f}")
     found = {}
     for part in chosen.only:
-        try:
-            measured = PARTS[part](int(chosen.contacts), chosen.rounds)
-        except dl.DemlawsError as error:
-            print(f"{part}: left out: {error}")
-            continue
-        for name, ratio in measured.items():
+        for name, ratio in PARTS[part](int(chosen.contacts), chosen.rounds, chosen.every).items():
             print(f"{part + ':':10}{name:62}{ratio.value:8.3f}  ± {ratio.noise:6.1%}", flush=True)
             found[f"{part}: {name}"] = ratio
     kept = read(FILE, where)

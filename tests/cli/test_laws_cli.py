@@ -5,8 +5,6 @@ import sys
 
 import pytest
 
-from demlaws.cli import COMMANDS, build_parser
-
 POWER = """
 import demlaws as dl
 
@@ -46,9 +44,6 @@ def test_a_file_of_laws_before_and_after_the_command(file, tmp_path):
 def test_the_check_of_one_law(file):
     done = demlaws("laws", "power", "--law-file", file, "--check")
     assert done.returncode == 0 and "power: all checks passed" in done.stdout, done.stderr
-    done = demlaws("laws", "--check")
-    assert done.returncode == 2
-    assert done.stderr == "demlaws: error: --check is for one law: demlaws laws NAME --check\n"
 
 
 def test_a_file_that_raises_is_one_line(tmp_path):
@@ -56,26 +51,3 @@ def test_a_file_that_raises_is_one_line(tmp_path):
     file.write_text("raise ValueError('on purpose')")
     done = demlaws("laws", "--law-file", str(file))
     assert done.returncode == 2 and done.stderr.count("\n") == 1 and str(file) in done.stderr, done.stderr
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_every_command_takes_a_file_of_laws(command):
-    parser = build_parser([command])
-    (choices,) = [action.choices for action in parser._subparsers._group_actions]
-    stack, seen = [choices[command]], 0
-    while stack:
-        one = stack.pop()
-        seen += 1
-        assert any("--law-file" in action.option_strings for action in one._actions), one.prog
-        stack += [
-            p
-            for action in one._actions
-            if hasattr(action, "choices") and isinstance(action.choices, dict)
-            for p in action.choices.values()
-        ]
-    assert seen
-
-
-def test_options_are_not_abbreviated():
-    done = demlaws("regime", "--law", "rms", *CONTACT)
-    assert done.returncode == 2 and "unrecognized argument '--law'" in done.stderr

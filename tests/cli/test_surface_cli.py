@@ -25,18 +25,7 @@ def test_regime_of_one_contact(capsys, tmp_path):
     assert "bulk yields" in capsys.readouterr().out
 
 
-FC5 = [
-    "--effective-radius",
-    "0.33mm",
-    "--young",
-    "60.6e9",
-    "--poisson",
-    "0.25",
-    "--hardness",
-    "6.266e9",
-    "--combined-roughness",
-    "5.04um",
-]
+FC5 = "--effective-radius 0.33mm --young 60.6e9 --poisson 0.25 --hardness 6.266e9 --combined-roughness 5.04um".split()  # noqa: SIM905
 
 
 def test_a_measured_yield_decides_the_regime(capsys):
@@ -49,8 +38,6 @@ def test_a_measured_yield_decides_the_regime(capsys):
         text = capsys.readouterr().out
         assert "the bulk yields" in text and "the answer changes (p0 = p_y) at" in text
         assert "rough-plastic    fits" in text and "pohrt-popov      no" in text
-    assert cli.main(["regime", *contact, "--yield-load", "7", "--yield-pressure", "2e9"]) == 2
-    assert "are alternatives" in capsys.readouterr().err
 
 
 def test_surface_prints_and_writes(capsys, tmp_path, map_file):
@@ -69,9 +56,6 @@ def test_summits_and_a_field_of_view(capsys, tmp_path, map_file):
     assert "nine-point summits on 200 x 200 µm" in text and "for R = 5 mm" in text and figure.stat().st_size > 10000
     assert cli.main(["surface", map_file, "--crop", "200um,160um,120um,110um"]) == 0
     assert "100 x 80 pixels" in capsys.readouterr().out
-    for crop, says in (("1mm", "does not lie in this map"), ("1,2,3", "give width"), ("x", "--crop")):
-        assert cli.main(["surface", map_file, "--crop", crop]) == 2
-        assert says in capsys.readouterr().err
 
 
 def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
@@ -83,41 +67,29 @@ def test_synthetic_map_has_the_roughness_asked_for(capsys, tmp_path):
 
 
 def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
-    table, micro, worn, figure = (tmp_path / n for n in ("map.tbl", "micro.csv", "worn.npy", "contact.png"))
+    table, worn, figure = (tmp_path / n for n in ("map.tbl", "worn.npy", "contact.png"))
     arguments = ["surface", "contact", map_file, *ALUMINIUM, "--load", "0.05", "--table", str(table)]
-    assert cli.main([*arguments, "--csv", str(micro), "--out", str(worn), "--figure", str(figure)]) == 0
+    assert cli.main([*arguments, "--out", str(worn), "--figure", str(figure)]) == 0
     text = capsys.readouterr().out
     assert "micro-contacts" in text and "hertz unloading" in text
     assert dl.Table.load(table).force(1e-7) > 0
-    assert micro.read_text().startswith("x,y,cut_area")
     assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
-    assert cli.main([*arguments, "--curve", "reloading", "--on", map_file]) == 0
-    assert "reloading, elastic" in capsys.readouterr().out
 
 
-def test_the_law_of_a_map_is_drawn_without_a_load(capsys, tmp_path, map_file):
-    table, figure = tmp_path / "map.tbl", tmp_path / "law.png"
-    given = ["surface", "contact", map_file, *ALUMINIUM, *PLASTIC, "--table", str(table), "--figure", str(figure)]
-    assert cli.main([*given, "--rtol", "1e-3"]) == 0
-    assert figure.stat().st_size > 10000 and str(figure) in capsys.readouterr().out
-
-
-@pytest.mark.parametrize(("arguments", "words"), [
-    (["regime", *ALUMINIUM, "--load", "1"], "(or --combined-roughness) missing"),
-    (["regime", "--load", "1"], "--radius (or --effective-radius) and --young and --poisson"),
-    (["surface", "nowhere.csv"], "no such height map"),
-    (["surface", "synthetic"], "--out missing"),
-    (["surface", "contact"], "takes one height map"),
-    (["surface", "a", "b"], "one height map at a time"),
-    (["surface", "contact", "MAP", *ALUMINIUM, *PLASTIC], "--load missing"),
-    (["surface", "contact", "MAP", "--load", "1"], "missing"),
-    (["surface", "contact", "MAP", *ALUMINIUM, *PLASTIC, "--curve", "reloading", "--table", "t.tbl"], "reloading"),
-    (["surface", "contact", "MAP", *ALUMINIUM, *PLASTIC, "--flat", "--table", "t.tbl"], "leave out --flat"),
-    (["surface", "contact", "MAP", "--radius", "1mm", "inf", "--young", "1e9", "--load", "1"], "belong together"),
-    (["surface", "contact", "MAP", "--radius", "inf", "--young", "1e9", "--poisson", "0", "--load", "1"], "two flats"),
-    (["surface", "contact", "MAP", *ALUMINIUM, "--modulus", "1e9", "--load", "1"], "either --young or --modulus"),
+@pytest.mark.parametrize("arguments", [
+    ["regime", *ALUMINIUM, "--load", "1"],
+    ["regime", *FC5, "--load", "20", "--yield-load", "7", "--yield-pressure", "2e9"],
+    ["surface", "nowhere.csv"],
+    ["surface", "synthetic"],
+    ["surface", "a", "b"],
+    *(["surface", "MAP", "--crop", crop] for crop in ("1mm", "1,2,3", "x")),
+    ["surface", "contact"],
+    ["surface", "contact", "MAP", *ALUMINIUM, *PLASTIC],
+    ["surface", "contact", "MAP", "--load", "1"],
+    ["surface", "contact", "MAP", "--radius", "1mm", "inf", "--young", "1e9", "--load", "1"],
+    ["surface", "contact", "MAP", "--radius", "inf", "--young", "1e9", "--poisson", "0", "--load", "1"],
+    ["surface", "contact", "MAP", *ALUMINIUM, "--modulus", "1e9", "--load", "1"],
 ])  # fmt: skip
-def test_errors_are_one_line(capsys, map_file, arguments, words):
+def test_errors_are_one_line(capsys, map_file, arguments):
     assert cli.main([map_file if a == "MAP" else a for a in arguments]) == 2
-    error = capsys.readouterr().err
-    assert words in error and error.count("\n") == 1
+    assert capsys.readouterr().err.count("\n") == 1

@@ -101,46 +101,6 @@ def test_equal_checkouts_share_a_cache(tmp_path):
     assert hertz(other, NUMBA_CACHE_DIR=cache) == (first, 0)
 
 
-@pytest.mark.parametrize("plain", ["", "1"])
-def test_a_user_defined_law_is_followed(tmp_path, plain):
-    """The machine code of a law in a user's file depends on the file; without numba's internals it is not kept."""
-    code = counted("""
-        from typing import NamedTuple
-        import numpy as np
-        from mine import Mine
-        from demlaws.core.loops import energy_loop
-        energy = np.zeros(1)
-        energy_loop(Mine(2.0), np.ones(1), energy)
-        print(energy[0], len(Count.compiled))
-    """)
-    law = """
-from typing import NamedTuple
-from demlaws.core.dispatch import bind
-from demlaws.core.fastmath import kernel
-
-class Mine(NamedTuple):
-    factor: float
-
-@kernel
-def energy(p, overlap):
-    return 3.0 * p.factor * overlap
-
-bind(Mine, energy=energy)
-"""
-    file = tmp_path / "mine.py"
-    folders = {
-        "PYTHONPATH": f"{tmp_path}:{PACKAGE.parent}",
-        "PYTHONDONTWRITEBYTECODE": 1,
-        "NUMBA_CACHE_DIR": tmp_path / "cache",
-        "DEMLAWS_PLAIN_NUMBA": plain,
-    }
-    file.write_text(law)
-    assert python(code, **folders).startswith("6.0 ")
-    assert plain or python(code, **folders) == "6.0 0"
-    file.write_text(law.replace("3.0", "4.0"))
-    assert python(code, **folders).startswith("8.0 ")
-
-
 def test_callbacks_are_told_apart_by_their_constants(tmp_path):
     code = """
         import ctypes, mine

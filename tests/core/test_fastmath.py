@@ -7,8 +7,7 @@ import numba
 import numpy as np
 from references import EPS
 
-from demlaws.core import fastmath
-from demlaws.core.fastmath import bits, cbrt, exp2, from_bits, log2, power
+from demlaws.core.fastmath import cbrt, exp2, log2, power
 
 
 def over(function):
@@ -86,21 +85,3 @@ def test_power_is_monotone_and_continuous_over_its_seams():
         assert np.all(np.diff(over(power)(x, np.full(x.size, exponent))) > 0)
     edge = math.sqrt(0.5) * (1 + EPS * np.arange(-8, 9))
     np.testing.assert_allclose(over(power)(edge, np.full(17, 1.7)), edge**1.7, rtol=4 * EPS)
-
-
-def test_bits_round_trip(rng):
-    x = np.concatenate([rng.standard_normal(100) * 10.0 ** rng.uniform(-300, 300, 100), [0.0, -0.0, math.inf, 5e-324]])
-
-    @numba.njit
-    def both(x):
-        return bits(x), from_bits(bits(x))
-
-    for value in x:
-        pattern, back = both(value)
-        assert pattern == np.float64(value).view(np.int64)
-        assert np.float64(back).view(np.int64) == pattern
-
-
-def test_sqrt_is_the_machines(rng):
-    x = 10.0 ** rng.uniform(-300, 300, 1000)
-    np.testing.assert_array_equal(over(fastmath.sqrt)(x), np.sqrt(x))

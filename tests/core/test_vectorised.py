@@ -53,8 +53,3 @@ def test_a_batch_of_contacts_that_differ_is_vectorised():
 @with_history
 def test_a_table_is_vectorised():
     assert vector_operations(dl.law("pohrt-popov", GRANITE, "hertz").tabulate(1e-3)) > 10
-
-
-def test_what_is_not_vectorised_is_found():
-    """Bahrami's implicit curve searches, which no processor does for several contacts at once."""
-    assert vector_operations(make("bahrami")) == 0

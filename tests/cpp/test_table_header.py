@@ -106,12 +106,3 @@ def test_nan_and_negative_overlaps(example, tmp_path, unloading):
     assert rows[1][0].endswith("nan")
     assert rows[0][2:4] == rows[2][2:4]  # the state of the contact survives the NaN
     assert float(rows[3][0]) == 0.0 and rows[4][:2] == rows[0][:2] and float(rows[5][2]) == 0.0
-
-
-def test_beyond_the_table_is_said(example, tmp_path):
-    law = dl.law("pohrt-popov", GRANITE)
-    law.tabulate(max_force=50.0).save(tmp_path / "law.tbl")
-    result = example(tmp_path / "law.tbl", GRANITE, [1e-6, 1e-4])
-    assert result.returncode == 1 and "beyond" in result.stderr
-    result = example(tmp_path / "none.tbl", GRANITE, [1e-6])
-    assert result.returncode == 1 and "none.tbl" in result.stderr

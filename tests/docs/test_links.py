@@ -51,17 +51,3 @@ def broken(page, text, known):
 def test_links_lead_somewhere(page):
     known = set(kept())
     assert broken(page, (PROJECT / page).read_text(), known) == []
-
-
-def test_a_broken_link_is_found():
-    known = {"README.md", "docs/laws.md"}
-    assert broken("README.md", "[a](docs/laws.md) [b](docs/none.md) [c](#nothing)", known) == [
-        ("docs/none.md", "no such file is kept"),
-        ("#nothing", "no such heading"),
-    ]
-
-
-def test_citations():
-    cited = set(re.findall(r"@([a-z]\w+)", (PROJECT / "docs" / "paper.md").read_text().split("\n---\n", 1)[1]))
-    held = re.findall(r"^@\w+\{(\w+),", (PROJECT / "docs" / "paper.bib").read_text(), re.MULTILINE)
-    assert sorted(held) == sorted(cited)

@@ -62,15 +62,3 @@ def test_page_with_engines(page, tmp_path):
         assert not os.environ.get("CI"), said
         pytest.skip(said)
     follow(page, tmp_path)
-
-
-def test_every_tutorial_is_run():
-    assert {p for p in (DOCS / "tutorials").glob("*.md") if p.stem != "index"} <= {*PLAIN, *NEEDS}
-
-
-def test_the_first_yade_script_is_that_of_readme():
-    """Where it is run."""
-    own, readme = (listings.listings(p) for p in (DOCS / "tutorials" / "first.md", PROJECT / "README.md"))
-    script = next(one.text for one in readme if one.mark == "file: bounce.py")
-    bare = "\n".join(line.split("  # ")[0] for line in script.splitlines())
-    assert bare in "\n".join(one.text for one in own)

@@ -54,3 +54,16 @@ def pytest_collection_modifyitems(items):
 def granite_pair():
     """Two granite spheres of 17.4 mm."""
     return dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
+
+
+@pytest.fixture
+def law(granite_pair):
+    """A rough law of the moduli that the inputs of LIGGGHTS and LAMMPS have."""
+    return dl.law("pohrt-popov", granite_pair.with_values(modulus=60.6e9 / (2 * (1 - 0.25**2))), "hertz")
+
+
+@pytest.fixture
+def folder(tmp_path, law):
+    """The table of `law` is law.tbl."""
+    law.tabulate(rtol=1e-8).save(tmp_path / "law.tbl")
+    return tmp_path

@@ -1,20 +1,18 @@
 """Two spheres, and a box of 27, in LIGGGHTS and in LAMMPS from one description: what both plugins do is one test for both."""
 
-import importlib
-
 import inputs_for_lammps
 import inputs_for_liggghts
 import numpy as np
 import pytest
-from inputs_for_lammps import LOAD_UNLOAD, moves_of
+from inputs import LOAD_UNLOAD, modulus, moves_of
 
 import demlaws as dl
-from demlaws.errors import DemlawsError
+from demlaws.shear import sheared
 
 ENGINES = ("liggghts", "lammps")
 both = pytest.mark.parametrize("engine", ENGINES)
 DIAMETER, STEP = 17.4e-3, 5e-8
-ROUGH = dl.Contact(radius=4.35e-3, modulus=inputs_for_liggghts.modulus(), roughness=2.4e-6, fractal_dimension=2.22)
+ROUGH = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
 LAWS = {
     "hertz elastic": ("hertz", "elastic"),
     "rough elastic": ("pohrt-popov", "elastic"),
@@ -26,7 +24,6 @@ LAWS = {
 RATIO = 2 * (1 - 0.25) / (2 - 0.25)
 SHEARED = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
 """Press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide."""
-ENERGY = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
 WATCH = """\
 compute er all erotate/sphere
 compute en all demlaws/energy
@@ -46,9 +43,12 @@ def save_law(folder, name):
     return law
 
 
-def part(engine, name):
-    """A module of an engine: in its package, functions have the names of modules."""
-    return importlib.import_module(f"demlaws.{engine}.{name}")
+def sheared_along(law, log, shear, every=2):
+    """Paths of the sheared and of the normal contact at the rows of a log of SHEARED, displacements, and which rows count."""
+    kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
+    across = np.concatenate([[0.0], *[np.full(steps // every, speed * every * STEP) for _, speed, steps in SHEARED]]).cumsum()
+    overlap = log["overlap"][kept]
+    return sheared(law, overlap, across, RATIO, shear.split()[0], 0.5, 2000), law.follow(overlap), across, kept
 
 
 def spheres(
@@ -71,25 +71,6 @@ def continued(engine, text, moves, **watch):
     return "".join(line for line in inputs_for_liggghts.again(text).splitlines(True) if "run " not in line) + moves_of(moves)
 
 
-def simulate(engine, folder, text, ranks=1, **options):
-    (folder / "in.case").write_text(text)
-    return part(engine, "run").run(folder / "in.case", ranks, **options)
-
-
-def refused(engine, folder, text, ranks=1):
-    """Message of the engine's own error."""
-    with pytest.raises(DemlawsError) as caught:
-        simulate(engine, folder, text, ranks)
-    message = str(caught.value)
-    assert "ERROR" in message and "demlaws" in message, message
-    return message
-
-
-def said_in(engine, folder):
-    """Text of the log of a run."""
-    return (folder / f"log.{engine}").read_text().replace("\n", " ")
-
-
 def gas(engine, friction, shear, poisson=0.25, ranks=1, newton="on"):
     """Whole start of a closed box of 27 spheres without damping, and what a run that goes on from its restart file needs."""
     # one by one: LIGGGHTS's `create_atoms region` gives other numbers on two ranks
@@ -108,5 +89,6 @@ def gas(engine, friction, shear, poisson=0.25, ranks=1, newton="on"):
         return inputs_for_lammps.GAS.format(**values, terms=terms, common=common), "neighbor 0.002 bin\n" + common
     model = "wall/gran model demlaws/table tangential demlaws primitive type 1"
     walls = "\n".join(f"fix {a}{n} all {model} {a}plane {place}" for a in "xyz" for n, place in enumerate((0.0, 0.06)))
-    common = inputs_for_liggghts.GAS_COMMON.format(friction=friction, shear=shear, poisson=poisson, walls=walls, watch=WATCH)
+    properties = inputs_for_liggghts.properties(friction=friction, poisson=poisson)
+    common = inputs_for_liggghts.GAS_COMMON.format(properties=properties, shear=shear, walls=walls, watch=WATCH)
     return inputs_for_liggghts.GAS.format(**values, common=common), common

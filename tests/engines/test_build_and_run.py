@@ -10,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import shared
-from spheres import ENGINES, both, part
+from inputs import part
+from spheres import ENGINES, both
 
 import demlaws as dl
 from demlaws import cli, engines
@@ -45,18 +46,6 @@ def sources(plugin, tmp_path, monkeypatch):
 
 
 # --- build
-
-
-@pytest.mark.slow
-@both
-def test_build_is_cached(plugin, tmp_path, monkeypatch):
-    monkeypatch.setenv("DEMLAWS_CACHE", str(tmp_path))
-    monkeypatch.setattr(plugin, "flags", [flag.replace("-O3", "-O0") for flag in plugin.flags])  # not to wait long
-    library = plugin.build()
-    assert [p for p in tmp_path.rglob("*") if p.is_file()] == [library] and dl.__version__ in library.parent.name
-    changed = library.stat().st_mtime_ns
-    assert plugin.build() == library and library.stat().st_mtime_ns == changed
-    assert plugin.build(portable=True) != library
 
 
 @both
@@ -192,15 +181,6 @@ def test_run_refuses_nonsense(engine, run, tmp_path):
         part(engine, "run").read_log(tmp_path / "log")
 
 
-@both
-def test_without_the_plugin_the_model_is_unknown(engine, run, tmp_path):
-    check = part(engine, "check")
-    (tmp_path / "in.case").write_text(check.TWO_PARTICLES)
-    variables = {"young": 1e9, "radius": 0.0087, "table": "x", "newton": "on", "every": 4}
-    with pytest.raises(EngineStopped):
-        run(tmp_path / "in.case", variables=variables, plugin=False)
-
-
 GOOD = """\
 atom_modify     sort 0 0
 region          box block 0 1 0 1 0 1 units box
@@ -223,9 +203,9 @@ run             10
         ("liggghts", "thermo_style custom step atoms c_1 c_x", [], ["Step", "Atoms", "1", "x"]),
         ("lammps", "thermo_style custom step atoms c_1 c_x", [], ["Step", "Atoms", "1", "x"]),
         ("lammps", "thermo_style custom ke c_x", ["-screen", "none"], ["KinEng", "x"]),
-        ("lammps", "thermo_style yaml", [], ["Step", "Temp"]),
+        ("lammps", "thermo_style yaml", [], []),
         ("liggghts", "thermo_style custom atoms c_1", [], ["Atoms", "1"]),
-        ("liggghts", "thermo_style multi", [], ["Step", "CPU", "Atoms"]),
+        ("liggghts", "thermo_style multi", [], []),
         ("liggghts", "log other.log\nthermo_style custom step c_1", [], ["Step", "1"]),
         ("liggghts", "log none\nthermo_style custom step c_1", [], ["Step", "1"]),
         ("liggghts", None, [], []),
@@ -242,31 +222,22 @@ def test_a_good_run_is_good_whatever_it_prints(engine, run, tmp_path, thermo, ar
 
 
 @both
-def test_unknown_arguments_go_to_the_engine(engine, tmp_path, capfd):
-    (tmp_path / "in.case").write_text('print "have ${a} ${b}"\nvariable b index 7\nnext b\nprint "then ${b}"\n')
-    words = ["-var", "a", "3", "-var", "b", "4", "5", "-log", "named.log", "-echo", "screen"]
-    for arguments in ([*words, "--stock"], ["--stock", *words], ["--stock", "--", *words]):
+def test_arguments_that_are_the_engines(engine, tmp_path, capfd):
+    """In any order: -var, -log, -echo, -in INPUT and -screen none, which an input with a mesh survives in LIGGGHTS, too."""
+    mesh = engine == "liggghts" and "fix m1 all property/global youngsModulus peratomtype 5e6\n"
+    more = f"{mesh}fix mesh all mesh/surface file plate.stl type 1\n" if mesh else ""
+    (tmp_path / "plate.stl").write_bytes((Path(dl.__file__).parents[1] / "liggghts_inputs/walls/plate.stl").read_bytes())
+    text = part(engine, "run").HEAD + "region box block -1 1 -1 1 -1 1 units box\ncreate_box 1 box\n" + more
+    (tmp_path / "in.case").write_text(text + 'print "have ${a} ${b}"\nvariable b index 7\nnext b\nprint "then ${b}"\n')
+    words, file = ["-var", "a", "3", "-var", "b", "4", "5", "-log", "named.log", "-echo", "screen"], str(tmp_path / "in.case")
+    for arguments in ([file, *words], ["-in", file, *words], [*words, "-in", file], [file, "--", *words]):
         (tmp_path / "named.log").unlink(missing_ok=True)
-        assert cli.main([engine, "run", str(tmp_path / "in.case"), *arguments]) == 0
+        assert cli.main([engine, "run", "--stock", *arguments]) == 0
         out = capfd.readouterr().out
         assert "have 3 4" in out and "then 5" in out and 'print "then ${b}"' in out
         assert (tmp_path / "named.log").is_file()
-
-
-@both
-def test_options_as_the_engine_has_them(engine, tmp_path, capfd):
-    """-in INPUT, -log FILE and -screen none, in any order; an input with a mesh survives -screen none in LIGGGHTS, too."""
-    mesh = "fix mesh all mesh/surface file plate.stl type 1\n" if engine == "liggghts" else ""
-    (tmp_path / "plate.stl").write_bytes((Path(dl.__file__).parents[1] / "liggghts_inputs/walls/plate.stl").read_bytes())
-    more = "fix m1 all property/global youngsModulus peratomtype 5e6\n" if mesh else ""
-    text = part(engine, "run").HEAD + "region box block -1 1 -1 1 -1 1 units box\ncreate_box 1 box\n" + more + mesh
-    (tmp_path / "in.case").write_text(text + 'print "value ${a}"\n')
-    words = ["-in", str(tmp_path / "in.case"), "-var", "a", "3", "-log", "named.log", "--stock"]
-    for arguments in (words, [*words[2:5], *words[:2], *words[5:]]):
-        assert cli.main([engine, "run", *arguments]) == 0
-        assert "value 3" in capfd.readouterr().out
-        assert cli.main([engine, "run", *arguments, "-screen", "none"]) == 0
-        assert capfd.readouterr().out == "" and "value 3" in (tmp_path / "named.log").read_text()
+    assert cli.main([engine, "run", file, *words, "--stock", "-screen", "none"]) == 0
+    assert capfd.readouterr().out == "" and "then 5" in (tmp_path / "named.log").read_text()
 
 
 @both
@@ -334,6 +305,26 @@ def test_exported_case_runs(engine, tmp_path, law, options, surfaces, materials,
     log = part(engine, "run").read_log(path.parent / f"log.{engine}")
     assert log["Step"][-1] in (5000, 5001) and log["KinEng"][-1] > 0
     assert list((path.parent / "post").glob("grains.*")) and list((path.parent / "post").glob("contacts.*"))
+    if STEEL in materials:  # LIGGGHTS's walls are of the first grain's material, LAMMPS's of that of the grain at the wall
+        at_wall = dl.Table.load(path.parent / "rough-plastic.2-wall.tbl").contact
+        wall = GRANITE if engine == "liggghts" else STEEL
+        assert at_wall.modulus == dl.Contact.between(STEEL, wall, radius1=0.005, radius2=np.inf).modulus
+
+
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_hertz_of_lammps_itself_as_a_case(engine, tmp_path, run):
+    """Two materials: E* and G* of unlike types as the table's mixing has them; stock binary, no plugin."""
+    materials, surfaces = (dl.Material(5e9, 0.3, density=1200.0), GRANITE), [dl.Surface(0.0, 2.2)] * 2
+    options = {"unloading": "elastic", "count": 60, "restitution": 1.0, "steps": 4000}
+    final = {}
+    for stock in ("hertz", None):
+        path = exported(engine, tmp_path / str(stock), "hertz", surfaces, materials, stock=stock, **options)
+        if stock:
+            assert not list(path.parent.glob("*.tbl")) and "demlaws/" not in path.read_text().split("pair_style", 1)[1]
+        final[stock] = run(path, plugin=not stock)["KinEng"][-1]
+    assert final["hertz"] == pytest.approx(final[None], rel=1e-4)
+    with pytest.raises(DemlawsError):
+        exported(engine, tmp_path, "rms", surfaces, stock="hertz")
 
 
 @both

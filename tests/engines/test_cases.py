@@ -55,8 +55,3 @@ def test_case_with_other_unloading(common, engine, case, unloading, tmp_path):
     """On two ranks the sphere of `energy` slides from one to the other in its first contact."""
     ranks = 2 if case in ("energy", "migration") else 1
     simulate_and_check(common, engine, case, tmp_path, ranks, {"unloading": unloading}, unloading=unloading)
-
-
-@pytest.mark.parametrize("engine", ["liggghts", "lammps"])
-def test_fine_table_in_the_engine(common, engine, tmp_path):
-    simulate_and_check(common, engine, "two_spheres", tmp_path, check={"limit": 1e-8}, rtol=1e-9)

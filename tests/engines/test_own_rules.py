@@ -6,10 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import shared
-from inputs_for_lammps import moves_of
+from inputs import ENERGY, LOAD_UNLOAD, moves_of, part, simulate
 from own_spring import FAULTS, registered, spoil
 from processes import parted
-from spheres import ENERGY, ENGINES, LOAD_UNLOAD, continued, part, simulate, spheres
+from spheres import ENGINES, continued, spheres
 
 import demlaws as dl
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from spheres import DIAMETER, ENERGY, LAWS, RATIO, SHEARED, STEP, both, gas, save_law, simulate, spheres
-
-from demlaws.shear import sheared
+from inputs import ENERGY, simulate
+from spheres import DIAMETER, LAWS, SHEARED, both, gas, save_law, sheared_along, spheres
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -15,13 +14,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
     law = save_law(tmp_path, name)
     log = simulate(engine, tmp_path, spheres(engine, f"shear {shear}", SHEARED, every=2, **ENERGY))
-    kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
-    across = np.concatenate([[0.0], *[np.full(steps // 2, speed * 2 * STEP) for _, speed, steps in SHEARED]]).cumsum()
-    path = sheared(law, log["overlap"][kept], across, RATIO, shear.split()[0], 0.5, 2000)
+    path, normal, across, kept = sheared_along(law, log, shear)
     found = path.force * across / DIAMETER - log["side"][kept]  # the normal turns
     tolerance = {"elastic": 3e-3, "loading": 3e-3, "slip": 2e-2, "slip springs 30": 5e-3}[shear]
     np.testing.assert_allclose(found, path.shear_force, atol=tolerance * 0.5 * path.force.max())
-    normal = law.follow(log["overlap"][kept])
     assert log["e[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=2e-2)
     assert log["e[1]"][-1] + log["e[2]"][-1] == pytest.approx(normal.work[-1] + path.work[-1], rel=3e-3)
 

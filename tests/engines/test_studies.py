@@ -54,12 +54,10 @@ def test_costs_and_errors_of_the_trade(engine):
 
 @pytest.mark.slow
 @plugins
-def test_command_of_the_trade(engine, tmp_path, capsys):
-    files = [tmp_path / "scene.csv", tmp_path / "scene.png"]
-    assert main(["--scene", engine, "--quick", "--stress", "500kPa", "--csv", str(files[0]), "--figure", str(files[1])]) == 0
-    said, ways = capsys.readouterr().out, candidates.ways(engine)
-    assert all(way.label in said for way in ways) and files[1].stat().st_size > 20_000
-    assert len(files[0].read_text().splitlines()) == 1 + len(ways)
+def test_command_of_the_trade(engine, capsys):
+    assert not main(["--scene", engine, "--quick", "--stress", "500kPa"])
+    said = capsys.readouterr().out
+    assert all(way.label in said for way in candidates.ways(engine))
 
 
 @pytest.mark.slow

@@ -125,22 +125,6 @@ def test_a_file_whose_law_is_not_here_or_another(tmp_path):
         dl.Table.load(path)
 
 
-@pytest.mark.slow
-@needs_compiler
-def test_a_rule_that_cannot_stand_alone(tmp_path):
-    text = SPRING.replace(
-        "lost = parts(p)[1].lost\n        positive",
-        "lost = parts(p)[1].lost + 0.0 * np.sum(np.ones(int(3 + lost_)))\n        positive",
-    )
-    text = text.replace("import demlaws as dl\n", "import demlaws as dl\n    import numpy as np\n    lost_ = 0.0\n", 1)
-    text = text.replace('"slack"', '"slack-c"').replace('name="spring"', 'name="calls"')
-    with registered(tmp_path, text, "calls.py"):
-        table = dl.law("calls", GRANITE).tabulate(1e-3)
-        with pytest.raises(dl.DemlawsError, match=r"the rule cannot stand alone: .*undefined reference"):
-            table.save(tmp_path / "calls.tbl")
-    assert not list(tmp_path.glob("calls.tbl*"))
-
-
 @needs_compiler
 def test_a_table_and_its_object_are_both_written_or_neither(tmp_path):
     """The table cannot take the place of a folder; the object that was there before, or none, is there after it."""

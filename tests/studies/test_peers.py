@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-import demlaws as dl
 from demlaws.granite import find_test
-from studies.trade import candidates, peers
 from studies.trade.peers import PEERS, held_table, held_together, made_points
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")  # cones at 450 N: overlaps beyond R/10
@@ -29,19 +27,3 @@ def test_what_a_fit_leaves():
     assert plastic.rms < 0.005 and plastic.left < 0.01
     assert elastic.rms > 0.1 and elastic.left == elastic.worst > 0.3
     assert "thornton-ning" in held_table(rows.values()) and set(rows) < set(PEERS)
-
-
-def test_the_ways_that_are_priced_against_each_other():
-    """A law with its own rule or a named one, a table where the engine reads tables, YADE's own with the same numbers."""
-    ours, cone = peers.way_of("conical-damage", "yade"), peers.way_of("cdm@own", "yade")
-    assert (ours.law, ours.unloading, ours.rtol, cone.model) == ("conical-damage", "thornton", 0.0, "cdm")
-    assert tuple(dict(ours.options).values()) == candidates.CDM
-    table = peers.way_of("rms:hertz", "liggghts")
-    assert (table.unloading, table.rtol) == ("hertz", 1e-5)
-    for wrong, engine, said in (
-        ("cdm@own", "liggghts", "'cdm@own': liggghts has hertz@own, edinburgh@own"),
-        ("rms:linear", "yade", "unknown unloading rule 'linear'"),
-        ("nobody", "yade", "unknown law 'nobody'"),
-    ):
-        with pytest.raises(dl.DemlawsError, match=said):
-            peers.way_of(wrong, engine)

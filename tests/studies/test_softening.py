@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from demlaws.advice.soften import Softening
-from demlaws.errors import DemlawsError
 from studies.costs.costs import available
 from studies.softening import results, study
 from studies.softening.study import Run
@@ -61,20 +60,6 @@ def test_what_an_engine_is_told():
     assert slow["speed"] == pytest.approx(0.1 * one["speed"])
 
 
-@pytest.mark.parametrize("engine", ["yade", "liggghts"])
-def test_the_plan(engine):
-    runs, quick = study.plan(engine), study.plan(engine, quick=True)
-    assert len(set(runs)) == len(runs) and len(quick) < len(runs)
-    for factor in (1.0, 10.0, 100.0):
-        for scaled in {True, factor == 1.0}:
-            copies = {r.copy for r in runs if (r.factor, r.scaled, r.process, r.cycles) == (factor, scaled, "cycles", 25)}
-            assert copies >= {0, 1, 2}
-    tested = study.scenes(engine)
-    told = study.scenes(engine, study.OTHERS)
-    assert not {r for r in tested if r != r.reference} & set(told)  # held back
-    assert all(run.reference in tested for run in tested)
-
-
 def test_a_study_goes_on(tmp_path):
     """Rows that are there are not made again; a line that a stop cut off is."""
     path = tmp_path / "rows.jsonl"
@@ -86,15 +71,6 @@ def test_a_study_goes_on(tmp_path):
     assert study.missing(runs, study.load(path)) == []
     study.execute(runs, path)  # nothing to do: no engine is started
     assert len(path.read_text().splitlines()) == 2
-
-
-def test_an_end_that_came_too_early_spoils_no_later_row(tmp_path, monkeypatch):
-    path = tmp_path / "rows.jsonl"
-    run, other = study.plan("yade", quick=True)[:2]
-    path.write_text(json.dumps({"run": run._asdict(), **study.summary(run, _raw(run))})[:80])
-    monkeypatch.setattr(study, "_in_yade", lambda runs, keep: [keep(r, _raw(r)) for r in runs])
-    study.execute([run, other], path)
-    assert study.missing([run, other], study.load(path)) == []
 
 
 def _is_similar(found, stress):
@@ -119,21 +95,6 @@ def test_the_kept_similarity_is_what_the_page_says():
     assert off == sorted(off, reverse=True) and off[0] < 0.03 and off[0] / lattice[0].run.depth < 6.0
     text = results.similarity_table(found)
     assert "lattice, gaps scaled, σ alone, 10 kPa" in text and len(text.splitlines()) == 2 + len(found)
-
-
-def test_a_lattice_and_its_gaps():
-    """148 spheres that touch nowhere; gaps, floor and walls too, grow by s^(2/3) for grains softer by s."""
-    one = Run("yade", "cycles", scatter=study.SCATTER)
-    gaps = []
-    for run in (one, one._replace(factor=8.0)):
-        radii, centres, width = study.lattice(run.short)
-        apart = np.linalg.norm(centres[:, None] - centres[None], axis=2) - radii[:, None] - radii[None]
-        near = np.triu(apart < 1e-3, 1)
-        assert len(radii) == 148 and apart[near].min() > 0.0
-        walls = np.r_[centres.min(1) - radii, width - centres[:, :2].max(1) - radii]
-        gaps.append((apart[near], walls[walls < 1e-3]))
-    for few, many in zip(*gaps, strict=True):
-        assert few.size and np.allclose(many, 4.0 * few, rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.yade
@@ -179,27 +140,3 @@ def test_shear_in_liggghts_is_that_of_yade(tmp_path):
     assert found["coordination"] == pytest.approx(yade["coordination"], rel=0.1)
     assert found["peak"] == pytest.approx(yade["peak"], rel=0.15)
     assert 0.0 < found["dilation"] < 0.05
-
-
-def test_a_stop_of_liggghts_is_a_row_that_failed(tmp_path, monkeypatch):
-    """What the engine says is kept, and the study goes on; where the engine is missing, it ends."""
-    from demlaws.errors import EngineStopped
-    from studies.softening import liggghts_softening
-
-    runs = [Run("liggghts", "cycles"), Run("liggghts", "cycles", copy=1)]
-
-    def stops(folder, scene, told):
-        raise EngineStopped("LIGGGHTS stopped (exit 1): ERROR: the walls")
-
-    def misses(folder, scene, told):
-        raise DemlawsError("liggghts not found")
-
-    monkeypatch.setattr(liggghts_softening, "cycles", stops)
-    study.execute(runs, tmp_path / "rows.jsonl")
-    assert [v["failed"] for v in study.load(tmp_path / "rows.jsonl").values()] == [
-        "LIGGGHTS stopped (exit 1): ERROR: the walls"
-    ] * 2
-    monkeypatch.setattr(liggghts_softening, "cycles", misses)
-    with pytest.raises(DemlawsError, match="not found"):
-        study.execute(runs, tmp_path / "others.jsonl")
-    assert not study.load(tmp_path / "others.jsonl")

@@ -8,7 +8,6 @@
 // our functions of the same names come first; loaded later, their addresses are written there. Every one of them does
 // what LAMMPS's own does for whatever is not of demlaws.
 #include "granular_models.h"
-#include "numbers.h"
 #include "slots.h"
 
 // Replacements of LAMMPS's functions; a std::string by value is passed by its address.
@@ -154,6 +153,7 @@ void check_positions(void *object) {
   const void *const now = range.used ? stock.global(lmp, "ntimestep") : NULL;
   if (!now || *(const long long *)now == range.checked) return;
   range.checked = *(const long long *)now;
+  range.has_contacts = true;
   const double *const *const x = (const double *const *)stock.atom(lmp, "x");
   const long count = 3 * (long)stock.setting(lmp, "nlocal");
   if (!x || !count) return;
@@ -213,7 +213,6 @@ void demlaws_pair_make(void *pair, void *lmp) {
   Stock::get().pair_make(pair, lmp);
   prove(lmp); // preloaded, this is the first call; the lines of stock models are to be counted, too
   Histories::all().erase(pair);
-  Numbers::forget(lmp);
   Range::of(lmp) = Range();
 }
 void demlaws_pair_coeff(void *pair, int count, char **arg) {
@@ -223,8 +222,10 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
 void demlaws_pair_restart(void *pair, FILE *file) {
   PairNow now(pair);
   Stock::get().pair_restart(pair, file);
+  if (!Histories::all()[pair].ours) return;
+  Range::of(instance_of(pair)).has_contacts = true;
   // the cut-off of the pair style is not in the file, and LAMMPS leaves its memory as it was
-  if (Histories::all()[pair].ours) Stock::get().pair_settings(pair, 0, NULL);
+  Stock::get().pair_settings(pair, 0, NULL);
 }
 void demlaws_pair_init(void *pair) {
   const Histories &kept = Histories::all()[pair];
@@ -235,7 +236,6 @@ void demlaws_pair_init(void *pair) {
             "whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and "
             "the same tangential, rolling and twisting models");
   Stock::get().pair_init(pair);
-  Numbers::after_init(pair);
   if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
 }
 
@@ -259,11 +259,24 @@ void demlaws_post_run(void *modify) {
   Range::of(instance_of(modify)).tell(instance_of(modify), error_of(modify));
 }
 
+// LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would be virgin ones,
+// or go on with the history of others.
+static void keep_numbers(void *command) {
+  if (Range::of(instance_of(command)).has_contacts)
+    raise(error_of(command), true,
+          "demlaws/table: contacts would lose their histories, which LAMMPS finds by the numbers of the particles: "
+          "write 'delete_atoms ... compress no', and 'reset_atoms id' before the first run");
+}
 void demlaws_delete_atoms(void *command, int count, char **arg) {
-  Numbers::follow(Stock::get().delete_atoms, command, count, arg);
+  bool keeps = false;
+  for (int n = 1; n < count; n++)
+    if (!strcmp(arg[n - 1], "compress")) keeps = !strcmp(arg[n], "no");
+  if (!keeps) keep_numbers(command);
+  Stock::get().delete_atoms(command, count, arg);
 }
 void demlaws_reset_atoms(void *command, int count, char **arg) {
-  Numbers::follow(Stock::get().reset_atoms, command, count, arg);
+  keep_numbers(command);
+  Stock::get().reset_atoms(command, count, arg);
 }
 
 void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) {

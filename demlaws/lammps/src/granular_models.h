@@ -120,8 +120,7 @@ template <bool LATE> struct Granular {
       const double made_for = table_.of_contact("modulus", 0.), E = coeffs[YOUNG] / 2.;
       const double given = E / (1. - coeffs[POISSON] * coeffs[POISSON]), other = E / (1. - coeffs[ETA] * coeffs[ETA]);
       if (fabs(other - made_for) <= 1e-6 * made_for && !(fabs(given - made_for) <= 1e-6 * made_for))
-        refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = " +
-               demlaws::number("%g", coeffs[ETA]) + " E* is that of the table");
+        refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = eta E* is that of the table");
     }
 
     double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it

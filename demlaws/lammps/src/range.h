@@ -10,8 +10,9 @@ namespace {
 // Of one instance of LAMMPS.
 struct Range {
   demlaws::Counts counts;
-  bool used = false;      // there is a table
-  long long checked = -1; // the step in which positions were checked
+  bool used = false;         // there is a table
+  bool has_contacts = false; // forces were computed, or a restart file was read
+  long long checked = -1;    // the step in which positions were checked
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;

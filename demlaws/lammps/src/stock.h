@@ -43,21 +43,15 @@
   DO(void *, global, (void *, const char *), "lammps_extract_global") \
   DO(void *, atom, (void *, const char *), "lammps_extract_atom") \
   DO(int, setting, (void *, const char *), "lammps_extract_setting") \
-  DO(int, id_count, (void *, const char *), "lammps_id_count") \
-  DO(int, id_name, (void *, const char *, int, char *, int), "lammps_id_name") \
   DO(void, pair_settings, (void *, int, char **), "_ZN9LAMMPS_NS12PairGranular8settingsEiPPc") \
   DO(void *, pair_match, (void *, const std::string &, int, int), \
      "_ZN9LAMMPS_NS5Force10pair_matchERK" DEMLAWS_STRING "ii") \
   DO(void, pair_local, (void *), "_ZN9LAMMPS_NS16ComputePairLocal13compute_localEv") \
   DO(void *, add_fix, (void *, int, char **, int), "_ZN9LAMMPS_NS6Modify7add_fixEiPPci") \
-  DO(void, delete_fix, (void *, const std::string &), "_ZN9LAMMPS_NS6Modify10delete_fixERK" DEMLAWS_STRING) \
   DO(void *, find_compute, (const void *, const std::string &), \
      "_ZNK9LAMMPS_NS6Modify17get_compute_by_idERK" DEMLAWS_STRING) \
   DO(void *, find_fix, (const void *, const std::string &), \
-     "_ZNK9LAMMPS_NS6Modify13get_fix_by_idERK" DEMLAWS_STRING) \
-  DO(int, history_size, (void *, int), "_ZN9LAMMPS_NS15FixNeighHistory12size_restartEi") \
-  DO(int, history_pack, (void *, int, double *), "_ZN9LAMMPS_NS15FixNeighHistory13pack_exchangeEiPd") \
-  DO(int, history_unpack, (void *, int, double *), "_ZN9LAMMPS_NS15FixNeighHistory15unpack_exchangeEiPd")
+     "_ZNK9LAMMPS_NS6Modify13get_fix_by_idERK" DEMLAWS_STRING)
 // clang-format on
 
 namespace {
@@ -93,8 +87,6 @@ Object this_object = {"", 0, 0}; // set when the layout is known
 
 // The instance that an object of a class derived from LAMMPS's Pointers belongs to.
 inline void *instance_of(void *object) { return ((void **)object)[1]; }
-// Its list of fixes and computes: the eleventh of the references that Pointers holds.
-inline void *modify_of(void *object) { return *((void ***)object)[12]; }
 
 struct Stock {
 #define DEMLAWS_MEMBER(RESULT, NAME, ARGUMENTS, SYMBOL) RESULT(*NAME) ARGUMENTS;
@@ -102,7 +94,7 @@ struct Stock {
   DEMLAWS_HOOKS(DEMLAWS_MEMBER)
   DEMLAWS_CALLED(DEMLAWS_MEMBER)
   void *reduce_one;
-  const void *reduce_table, *history_table;
+  const void *reduce_table;
   size_t reduce_table_size;
   // those of which a LAMMPS has some
   void (*all)(void *, const std::string &, int, const std::string &);
@@ -145,7 +137,6 @@ private:
       DEMLAWS_CALLED(DEMLAWS_FIND)
       find("_ZN9LAMMPS_NS13ComputeReduce11compute_oneEii", reduce_one);
       find("_ZTVN9LAMMPS_NS13ComputeReduceE", reduce_table);
-      find("_ZTVN9LAMMPS_NS15FixNeighHistoryE", history_table);
       look_for(DEMLAWS_ERROR("all") "S8_", all);
       look_for(DEMLAWS_ERROR("one") "S8_", one);
       look_for(DEMLAWS_ERROR("all") "iS8_", all4);

@@ -30,13 +30,6 @@ public:
         line.given.insert(word);
         i++;
       } else {
-        static const char *const early[] = {"primitive",        "mesh",     "tangential",
-                                            "rolling_friction", "cohesion", "surface"};
-        for (const char *other : early)
-          if (word == other)
-            refuse("'" + word +
-                   "' stands too late: the words of demlaws/table (table, pairtable, settings) come last, behind " +
-                   "'tangential ...', 'rolling_friction ...' and, at a wall, 'primitive ...' or 'mesh ...'");
         line.given.insert(word);
         kept_.push_back(arguments[i]);
       }

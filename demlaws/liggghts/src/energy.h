@@ -1,5 +1,5 @@
-// compute demlaws/energy, and the fixes that the plugin adds by itself: sums, tables and particle numbers that outlive
-// a run.
+// compute demlaws/energy, and the fix that the plugin adds by itself: a sum, tables and particle numbers that outlive a
+// run.
 #ifndef DEMLAWS_ENERGY_H
 #define DEMLAWS_ENERGY_H
 #include "stock.h"
@@ -25,39 +25,19 @@ struct FixMap {
   friend type get(FixMap);
 };
 template struct Access<FixMap, &Modify::fix_map>;
-// numbers of the particles that each particle touches
-struct Partners {
-  typedef int **FixContactHistory::*type;
-  friend type get(Partners);
-};
-template struct Access<Partners, &FixContactHistory::partner_>;
-
-// A number kept for each particle, which moves with it; NULL where nothing keeps it.
-inline double *kept_for_particles(Modify *modify, const char *name) {
-  Fix *const fix = modify->find_fix_id(name);
-  return fix ? fix->vector_atom : NULL;
-}
-inline void keep_for_particles(Modify *modify, const char *name, bool in_restart_files) {
-  if (modify->find_fix_id(name)) return;
-  const char *words[] = {name, "all", "property/atom", name, "scalar", in_restart_files ? "yes" : "no", "no",
-                         "no", "0."};
-  modify->add_fix(9, const_cast<char **>(words));
-  static_cast<FixPropertyAtom *>(modify->find_fix_id(name))->set_internal();
-}
-
-// compute ID GROUP demlaws/energy: stored and dissipated energy of the contacts of the group's particles,
-// [1] and [2], pairs and walls. Each particle of a pair has half.
+// compute ID all demlaws/energy: stored and dissipated energy of all contacts, [1] and [2], pairs and walls.
 class ComputeEnergy : public Compute {
 public:
   ComputeEnergy(LAMMPS *lmp, int &iarg, int narg, char **arg)
       : Compute(lmp, iarg, narg, arg), instance_(Instance::of(lmp)) {
-    if (iarg != narg) error->all(FLERR, "compute demlaws/energy takes no arguments");
+    if (iarg != narg || igroup != group->find("all"))
+      error->all(FLERR,
+                 "compute demlaws/energy: write  compute ID all demlaws/energy  (all contacts, no further words)");
     vector_flag = 1;
     size_vector = 2;
     extvector = 1;
     vector = new double[2]();
     instance_->ledger.readers++;
-    if (igroup != group->find("all")) keep_for_particles(modify, taken(), true);
   }
   ~ComputeEnergy() {
     instance_->ledger.readers--;
@@ -68,45 +48,35 @@ public:
   }
   void compute_vector() {
     invoked_vector = update->ntimestep;
-    const bool everyone = igroup == group->find("all");
-    double mine[2] = {0., 0.};
-    instance_->source->energies(everyone ? ~0 : groupbit, mine[0], mine[1]);
     const Ledger &ledger = instance_->ledger;
-    if (everyone) mine[1] += ledger.taken;
-    else {
-      const double *const taken_of = kept_for_particles(modify, taken());
-      for (int i = 0; i < atom->nlocal; i++)
-        if (atom->mask[i] & groupbit) mine[1] += taken_of[i];
-    }
-    for (const Ledger::WallContact &contact : ledger.at_walls) {
-      if (ledger.step != update->ntimestep || !(everyone || (atom->mask[contact.particle] & groupbit))) continue;
-      mine[0] += contact.stored;
-      mine[1] += contact.pending;
+    double mine[2] = {0., ledger.taken};
+    instance_->source->energies(mine[0], mine[1]);
+    if (ledger.step == update->ntimestep) {
+      mine[0] += ledger.wall_stored;
+      mine[1] += ledger.wall_pending;
     }
     MPI_Allreduce(mine, vector, 2, MPI_DOUBLE, MPI_SUM, world);
   }
   static Compute *create(LAMMPS *lmp, int iarg, int narg, char **arg) {
     return new ComputeEnergy(lmp, iarg, narg, arg);
   }
-  static const char *taken() { return "demlaws_taken"; }
 
 private:
   const std::shared_ptr<Instance> instance_;
 };
 
-// Takes the ledger's sum through restart files, reports the counts of a run, and keeps the histories with their
-// contacts where delete_atoms gives the particles new numbers. The plugin makes it; there is one.
-class FixEnergy : public Fix {
+// Takes the ledger's sum and the fingerprints of the tables through restart files, reports the counts of a run, and
+// looks for what would make contacts wrong silently. The plugin makes it; there is one.
+class FixKept : public Fix {
 public:
-  FixEnergy(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
+  FixKept(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
     restart_global = 1;
     instance_->ledger.taken = 0.;
   }
-  ~FixEnergy() { instance_->ledger.taken = 0.; }
+  ~FixKept() { instance_->ledger.taken = 0.; }
   int setmask() { return FixConst::PRE_FORCE; }
   void init() {
-    keep_for_particles(modify, numbers(), false);
-    follow_new_numbers();
+    refuse_new_numbers();
     keep_neighbour_lists();
     if (instance_->source) look_at_walls();
   }
@@ -114,13 +84,9 @@ public:
     look_across();
     pre_force(vflag);
   }
-  void pre_force(int) {
-    Ledger &ledger = instance_->ledger;
-    ledger.taken_of = kept_for_particles(modify, ComputeEnergy::taken()); // it grows with the number of particles
-    ledger.at_walls.clear();
-  }
+  void pre_force(int) { instance_->ledger.forget_walls(); }
   void post_run() {
-    double *const number = kept_for_particles(modify, numbers());
+    double *const number = numbers();
     for (int i = 0; number && i < atom->nlocal; i++) number[i] = atom->tag[i];
     for (const std::string &line : instance_->counts.summaries(Mpi(lmp)))
       for (FILE *file : {screen, logfile})
@@ -130,16 +96,30 @@ public:
     double sum = 0.;
     MPI_Reduce(&instance_->ledger.taken, &sum, 1, MPI_DOUBLE, MPI_SUM, 0, world);
     if (comm->me != 0) return;
-    const int size = sizeof sum;
+    std::ostringstream text;
+    text.precision(17);
+    text << sum << '\n';
+    for (const auto &owner : instance_->used)
+      for (const auto &print : owner.second)
+        text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
+    const std::string written = text.str();
+    const int size = (int)written.size() + 1;
     fwrite(&size, sizeof size, 1, file);
-    fwrite(&sum, sizeof sum, 1, file);
+    fwrite(written.c_str(), 1, size, file);
   }
   void restart(char *data) {
-    if (comm->me == 0) memcpy(&instance_->ledger.taken, data, sizeof instance_->ledger.taken);
+    std::istringstream text(data);
+    double sum = 0.;
+    text >> sum;
+    if (comm->me == 0) instance_->ledger.taken = sum;
+    Types types;
+    uint32_t fingerprint;
+    std::string owner;
+    while (text >> types.first >> types.second >> fingerprint && std::getline(text >> std::ws, owner))
+      instance_->stored[owner][types] = fingerprint;
   }
-  static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixEnergy(lmp, narg, arg); }
-  static const char *name() { return "demlaws/energy"; }
-  static const char *numbers() { return "demlaws_numbers"; }
+  static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
+  static const char *name() { return "demlaws/kept"; }
 
 private:
   const std::shared_ptr<Instance> instance_;
@@ -179,95 +159,40 @@ private:
     }
   }
 
-  // LIGGGHTS finds a contact's history by the numbers of its particles, and `delete_atoms ... compress yes` deals new
-  // ones without notice. The number that each particle had at the end of the last run tells which is which.
-  void follow_new_numbers() {
-    double *const number = kept_for_particles(modify, numbers());
-    const Mpi ranks(lmp);
-    std::vector<int> mine; // old and new number of each particle
-    int changed = 0;
+  // The number that each particle had at the end of the last run; NULL before the first init.
+  double *numbers() const {
+    Fix *const fix = modify->find_fix_id("demlaws_numbers");
+    return fix ? fix->vector_atom : NULL;
+  }
+  // LIGGGHTS finds a contact's history by the numbers of its particles, and `delete_atoms` deals new ones without
+  // notice.
+  void refuse_new_numbers() {
+    const double *const number = numbers();
+    if (!number) {
+      const char *words[] = {
+          "demlaws_numbers", "all", "property/atom", "demlaws_numbers", "scalar", "no", "no", "no", "0."};
+      modify->add_fix(9, const_cast<char **>(words));
+      return static_cast<FixPropertyAtom *>(modify->find_fix_id(words[0]))->set_internal();
+    }
+    if (!modify->find_fix_style_strict("contacthistory", 0)) return;
     for (int i = 0; i < atom->nlocal; i++)
-      if (number[i] > 0.) {
-        mine.push_back((int)number[i]);
-        mine.push_back(atom->tag[i]);
-        changed |= (int)number[i] != atom->tag[i];
-      }
-    const std::vector<int> any = ranks.gather(changed);
-    if (std::count(any.begin(), any.end(), 0) == ranks.count) return;
-    const std::vector<int> all = ranks.join(mine);
-    std::map<int, int> renamed;
-    for (size_t k = 0; k < all.size(); k += 2) renamed[all[k]] = all[k + 1];
-    FixContactHistory *const history =
-        static_cast<FixContactHistory *>(modify->find_fix_style_strict("contacthistory", 0));
-    if (history) {
-      int **const partner = history->*get(Partners());
-      for (int i = 0; i < atom->nlocal; i++)
-        for (int n = 0; n < history->n_partner(i); n++) {
-          std::map<int, int>::const_iterator it = renamed.find(partner[i][n]);
-          partner[i][n] =
-              it == renamed.end() ? -1 : it->second; // -1: a deleted particle, whose number may be given again
-        }
-    }
-    for (int i = 0; i < atom->nlocal; i++) number[i] = atom->tag[i];
-    if (comm->me == 0)
-      error->warning(FLERR,
-                     "model demlaws/table: particles were given new numbers (delete_atoms compress yes): the contacts' "
-                     "histories follow them");
+      if (number[i] > 0. && (int)number[i] != atom->tag[i])
+        error->one(FLERR, "model demlaws/table: delete_atoms gave particles new numbers, by which LIGGGHTS finds the "
+                          "histories of contacts: write 'delete_atoms ... compress no'");
   }
-};
-
-// Takes the fingerprints of the tables through restart files, of the pair style and of each wall.
-class FixTables : public Fix {
-public:
-  FixTables(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg), instance_(Instance::of(lmp)) {
-    restart_global = 1;
-  }
-  int setmask() { return 0; }
-  void write_restart(FILE *file) {
-    if (comm->me != 0) return;
-    std::ostringstream text;
-    for (const auto &owner : instance_->used)
-      for (const auto &print : owner.second)
-        text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
-    const std::string written = text.str();
-    const int size = (int)written.size() + 1;
-    fwrite(&size, sizeof size, 1, file);
-    fwrite(written.c_str(), 1, size, file);
-  }
-  void restart(char *data) {
-    std::istringstream text(data);
-    std::string line;
-    while (std::getline(text, line)) {
-      std::istringstream words(line);
-      Types types;
-      uint32_t fingerprint;
-      std::string owner;
-      if (words >> types.first >> types.second >> fingerprint && std::getline(words >> std::ws, owner))
-        instance_->stored[owner][types] = fingerprint;
-    }
-  }
-  static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixTables(lmp, narg, arg); }
-  static const char *name() { return "demlaws/tables"; }
-
-private:
-  const std::shared_ptr<Instance> instance_;
 };
 
 // Makes the styles known to this instance of LIGGGHTS.
 inline void register_styles(Modify *modify) {
-  (*(modify->*get(ComputeMap())))[FixEnergy::name()] = &ComputeEnergy::create;
-  (*(modify->*get(FixMap())))[FixEnergy::name()] = &FixEnergy::create;
-  (*(modify->*get(FixMap())))[FixTables::name()] = &FixTables::create;
+  (*(modify->*get(ComputeMap())))["demlaws/energy"] = &ComputeEnergy::create;
+  (*(modify->*get(FixMap())))[FixKept::name()] = &FixKept::create;
 }
 
-// Adds the fixes where they are missing; in the first init, when what a restart file holds for them is still there.
-inline void ensure_fixes(Modify *modify) {
-  static const char *const fixes[][2] = {{"demlaws_energy", FixEnergy::name()}, {"demlaws_tables", FixTables::name()}};
-  for (const auto &fix : fixes)
-    if (!modify->find_fix_style_strict(fix[1], 0)) {
-      const char *words[] = {fix[0], "all", fix[1]};
-      modify->add_fix(3, const_cast<char **>(words));
-    }
+// Adds the fix where it is missing; in the first init, when what a restart file holds for it is still there.
+inline void ensure_fix(Modify *modify) {
+  if (modify->find_fix_style_strict(FixKept::name(), 0)) return;
+  const char *words[] = {"demlaws_kept", "all", FixKept::name()};
+  modify->add_fix(3, const_cast<char **>(words));
 }
 
 } // namespace demlaws

@@ -37,35 +37,25 @@ struct PairSettings {
 // model; so the dissipation of walls is added up while it happens, not when a contact ends.
 struct Ledger {
   double taken = 0.;
-  double *taken_of = NULL; // the same, shared out to the particles of this rank; NULL unless a compute asks for a group
-  int readers = 0;         // computes that will ask for what walls store
-  struct WallContact {
-    int particle;
-    double stored, pending; // pending: taken by plastic flow, but not booked by a step yet
-  };
-  std::vector<WallContact> at_walls; // in the last step
-  bigint step = -1;                  // of these
-  void enter(bigint now, int particle, double stored, double pending) {
-    if (now != step) at_walls.clear();
+  int readers = 0;                            // computes that will ask for what walls store
+  double wall_stored = 0., wall_pending = 0.; // pending: taken by plastic flow, but not booked by a step yet
+  bigint step = -1;                           // of these
+  void forget_walls() { wall_stored = wall_pending = 0.; }
+  void enter(bigint now, double stored, double pending) {
+    if (now != step) forget_walls();
     step = now;
-    at_walls.push_back({particle, stored, pending});
+    wall_stored += stored;
+    wall_pending += pending;
   }
-  void take(double energy, int i, int j, int nlocal) {
-    taken += j < nlocal ? energy : 0.5 * energy; // the other rank has the other half
-    if (!taken_of) return;
-    taken_of[i] += 0.5 * energy;
-    if (j < nlocal) taken_of[j] += 0.5 * energy;
-  }
-  void take_at_wall(double energy, int i) {
-    taken += energy;
-    if (taken_of) taken_of[i] += energy;
-  }
+  // What flow took from a pair contact whose second particle is j.
+  void take(double energy, int j, int nlocal) {
+    taken += j < nlocal ? energy : 0.5 * energy;
+  } // the other rank has the rest
 };
 
 struct EnergySource {
   virtual ~EnergySource() {}
-  // of this rank; each particle of a pair has half
-  virtual void energies(int groupbit, double &stored, double &dissipated) = 0;
+  virtual void energies(double &stored, double &dissipated) = 0; // of this rank
 };
 
 struct Instance {

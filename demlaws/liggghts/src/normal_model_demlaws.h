@@ -144,16 +144,9 @@ public:
 
   // For `area_correction`, which makes the contact area of the unsoftened grains by one power for all overlaps.
   double stressStrainExponent() {
-    for (const auto &one : tables_) {
-      const demlaws::Curve &curve = one.second->loading_curve();
-      double first, slope;
-      curve.evaluate(curve.first(), first, slope);
-      if (fabs(first / curve.first() - 1.) < 1e-6 && fabs(curve.last_s() / curve.last() - 1.) < 1e-6) continue;
-      error->all(FLERR, ("model demlaws/table: area_correction holds for Hertz's law, force as overlap^1.5, which " +
-                         one.first + " is not; leave it out and give grains their own Young's modulus")
-                            .c_str());
-    }
-    return 1.5;
+    error->all(FLERR, "model demlaws/table: area_correction holds for a force that is a power of the overlap; leave it "
+                      "out and give grains their own Young's modulus");
+    return 0.;
   }
 
   inline void surfacesIntersect(SurfacesIntersectData &data, ForceData &on_i, ForceData &on_j) {
@@ -185,7 +178,7 @@ public:
     data.gamman = damping;
     data.gammat = damping * type.tangential_damping;
     if (WALL) {
-      if (data.computeflag) book(data.i, type.pair, radius, data.deltan, state, update ? before : NULL);
+      if (data.computeflag) book(type.pair, radius, data.deltan, state, update ? before : NULL);
       const double share = normal * data.area_ratio;
       for (int k = 0; k < 3; k++) on_i.delta_F[k] += share * data.en[k];
     } else
@@ -203,7 +196,7 @@ public:
     if (!data.is_wall) {
       double stored, dissipated;
       energies(data, 0., stored, dissipated);
-      instance_->ledger.take(dissipated, data.i, data.j, atom->nlocal);
+      instance_->ledger.take(dissipated, data.j, atom->nlocal);
     }
     for (int i = 0; i < state_size_; i++) state[i] = 0.;
   }
@@ -254,7 +247,7 @@ private:
     return state_size_ && data.contact_history ? &data.contact_history[offset_] : NULL;
   }
   // A wall contact after its step: what it holds, and what its plastic flow took since `before`.
-  inline void book(int particle, const demlaws::Pair &pair, double radius, double overlap, const double *state,
+  inline void book(const demlaws::Pair &pair, double radius, double overlap, const double *state,
                    const double *before) {
     demlaws::Ledger &ledger = instance_->ledger;
     const bool flows = before && !std::equal(before, before + state_size_, state);
@@ -263,11 +256,11 @@ private:
     if (state_size_) demlaws::stored_and_dissipated(pair, radius, overlap, state, none, booked);
     if (flows) {
       demlaws::stored_and_dissipated(pair, radius, overlap, before, none, earlier);
-      ledger.take_at_wall(booked - earlier, particle);
+      ledger.taken += booked - earlier;
     }
     if (!ledger.readers) return;
     demlaws::energies_at(pair, radius, overlap, state, state_size_, stored, dissipated);
-    ledger.enter(update->ntimestep, particle, stored, dissipated - booked);
+    ledger.enter(update->ntimestep, stored, dissipated - booked);
   }
 
   // Tables and settings as they hold now: a wall takes those that its line does not give from the pair style, whether

@@ -38,7 +38,7 @@ public:
     model_.postSettings(setup);
   }
   void init_granular() {
-    ensure_fixes(modify);
+    ensure_fix(modify);
     model_.normal.instance().owner = "pair";
     model_.connectToProperties(force->registry);
   }
@@ -124,24 +124,22 @@ public:
     if (parent->storeContactForcesStress()) parent->fix_contact_forces_stress()->do_forward_comm();
   }
 
-  void energies(int groupbit, double &stored, double &dissipated) {
+  void energies(double &stored, double &dissipated) {
     const NeighList *const list = parent_->list;
     if (!list) return;
     const NeighList *const past = parent_->listgranhistory;
     double **const x = atom->x;
-    const int *const mask = atom->mask;
     for (int ii = 0; ii < list->inum; ii++) {
       const int i = list->ilist[ii];
       for (int jj = 0; jj < list->numneigh[i]; jj++) {
         const int j = list->firstneigh[i][jj] & NEIGHMASK;
         // with newton off the other rank, too, has a pair that lies across the border
-        const bool mine = j < atom->nlocal || force->newton_pair;
-        const double share = (mask[i] & groupbit ? 0.5 : 0.) + (mine && (mask[j] & groupbit) ? 0.5 : 0.);
+        const double share = j < atom->nlocal || force->newton_pair ? 1. : 0.5;
         SurfacesCloseData data = bodies(i, j);
         double apart[3];
         vectorSubtract3D(x[i], x[j], apart);
         const double overlap = data.radsum - vectorMag3D(apart);
-        if (share == 0. || !(overlap > 0.)) continue;
+        if (!(overlap > 0.)) continue;
         data.contact_history = past ? &past->firstdouble[i][parent_->dnum() * jj] : NULL;
         double s, d;
         model_.energies(data, overlap, s, d);

@@ -42,8 +42,9 @@ public:
   void connectToProperties(PropertyRegistry &registry) {
     registry.registerProperty("coeffFrict", &MODEL_PARAMS::createCoeffFrict);
     registry.connect("coeffFrict", friction_, "tangential model demlaws");
-    for (int i = 1; i <= atom->ntypes; ++i)
-      for (int j = 1; j <= atom->ntypes; ++j)
+    const int types = registry.max_type(); // the matrix has no row for a type that no particle or wall has
+    for (int i = 1; i <= types; ++i)
+      for (int j = 1; j <= types; ++j)
         if (!(friction_[i][j] >= 0.))
           error->all(FLERR, "tangential model demlaws: coefficientFriction must not be negative");
     if (wall_) neighbor->register_contact_dist_factor(1.01); // else surfacesClose() is never called
@@ -75,10 +76,9 @@ public:
       step = demlaws::SpringRow(numbers, (int)springs_)
                  .step(data.kt / ratio, ratio, limit, normal_->compression(data), data.en, displacement);
     } else step = demlaws::shear_step(data.kt, limit, data.en, displacement, *(demlaws::Stretch *)numbers);
-    if (keep && data.is_wall) instance_->ledger.take_at_wall(step.lost(), data.i);
-    else if (keep) instance_->ledger.take(step.lost(), data.i, data.j, atom->nlocal);
+    if (keep) take(step.lost(), data);
     if (wall_ && data.computeflag && instance_->ledger.readers)
-      instance_->ledger.enter(update->ntimestep, data.i, step.energy, 0.);
+      instance_->ledger.enter(update->ntimestep, step.energy, 0.);
 
     const double damping = step.slides ? 0. : data.gammat, share = data.is_wall ? data.area_ratio : 1.;
     const double relative[3] = {data.vtr1, data.vtr2, data.vtr3};
@@ -97,9 +97,7 @@ public:
   inline void surfacesClose(SurfacesCloseData &data, ForceData &, ForceData &) {
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
     if (!data.contact_history || data.contact_history[offset_] == 0.) return;
-    const double lost = stored(data);
-    if (data.is_wall) instance_->ledger.take_at_wall(lost, data.i);
-    else instance_->ledger.take(lost, data.i, data.j, atom->nlocal);
+    take(stored(data), data);
     std::fill(data.contact_history + offset_, data.contact_history + offset_ + size(), 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
@@ -114,6 +112,10 @@ public:
   }
 
 private:
+  void take(double lost, const SurfacesCloseData &data) {
+    if (data.is_wall) instance_->ledger.taken += lost;
+    else instance_->ledger.take(lost, data.j, atom->nlocal);
+  }
   int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::STRETCH_SIZE; }
 
   const std::shared_ptr<demlaws::Instance> instance_;

@@ -28,7 +28,7 @@ public:
     Walls::Granular<MODEL>::settings(count, arguments, setup);
   }
   void init_granular() {
-    ensure_fixes(lmp_->modify);
+    ensure_fix(lmp_->modify);
     instance_->owner = owner();
     Walls::Granular<MODEL>::init_granular();
     forget_opened();

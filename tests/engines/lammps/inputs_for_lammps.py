@@ -1,16 +1,18 @@
 """Inputs that the tests share."""
 
-import math
+import functools
 
-import numpy as np
-import pytest
+import inputs
+from inputs import moves_of
 
-from demlaws.errors import DemlawsError
-from demlaws.lammps import run
 from demlaws.lammps.run import HEAD
 
-LOAD_UNLOAD = [(-0.2, 0, 1000), (0.2, 0, 600), (-0.2, 0, 800), (0.2, 0, 1800), (-0.2, 0, 800)]
+simulate = functools.partial(inputs.simulate, "lammps")
+refused = functools.partial(inputs.refused, "lammps")
+
 SHEAR = "tangential demlaws 1.0 0.5 damping demlaws/tangent"
+TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
+STOCK = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
 
 SCENE = """\
 boundary        f f f
@@ -42,10 +44,6 @@ thermo          {every}
 """
 
 
-def moves_of(moves):
-    return "".join(f"velocity right set {along} {across} 0\nrun {steps}\n" for along, across, steps in moves)
-
-
 def two_spheres(coefficients, moves, d1=17.4e-3, d2=17.4e-3, every=20, newton="on", more="", columns="", left=0.0, head=HEAD):
     """An input of two spheres of types 1 and 2, 0.1 µm apart; moves: (speed along x, along y, steps) of the second.
 
@@ -63,37 +61,6 @@ def continued(moves, file="now.restart", again="", every=20, more="", columns=""
     lines = f"read_restart    {file}\nneighbor        1e-4 bin\nneigh_modify    delay 0\n{again}\ntimestep        5e-8\n"
     watch = WATCH.format(d1=repr(d1), d2=repr(d2), more=more, columns=columns, every=every)
     return "comm_modify     vel yes\n" + lines + watch + moves_of(moves)
-
-
-def save(law, path, **options):
-    law.tabulate(**options).save(path)
-    return path.name
-
-
-def simulate(folder, text, ranks=1, **options):
-    (folder / "in.case").write_text(text)
-    return run(folder / "in.case", ranks, **options)
-
-
-def refused(folder, text, ranks=1):
-    """Message of LAMMPS's own error."""
-    with pytest.raises(DemlawsError) as caught:
-        simulate(folder, text, ranks)
-    assert "ERROR" in str(caught.value) and "demlaws" in str(caught.value)
-    return str(caught.value)
-
-
-def error_of(log, law):
-    expected = law.follow(log["overlap"]).force
-    return np.abs(log["force"] - expected).max() / expected.max()
-
-
-def modulus(young=60.6e9, poisson=0.25):
-    return young / (2 * (1 - poisson**2))
-
-
-def sphere_mass(diameter):
-    return 2650 * math.pi / 6 * diameter**3
 
 
 GAS = (

@@ -4,7 +4,8 @@ import shutil
 
 import numpy as np
 import pytest
-from inputs_for_lammps import SHEAR, modulus, save, simulate
+from inputs import modulus, save
+from inputs_for_lammps import SHEAR, simulate
 
 import demlaws as dl
 from demlaws.lammps.run import HEAD

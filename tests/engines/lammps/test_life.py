@@ -11,31 +11,19 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs_for_lammps import LOAD_UNLOAD, SHEAR, error_of, modulus, moves_of, save, simulate, two_spheres
+from inputs import ENERGY, LOAD_UNLOAD, energy_error_of, error_of, moves_of, save
+from inputs_for_lammps import STOCK, TABLE, simulate, two_spheres
 
 import demlaws as dl
 import demlaws.lammps as lm
-from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.errors import EngineStopped
 from demlaws.lammps.build import PLUGIN
 from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import HEAD, command, executable
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
-HERTZ = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
 ROOT = Path(dl.__file__).parents[1]
-
-
-@pytest.fixture
-def law(granite_pair):
-    return dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz")
-
-
-@pytest.fixture
-def folder(tmp_path, law):
-    save(law, tmp_path / "law.tbl", rtol=1e-8)
-    return tmp_path
 
 
 # --- build
@@ -89,6 +77,22 @@ def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, fol
 # --- a LAMMPS that does not fit
 
 
+@pytest.fixture
+def doctored(folder, monkeypatch):
+    """A function that compiles the plugin from sources with one expression changed, from then on."""
+
+    def change(file, old, new):
+        sources = folder / "src"
+        shutil.copytree(PLUGIN.sources, sources)
+        text = (sources / file).read_text()
+        assert text.count(old) == 1
+        (sources / file).write_text(text.replace(old, new))
+        monkeypatch.setattr(PLUGIN, "sources", sources)
+        monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
+
+    return change
+
+
 @pytest.mark.slow  # each compiles a plugin
 @pytest.mark.parametrize(
     "file, old, new, why",
@@ -104,19 +108,11 @@ def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, fol
         ("stock.h", "16ComputePairLocal13compute_localEv", "16ComputePairLocal13compute_nobodyEv", "has no function"),
     ],
 )
-def test_a_lammps_that_does_not_fit_is_left_alone(folder, monkeypatch, file, old, new, why):
+def test_a_lammps_that_does_not_fit_is_left_alone(folder, doctored, file, old, new, why):
     """A plugin with another idea of LAMMPS's classes: it says why, stock models run as before, ours are not known."""
-    sources = folder / "src"
-    shutil.copytree(PLUGIN.sources, sources)
-    text = (sources / file).read_text()
-    assert old in text
-    (sources / file).write_text(text.replace(old, new))
-    monkeypatch.setattr(PLUGIN, "sources", sources)
-    monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
-    runs = {}
-    for plugin in (False, True):
-        runs[plugin] = simulate(folder, two_spheres(HERTZ, LOAD_UNLOAD[:2]), plugin=plugin)["force"]
-    assert np.array_equal(runs[False], runs[True])
+    doctored(file, old, new)
+    stock, beside = (simulate(folder, two_spheres(STOCK, LOAD_UNLOAD[:2]), plugin=loaded) for loaded in (False, True))
+    assert np.array_equal(stock["force"], beside["force"])
     (folder / "in.case").write_text(two_spheres(TABLE, LOAD_UNLOAD[:1]))
     line, environment = command("in.case")
     out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
@@ -128,16 +124,10 @@ def test_a_lammps_that_does_not_fit_is_left_alone(folder, monkeypatch, file, old
 
 
 @pytest.mark.slow  # compiles a plugin
-def test_a_contact_type_that_the_plugin_does_not_know_is_refused(folder, granite_pair, monkeypatch):
+def test_a_contact_type_that_the_plugin_does_not_know_is_refused(granite_pair, doctored):
     """LAMMPS's development has a fourth type; here the third, region walls, is made unknown."""
-    shutil.copytree(PLUGIN.sources, folder / "src")
-    text = (folder / "src" / "granular_abi.h").read_text()
-    assert "WALL_REGION = 2 }" in text
-    (folder / "src" / "granular_abi.h").write_text(text.replace("WALL_REGION = 2 }", "WALL_REGION = 1 }"))
+    doctored("granular_abi.h", "WALL_REGION = 2 }", "WALL_REGION = 1 }")
     law = dl.law("hertz", granite_pair)
-    assert follow(law, WALL, wall="region", every=100)[0]["force"].max() > 0
-    monkeypatch.setattr(PLUGIN, "sources", folder / "src")
-    monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
     assert follow(law, WALL, wall="plane", every=100)[0]["force"].max() > 0
     with pytest.raises(EngineStopped, match="contacts of type 2"):
         follow(law, WALL, wall="region", every=100)
@@ -170,18 +160,12 @@ write_dump      all custom end.dump id x y z fx fy fz tqx tqy tqz modify sort id
 
 
 @pytest.mark.slow
-def test_pairs_computed_here_are_those_of_lammps(folder, law, monkeypatch):
+def test_pairs_computed_here_are_those_of_lammps(folder, doctored):
     """Where the plugin's own way through GranularModel differs from LAMMPS's by a sign it is found out and not taken."""
     ends = {}
-    sources = folder / "src"
-    shutil.copytree(PLUGIN.sources, sources)
-    text = (sources / "granular_abi.h").read_text()
-    assert text.count("const double i = m->radi - half") == 1
-    (sources / "granular_abi.h").write_text(text.replace("const double i = m->radi - half", "const double i = m->radi + half"))
     for name in ("here", "there"):
         if name == "there":
-            monkeypatch.setattr(PLUGIN, "sources", sources)
-            monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
+            doctored("granular_abi.h", "const double i = m->radi - half", "const double i = m->radi + half")
         (folder / "in.case").write_text(pile(TABLE))
         line, environment = command("in.case")
         out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
@@ -238,23 +222,16 @@ def test_settings_that_change_nothing(folder, law, what, old, new):
 
 
 def test_hybrid_overlay(folder, law):
-    text = two_spheres(f"pair_coeff * * granular {TABLE}\npair_coeff * * zero\n", LOAD_UNLOAD)
-    text = text.replace("pair_style      granular", "pair_style hybrid/overlay granular zero 0.02")
-    more = "compute e all demlaws/energy\nthermo_style custom step v_overlap v_force c_e[1] c_e[2]"
-    text = text.replace("thermo_style    custom step v_overlap v_force v_side ", more)
-    log = simulate(folder, text)
-    path = law.follow(log["overlap"])
-    assert error_of(log, law) <= 1e-7
-    assert np.abs(log["e[1]"] - path.stored).max() <= 1e-7 * path.work.max()
-    assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+    text = two_spheres(f"pair_coeff * * granular {TABLE}\npair_coeff * * zero\n", LOAD_UNLOAD, **ENERGY)
+    log = simulate(folder, text.replace("pair_style      granular", "pair_style hybrid/overlay granular zero 0.02"))
+    assert energy_error_of(log, law) <= 1e-7
 
 
 def test_clear_and_a_second_table_in_one_input(folder, law):
     other = dl.law("pohrt-popov", law.contact, unloading="thornton")
     save(other, folder / "other.tbl", rtol=1e-8)
-    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
-    text = two_spheres(TABLE, LOAD_UNLOAD, **energy) + "clear\nplugin clear\n"
-    text += two_spheres(TABLE.replace("law.tbl", "other.tbl"), LOAD_UNLOAD, **energy)
+    text = two_spheres(TABLE, LOAD_UNLOAD, **ENERGY) + "clear\nplugin clear\n"
+    text += two_spheres(TABLE.replace("law.tbl", "other.tbl"), LOAD_UNLOAD, **ENERGY)
     if "PLUGIN" not in lm.versions().packages:
         text = text.replace("plugin clear\n", "")
     (folder / "in.case").write_text(text)
@@ -264,21 +241,12 @@ def test_clear_and_a_second_table_in_one_input(folder, law):
     second = (folder / "log.lammps").read_text().split("clear\n", 1)[1]
     (folder / "log.second").write_text(second)
     log = lm.read_log(folder / "log.second")
-    path = other.follow(log["overlap"])
-    assert log["Step"][0] == 0 and np.abs(log["force"] - path.force).max() <= 1e-7 * path.force.max()
-    assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
-
-
-def test_an_energy_whose_helpers_are_deleted_is_refused_or_begins_anew(folder):
-    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
-    with pytest.raises(DemlawsError, match="demlaws_pairs, was deleted"):
-        simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], **energy) + "uncompute demlaws_pairs\nrun 10\n")
+    assert log["Step"][0] == 0 and energy_error_of(log, other) <= 1e-7
 
 
 def test_deleting_a_touching_sphere(folder):
     """The pair's stored energy goes, what plastic flow took from the remaining sphere's half stays; nothing else stirs."""
-    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
-    log = simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], **energy) + "delete_atoms group right\nrun 40\n")
+    log = simulate(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], **ENERGY) + "delete_atoms group right compress no\nrun 40\n")
     kept = log["Step"] > 1000
     assert np.all(log["e[1]"][kept] == 0) and log["e[1]"][~kept].max() > 0
     assert log["e[2]"][kept] == pytest.approx(0.5 * log["e[2]"][~kept][-1], rel=1e-12)
@@ -315,26 +283,24 @@ ROW_PRESSED = ROW + "group lone id 1\ngroup last id 4\n" + ROW_SEEN
 ROW_PRESSED += "velocity last set 0.1 0 0\nrun 100\nvelocity last set -0.1 0 0\nrun 60\nvelocity all set 0 0 0\nrun 1\n"
 
 
-@pytest.mark.parametrize(
-    "ranks, renumber",
-    [(1, "delete_atoms group lone"), (2, "delete_atoms group lone"), (1, "reset_atoms id sort yes")],
-)
-def test_histories_follow_particles_that_get_new_numbers(folder, ranks, renumber):
+@pytest.mark.parametrize("renumber", ["delete_atoms group lone", "reset_atoms id sort yes"])
+def test_new_numbers_are_refused(folder, renumber):
     """Stock LAMMPS looks histories up by the old numbers, and finds none, or another contact's."""
-    log = simulate(folder, ROW_PRESSED + f"{renumber}\nrun 1\n", ranks)
-    assert log["Atoms"][-1] == 4 - renumber.startswith("delete")
+    with pytest.raises(EngineStopped):
+        simulate(folder, ROW_PRESSED + f"{renumber}\nrun 1\n")
+    simulate(folder, ROW_PRESSED.replace("run 100", f"{renumber}\nrun 100", 1))  # there are no contacts yet
+
+
+@pytest.mark.parametrize("ranks", [1, 2])
+def test_particles_are_deleted_beside_contacts(folder, ranks):
+    log = simulate(folder, ROW_PRESSED + "delete_atoms group lone compress no\nrun 1\nwrite_restart now.restart\n", ranks)
+    assert log["Atoms"][-1] == 3
     assert log["now[2]"][-2] > 1e-5 + 2e-5 and log["now[3]"][-2] > 0
     for name in ("now[1]", "now[2]", "now[3]"):
         assert log[name][-1] == pytest.approx(log[name][-2], rel=1e-14)
-
-
-def test_histories_follow_particles_that_get_new_numbers_after_read_restart(folder):
-    """Twice, before the restart file's histories were given out."""
-    log = simulate(folder, ROW_PRESSED + "write_restart now.restart\n")
     again = "comm_modify vel yes\nread_restart now.restart\nneighbor 1e-3 bin\ntimestep 1e-7\n" + ROW_SEEN
-    after = simulate(folder, again + "delete_atoms group lone\nreset_atoms id sort yes\ndelete_atoms group lone\nrun 1\n")
-    for name in ("now[1]", "now[2]", "now[3]"):
-        assert after[name] == pytest.approx(log[name][-1], rel=1e-14)
+    with pytest.raises(EngineStopped):  # before the restart file's histories are given out
+        simulate(folder, again + "reset_atoms id sort yes\nrun 1\n")
 
 
 @pytest.mark.parametrize("ranks, newton", [(1, "on"), (2, "off")])
@@ -360,16 +326,14 @@ def test_energies_of_virgin_contacts_before_the_first_step(folder, law, ranks, n
 
 
 def test_balancing_moves_contacts_from_rank_to_rank(folder, law):
-    text = two_spheres(TABLE, [], more="compute e all demlaws/energy", columns="c_e[1] c_e[2]")
+    text = two_spheres(TABLE, [], **ENERGY)
     text += (
         moves_of(LOAD_UNLOAD[:2])
         + "displace_atoms all move -0.01 0 0\nbalance 1.0 shift x 10 1.01\n"
         + moves_of(LOAD_UNLOAD[2:])
     )
     log = simulate(folder, text, 2)
-    path = law.follow(log["overlap"])
-    assert error_of(log, law) <= 1e-7
-    assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+    assert energy_error_of(log, law) <= 1e-7
 
 
 TWO_INSTANCES = """
@@ -396,16 +360,12 @@ def test_two_instances_in_one_process_keep_their_own(folder, law):
     python = library[4] / "bin" / "python"
     other = dl.law("pohrt-popov", law.contact.with_values(roughness=1e-6), unloading="hertz")
     save(other, folder / "other.tbl", rtol=1e-8)
-    energy = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
     for k, words in enumerate((TABLE, TABLE.replace("law.tbl", "other.tbl"))):
-        (folder / f"in.{k}").write_text(two_spheres(words, [], **energy))
+        (folder / f"in.{k}").write_text(two_spheres(words, [], **ENERGY))
     _, environment = command("in.0")
     out = subprocess.run([str(python), "-c", TWO_INSTANCES], env=environment, cwd=folder, capture_output=True, text=True)
     assert out.returncode == 0, out.stderr
     for k, one in enumerate((law, other)):
         log = lm.read_log(folder / f"log.{k}")
-        path = one.follow(log["overlap"])
         assert log["overlap"].max() > 2e-6 and log["Step"][-1] == 900
-        assert np.abs(log["force"] - path.force).max() <= 1e-7 * path.force.max()
-        assert np.abs(log["e[1]"] - path.stored).max() <= 1e-7 * path.work.max()
-        assert np.abs(log["e[2]"] - path.dissipated).max() <= 1e-7 * path.work.max()
+        assert energy_error_of(log, one) <= 1e-7

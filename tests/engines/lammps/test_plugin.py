@@ -1,21 +1,11 @@
 """The plugin inside LAMMPS: every law, walls, ranks, types, damping, energies, restart, and everything it must refuse."""
 
-import math
+import re
 
 import numpy as np
 import pytest
-from inputs_for_lammps import (
-    HEAD,
-    LOAD_UNLOAD,
-    SHEAR,
-    continued,
-    error_of,
-    modulus,
-    refused,
-    save,
-    simulate,
-    two_spheres,
-)
+from inputs import LOAD_UNLOAD, error_of, modulus, said_in, save
+from inputs_for_lammps import HEAD, SHEAR, TABLE, continued, refused, simulate, two_spheres
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
@@ -25,8 +15,6 @@ from demlaws.make import example
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 RULES = ("elastic", "hertz", "thornton", "table")
-ENERGY = "compute e all demlaws/energy"
-TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
 
 
 def same(log, path, limit):
@@ -100,22 +88,6 @@ run 0
     assert seen == pytest.approx(1.0 / (1.0 / radius + curved * side / (2.0 * cylinder)), rel=1e-5)
 
 
-def test_unequal_spheres_roughness_of_types_and_mixing(tmp_path):
-    """One table; the pair of unlike types comes from mixing: σ² is the mean of the squares of the like pairs'."""
-    material = dl.Material(young=60.6e9, poisson=0.25)
-    any_contact = dl.Contact(radius=4e-3, modulus=32e9, roughness=1e-6, fractal_dimension=2.22)
-    save(dl.law("pohrt-popov", any_contact, unloading="hertz"), tmp_path / "law.tbl", rtol=1e-8)
-    lines = "".join(
-        f"pair_coeff {i} {i} demlaws/table law.tbl 60.6e9 1.0 0.25 roughness {math.sqrt(2) * sq!r} {SHEAR}\n"
-        for i, sq in ((1, 1e-6), (2, 2e-6))
-    )
-    log = simulate(tmp_path, two_spheres(lines, LOAD_UNLOAD, 10e-3, 17e-3))
-    pair = dl.Contact.between(
-        material, material, radius1=5e-3, radius2=8.5e-3, roughness1=1e-6, roughness2=2e-6, fractal_dimension=2.22
-    )
-    assert error_of(log, dl.law("pohrt-popov", pair, unloading="hertz")) <= 3e-8
-
-
 def shear_modulus(young1, poisson1, young2, poisson2):
     """G* of two bodies as Mindlin has it: 1/G* = (2 - ν1)/G1 + (2 - ν2)/G2."""
     shear1, shear2 = young1 / (2 * (1 + poisson1)), young2 / (2 * (1 + poisson2))
@@ -152,36 +124,29 @@ def test_the_tangent_stiffness_of_a_contact_is_shown(tmp_path, granite_pair):
     assert np.abs(log["k[2]"] - path.force).max() <= 1e-7 * path.force.max()
 
 
+@pytest.mark.parametrize("wall", ["plane", "region"])
+def test_large_overlaps_at_walls(tmp_path, wall):
+    """LAMMPS takes the distance of a centre behind a wall as one before it, so that R is the most a wall can see."""
+    law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=modulus(60.6e5)))
+    soft = WALL.replace("right set -0.2 0 0\nrun             1200", "right set -20 0 0\nrun 1000")
+    log, _ = follow(law, soft, folder=tmp_path, radius=4e-3, wall=wall, every=1)
+    said = said_in("lammps", tmp_path)
+    assert re.search(r"particle 2 and the wall: overlap 0\.00040\d* m is 0\.1 of the effective radius R = 0\.004 m", said)
+    runs = [int(found) for found in re.findall(r"in this run (\d+) contact steps were deeper", said)]
+    assert sum(runs) == pytest.approx(np.sum(log["overlap"] > 0.4e-3), abs=3)
+    assert said.count("reported once") == 1
+
+
+def test_extrapolation_through_restarts_and_mixing(tmp_path, granite_pair):
+    dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus())).tabulate(max_force=10.0).save(tmp_path / "law.tbl")
+    on = TABLE.replace("0.25", "0.25 extrapolation on", 1)
+    simulate(tmp_path, two_spheres(on, [(-0.2, 0, 1000)]) + "write_restart now.restart\n")
+    simulate(tmp_path, continued([(-0.2, 0, 100)]))
+    lines = f"pair_coeff 1 1 {on}\npair_coeff 2 2 {TABLE}\n"  # mixed: only where both have it
+    assert "beyond the last row" in refused(tmp_path, two_spheres(lines, [(-0.2, 0, 1000)]))
+
+
 # --- what must stop, with LAMMPS's own error
-
-
-@pytest.fixture
-def folder(tmp_path, granite_pair):
-    save(dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz"), tmp_path / "law.tbl")
-    return tmp_path
-
-
-@pytest.mark.parametrize(
-    "words, named",
-    [
-        (TABLE.replace("law.tbl", "nowhere.tbl"), r"nowhere.tbl"),
-        ("demlaws/table law.tbl 60.6e9", "FILE E eta nu"),
-        (TABLE.replace("60.6e9", "sixty"), "E is 'sixty'"),
-        (TABLE.replace("60.6e9", "-60.6e9"), "Young's modulus must be positive"),
-        (TABLE.replace("0.25", "0.75", 1), "Poisson's ratio"),
-        (TABLE.replace("1.0 0.25", "1.0 0.25 roughness 0"), "roughness must be positive"),
-        (TABLE.replace("1.0 0.25", "1.0 0.25 against 1e9"), "against is"),
-        (TABLE.replace("1.0 0.25", "1.5 0.25"), "coefficient of restitution"),
-        ("hertz/material 60.6e9 0.5 0.25 " + SHEAR, "demlaws/table only"),
-    ],
-)
-def test_wrong_words_are_named(folder, words, named):
-    assert named in refused(folder, two_spheres(words, LOAD_UNLOAD[:1]))
-
-
-def test_units_other_than_metres(folder):
-    text = two_spheres(TABLE, LOAD_UNLOAD[:1]).replace("units           si", "units           lj")
-    assert "metres" in refused(folder, text)
 
 
 def test_types_of_unlike_tables_are_not_mixed(folder, granite_pair):
@@ -199,8 +164,3 @@ def test_a_restart_with_another_table_of_the_same_name(folder, granite_pair):
     simulate(folder, continued(LOAD_UNLOAD[1:2]))
     save(dl.law("hertz", granite_pair), folder / "law.tbl")
     assert "not the table that the restart file was written with" in refused(folder, continued(LOAD_UNLOAD[1:2]))
-
-
-@pytest.mark.parametrize("words", ["all demlaws/energy more", "right demlaws/energy"])
-def test_the_energy_takes_no_words_and_no_group(folder, words):
-    assert "compute demlaws/energy" in refused(folder, two_spheres(TABLE, LOAD_UNLOAD[:1], more=f"compute e {words}"))

@@ -2,22 +2,12 @@
 
 import numpy as np
 import pytest
-from inputs_for_lammps import HEAD, LOAD_UNLOAD, SHEAR, continued, modulus, moves_of, save, simulate, two_spheres
+from inputs import LOAD_UNLOAD, moves_of
+from inputs_for_lammps import HEAD, STOCK, TABLE, continued, simulate, two_spheres
 
-import demlaws as dl
 from demlaws.errors import DemlawsError
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
-STOCK = "hertz/material 60.6e9 1.0 0.25 tangential mindlin NULL 1.0 0.5 damping viscoelastic"
-OURS = "demlaws/table law.tbl 60.6e9 1.0 0.25"
-TABLE = f"demlaws/table law.tbl 60.6e9 1.0 0.25 {SHEAR}"
-
-
-@pytest.fixture
-def folder(tmp_path, granite_pair):
-    save(dl.law("pohrt-popov", granite_pair.with_values(modulus=modulus()), unloading="hertz"), tmp_path / "law.tbl")
-    return tmp_path
 
 
 @pytest.mark.slow
@@ -61,6 +51,8 @@ thermo          100
 velocity        right set 0 0 -0.01
 run             1000
 """
+STOCK_ROLL = {"normal": "hertz/material 60.6e9 1.0 0.25", "damping": "viscoelastic"}
+OUR_ROLL = {"normal": "demlaws/table law.tbl 60.6e9 1.0 0.25", "damping": "demlaws/tangent"}
 ROLL = "{normal} tangential linear_nohistory 0.0 0.0 rolling sds 1e5 0.0 10.0 damping {damping}"
 
 
@@ -75,50 +67,35 @@ def straight(torque):
     return np.abs(torque / torque[-1] - np.linspace(0, 1, torque.size)).max()
 
 
-def test_rolling_history_where_a_pair_changes_its_order(folder):
-    """Stock turns the sign of the rolling displacement then: the torque of a steady roll drops to zero and grows again."""
-    same = {"first": "pair_coeff 1 1 " + ROLL}
-    for normal, damping, bent in (
-        ("hertz/material 60.6e9 1.0 0.25", "viscoelastic", True),
-        (OURS, "demlaws/tangent", False),
-    ):
-        first = same["first"].format(normal=normal, damping=damping) + "\n"
-        torque = rolled(folder, normal, damping, first)["torque"]
-        assert straight(torque) > 0.1 if bent else straight(torque) < 1e-6
-
-
-def test_twisting_history_where_a_pair_changes_its_order(folder):
-    """The same of a steady twist about the line of centres: relative spin times normal keeps its sign, so its history must."""
-    torques = {}
-    for normal, damping in (("hertz/material 60.6e9 1.0 0.25", "viscoelastic"), (OURS, "demlaws/tangent")):
-        words = ROLL.format(normal=normal, damping=damping).replace("rolling", "twisting")
-        text = HEAD + ROLLING.format(lines=f"pair_coeff * * {words}\n")
-        text = text.replace("omega 0 0.1 0", "omega 0.1 0 0").replace("right property/atom tqy", "right property/atom tqx")
-        torques[normal] = simulate(folder, text)["torque"]
-    assert straight(torques[OURS]) < 1e-6 and np.abs(torques[OURS]).max() > 0
-    stock = torques["hertz/material 60.6e9 1.0 0.25"]
+@pytest.mark.parametrize("motion", ["rolling", "twisting"])
+def test_rolling_and_twisting_where_a_pair_changes_its_order(folder, motion):
+    """Stock turns the sign of the displacement then: the torque of a steady roll or twist drops to zero and grows again."""
+    torques = []
+    for model in STOCK_ROLL, OUR_ROLL:
+        text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**model).replace('rolling', motion)}\n")
+        if motion == "twisting":
+            text = text.replace("omega 0 0.1 0", "omega 0.1 0 0").replace("property/atom tqy", "property/atom tqx")
+        torques.append(simulate(folder, text)["torque"])
+    stock, ours = torques
     assert straight(stock) > 0.1
+    assert straight(ours) < 1e-6 and np.abs(ours).max() > 0
 
 
 def test_type_pairs_of_unlike_history(folder):
     """A line for pairs that do not even occur moves the history of the others to the wrong place; with ours it is refused."""
-    stock = {"normal": "hertz/material 60.6e9 1.0 0.25", "damping": "viscoelastic"}
     rescale = "tangential mindlin_rescale NULL 1.0 0.5"
     other = f"pair_coeff 1 1 {STOCK.replace('tangential mindlin NULL 1.0 0.5', rescale)}\n"
-    alone, beside = (
-        rolled(folder, **stock, first=first)["torque"] for first in (f"pair_coeff 1 1 {ROLL.format(**stock)}\n", other)
-    )
+    same = f"pair_coeff 1 1 {ROLL.format(**STOCK_ROLL)}\n"
+    alone, beside = (rolled(folder, **STOCK_ROLL, first=first)["torque"] for first in (same, other))
     assert np.abs(beside - alone).max() > 0.1 * np.abs(alone).max()
-    ours = {"normal": OURS, "damping": "demlaws/tangent"}
     for first in (other, f"pair_coeff 1 1 {TABLE}\n"):
         with pytest.raises(DemlawsError, match=r"different numbers of history values.*give every pair"):
-            rolled(folder, **ours, first=first)
+            rolled(folder, **OUR_ROLL, first=first)
 
 
 def test_the_state_is_the_same_seen_from_either_sphere(folder):
     """LAMMPS turns the sign of history values when a pair changes its order, unless a model says otherwise; ours does."""
-    ours = {"normal": OURS, "damping": "demlaws/tangent"}
-    text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**ours)}\n")
+    text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**OUR_ROLL)}\n")
     more = "compute c all pair/local p13 p14 force cutoff radius\ncompute k all reduce sum c_c[1] c_c[2] c_c[3] inputs local\n"
     text = text.replace("thermo_style    custom step c_torque", more + "thermo_style custom step c_k[1] c_k[2] c_k[3]")
     text = text.replace("velocity        right set 0 0 -0.01", "velocity right set 0.002 0 -0.01")  # unloading

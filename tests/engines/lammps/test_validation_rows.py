@@ -31,15 +31,6 @@ def test_lammps_own_tests_keep_their_results_with_a_table(test):
     assert lammps_tests.difference(test, lammps_tests.final_state(test), np.array(test["kept"])) < lammps_tests.TOLERANCE
 
 
-def test_a_damped_contact_depends_on_where_a_run_ends():
-    """Of stock LAMMPS, too: the results that its tests keep are those of several runs."""
-    (test,) = [test for test in lammps_tests.TESTS if test["name"] == "dem01-hertz-twosphere"]
-    once = lammps_tests.final_state(test | {"runs": [sum(test["runs"])]}, stock=True)
-    assert 1e-8 < lammps_tests.difference(test, once, np.array(test["kept"])) < 1e-6
-    parts = lammps_tests.final_state(test, stock=True)
-    assert lammps_tests.difference(test, parts, np.array(test["kept"])) < 1e-15
-
-
 @pytest.mark.slow
 def test_every_row_that_lammps_computes_holds(monkeypatch):
     monkeypatch.setattr(engines, "ENGINES", {"LAMMPS": engines.ENGINES["LAMMPS"]})

@@ -1,11 +1,14 @@
 """Inputs that the tests share."""
 
-import math
+import functools
 
-import pytest
+import inputs
+from inputs import moves_of
 
-from demlaws.errors import DemlawsError
-from demlaws.liggghts.run import HEAD, run
+from demlaws.liggghts.run import HEAD
+
+simulate = functools.partial(inputs.simulate, "liggghts")
+refused = functools.partial(inputs.refused, "liggghts")
 
 PROPERTIES = (
     HEAD
@@ -15,10 +18,7 @@ region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
 create_box      2 box
 neighbor        1e-4 bin
 neigh_modify    delay 0 page 400000
-fix             m1 all property/global youngsModulus peratomtype {young} {young}
-fix             m2 all property/global poissonsRatio peratomtype 0.25 0.25
-fix             m3 all property/global coefficientRestitution peratomtypepair 2 {e} {e} {e} {e}
-fix             m4 all property/global coefficientFriction peratomtypepair 2 0.5 0.5 0.5 0.5
+{properties}
 fix             m5 all property/global coefficientRollingFriction peratomtypepair 2 0.1 0.1 0.1 0.1
 fix             m6 all property/global coefficientRollingViscousDamping peratomtypepair 2 0.1 0.1 0.1 0.1
 fix             m7 all property/global surfaceRoughness peratomtype 1e-6 2e-6
@@ -45,6 +45,15 @@ thermo          {every}
 )
 
 
+def properties(types=1, young=60.6e9, restitution=1.0, friction=0.5, poisson=0.25):
+    """Lines of the material properties, the same for all types."""
+    names = "youngsModulus", "poissonsRatio", "coefficientRestitution", "coefficientFriction"
+    values = [f"peratomtype{f' {value!r}' * types}" for value in (young, poisson)]
+    values += [f"peratomtypepair {types}{f' {value!r}' * types**2}" for value in (restitution, friction)]
+    lines = zip(names, values, strict=True)
+    return "\n".join(f"fix m{n} all property/global {name} {value}" for n, (name, value) in enumerate(lines, 1))
+
+
 def two_spheres(
     pair_style,
     moves,
@@ -60,14 +69,11 @@ def two_spheres(
     columns="",
 ):
     """An input of two spheres of types 1 and 2, 0.1 µm apart; moves: (speed along x, along y, steps) of the second."""
-    values = {"pair_style": pair_style, "e": restitution, "every": every, "young": young, "more": more, "columns": columns}
+    values = {"pair_style": pair_style, "properties": properties(2, young, restitution), "every": every}
+    values |= {"more": more, "columns": columns}
     values |= {"d1": repr(d1), "d2": repr(d2), "left": repr(left), "x": repr(left + 0.5 * (d1 + d2) + 1e-7), "step": step}
     processors = f"processors      {ranks} 1 1" if ranks else ""
     return PROPERTIES.format(**values, processors=processors) + moves_of(moves)
-
-
-def moves_of(moves):
-    return "".join(f"velocity right set {along} {across} 0\nrun {steps}\n" for along, across, steps in moves)
 
 
 def again(text, restart="now.restart", change=()):
@@ -80,27 +86,6 @@ def again(text, restart="now.restart", change=()):
         assert old in out
         out = out.replace(old, new)
     return out
-
-
-def simulate(folder, text, ranks=1, **options):
-    (folder / "in.case").write_text(text)
-    return run(folder / "in.case", ranks, **options)
-
-
-def refused(folder, text, ranks=1, **options):
-    """Message of LIGGGHTS's own error."""
-    with pytest.raises(DemlawsError) as caught:
-        simulate(folder, text, ranks, **options)
-    assert "ERROR" in str(caught.value)
-    return str(caught.value)
-
-
-def modulus(young=60.6e9, poisson=0.25):
-    return young / (2 * (1 - poisson**2))
-
-
-def sphere_mass(diameter):
-    return 2650 * math.pi / 6 * diameter**3
 
 
 GAS = (
@@ -117,10 +102,7 @@ set group all diameter 0.0174 density 2650
 GAS_COMMON = """\
 neighbor 0.002 bin
 neigh_modify delay 0 page 200000
-fix m1 all property/global youngsModulus peratomtype 60.6e9
-fix m2 all property/global poissonsRatio peratomtype {poisson}
-fix m3 all property/global coefficientRestitution peratomtypepair 1 1.0
-fix m4 all property/global coefficientFriction peratomtypepair 1 {friction}
+{properties}
 pair_style gran model demlaws/table tangential demlaws table law.tbl shear {shear}
 pair_coeff * *
 timestep 2e-7

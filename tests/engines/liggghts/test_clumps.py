@@ -4,7 +4,8 @@ import shutil
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus, simulate
+from inputs import modulus
+from inputs_for_liggghts import properties, simulate
 
 import demlaws as dl
 from demlaws.liggghts.run import HEAD
@@ -18,10 +19,7 @@ create_box      1 box
 COMMON = """\
 neighbor        1e-3 bin
 neigh_modify    delay 0
-fix             m1 all property/global youngsModulus peratomtype 60.6e9
-fix             m2 all property/global poissonsRatio peratomtype 0.25
-fix             m3 all property/global coefficientRestitution peratomtypepair 1 1.0
-fix             m4 all property/global coefficientFriction peratomtypepair 1 0.5
+{properties}
 pair_style      gran model demlaws/table tangential history table law.tbl
 pair_coeff      * *
 timestep        2e-7
@@ -53,10 +51,10 @@ def test_the_history_of_clumps_survives_ranks_migration_and_restart(tmp_path, gr
         law.tabulate(rtol=1e-8).save(tmp_path / f"{rule}.tbl")
     shutil.copy(tmp_path / "hertz.tbl", tmp_path / "law.tbl")
     (tmp_path / "stone.txt").write_text("-0.003 0 0 0.0087\n0.003 0 0 0.0087\n")
-    start = HEAD + "processors 1 1 1\n" + BOX + COMMON.format(insert=INSERT)
+    start = HEAD + "processors 1 1 1\n" + BOX + COMMON.format(insert=INSERT, properties=properties())
     whole = simulate(tmp_path, start + "run 6000\nwrite_restart now.restart\nrun 18000\n", 1)
     left, whole = whole["left"], whole["height"]
-    again = "read_restart now.restart\n" + COMMON.format(insert="") + "run 18000\n"
+    again = "read_restart now.restart\n" + COMMON.format(insert="", properties=properties()) + "run 18000\n"
     paths = [simulate(tmp_path, HEAD + f"processors {ranks} 1 1\n" + again, ranks)["height"] for ranks in (1, 2)]
     later = whole[-len(paths[0]) :]
     moved = np.ptp(later)

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus, two_spheres
+from inputs import modulus
+from inputs_for_liggghts import two_spheres
 
 import demlaws as dl
 from demlaws.liggghts import run

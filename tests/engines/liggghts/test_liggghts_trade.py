@@ -5,7 +5,7 @@ import pytest
 from natives import edinburgh_input, in_liggghts, until_free
 
 import demlaws as dl
-from demlaws.liggghts import run, stock_fit
+from demlaws.liggghts import run
 from studies.trade import peers
 from studies.trade.liggghts_oedometer import edinburgh_lines
 
@@ -15,10 +15,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 def test_edinburgh_is_what_its_formula_says(tmp_path, granite_pair):
     """The force that `peers` puts on the picture against stock LIGGGHTS, loading, unloading and reloading."""
     law = dl.law("pohrt-popov", granite_pair, "hertz")
-    fit = stock_fit(law, 10.0, "edinburgh")
-    loading, unloading, exponent = (
-        f"{fit.parameters[name]:.15g}" for name in ("LoadingStiffness", "UnloadingStiffness", "overlapExponent")
-    )
+    fit = peers.edinburgh_fit(law, 10.0)
+    loading, unloading, exponent = (f"{value:.15g}" for value in (fit.stiffness, fit.ratio, fit.exponent))
     (tmp_path / "in.edinburgh").write_text(edinburgh_input(edinburgh_lines(f"1 {loading}", f"1 {unloading}", exponent)))
     young = 2.0 * granite_pair.modulus * (1.0 - 0.25**2)
     variables = {"young": repr(young), "radius": repr(2.0 * granite_pair.radius)}
@@ -30,7 +28,7 @@ def test_edinburgh_is_what_its_formula_says(tmp_path, granite_pair):
     expected = peers.edinburgh_force(fit, path[None])[0, 1:]
     assert np.max(np.abs(force[top:bottom] - expected)) < 1e-6 * force[top]
     loading = overlap[1:top]
-    expected = fit.parameters["LoadingStiffness"] * np.maximum(loading, 0.0) ** fit.parameters["overlapExponent"]
+    expected = fit.stiffness * np.maximum(loading, 0.0) ** fit.exponent
     assert np.max(np.abs(force[1:top] - expected)) < 1e-6 * force[top]
 
 

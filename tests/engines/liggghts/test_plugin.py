@@ -1,14 +1,13 @@
-"""The plugin inside LIGGGHTS: every law, sub-models, damping, energies, several tables, and everything it must refuse."""
+"""The plugin inside LIGGGHTS: sub-models, columns, several tables, warnings."""
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import modulus, refused, simulate, two_spheres
+from inputs import error_of, modulus, save
+from inputs_for_liggghts import refused, simulate, two_spheres
 
 import demlaws as dl
-from demlaws.errors import DemlawsError
 from demlaws.make import example
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -17,33 +16,11 @@ LOAD_UNLOAD = [(-0.2, 0, 5000), (0.2, 0, 3000), (-0.2, 0, 4000), (0.2, 0, 9000),
 GRAN = "pair_style gran model demlaws/table tangential history "
 
 
-def save(law, path, **options):
-    law.tabulate(**options).save(path)
-    return path.name
-
-
-def error_of(log, law):
-    expected = law.follow(log["overlap"]).force
-    return np.abs(log["force"] - expected).max() / expected.max()
-
-
-def test_unequal_spheres_and_sigma_by_type(tmp_path):
-    """One table, σ from property/global surfaceRoughness."""
-    material = dl.Material(young=60.6e9, poisson=0.25)
-    any_contact = dl.Contact(radius=4e-3, modulus=32e9, roughness=1e-6, fractal_dimension=2.22)
-    table = save(dl.law("pohrt-popov", any_contact, unloading="hertz"), tmp_path / "any.tbl", rtol=1e-8)
-    log = simulate(tmp_path, two_spheres(GRAN + f"table {table} surfaceRoughness on", LOAD_UNLOAD, 10e-3, 17e-3))
-    pair = dl.Contact.between(
-        material, material, radius1=5e-3, radius2=8.5e-3, roughness1=1e-6, roughness2=2e-6, fractal_dimension=2.22
-    )
-    assert error_of(log, dl.law("pohrt-popov", pair, unloading="hertz")) <= 3e-8
-
-
 def test_tables_of_pairs(tmp_path, granite_pair):
     law = dl.law("pohrt-popov", granite_pair, unloading="hertz")
     save(dl.law("hertz", granite_pair), tmp_path / "hertz.tbl")
     save(law, tmp_path / "rough.tbl", rtol=1e-8)
-    log = simulate(tmp_path, two_spheres(GRAN + "table hertz.tbl pairtable 2 1 rough.tbl", LOAD_UNLOAD))
+    log = simulate(tmp_path, two_spheres(GRAN + "table hertz.tbl pairtable 2 1 rough.tbl pairtable 1 2 rough.tbl", LOAD_UNLOAD))
     contact = granite_pair.with_values(modulus=modulus())
     assert error_of(log, dl.law("pohrt-popov", contact, unloading="hertz")) <= 3e-8
 
@@ -120,63 +97,46 @@ def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
     assert np.abs(log["lost"] - path.dissipated).max() <= 1e-7 * path.work.max()
 
 
-# --- what must stop, with LIGGGHTS's own error
+# --- warnings
 
 
-@pytest.mark.parametrize(
-    "settings, named",
-    [
-        ("", "table FILE"),
-        ("pairtable 1 1 law.tbl", "types 1 and 2"),
-        ("table law.tbl pairtable 1 3 law.tbl", "type 3"),
-    ],
-)
-def test_type_pairs_without_a_table_are_named(tmp_path, granite_pair, settings, named):
-    save(dl.law("hertz", granite_pair), tmp_path / "law.tbl")
-    assert named in refused(tmp_path, two_spheres(GRAN + settings, LOAD_UNLOAD))
+CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
+PRESS = [(-0.2, 0, 3000), (0.2, 0, 1500)]
 
 
-@pytest.mark.parametrize(
-    "models",
-    [
-        "cohesion washino/capillary/viscous",
-        "cohesion easo/capillary/viscous",
-        "rolling_friction epsd3",
-        "rolling_friction luding",
-        "surface superquadric",
-        "surface multicontact",
-        "",
-    ],
-)
-def test_unsupported_models_are_refused(tmp_path, granite_pair, models):
-    save(dl.law("hertz", granite_pair), tmp_path / "law.tbl")
-    models = f"tangential history {models}" if models else "tangential tan_luding"
-    text = two_spheres(f"pair_style gran model demlaws/table {models} table law.tbl", LOAD_UNLOAD)
-    assert "works with tangential off, no_history, history, demlaws" in refused(tmp_path, text)
+def test_roughness_above_a_tenth_of_the_radius(tmp_path):
+    """Reported once, with the value, and counted."""
+    save(dl.law("pohrt-popov", CONTACT), tmp_path / "law.tbl")
+    text = two_spheres(GRAN + "table law.tbl surfaceRoughness on", PRESS, every=1)
+    simulate(tmp_path, text.replace("1e-6 2e-6", "6e-4 2e-6"))
+    said = (tmp_path / "log.liggghts").read_text()
+    assert said.count("WARNING: model demlaws/table") == said.count("0.138 of the radius 0.00435 m, above 0.1") == 1
+    assert "contact steps were rougher than a tenth of R" in said
 
 
-def test_unknown_setting_is_named(tmp_path, granite_pair):
-    save(dl.law("hertz", granite_pair), tmp_path / "law.tbl")
-    with pytest.raises(DemlawsError, match="bogus"):
-        simulate(tmp_path, two_spheres(GRAN + "table law.tbl bogus on", LOAD_UNLOAD))
+def test_modulus_far_from_that_of_the_table(tmp_path):
+    """LIGGGHTS itself refuses moduli below 5e6 Pa."""
+    save(dl.law("hertz", CONTACT), tmp_path / "law.tbl")
+    simulate(tmp_path, two_spheres(GRAN + "table law.tbl", PRESS, young=60.6e11))
+    assert "100 times the effective modulus of law.tbl" in (tmp_path / "log.liggghts").read_text()
 
 
-def test_restart_without_the_pair_style_line(tmp_path, granite_pair):
-    save(dl.law("pohrt-popov", granite_pair, unloading="hertz"), tmp_path / "law.tbl")
-    simulate(tmp_path, two_spheres(GRAN + "table law.tbl", LOAD_UNLOAD[:1]) + "write_restart now.restart\n")
-    text = two_spheres("", LOAD_UNLOAD[1:2])
-    head, tail = text.split("region ", 1)
-    tail = tail.split("create_box", 1)[1].split("\n", 1)[1]
-    keep = [line for line in tail.splitlines() if not line.startswith(("create_atoms", "set "))]
-    with pytest.raises(DemlawsError, match="can not restart"):
-        simulate(tmp_path, head + "read_restart now.restart\n" + "\n".join(keep) + "\n")
+HEAT = """\
+fix heat all heat/gran initial_temperature 300. area_correction yes
+fix t1 all property/global thermalConductivity peratomtype 5. 5.
+fix t2 all property/global thermalCapacity peratomtype 10. 10.
+fix t3 all property/global youngsModulusOriginal peratomtype 60.6e9 60.6e9
+"""
 
 
-def test_plain_preload_works(tmp_path, granite_pair):
-    """What run.sh does: the unmodified binary with LD_PRELOAD."""
-    from demlaws.liggghts import build
+def test_area_correction_is_refused(tmp_path):
+    save(dl.law("hertz", CONTACT), tmp_path / "law.tbl")
+    refused(tmp_path, two_spheres(GRAN + "table law.tbl", PRESS, more=HEAT))
 
-    save(dl.law("pohrt-popov", granite_pair), tmp_path / "law.tbl")
-    (tmp_path / "in.case").write_text(two_spheres(GRAN + "table law.tbl", LOAD_UNLOAD[:1]))
-    command = ["env", f"LD_PRELOAD={build()}", "liggghts", "-in", "in.case"]
-    assert subprocess.run(command, cwd=tmp_path, capture_output=True).returncode == 0
+
+def test_a_type_that_no_particle_has(tmp_path):
+    """The matrix of friction ends at the largest type of particles and walls; it was read up to that of the box."""
+    save(dl.law("hertz", CONTACT), tmp_path / "law.tbl")
+    text = two_spheres("pair_style gran model demlaws/table tangential demlaws table law.tbl", PRESS)
+    log = simulate(tmp_path, text.replace("create_atoms    2 single", "create_atoms    1 single"))
+    assert log["Step"][-1] == 4500

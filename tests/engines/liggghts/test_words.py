@@ -1,16 +1,13 @@
 """Words and settings of demlaws/table: units, what walls take over, what contradicts itself, instances, ranks, restarts."""
 
 import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
-from inputs_for_liggghts import again, modulus, refused, simulate
+from inputs import modulus
+from inputs_for_liggghts import again, properties, refused, simulate
 
 import demlaws as dl
-from demlaws.liggghts import build
-from demlaws.liggghts.build import linked_library, mpi_libraries
 from demlaws.liggghts.run import HEAD
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -24,10 +21,7 @@ FALL = """\
 create_box 2 box
 neighbor {skin!r} bin
 neigh_modify delay 0
-fix m1 all property/global youngsModulus peratomtype {young!r} {young!r}
-fix m2 all property/global poissonsRatio peratomtype 0.25 0.25
-fix m3 all property/global coefficientRestitution peratomtypepair 2 0.8 0.8 0.8 0.8
-fix m4 all property/global coefficientFriction peratomtypepair 2 0.1 0.1 0.1 0.1
+{properties}
 fix m9 all property/global surfaceRoughness peratomtype {rough1!r} {rough2!r}
 {before}
 pair_style gran model demlaws/table tangential history {words}
@@ -56,7 +50,8 @@ def falling(words, units="si", before="", after=WALL):
     box = " ".join(f"{L * v:.10g}" for v in (-0.03, 0.03, -0.03, 0.03, -0.03, 0.04))
     return FALL.format(
         head=HEAD.replace("units           si", f"units {units}"),
-        box=box, skin=1e-4 * L, young=60.6e9 * M / (L * T * T), rough1=1e-6 * L, rough2=2e-6 * L, step=1e-8 * T,
+        box=box, skin=1e-4 * L, properties=properties(2, 60.6e9 * M / (L * T * T), 0.8, 0.1),
+        rough1=1e-6 * L, rough2=2e-6 * L, step=1e-8 * T,
         low=0.004 * L, high=0.0119999 * L, diameter=0.008 * L, density=2650.0 * M / L**3, speed=-0.1 * L / T,
         words=words, before=before, after=after,
     )  # fmt: skip
@@ -84,49 +79,34 @@ def test_other_units_give_the_same(granite, units, words):
         assert np.abs(other[name] / scale - si[name]).max() <= 1e-8 * np.abs(si[name]).max(), name
 
 
-def test_a_table_for_one_contact_knows_its_radius_in_other_units(granite):
-    contact = dl.Contact(radius=2e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
-    law = dl.law("rough-plastic", contact, unloading="hertz", yield_pressure=1.66e9)
-    law.tabulate().save(granite / "plastic.tbl")
-    words = "table plastic.tbl"
-    si, cgs = (simulate(granite, falling(words, units, after="")) for units in ("si", "cgs"))
-    assert np.abs(cgs["top[1]"] / 1e5 - si["top[1]"]).max() <= 1e-8 * si["top[1]"].max() > 0
-    message = refused(granite, falling(words, "cgs"))
-    assert "contact radius 0.004 m" in message and "holds for 0.002 m" in message
-
-
-@pytest.mark.parametrize("units", ["lj", "electron"])
-def test_units_without_a_metre_are_refused(granite, units):
-    text = falling("table granite.tbl").replace("units si", f"units {units}", 1)
-    assert f"units {units}" in refused(granite, text)
-
-
 # --- what a wall takes over
 
 
 def test_a_wall_takes_over_the_settings_of_the_pair_style(granite):
-    """surfaceRoughness, radius_tolerance: as if the wall's own line had them; the line's own word goes first."""
-    words = "table granite.tbl surfaceRoughness on"
-    taken, said = (simulate(granite, falling(words, after=WALL + own)) for own in ("", "surfaceRoughness on"))
-    off = simulate(granite, falling(words, after=WALL + "surfaceRoughness off"))
-    assert np.array_equal(taken["KinEng"], said["KinEng"])
-    assert np.abs(taken["KinEng"] - off["KinEng"]).max() > 1e-3 * taken["KinEng"].max()
+    """As if the wall's own line had them, be it below the pair style or above; the line's own word goes first."""
+    words, own = "table granite.tbl surfaceRoughness on", WALL + "table granite.tbl"
+    walls = {"after": WALL}, {"after": WALL + "surfaceRoughness on"}, {"before": WALL, "after": ""}
+    taken, said, above = (simulate(granite, falling(words, **wall))["KinEng"] for wall in walls)
+    assert np.array_equal(taken, said) and np.array_equal(taken, above)
+    off = simulate(granite, falling(words, after=WALL + "surfaceRoughness off"))["KinEng"]
+    assert np.abs(taken - off).max() > 1e-3 * taken.max()
+    walls = {"after": own}, {"before": own, "after": ""}
+    below, above = (simulate(granite, falling("table hertz.tbl", **wall))["KinEng"] for wall in walls)
+    assert np.array_equal(below, above)
+
+
+def test_a_table_for_one_contact_at_a_wall(granite):
+    """Its radius in other units; radius_tolerance of the pair style counts for a wall without one of its own."""
     contact = dl.Contact(radius=2e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
-    dl.law("rough-plastic", contact, yield_pressure=1.66e9).tabulate().save(granite / "plastic.tbl")
-    assert "radius_tolerance 0.01" in refused(granite, falling("table plastic.tbl"))
-    simulate(granite, falling("table plastic.tbl radius_tolerance 1.5"))
+    dl.law("rough-plastic", contact, "hertz", yield_pressure=1.66e9).tabulate().save(granite / "plastic.tbl")
+    words = "table plastic.tbl"
+    si, cgs = (simulate(granite, falling(words, units, after=""))["top[1]"] for units in ("si", "cgs"))
+    assert np.abs(cgs / 1e5 - si).max() <= 1e-8 * si.max() > 0
+    message = refused(granite, falling(words, "cgs"))
+    assert "contact radius 0.004 m" in message and "holds for 0.002 m" in message and "radius_tolerance 0.01" in message
+    simulate(granite, falling(words + " radius_tolerance 1.5"))
     own = WALL + "radius_tolerance 0.1"
-    assert "radius_tolerance 0.1)" in refused(granite, falling("table plastic.tbl radius_tolerance 1.5", after=own))
-
-
-def test_a_wall_may_stand_above_the_pair_style(granite):
-    words = "table granite.tbl surfaceRoughness on"
-    above = simulate(granite, falling(words, before=WALL, after=""))
-    assert np.array_equal(above["KinEng"], simulate(granite, falling(words))["KinEng"])
-    own = simulate(granite, falling("table hertz.tbl", before=WALL + "table granite.tbl", after=""))
-    assert np.array_equal(
-        own["KinEng"], simulate(granite, falling("table hertz.tbl", after=WALL + "table granite.tbl"))["KinEng"]
-    )
+    assert "radius_tolerance 0.1)" in refused(granite, falling(words + " radius_tolerance 1.5", after=own))
 
 
 def test_a_wall_has_the_table_that_the_pair_style_has_read(granite):
@@ -169,74 +149,11 @@ def test_a_sphere_that_is_put_elsewhere_and_back_meets_the_wall_as_a_virgin(gran
     assert log["e[2]"][-1] == pytest.approx(2 * log["e[2]"][-3], rel=1e-6)
 
 
-# --- contradictions and order
-
-
-@pytest.mark.parametrize(
-    "words, named",
-    [
-        ("table granite.tbl table hertz.tbl", "two tables, granite.tbl and hertz.tbl"),
-        ("table granite.tbl pairtable 1 2 granite.tbl pairtable 2 1 hertz.tbl", "types 1 and 2 two tables"),
-        ("table granite.tbl pairtable 1 1 granite.tbl pairtable 1 1 hertz.tbl", "types 1 and 1 two tables"),
-    ],
-)
-def test_contradictions_are_refused(granite, words, named):
-    assert named in refused(granite, falling(words))
-    assert named in refused(granite, falling("table granite.tbl", after=WALL + words))
-
-
-def test_a_pair_named_twice_alike_is_no_contradiction(granite):
-    simulate(granite, falling("table hertz.tbl pairtable 1 2 granite.tbl pairtable 2 1 granite.tbl"))
-
-
-@pytest.mark.parametrize(
-    "text",
-    [
-        falling("table granite.tbl", after=WALL.replace("primitive", "table granite.tbl primitive")),
-        falling("table granite.tbl").replace("tangential history table granite.tbl", "table granite.tbl tangential history"),
-    ],
-)
-def test_words_in_the_wrong_order_are_told_where_they_belong(granite, text):
-    assert "come last" in refused(granite, text)
-
-
-# --- instances
-
-
 def test_nothing_is_left_after_clear(granite):
     """A wall without a table does not find the one of the pair style before `clear`."""
     first = falling("table granite.tbl")
     second = first.replace("demlaws/table tangential history table granite.tbl", "hertz tangential history")
     assert "has no table" in refused(granite, first + "clear\n" + second)
-
-
-TWO_INSTANCES = """\
-import ctypes, sys
-*_, library, plugin = [ctypes.CDLL(path, mode=ctypes.RTLD_GLOBAL) for path in sys.argv[1].split(":")]
-words = (ctypes.c_char_p * 5)(b"liggghts", b"-log", b"none", b"-screen", b"none")
-for number, name in enumerate(sys.argv[2:]):
-    instance = ctypes.c_void_p()
-    library.lammps_open_no_mpi(5, words, ctypes.byref(instance))
-    print("instance", instance.value, flush=True)
-    library.lammps_file(instance, name.encode())
-    print("ran", name, flush=True)
-    library.lammps_close(instance)
-"""
-
-
-def test_a_second_instance_at_the_same_address_finds_nothing(granite):
-    first = falling("table granite.tbl")
-    (granite / "in.first").write_text(first)
-    (granite / "in.second").write_text(
-        first.replace("demlaws/table tangential history table granite.tbl", "hertz tangential history")
-    )
-    libraries = [*mpi_libraries(linked_library()), linked_library(), str(build())]
-    done = subprocess.run(
-        [sys.executable, "-c", TWO_INSTANCES, ":".join(libraries), "in.first", "in.first", "in.second"],
-        cwd=granite, capture_output=True, text=True, timeout=600,
-    )  # fmt: skip
-    assert done.stdout.count("ran in.first") == 2, done.stderr
-    assert "ran in.second" not in done.stdout
 
 
 # --- restart files

@@ -1,7 +1,7 @@
 """The Conical Damage Model: YADE's own (Law2_ScGeom_MindlinPhysCDM_HertzMindlinCDM) against law conical-damage in one scene."""
 
 import numpy as np
-from yade_scenes import POISSON, YOUNG, engine_list, fixed_pair, functor, interaction_loop
+from yade_scenes import POISSON, YOUNG, engine_list, fixed_pair, functor, interaction_loop, yade
 
 import demlaws as dl
 
@@ -13,8 +13,6 @@ PATH = np.concatenate(
 
 def test_yades_own_and_ours_on_the_same_path(omega):
     """Loading beyond first yield, unloading, reloading beyond, unloading past the plastic overlap: to 1e-12 of the largest."""
-    import yade
-
     law = functor("conical-damage", None, bridge="native", strength=STRENGTH, angle=ANGLE)
     plain = yade.FrictMat(young=YOUNG, poisson=POISSON, density=2650, frictionAngle=0.5, label="granite")
     crushed = yade.FrictMatCDM(

@@ -2,7 +2,7 @@
 
 import pytest
 
-from studies.extremes import report
+from studies.extremes import extremes, report
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
@@ -10,7 +10,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 def test_numbers_that_are_none_stop_and_name_the_body(omega):
     from studies.extremes.yade_extremes import Yade
 
-    found = dict(Yade().stops())
+    found = dict(extremes.stops(Yade()))
     assert len(found) == 8 and report.stop_failures("YADE", found.items()) == []
     for what, message in found.items():
         assert "body 2 is at" in message or ("alone" not in what and "contact " in message)

@@ -3,7 +3,7 @@
 import warnings
 
 import pytest
-from yade_scenes import functor, material, set_engines
+from yade_scenes import functor, material, set_engines, sphere, yade
 
 import demlaws as dl
 
@@ -12,9 +12,6 @@ RADIUS = 0.01  # of two spheres: R = 5 mm
 
 
 def pressed(law, overlap, young=60.6e9, speed=0.0):
-    import yade
-    from yade.utils import sphere
-
     omega = yade.O
     omega.reset()
     below, above = material(), material(young=young)

@@ -4,7 +4,18 @@ import warnings
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, SURFACES, fixed_pair, force, functor, interaction_loop, material, set_engines, two_spheres
+from yade_scenes import (
+    GRANITE,
+    SURFACES,
+    fixed_pair,
+    force,
+    functor,
+    interaction_loop,
+    material,
+    set_engines,
+    two_spheres,
+    yade,
+)
 
 import demlaws as dl
 
@@ -44,12 +55,13 @@ def test_roughness_beside_the_radius(omega):
     two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}, bridge="native"), speed=-0.3)
     with pytest.raises(RuntimeError, match=r"0\.679 of the radius 0\.005 m"):
         omega.run(200, True)
+    omega.reset()  # rocks
+    two_spheres(functor(surfaces={"granite": dl.Surface(5e-3, 2.22)}, bridge="native"), speed=-10.0, radius=1.0)
+    assert not [text for text in issued(lambda: omega.run(200, True)) if "of the radius" in text] and force() > 0
 
 
 def test_numbers_in_other_units_are_named(omega):
     """Radii in mm, a friction angle in degrees (tan 30 rad is -6.4), a sphere without a radius."""
-    import yade
-
     law, stone = functor(), material(friction=30.0)  # a law that is made beside the bodies warns at once
     omega.bodies.append([yade.utils.sphere((0, 0, z), 10.0, fixed=True, material=stone) for z in (0, 19.999)])
     set_engines(law, 1e-9)
@@ -67,7 +79,6 @@ def test_numbers_in_other_units_are_named(omega):
 
 def test_engines_within_an_integrator_are_refused(omega):
     """They compute contacts at trial positions; without a guard a contact has no force rather than native Mindlin's."""
-    import yade
 
     def engines_of(law):
         collider = yade.GeneralIntegratorInsertionSortCollider([yade.Bo1_Sphere_Aabb()])
@@ -89,8 +100,6 @@ def test_engines_within_an_integrator_are_refused(omega):
 
 @pytest.mark.parametrize("way", ["native", "public"])
 def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
-    import yade
-
     law = functor(bridge=way)
     two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin())
     omega.engines[2].lawDispatcher.functors = [law]
@@ -133,8 +142,6 @@ def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
 
 def test_physics_of_another_class_stops_the_run(omega):
     """Those of the Conical Damage Model without its law: the message names shapes, geometry and physics."""
-    import yade
-
     strength = {"sigmaMax": 1e9, "alpha": 0.1}
     stone = yade.FrictMatCDM(young=60.6e9, poisson=0.25, frictionAngle=0.5, density=2650, label="granite", **strength)
     omega.materials.append(stone)

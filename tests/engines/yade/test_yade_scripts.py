@@ -54,10 +54,3 @@ def test_a_script_with_one_law_loads_no_code_of_other_features():
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
     others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "solvers/ellipsoid", "criterion", "curves/tabulate"}
     assert not loaded & (others | {"batch", "files", "path", "results", "shear"})
-
-
-def test_missing_script():
-    command = [sys.executable, "-m", "demlaws", "yade", "run", "nowhere.py"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=SCRIPTS.parent)
-    assert done.returncode == 2
-    assert done.stderr.splitlines()[-1] == "demlaws: error: no script nowhere.py"

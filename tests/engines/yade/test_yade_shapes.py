@@ -4,27 +4,31 @@ The bodies are those of YADE's examples (grids, pfacet, chained-cylinders), the 
 """
 
 import functools
+import itertools
 
 import numpy as np
 import pytest
-from yade_scenes import engine_list, functor, interaction_loop, material
+from yade_scenes import engine_list, functor, interaction_loop, material, sphere, yade
+
+from demlaws import yade as dy
 
 RADIUS = 0.01
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
 
 
-def _grid(corners):
+def _grid(corners, closed=False):
+    """A chain of connections between corners; closed: a triangle with a PFacet."""
+
     def build(yade):
         from yade.gridpfacet import gridConnection, gridNode, pfacet
 
         node = yade.CohFrictMat(young=1e9, poisson=0.3, density=1e3, frictionAngle=0.5, label="node")
         yade.O.materials.append(node)
-        for place in corners:
-            yade.O.bodies.append(gridNode(list(place), 0.005, fixed=True, material=node))
-        for first, second in ((0, 1), (1, 2), (2, 0))[: 1 if len(corners) == 2 else 3]:
+        numbers = [yade.O.bodies.append(gridNode(list(place), 0.005, fixed=True, material=node)) for place in corners]
+        for first, second in itertools.pairwise([*numbers, numbers[0]] if closed else numbers):
             yade.O.bodies.append(gridConnection(first, second, 0.005, material="granite"))
-        if len(corners) == 3:
-            yade.O.bodies.append(pfacet(0, 1, 2, material="granite"))
+        if closed:
+            yade.O.bodies.append(pfacet(*numbers, material="granite"))
 
     return build
 
@@ -32,25 +36,24 @@ def _grid(corners):
 def _cylinder(yade):
     from yade.gridpfacet import chainedCylinder
 
-    for begin, end in (((-0.05, 0, 0), (0.05, 0, 0)), ((0.05, 0, 0), (0.1, 0, 0))):
+    yade.ChainedState.currentChain += 1  # chains outlive their scene
+    for begin, end in itertools.pairwise([(-0.05, 0, 0), (0.05, 0, 0), (0.1, 0, 0), (0.1, 0, 0)]):  # the last one is a node
         chainedCylinder(yade.Vector3(begin), yade.Vector3(end), 0.005, fixed=True, material="granite")
 
 
 def _sphere(yade):
-    from yade.utils import sphere
-
     yade.O.bodies.append(sphere((0.003, 0, -0.005), RADIUS, fixed=True, material="granite"))
 
 
 NODES = ("Ig2_GridNode_GridNode_GridNodeGeom6D",)
 SHAPES = {
     "ScGridCoGeom": (
-        _grid([(-0.05, 0, 0), (0.05, 0, 0)]),
+        _grid([(-0.05, 0, 0), (0.05, 0, 0), (0.1, 0, 0)]),
         ["Bo1_GridConnection_Aabb"],
         ["Ig2_Sphere_GridConnection_ScGridCoGeom", *NODES],
     ),
     "ScGridCoGeom of a PFacet": (
-        _grid([(-0.05, -0.03, 0), (0.05, -0.03, 0), (0, 0.05, 0)]),
+        _grid([(-0.05, -0.03, 0), (0.05, -0.03, 0), (0, 0.05, 0)], closed=True),
         ["Bo1_PFacet_Aabb", "Bo1_GridConnection_Aabb"],
         ["Ig2_Sphere_PFacet_ScGridCoGeom", *NODES],
     ),
@@ -60,11 +63,8 @@ SHAPES = {
 }
 
 
-def _impact(name, law):
-    """Forces and torques on a sphere and its places at every step, and the classes of its contacts."""
-    import yade
-    from yade.utils import sphere
-
+def _scene(name, law, body):
+    """A scene with the shapes of that name and a body that is made when the materials are there; YADE's O, its number."""
     omega = yade.O
     omega.reset()
     material()
@@ -79,7 +79,13 @@ def _impact(name, law):
     bounds, geometries, physics = ([getattr(yade, kind)() for kind in kinds] for kinds in (bounds, geometries, physics))
     omega.engines = engine_list(interaction_loop(*laws, geometries=geometries, physics=physics), bounds=bounds)
     build(yade)
-    ball = omega.bodies.append(sphere((0.003, 0.0005, 0.015 + 1e-6), RADIUS, material="granite"))
+    omega.dt = 1e-6
+    return omega, omega.bodies.append(body())
+
+
+def _impact(name, law):
+    """Forces and torques on a sphere and its places at every step, and the classes of its contacts."""
+    omega, ball = _scene(name, law, lambda: sphere((0.003, 0.0005, 0.015 + 1e-6), RADIUS, material="granite"))
     omega.bodies[ball].state.vel, omega.bodies[ball].state.angVel = (0.05, 0.02, -0.3), (3, -5, 2)
     omega.dt = 1e-7
     rows, classes = [], set()
@@ -94,8 +100,6 @@ def _impact(name, law):
 
 @pytest.mark.parametrize("name", SHAPES)
 def test_hertz_is_native_mindlin(omega, name):
-    import yade
-
     if not hasattr(yade, "MindlinCapillaryPhys") and name.endswith("CapillaryPhys"):
         pytest.skip("this YADE is built without capillarity")
     native, classes = _impact(name, yade.Law2_ScGeom_MindlinPhys_Mindlin())
@@ -106,6 +110,28 @@ def test_hertz_is_native_mindlin(omega, name):
     for columns in (slice(0, 3), slice(3, 6), slice(6, 9)):
         scale = np.abs(native[:, columns]).max()
         assert mine[:, columns] == pytest.approx(native[:, columns], rel=0, abs=1e-11 * scale)
+
+
+def _over_a_joint(name, law):
+    """Forces and torques on a sphere that is led over a joint, away from the chain and onto it again, and back."""
+    omega, ball = _scene(name, law, lambda: sphere((0.045, 0, 0.015 - 1e-6), RADIUS, fixed=True, material="granite"))
+    rows = []
+    for steps, velocity in ((500, (20, 0, 0)), (50, (0, 0, 0.04)), (50, (0, 0, -0.04)), (500, (-20, 0, 0)), (50, (0, 0, 0.04))):
+        omega.bodies[ball].state.vel = velocity
+        for _ in range(steps):
+            omega.step()
+            rows.append((*omega.forces.f(ball), *omega.forces.t(ball)))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("name", ["ScGridCoGeom", "CylScGeom", "CylScGeom6D"])
+def test_a_joint_doubles_the_force_as_natively(omega, name):
+    native = _over_a_joint(name, yade.Law2_ScGeom_MindlinPhys_Mindlin())
+    with pytest.warns(dy.ShapeWarning):
+        mine = _over_a_joint(name, functor("hertz", "elastic", {}, bridge="native", shear="native"))
+    assert native[450, 2] == pytest.approx(2.0 * native[50, 2])
+    for columns in (slice(0, 3), slice(3, 6)):
+        assert mine[:, columns] == pytest.approx(native[:, columns], rel=0, abs=1e-12 * np.abs(native[:, columns]).max())
 
 
 @pytest.mark.parametrize("name", ["ScGridCoGeom", "CylScGeom6D"])

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
-from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines
+from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines, sphere, yade
 
 import demlaws as dl
 from demlaws.core.slip import SAMPLES, slip_loop
@@ -23,9 +23,6 @@ CONTACT = dl.Contact(RADIUS / 2, MODULUS, PAIR.roughness, PAIR.fractal_dimension
 
 def taken_along(law, overlaps, displacements, friction=14.0):
     """Two spheres led along a path: K_t, elastic shear force and normal force of their contact at each point."""
-    import yade
-    from yade.utils import sphere
-
     omega = yade.O
     omega.reset()
     stone = material(friction=math.atan(friction))
@@ -57,19 +54,6 @@ def test_tangential_stiffness_through_a_reversal(omega):
         assert stiffness == pytest.approx(expected, rel=1e-11)
         jumps = np.abs(stiffness[[2, 4]] / stiffness[[1, 5]] - 1.0)
         assert np.all(jumps < 1e-9)
-
-
-def test_the_choices_agree_with_mindlin_for_hertz(omega):
-    import yade
-
-    """Where the overlap does not fall: there YADE keeps the force, too."""
-    forces, displacements = PATHS["wild"]
-    path = overlaps_at(dl.law("hertz", CONTACT), np.sort(forces))
-    native = taken_along(yade.Law2_ScGeom_MindlinPhys_Mindlin(), path, displacements)
-    for choice in CHOICES:
-        mine = taken_along(functor("hertz", "hertz", {}, bridge="native", shear=choice), path, displacements)
-        for one, other in zip(mine, native, strict=True):
-            assert one == pytest.approx(other, rel=1e-11, abs=1e-11 * np.abs(other).max())
 
 
 @pytest.mark.parametrize("way", ["native", "public"])

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from yade_scenes import engine_list, interaction_loop
+from yade_scenes import engine_list, interaction_loop, yade
 
 import demlaws as dl
 from demlaws.advice.scene import Scene, stable_step
@@ -20,8 +20,6 @@ BASES = {"sc": [(0, 0, 0)], "fcc": [(0, 0, 0), (0.5, 0.5, 0), (0.5, 0, 0.5), (0,
 
 def lattice(kind):
     """A periodic lattice of equal spheres with YADE's own Mindlin law and FORCE in each contact, moving a little."""
-    import yade
-
     yade.O.reset()
     edge = (2.0 * RADIUS - HERTZ.overlap(FORCE)) * (math.sqrt(2.0) if kind == "fcc" else 1.0)
     yade.O.materials.append(
@@ -50,8 +48,6 @@ def limits():
 
 def growth(omega, dt, steps):
     """Largest kinetic energy in a run of `steps` over that at its start."""
-    import yade
-
     start, largest = yade.utils.kineticEnergy(), 0.0
     omega.dt = dt
     for _ in range(steps // 20):
@@ -64,13 +60,11 @@ def growth(omega, dt, steps):
 
 @pytest.mark.parametrize("kind", ["sc", "fcc"])
 def test_energy_is_bounded_at_the_advised_step(omega, kind):
-    """The former advice for this scene was 2 to 3 times the limit; 0.7 of it exploded to 10⁸ J."""
     scene = Scene(radii=(0.01, 0.03), materials=GRANITE, force=(1.0, FORCE), coordination=6.0)
     advised = stable_step(scene, lambda contact: dl.law("hertz", contact))
     exact = limits_of(lattice(kind))
     assert 0.4 * exact < advised < 0.9 * exact
     assert growth(lattice(kind), advised, 5_000) < 2.0
-    assert growth(lattice(kind), 0.7 * former_step(), 400) > 1e3
     assert growth(lattice(kind), 1.05 * exact, 2_000) > 1e3
 
 
@@ -82,12 +76,6 @@ def limits_of(omega):
     number = 2.0 * len([i for i in omega.interactions if i.isReal]) / len(omega.bodies)
     assert found.exact == pytest.approx(2.0 / math.sqrt(10.0 / 3.0 * number * 1.5 / 1.75 * stiffness / mass), rel=1e-3)
     return found.exact
-
-
-def former_step():
-    """The former `stable_step` at coordination 6: 1.6 √(m/K)/√3."""
-    mass = 4.0 / 3.0 * math.pi * RADIUS**3 * GRANITE.density
-    return 1.6 / math.sqrt(3.0) * math.sqrt(mass / HERTZ.stiffness(HERTZ.overlap(FORCE)))
 
 
 def test_command_reads_a_saved_scene(omega, tmp_path, capfd):

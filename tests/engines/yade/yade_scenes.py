@@ -1,5 +1,6 @@
 """Small scenes, scripts in processes of their own, and the comparison of YADE's forces with those of the law."""
 
+import importlib
 import math
 import subprocess
 from collections import defaultdict
@@ -9,8 +10,19 @@ import numpy as np
 import pytest
 
 import demlaws as dl
+from demlaws import yade as dy
 from demlaws.make import example
+from demlaws.yade.run import run
 
+
+class _Yade:
+    """The module yade, imported when a test first needs it: tests are collected where it is absent, too."""
+
+    def __getattr__(self, name):
+        return getattr(importlib.import_module("yade"), name)
+
+
+yade = _Yade()
 YOUNG, POISSON = 60.6e9, 0.25
 GRANITE = dl.Surface(roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
 SURFACES = {"granite": GRANITE}
@@ -23,74 +35,67 @@ FLATS = {
 }
 
 
-def functor(law="pohrt-popov", unloading="hertz", surfaces=SURFACES, **options):
-    from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
+def sphere(*arguments, **options):
+    return yade.utils.sphere(*arguments, **options)
 
-    return Law2_ScGeom_MindlinPhys_Demlaws(law, unloading, surfaces, **options)
+
+def functor(law="pohrt-popov", unloading="hertz", surfaces=SURFACES, **options):
+    return dy.Law2_ScGeom_MindlinPhys_Demlaws(law, unloading, surfaces, **options)
 
 
 def material(label="granite", young=YOUNG, poisson=POISSON, friction=0.5):
-    import yade
-
     made = yade.FrictMat(young=young, poisson=poisson, frictionAngle=friction, density=2650, label=label)
     yade.O.materials.append(made)
     return made
 
 
 def set_engines(law, timestep=1e-7, **options):
-    import yade
-
-    from demlaws.yade import engines
-
-    yade.O.engines = engines(law, **options)
+    yade.O.engines = dy.engines(law, **options)
     yade.O.dt = timestep
 
 
 def interaction_loop(*laws, geometries=None, physics=None):
-    import yade
-
     geometries = geometries or [yade.Ig2_Sphere_Sphere_ScGeom()]
     return yade.InteractionLoop(geometries, physics or [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], list(laws))
 
 
 def engine_list(*loops, bounds=(), damping=0.0):
     """What a user writes who does not take our `engines`."""
-    import yade
-
     collider = yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb(), *bounds], verletDist=1e-3)
     return [yade.ForceResetter(), collider, *loops, yade.NewtonIntegrator(damping=damping)]
 
 
 def fixed_pair(stone, overlap=OVERLAP, radius=0.01, x=0.0):
     """Two fixed spheres that overlap."""
-    import yade
-
     return [yade.utils.sphere((x, 0, z), radius, fixed=True, material=stone) for z in (0, 2 * radius - overlap)]
 
 
-def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01, sideways=0.0):
-    """A sphere that moves towards a fixed one."""
-    import yade
-    from yade.utils import sphere
-
+def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01, sideways=0.0, steps=0):
+    """A sphere that moves towards a fixed one, after so many steps; the law."""
     stone = material()
     yade.O.bodies.append(sphere((0, 0, 0), radius, fixed=True, material=stone))
     yade.O.bodies.append(sphere((0, 0, 2 * radius + gap), radius, material=stone))
     yade.O.bodies[1].state.vel = (sideways, 0, speed)
     set_engines(law)
+    if steps:
+        yade.O.run(steps, True)
+    return law
 
 
 def still(law, label="granite", **stone):
     """Two fixed spheres that overlap by OVERLAP."""
-    import yade
-
     yade.O.bodies.append(fixed_pair(material(label, **stone)))
     set_engines(law, 1e-9)
 
 
-def force():
-    import yade
+def acting(law, label="granite", **stone):
+    """The law, in the scene of `still` after three steps."""
+    still(law, label, **stone)
+    yade.O.run(3, True)
+    return law
 
+
+def force():
     return yade.O.interactions[0, 1].phys.normalForce.norm()
 
 
@@ -102,8 +107,6 @@ def expected(roughness=GRANITE.roughness, radius=0.005):
 
 def assert_guarded():
     """A position that is not finite stops the run with a message about its contact."""
-    import yade
-
     yade.O.bodies[1].state.pos = (0, 0, float("nan"))
     with pytest.raises(RuntimeError, match=r"contact 0\+1"):
         yade.O.run(20, True)
@@ -111,8 +114,6 @@ def assert_guarded():
 
 def under_yade(text, tmp_path, threads=1, stay=False):
     """Run a script in a YADE process of its own."""
-    from demlaws.yade.run import run
-
     script = tmp_path / "script.py"
     script.write_text(f"import sys\nsys.path.insert(0, {str(Path(__file__).parent)!r})\n{text}")
     options = {"capture_output": True, "text": True, "timeout": 600, "cwd": tmp_path, "stdin": subprocess.DEVNULL}
@@ -121,7 +122,6 @@ def under_yade(text, tmp_path, threads=1, stay=False):
 
 def cloud(law, number=150, seed=3, rate=-20.0, damping=0.1, physics=None, friction=0.5):
     """A periodic cloud of spheres that is being compressed isotropically [rate in 1/s]."""
-    import yade
     from yade import pack
 
     made = material(friction=friction)
@@ -141,8 +141,6 @@ class Recorder:
         self.lives = defaultdict(list)
 
     def step(self, count=1):
-        import yade
-
         omega = yade.O
         for _ in range(count):
             omega.step()

@@ -1,10 +1,13 @@
-"""Laws whose curve a solver gives: which curve a contact has, and what lies between two solved curves."""
+"""Laws whose curve a solver gives: the curve of a contact, what lies between two solved curves, and the solver itself."""
+
+import math
 
 import numpy as np
 import pytest
 from examples import GRANITE, quiet
 
 import demlaws as dl
+from demlaws.solvers.axisymmetric import solve
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 RADII = GRANITE.radius * np.array([0.5, 0.8, 1.0, 1.7])
@@ -70,6 +73,52 @@ def test_small_beads_are_never_stiffer_than_hertz(name):
     assert quiet(law.force, 1e-300) < 1e-30
 
 
-def test_a_smooth_contact_is_hertz():
-    smooth = GRANITE.with_values(roughness=1e-10 * GRANITE.radius)
-    assert dl.law("yip-venart", smooth).force(1e-5) == dl.law("hertz", smooth).force(1e-5)
+def solved(contact, force):
+    number = contact.hardness / contact.modulus * np.sqrt(8 * contact.radius / contact.roughness)
+    unit = contact.modulus * np.sqrt(contact.radius) * contact.roughness**1.5
+    points = solve("yip-venart", number, np.atleast_1d(force) / unit)
+    return points.approach * contact.roughness, points.stiffness * unit / contact.roughness
+
+
+def test_yip_venart_is_that_of_the_solver():
+    """The law reads a curve; solved afresh at loads between its nodes. The issue asks for 1e-4."""
+    law = dl.law("yip-venart", GRANITE)
+    force = np.geomspace(0.03, 90.0, 12)
+    approach, stiffness = solved(GRANITE, np.append(0.02, force))
+    overlap = approach[1:] - approach[0] + quiet(law.overlap, 0.02)
+    np.testing.assert_allclose(quiet(law.force, overlap), force, rtol=5e-6)
+    np.testing.assert_allclose(quiet(law.stiffness, overlap), stiffness[1:], rtol=2e-5)
+
+
+@pytest.mark.parametrize("share", [1e-4, 0.0025, 0.025])
+def test_overlap_counts_from_the_end_of_the_continued_curve(share):
+    law = dl.law("yip-venart", GRANITE, seating_share=share)
+    seat = share * GRANITE.modulus * GRANITE.radius**0.5 * GRANITE.roughness**1.5
+    approach, stiffness = solved(GRANITE, [seat, 10.0])
+    assert law.overlap(10.0) == pytest.approx(approach[1] - approach[0] + 1.5 * seat / stiffness[0], rel=1e-6)
+
+
+def test_a_smooth_contact_among_rough_ones_is_refused():
+    with pytest.raises(dl.DemlawsError):
+        dl.law("yip-venart", GRANITE.with_values(roughness=np.array([0.0, 1e-6])))
+
+
+@pytest.mark.parametrize("mu", [4.0, 17.0])
+def test_greenwood_tripp_is_that_of_the_solver(mu):
+    """The law reads a curve; solved afresh at loads between its nodes. The issue asks for 1e-4."""
+    law = dl.law("greenwood-tripp", GRANITE, mu=mu)
+    unit = GRANITE.modulus * math.sqrt(GRANITE.radius) * GRANITE.roughness**1.5
+    force = np.geomspace(0.02, 1000.0, 14)
+    points = solve("greenwood-tripp", mu, force / unit)
+    overlap = (points.approach[1:] - points.approach[0]) * GRANITE.roughness + law.overlap(0.02)
+    np.testing.assert_allclose(law.force(overlap), force[1:], rtol=5e-6)
+    np.testing.assert_allclose(law.stiffness(overlap), points.stiffness[1:] * unit / GRANITE.roughness, rtol=2e-5)
+
+
+def test_mu_from_asperities():
+    """μ = (8/3) η σ √(2Rβ)."""
+    density, radius = 2e9, 5e-5
+    mu = 8 / 3 * density * GRANITE.roughness * math.sqrt(2 * GRANITE.radius * radius)
+    measured = dl.law("greenwood-tripp", GRANITE, asperity_density=density, asperity_radius=radius)
+    given = dl.law("greenwood-tripp", GRANITE, mu=mu)
+    assert measured.force(3e-6) == pytest.approx(given.force(3e-6), rel=1e-9)
