@@ -1,6 +1,6 @@
 """`make size`: how heavy the package is, as printed on the first screen of CONTRIBUTING.
 
-    python tests/size.py
+    python tests/size.py             # --write: also the lines by feature into CONTRIBUTING's table, whose rows name the files
 
 Lines are those of files that git knows; the wheel's kB are its Python files.
 """
@@ -16,6 +16,7 @@ from test_boundaries import circle, import_graph
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGE = ROOT / "demlaws"
+CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 LONGEST = 600
 
 SCRIPT = """
@@ -101,8 +102,31 @@ def figures():
     ]
 
 
+ROW = re.compile(r"^\| (?P<feature>[^|]+) \| `(?P<files>[^|]+)` \| *\d+ \| *\d+ \| (?P<why>[^|]*)\|$", re.MULTILINE)
+"""A feature in CONTRIBUTING's table: its files, as patterns below demlaws/, its lines of Python and C++, why it is kept."""
+
+
+def by_feature():
+    """CONTRIBUTING with the lines of each feature counted anew. SystemExit where a file belongs to no feature."""
+    every = set(files("demlaws/*.py", "demlaws/*.cpp", "demlaws/*.h"))
+    left = set(every)
+
+    def counted(row):
+        mine = every if row["files"] == "*" else {p for pattern in row["files"].split() for p in PACKAGE.glob(pattern)} & left
+        left.difference_update(mine)
+        python = {path for path in mine if path.suffix == ".py"}
+        return f"| {row['feature']} | `{row['files']}` | {lines(python)} | {lines(mine - python)} | {row['why']}|"
+
+    text = ROW.sub(counted, CONTRIBUTING.read_text())
+    if left:
+        raise SystemExit(f"CONTRIBUTING's table has no feature for {', '.join(str(path) for path in left)}")
+    return text
+
+
 def main():
     """Print the figures, and which of them are above their goal."""
+    if "--write" in sys.argv:
+        CONTRIBUTING.write_text(by_feature())
     for what, figure, goal in figures():
         above = isinstance(figure, int) and figure > goal
         print(f"{what:38}{figure:>9}   goal {goal:>6}{'   above' if above else ''}")
