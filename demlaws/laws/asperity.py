@@ -98,10 +98,12 @@ def _length(pair):
 
 def sample(rough, start, max_force):
     """Overlaps past `start` and forces of a `RoughContact` at evenly spaced logarithms of the overlap, up to max_force."""
+    from tqdm import tqdm
+
     limit = _limit_force(rough) if max_force is None else max_force
     overlap = max(rough.heights.sq, 1e-12) * 2.0**-_OCTAVES
     overlaps, forces, edge = [], [], 0.0
-    while len(overlaps) < 40 * _SAMPLES:
+    for _ in tqdm(range(40 * _SAMPLES), desc="asperity", unit="cut", leave=False, disable=None, delay=1):
         force, _, edge = rough.carried(start + overlap)
         if force > limit or (edge and max_force is None):
             break

@@ -38,7 +38,7 @@ SECTIONS = {
         "machines",
     ],
     "reference": ["symbols", "bibliography", "table-format", "made/changelog"],
-    "validation": ["limits", "trade", "made/costs"],
+    "validation": ["limits", "trade", "cost", "made/costs"],
     "inside": ["made/contributing"],
 }
 """Pages outside the folder of their section; any other page of docs/ itself is listed under how-to."""

@@ -21,6 +21,7 @@ from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, native
 from studies.trade.yade_oedometer import hand_over, material
 
 O = yade.O  # noqa: E741
+NATIVE = yade.Law2_ScGeom_MindlinPhys_Mindlin()
 BLOCK = 2  # steps timed in a row: short, so that some blocks are not interrupted
 VISIT = 5  # rounds in a scene before the next has its turn
 
@@ -123,7 +124,8 @@ def measure(given, ways, side, repeats):
         if attachment is not None:
             table = silent(attachment)
             keep.append(table)
-            tables = [attachment.table.ctypes.data + 16, attachment.native_table, table.ctypes.data + 16]
+            mindlin = ctypes.c_uint64.from_address(native.address(NATIVE) + attachment.layout.find_slot(NATIVE)[0]).value
+            tables = [attachment.table.ctypes.data + 16, mindlin, table.ctypes.data + 16]
         rest = [rest_time() for _ in range(5)]
         made.append((number, law, tables, [[] for _ in tables], undisturbed(rest), O.interactions.countReal()))
     place = native.layout().slot[0] if any(tables[0] is not None for _, _, tables, *_ in made) else 0
