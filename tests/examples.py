@@ -74,7 +74,9 @@ def pairs(with_curves=("pohrt-popov", "yip-venart")):
 
 def telling(pair):
     """Whether a (law, rule) pair compiles something that no other shows: each law with the last rule that it takes but for
-    "table", which says most, and every rule with pohrt-popov. A product of all laws, rules and loops is for `make test-all`."""
+    "table", which says most, and every rule with pohrt-popov. What the product of all laws and rules is: no closed path that
+    returns work, and the curve of unloading, is for `make test-all` (core/test_unloading, studies/test_stability); loops,
+    drivers, copies and shear, which take a law as it comes, are tried with these."""
     name = pair[0]
     return name == "pohrt-popov" or pair == [p for p in pairs(with_curves=()) if p[0] == name][-1]
 
@@ -92,6 +94,9 @@ def quiet(function, *arguments):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", dl.ValidityWarning)
         return function(*arguments)
+
+
+each_law_and_rule = pytest.mark.parametrize(("name", "unloading"), [pair for pair in pairs() if telling(pair)])
 
 
 def work_along(law, corners):

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from examples import GRANITE, make, pairs, quiet, shared, telling
+from examples import GRANITE, each_law_and_rule, make, quiet
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,15 +14,13 @@ from demlaws.laws.registry import registry
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
-PAIRS = pairs()
-every_pair = pytest.mark.parametrize(("name", "unloading"), shared(PAIRS, telling))
 MASS = 0.01
 
 
 # --- paths
 
 
-@every_pair
+@each_law_and_rule
 def test_displacement_control_visits_its_turning_points(name, unloading):
     law = make(name, unloading)
     turns = [4e-6, 3.5e-6, 6e-6, 0.0, 2e-6]
@@ -37,7 +35,7 @@ def test_displacement_control_visits_its_turning_points(name, unloading):
         assert path.force[40] <= law.force(3.5e-6) * (1 + 1e-12)
 
 
-@every_pair
+@each_law_and_rule
 @given(turns=st.lists(st.floats(0.1, 100.0), min_size=1, max_size=6))
 @settings(max_examples=15)
 def test_force_control_reaches_its_forces(name, unloading, turns):
@@ -52,7 +50,7 @@ def test_force_control_reaches_its_forces(name, unloading, turns):
     assert np.all(np.diff(path.maximum_overlap) >= 0)
 
 
-@every_pair
+@each_law_and_rule
 def test_force_control_down_to_nothing_leaves_the_plastic_overlap(name, unloading):
     law = make(name, unloading)
     path = driver.force_controlled(law, [50.0, 0.0], steps=10)
@@ -99,7 +97,7 @@ def test_impact_of_hertz_has_its_closed_forms():
     assert result.dissipated == 0.0
 
 
-@every_pair
+@each_law_and_rule
 def test_impact_balances_its_energy(name, unloading):
     result = driver.impact(make(name, unloading), MASS, 0.05, 4000)
     assert abs(result.energy_error) < (1e-4 if registry()[name].solved else 3e-6)
@@ -141,7 +139,7 @@ def growth(law, overlap, state, mass, dt):
 SINGLE = {"other_mass": np.inf, "shear_ratio": 0.0}
 
 
-@every_pair
+@each_law_and_rule
 def test_timestep_against_the_measured_limit(name, unloading):
     """One body on a fixed contact, on its stiffest branch: never above the measured limit, never below half of it."""
     law, load = make(name, unloading), 50.0

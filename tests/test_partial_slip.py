@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from examples import GRANITE, make, pairs, quiet, shared, telling
+from examples import GRANITE, each_law_and_rule, make, quiet
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -10,7 +10,6 @@ import demlaws as dl
 from demlaws.shear import sheared
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-every_pair = pytest.mark.parametrize(("name", "unloading"), shared(pairs(), telling))
 RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
 
 
@@ -57,7 +56,7 @@ def test_loss_of_a_cycle_is_mindlin_and_deresiewicz(share, springs, tolerance):
     assert path.shear_force[start] == pytest.approx(share * FRICTION * LOAD, rel=tolerance)
 
 
-@every_pair
+@each_law_and_rule
 def test_shear_at_constant_overlap_is_that_of_the_unloading_curve(name, unloading):
     """Q = μ [P(δ) - P(δ - ratio s/μ)] (Jäger 1998; Ciavarella 1998), P along which the contact would unload."""
     law = make(name, unloading)
@@ -73,7 +72,7 @@ def test_shear_at_constant_overlap_is_that_of_the_unloading_curve(name, unloadin
 
 
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
-@every_pair
+@each_law_and_rule
 @given(data=st.data())
 def test_no_step_of_any_path_returns_what_was_lost(name, unloading, shear, data):
     """Dissipation never falls, so that no closed path returns work; the force never exceeds Coulomb's."""

@@ -163,6 +163,9 @@ def test_command_line_of_a_run(engine, plugin, monkeypatch):
         monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
         assert "--oversubscribe" in command("in.case", 4)[0]
         assert not {"--allow-run-as-root", "--oversubscribe"} & set(command("in.case", 2)[0])
+    with monkeypatch.context() as changed:
+        changed.setattr(part(engine, "run"), "build", lambda portable: Path(f"/portable-{portable}/{plugin.file}"))
+        assert any("/portable-True" in value for value in command("in.case", 1, portable=True)[1].values())
     _, environment = command("in.case", 1, plugin=False)
     assert "demlaws" not in environment.get("LD_PRELOAD", "") + environment.get("LAMMPS_PLUGIN_PATH", "")
 

@@ -14,7 +14,7 @@ import demlaws as dl
 import demlaws.liggghts as lg
 from demlaws.errors import DemlawsError
 from demlaws.liggghts.check import TWO_PARTICLES, versions
-from demlaws.liggghts.run import command, executable
+from demlaws.liggghts.run import executable
 
 # demlaws.liggghts.build and .run are functions of the package; these are the modules
 build_module = importlib.import_module("demlaws.liggghts.build")
@@ -107,15 +107,6 @@ def test_our_sources_compile_without_a_warning(tmp_path):
     ] + strict
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:2000]
-
-
-# --- run
-
-
-@pytest.mark.slow
-def test_run_takes_the_portable_plugin():
-    _, environment = command("in.case", 1, portable=True)
-    assert str(lg.build(portable=True)) in environment["LD_PRELOAD"] and lg.build(portable=True) != lg.build()
 
 
 # --- check
