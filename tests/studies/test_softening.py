@@ -130,7 +130,7 @@ def test_shear_in_liggghts_is_that_of_yade(tmp_path):
     YADE's, whose copies differ by 4 % in strength."""
     if available("liggghts"):
         pytest.skip(available("liggghts"))
-    run = Run("liggghts", "shear", stress=1e5, inertial=1e-3, factor=10.0)
+    run = Run("liggghts", "shear", stress=1e5, inertial=3e-3, factor=10.0)
     study.execute([run], tmp_path / "rows.jsonl")
     found = study.load(tmp_path / "rows.jsonl")[run]
     kept = [v for r, v in study.load().items() if r._replace(copy=0) == run._replace(engine="yade")]
@@ -139,4 +139,4 @@ def test_shear_in_liggghts_is_that_of_yade(tmp_path):
     assert found["first_coordination"] == pytest.approx(yade["first_coordination"], rel=0.03)
     assert found["coordination"] == pytest.approx(yade["coordination"], rel=0.1)
     assert found["peak"] == pytest.approx(yade["peak"], rel=0.15)
-    assert 0.0 < found["dilation"] < 0.05
+    assert found["dilation"] == pytest.approx(yade["dilation"], rel=0.1)
