@@ -1,16 +1,25 @@
 """Error of a packing whose modulus is divided by a factor: roughness scaled with it (`dl.soften`) or left alone."""
 
+import re
 from pathlib import Path
 
 import matplotlib.pyplot as plt
-import numpy as np
 
-data = np.genfromtxt(Path(__file__).parent / "softening.csv", delimiter=",", skip_header=1, names=True)
+FACTORS = (3, 10, 100, 1000)
+TEXT = (Path(__file__).parents[1] / "trade.md").read_text().replace("−", "-")
+
+
+def errors(kind, engine):
+    """Error (%) of the first stiffness at E/1, E/3 ... in docs/trade.md, of YADE (0) or LIGGGHTS (1)."""
+    rows = [re.search(rf"^\| E/{factor}, σ {kind} \|(.*)", TEXT, re.MULTILINE).group(1) for factor in FACTORS]
+    return [0.0, *(float(row.split("|")[engine].split("/")[0]) for row in rows)]
+
+
 fig, ax = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
 for kind, colour, text in (("alone", "tab:red", "E alone"), ("scaled", "tab:blue", "E and σ (dl.soften)")):
-    ax.semilogx(data["factor"], data[f"{kind}_yade"], "o-", color=colour)
-    ax.semilogx(data["factor"], data[f"{kind}_liggghts"], "s--", color=colour)
-    ax.annotate(text, (10, data[f"{kind}_yade"][2]), (8, -14), textcoords="offset points", color=colour)
+    ax.semilogx((1, *FACTORS), errors(kind, 0), "o-", color=colour)
+    ax.semilogx((1, *FACTORS), errors(kind, 1), "s--", color=colour)
+    ax.annotate(text, (10, errors(kind, 0)[2]), (8, -14), textcoords="offset points", color=colour)
 ax.plot([], [], "ko-", label="YADE")
 ax.plot([], [], "ks--", label="LIGGGHTS")
 ax.axhline(0, color="0.5", lw=0.8)

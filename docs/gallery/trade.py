@@ -1,24 +1,50 @@
-"""Error of a packing's stiffness against the cost of a step, one panel per engine, from trade.csv."""
+"""Error of a packing's stiffness against the cost of a step, one panel per engine, from the tables of docs/trade.md."""
 
-import csv
+import re
 from pathlib import Path
 
 import matplotlib.pyplot as plt
 
-CHANCE = {"YADE": 0.6, "LIGGGHTS": 0.3}  # per cent: the same packing, shaken
-lines = [line for line in (Path(__file__).parent / "trade.csv").read_text().splitlines() if not line.startswith("#")]
-rows = list(csv.DictReader(lines))
+TEXT = (Path(__file__).parents[1] / "trade.md").read_text().replace("−", "-")
+ENGINES = ("YADE", "LIGGGHTS")
+
+
+def rows(heading):
+    """First cell and other cells of the first table below a heading."""
+    for line in re.search(r"^\|---.*\n((?:\|.*\n)+)", TEXT.split(f"## {heading}\n")[1], re.MULTILINE).group(1).splitlines():
+        name, *cells = (cell.strip() for cell in line.strip("| ").split("|"))
+        yield name, cells
+
+
+def errors(cells, engine):
+    """Largest error (%) of the stiffnesses in cells like "+49 / +60 %"; the same if there is one engine only."""
+    return max(abs(float(re.findall(r"[-+]?[\d.]+", cell)[engine * ("/" in cell)])) for cell in cells)
+
+
+def only(name):
+    """Engines of a row: one if its name ends with "(YADE)" or "(LIGGGHTS)", else both."""
+    return [engine for engine in ENGINES if name.endswith(f"({engine})")] or ENGINES
+
+
+steps = {name: [cell.split()[0] for cell in cells[1:]] for name, cells in rows("One contact")}
+packing = dict(rows("A packing"))
+scatter = next(cells for name, cells in packing.items() if name.startswith("random scatter"))
 fig, axes = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True, layout="constrained")
 small = {"fontsize": 8, "textcoords": "offset points", "va": "center"}
-for ax, engine in zip(axes, CHANCE, strict=True):
-    ax.axhspan(0.1, CHANCE[engine], color="0.9")
-    ax.text(0.98, 0.02, "chance: the same packing, shaken", transform=ax.transAxes, ha="right", color="0.4", fontsize=8)
-    for row in (row for row in rows if row["engine"] == engine):
-        best = row["way"].endswith("Popov, hertz unloading")
-        step, error = float(row["step"]), float(row["error"])
+for column, (ax, engine) in enumerate(zip(axes, ENGINES, strict=True)):
+    ax.axhspan(0.1, errors(scatter, column), color="0.9")
+    ax.text(0.98, 0.02, "random scatter: positions perturbed", transform=ax.transAxes, ha="right", color="0.4", fontsize=8)
+    for name, cells in packing.items():
+        law = name.removesuffix(f" ({engine})")
+        if law not in steps or engine not in only(name):
+            continue
+        best = law == "pohrt-popov, Hertz unloading"
+        step, error = float(steps[law][column]), errors(cells, column)
         ax.plot(step, error, "*" if best else "o", ms=16 if best else 7, color="tab:red" if best else "tab:blue")
-        side = {"ha": "right", "xytext": (-9, 0)} if step > 1.5 else {"ha": "left", "xytext": (9, 0)}
-        ax.annotate(row["way"] + (" (recommended)" if best else ""), (step, error), **small, **side)
+        side = (
+            {"ha": "right", "xytext": (-9, 0)} if step > 1.5 else {"ha": "left", "xytext": (-9, 13) if step < 0.9 else (9, 0)}
+        )
+        ax.annotate(law + (" (recommended)" if best else ""), (step, error), **small, **side)
     ax.axvline(1.0, color="0.6", lw=0.8, ls=":")
     ax.set(yscale="log", xlabel="time of a step / step with the engine's own Hertz", title=engine, ylim=(0.1, 200))
     ax.grid(alpha=0.3)
