@@ -38,11 +38,11 @@ class State:
 
     def __setattr__(self, name: str, values: ArrayLike) -> None:
         if name in ("names", "arrays"):
-            raise AttributeError(f"{name} belongs to the state that law.new_state made: set the values of its quantities")
+            raise AttributeError(f"{name} is an array of the state: set its values, do not replace it")
         array = getattr(self, name)
         new = real(values, name, array=True)
         if new.shape not in ((), array.shape):
-            raise DemlawsError(f"{name} holds {array.size} contacts, got values of shape {new.shape}: one entry each")
+            raise DemlawsError(f"{name} has {array.size} contacts, got values of shape {new.shape}: one entry each")
         array[...] = new
 
     def __repr__(self):

@@ -38,7 +38,7 @@ class Converted(NamedTuple):
 def convert(text, engine, table):
     """The input `text` of an engine ("liggghts" or "lammps") with the law of `table`, the file's name as the input has it."""
     if re.search(r"\s", str(table)):
-        raise DemlawsError(f"table {str(table)!r}: the engines split names at blanks; rename the file")
+        raise DemlawsError(f"table {str(table)!r}: engines do not accept names with spaces; rename the file")
     change, lines, notes = {"liggghts": _liggghts, "lammps": _lammps}[engine], [], []
     commands = set()
     for number, line in _whole_lines(text):

@@ -156,7 +156,7 @@ def _root(function, start):
 
 def _one(contact):
     if contact.size is not None:
-        raise DemlawsError("Greenwood & Tripp's solution is searched for one contact; this one is an array")
+        raise DemlawsError("Greenwood & Tripp's solution needs one contact, got an array of contacts")
     return contact
 
 

@@ -15,7 +15,7 @@ def as_path(path: Any) -> Path:
     try:
         return Path(path)
     except TypeError:
-        raise DemlawsError(f"the name of a file must be text or a Path, got {path!r:.60}") from None
+        raise DemlawsError(f"the name of a file must be a str or a Path, got {path!r:.60}") from None
 
 
 def read_text(path, what=""):

@@ -135,7 +135,7 @@ class Case:
             roughness = [g.surface.roughness for g in self.grains]
             same = len(set(roughness)) == 1
             if not same and min(roughness) <= 0.0:  # two smooth ones have no length that scales the table
-                raise DemlawsError("a smooth grain beside a rough one: give every grain a roughness, or none")
+                raise DemlawsError("a smooth grain beside a rough one: give a roughness to all grains, or to none")
             # the table ends at a tenth of the radius over the length: take the pair for which that is most
             widest = max([*pairs.values(), *walls.values()], key=lambda c: c.radius / (c.roughness or c.radius))
             file = self._save(folder, widest, f"{self.law}.tbl")

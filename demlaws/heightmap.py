@@ -89,7 +89,9 @@ class HeightMap:
             heights = np.frombuffer(zlib.decompress(base64.b64decode(values["heights"]))).reshape(values["shape"])
             return cls(heights, *values["pixel"], values["form_order"])
         except (KeyError, TypeError, ValueError, zlib.error) as error:
-            raise DemlawsError(f"this is no height map: {error!r}; a table's file names its map but does not hold it") from None
+            raise DemlawsError(
+                f"this is not a height map: {error!r}; a table names the file of its map but does not contain the heights"
+            ) from None
 
     @property
     def shape(self):

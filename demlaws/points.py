@@ -64,7 +64,7 @@ def _unit(title, column, where):
     if len(similar) == 1:
         return units[similar[0]]
     if similar:
-        raise DemlawsError(f"{where}: the unit {unit!r} in {title.strip()!r} can mean {' or '.join(similar)}: write which")
+        raise DemlawsError(f"{where}: the unit {unit!r} in {title.strip()!r} may be {' or '.join(similar)}: write which")
     raise DemlawsError(
         f"{where}: no unit of {column} in the column title {title.strip()!r}: write 'displacement (um)' or 'force (N)'; "
         f"the units are {', '.join(units)}"
@@ -96,7 +96,7 @@ def _place(titles, column, where):
     if not units:
         return found[0], _unit(titles[found[0]], column, where)
     several = " and ".join(repr(titles[place].strip()) for place in units)
-    raise DemlawsError(f"{where}: {several} may be the {column}: leave one of them, or name it {column!r} with its unit alone")
+    raise DemlawsError(f"{where}: {several} may be the {column}: remove all but one, or name it {column!r} with its unit alone")
 
 
 def _header(lines, path):
@@ -115,7 +115,7 @@ def _header(lines, path):
         if comment is None:
             wanted = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
             raise DemlawsError(f"{path}, line {number + 1}: {wanted}; got {text[:60]!r}")
-    raise DemlawsError(f"{path}, line 1: two columns are needed, displacement and force with units; the file holds no titles")
+    raise DemlawsError(f"{path}, line 1: two columns are needed, displacement and force with units; the file has no header")
 
 
 def _number(cell, mark):
@@ -146,7 +146,7 @@ def read_points(path):
             raise DemlawsError(f"{where}: two numbers are needed, got {line.strip()[:60]!r}") from None
         if any(cell.strip() for cell in row[len(titles) :]):
             remedy = "split columns by ; if commas are decimal"
-            raise DemlawsError(f"{where}: {len(row)} columns, but {len(titles)} titles; {remedy}")
+            raise DemlawsError(f"{where}: {len(row)} columns, but the header has {len(titles)}; {remedy}")
         marks.update(
             "." if "." in row[k] else "," for k, _ in found.values() if "." in row[k] or _THOUSANDS.match(row[k].strip())
         )
@@ -156,7 +156,7 @@ def read_points(path):
             raise DemlawsError(f"{where}: {line.strip()[:60]!r} is not finite")
         values.append(pair)
     if len(values) < 3:
-        raise DemlawsError(f"{path}: {len(values)} points; at least 3 are needed")
+        raise DemlawsError(f"{path}: {len(values)} points; at least 3 points are needed")
     displacement, force = np.array(values).T
     return Points(displacement, force, path.name)
 

@@ -145,7 +145,8 @@ def _linked(objects):
         if done.returncode:
             lines = [text for text in done.stderr.splitlines() if "undefined reference" in text] or done.stderr.splitlines()
             raise DemlawsError(
-                f"the rule cannot stand alone: {lines[0].strip() if lines else 'the linker failed'}; it must not raise, print, "
+                f"the rule cannot be linked without Python: {lines[0].strip() if lines else 'the linker failed'}; it "
+                "must not raise, print, "
                 "make arrays or call Python"
             )
         return made.read_bytes()

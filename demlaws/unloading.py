@@ -46,8 +46,8 @@ def _ratios(contact, other):
         low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
         if not (math.isfinite(high) and high - low <= 1e-9 * high):
             raise DemlawsError(
-                f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: it must be the law's own "
-                "or in one ratio to it; make the curve for the same contact or array of contacts"
+                f"the {name} of the unloading curve's contact is {low:g} to {high:g} times the law's: the ratio must be the "
+                "same for all contacts; make the curve for the same contact or array of contacts"
             )
         ratios.append(low if high > low else high)
     return ratios

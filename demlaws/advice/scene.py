@@ -282,7 +282,7 @@ def _from_toml(path):
     try:
         for key, kind in (("material", Material), ("surface", Surface)):
             if key in text and f"{key}s" in text:
-                raise DemlawsError(f"[{key}] and [[{key}s]] say the same: give one of them")
+                raise DemlawsError(f"[{key}] and [[{key}s]] are equivalent: give one of them")
             given = text.pop(f"{key}s", text.pop(key, None))
             if given is not None:
                 entries = [given] if isinstance(given, dict) else given

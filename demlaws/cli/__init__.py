@@ -14,17 +14,17 @@ from demlaws.errors import DemlawsError, ValidityWarning, most_similar
 COMMANDS = {
     "granite": ("granite", "reproduce the granite contact tests with every law"),
     "laws": ("laws", "list the laws, or the options of one law"),
-    "curve": ("curve", "one law, one contact, any path"),
-    "table": ("table", "a law, or measured points, as a certified table"),
-    "regime": ("regime", "do asperities or the bulk deform, and which law fits"),
-    "surface": ("surface", "a height map: roughness, fractal dimension, contact, law"),
+    "curve": ("curve", "compute one contact along a path of forces or overlaps"),
+    "table": ("table", "tabulate a law, or measured points, for an engine"),
+    "regime": ("regime", "determine whether asperities or the bulk deform, and which laws apply"),
+    "surface": ("surface", "analyse a height map: roughness, fractal dimension, contact, law"),
     "fit": ("fit", "fit laws to measured points and rank them"),
-    "choose": ("choose", "the cheapest law within a scene's tolerance"),
-    "soften": ("soften", "rescaled softer grains, for longer time steps"),
-    "timestep": ("timestep", "the largest stable time step of a snapshot"),
+    "choose": ("choose", "find the cheapest law within the tolerance of a scene"),
+    "soften": ("soften", "rescale a law for softer grains and longer time steps"),
+    "timestep": ("timestep", "compute the largest stable time step of a saved state"),
     "yade": ("yade", "run YADE scripts with these laws, check the bridge"),
-    "liggghts": ("engine", "the laws inside LIGGGHTS: build, check, export, run"),
-    "lammps": ("engine", "the laws inside LAMMPS: build, check, export, run"),
+    "liggghts": ("engine", "use the laws in LIGGGHTS: build, check, export, convert, run"),
+    "lammps": ("engine", "use the laws in LAMMPS: build, check, export, convert, run"),
 }
 """Command → its file in this folder and its line in `demlaws --help`, which loads none of the files."""
 

@@ -14,9 +14,9 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "choose",
-        description="Ranks laws, unloading rules and evaluations for a scene by kept cost among those that meet its "
-        "tolerance; states the neglected physics and its error. For a packing under pressure it also recommends a "
-        "stiffness reduction and a loading rate.",
+        description="Ranks the combinations of law, unloading rule and evaluation (formula or table) that meet the tolerance "
+        "of a scene by their stored cost, and reports the neglected effects with their errors. For a packing under pressure "
+        "it also recommends a stiffness reduction and a loading rate.",
         **example(
             "  demlaws choose --template > ballast.toml      (every key of a scene, with its meaning)\n"
             "  demlaws choose ballast.toml --out ballast.tbl\n"
@@ -25,14 +25,14 @@ def register(subparsers):
     )
     parser.add_argument("scene", type=Path, nargs="?", help="scene file (TOML)")
     parser.add_argument("--template", action="store_true", help="only print a scene file with every key and its meaning")
-    parser.add_argument("--soften", action="store_true", help="choose and write for the recommended softer grains")
-    parser.add_argument("--all", action="store_true", help="list also those that miss the tolerance")
+    parser.add_argument("--soften", action="store_true", help="choose and write the law for softer grains, as recommended")
+    parser.add_argument("--all", action="store_true", help="also list laws that miss the tolerance")
     parser.add_argument(
         "--out",
         type=Path,
-        help="table file to write, one per pair of kinds of grain; for LIGGGHTS and LAMMPS the folder of a whole case",
+        help="table file to write, one per pair of particle types; for LIGGGHTS and LAMMPS the folder of a complete case",
     )
-    parser.add_argument("--csv", type=Output(TITLES), help="file to write all candidates to")
+    parser.add_argument("--csv", type=Output(TITLES), help="CSV file of all candidates")
     parser.set_defaults(func=run)
 
 

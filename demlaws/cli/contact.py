@@ -7,16 +7,16 @@ from demlaws.errors import DemlawsError
 
 def add_law_arguments(parser, law_required=True):
     """Arguments that name a law and its contact."""
-    parser.add_argument(
-        "--law", type=law_name, required=law_required, help="name of the law (--law ? or demlaws laws lists them)"
-    )
+    parser.add_argument("--law", type=law_name, required=law_required, help="name of the law (list: --law ? or demlaws laws)")
     parser.add_argument(
         "--unloading",
-        help="elastic, hertz, thornton, a rule of this law only (demlaws laws NAME), or a table file with the curve along "
-        "which the contact unloads (default: the law's default rule, else elastic)",
+        help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
+        "with the unloading curve (default: the law's default rule, otherwise elastic)",
     )
     parser.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
-    parser.add_argument("--unloading-law", type=law_name, help="name of a law along whose curve the contact unloads")
+    parser.add_argument(
+        "--unloading-law", type=law_name, help="law whose curve is the unloading curve, in place of --unloading"
+    )
     add_contact_arguments(parser)
 
 
@@ -24,13 +24,15 @@ def add_contact_arguments(parser, test=True):
     """Arguments that describe one contact of two bodies. test: also by the name of a granite test."""
     contact = parser.add_argument_group(
         "contact (SI units, or with a unit: 4.35mm, 2.4um, 60GPa)",
-        "Options with one or two values: one value is that of both bodies, two are of the first and of the second.",
+        "Where an option accepts one or two values, one value applies to both bodies, two to the first and the second body.",
     )
     if test:
         contact.add_argument("--test", help="contact of a granite test, for instance SS(18-18)")
     pair = {"nargs": "+", "metavar": "VALUE"}
-    contact.add_argument("--radius", type=radius, **pair, help="radius of each sphere in m; inf is a flat")
-    contact.add_argument("--effective-radius", type=length, help="R in m, 1/R = 1/R1 + 1/R2, in place of --radius")
+    contact.add_argument("--radius", type=radius, **pair, help="radius of each sphere in m; inf for a flat")
+    contact.add_argument(
+        "--effective-radius", type=length, help="effective radius R in m, 1/R = 1/R1 + 1/R2, in place of --radius"
+    )
     contact.add_argument("--young", type=pressure, **pair, help="Young's modulus of each body in Pa")
     contact.add_argument("--poisson", type=plain, **pair, help="Poisson's ratio of each body, with --young")
     contact.add_argument("--modulus", type=pressure, help="effective modulus E* in Pa, in place of --young and --poisson")
@@ -38,7 +40,7 @@ def add_contact_arguments(parser, test=True):
     contact.add_argument(
         "--combined-roughness", type=length, help="σ = √(Sq1² + Sq2²) in m, in place of --roughness (default 0)"
     )
-    contact.add_argument("--fractal-dimension", type=plain, help="Df from 2 to 3")
+    contact.add_argument("--fractal-dimension", type=plain, help="fractal dimension Df, from 2 to 3")
     contact.add_argument("--hardness", type=pressure, help="hardness of the softer body in Pa")
 
 

@@ -11,7 +11,7 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     curve = subparsers.add_parser(
         "curve",
-        description="Takes one contact along a path of forces or overlaps and writes the curve.",
+        description="Computes force and overlap of one contact along a path of forces or overlaps.",
         **example(
             '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'
             "  demlaws curve --law rough-plastic --option yield_pressure=1.66e9 --radius 2mm --modulus 32GPa \\\n"
@@ -20,11 +20,15 @@ def register(subparsers):
     )
     add_law_arguments(curve)
     way = curve.add_mutually_exclusive_group(required=True)
-    way.add_argument("--forces", type=force, nargs="+", metavar="N", help="turning points in N, from 0")
-    way.add_argument("--overlaps", type=length, nargs="+", metavar="M", help="turning points in m, from 0")
+    way.add_argument(
+        "--forces", type=force, nargs="+", metavar="N", help="turning points of the force in N; the path starts at 0"
+    )
+    way.add_argument(
+        "--overlaps", type=length, nargs="+", metavar="M", help="turning points of the overlap in m; the path starts at 0"
+    )
     curve.add_argument("--steps", type=whole(), default=200, help="steps per branch (default 200)")
     curve.add_argument(
-        "--csv", type=Output(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: 20 rows)"
+        "--csv", type=Output(PATH_COLUMNS), help="CSV file of the curve, - for standard output (default: print 20 rows)"
     )
     curve.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     curve.set_defaults(func=run_curve)

@@ -47,7 +47,7 @@ class _PartParser(Parser):
 def register(subparsers):
     """Add both commands and their own sub-commands."""
     stock = _register(subparsers, "liggghts", "LIGGGHTS", WITHOUT_COMPILER)
-    stock.add_argument("--stock", choices=("hertz",), help="fit stock hertz instead; needs no compiler")
+    stock.add_argument("--stock", choices=("hertz",), help="write stock hertz with a fitted modulus; needs no compiler")
     _register(subparsers, "lammps", "LAMMPS")
 
 
@@ -104,20 +104,20 @@ def _register(subparsers, name, engine, more=""):
         )
 
     builds = parts.add_parser("build", help="compile the plugin, print its path", **example(f"  demlaws {name} build"))
-    builds.add_argument("--portable", action="store_true", help="no -march=native: for a cluster of unlike nodes")
-    builds.add_argument("--force", action="store_true", help="compile even if the plugin is there")
+    builds.add_argument("--portable", action="store_true", help="for any x86-64 processor, for clusters with different nodes")
+    builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
     builds.set_defaults(func=build)
 
-    checks = parts.add_parser("check", help="prove the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
+    checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
     checks.set_defaults(func=check)
 
     text = example(EXPORT_EXAMPLE.format(name=name) + more)
-    exports = parts.add_parser("export", help="write a ready case: tables, input, runscript", **text)
+    exports = parts.add_parser("export", help="write a complete case: tables, input, run script", **text)
     _grain_arguments(exports)
     exports.set_defaults(func=export)
 
     text = example(CONVERT_EXAMPLE.format(name=name))
-    converts = parts.add_parser("convert", help="an input with demlaws/table in place of its contact model", **text)
+    converts = parts.add_parser("convert", help="replace the contact model of an input by demlaws/table", **text)
     converts.add_argument("input", help="input script with stock models")
     converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
     converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
@@ -126,7 +126,7 @@ def _register(subparsers, name, engine, more=""):
     text = example(RUN_EXAMPLE.format(name=name, engine=engine))
     runs = parts.add_parser("run", help="run an input with the plugin", **text)
     _run_options(runs)
-    text = f"input script, in whose folder {engine} runs; then the options above, and any of {engine}'s own"
+    text = f"input script; {engine} runs in its folder; then the options above and any options of {engine}"
     runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="INPUT ...", help=text)
     runs.set_defaults(func=run)
     return exports
@@ -134,12 +134,12 @@ def _register(subparsers, name, engine, more=""):
 
 def _run_options(parser, **default):
     parser.add_argument("-np", type=int, **default or {"default": 1}, help="number of MPI ranks (default 1)")
-    parser.add_argument("--portable", action="store_true", **default, help="the plugin that `build --portable` makes")
-    parser.add_argument("--stock", action="store_true", **default, help="without the plugin")
+    parser.add_argument("--portable", action="store_true", **default, help="use the plugin of `build --portable`")
+    parser.add_argument("--stock", action="store_true", **default, help="run without the plugin")
     default = default or {"default": None}
-    parser.add_argument("-in", "-i", dest="script", metavar="INPUT", **default, help="the input script, as the engine has it")
-    parser.add_argument("-log", "-l", metavar="FILE", **default, help="the log file (default log.ENGINE)")
-    parser.add_argument("-screen", "-sc", metavar="none|FILE", **default, help="none: print nothing")
+    parser.add_argument("-in", "-i", dest="script", metavar="INPUT", **default, help="input script, as for the engine itself")
+    parser.add_argument("-log", "-l", metavar="FILE", **default, help="log file (default log.ENGINE)")
+    parser.add_argument("-screen", "-sc", metavar="none|FILE", **default, help="file for the printed output; none: no output")
 
 
 _RANKS = ("OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "MPI_LOCALNRANKS")
@@ -159,13 +159,13 @@ def _grain_arguments(export):
     export.add_argument("--law", type=law_name, default=USUAL, help="name of the law (default %(default)s)")
     export.add_argument(
         "--unloading",
-        help="elastic, hertz, thornton, a rule of the law's own, or a table file whose curve all contacts unload along "
-        "(default: the law's own, else hertz)",
+        help="unloading rule: elastic, hertz, thornton, a rule of this law only (list: demlaws laws NAME), or a table file "
+        "with the unloading curve of all contacts (default: the law's default rule, otherwise hertz)",
     )
-    export.add_argument("--unloading-law", help="name of a law whose curve each contact unloads along, in place of --unloading")
+    export.add_argument("--unloading-law", help="law whose curve is the unloading curve, in place of --unloading")
     options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}
-    export.add_argument("--unloading-option", **options, help="an option of that law")
-    export.add_argument("--option", **options, help="an option of the law")
+    export.add_argument("--unloading-option", **options, help="option of the law of --unloading-law")
+    export.add_argument("--option", **options, help="option of the law")
     export.add_argument(
         "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one per particle type"
     )

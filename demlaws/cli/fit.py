@@ -20,8 +20,8 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "fit",
-        description="Fits each law to measured (displacement, force) points, loading and unloading in the order of the "
-        "test; prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
+        description="Fits each law to measured points of displacement and force, loading and unloading in the order of the "
+        "test, and prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(
             '  demlaws fit points.csv --test "SS(18-18)" --figure fit.png\n'
             "  demlaws fit points.csv --radius 8.7mm --modulus 32.3GPa --roughness 1.4um --fractal-dimension 2.2 \\\n"
@@ -30,14 +30,17 @@ def register(subparsers):
             "  displacement (um),force (N)"
         ),
     )
-    parser.add_argument("points", type=Path, help="text file of measured points: two columns, titles with units")
+    parser.add_argument("points", type=Path, help="text file of measured points: two columns with units in the header")
     add_contact_arguments(parser)
     parser.add_argument(
-        "--law", type=law_name, action="append", help="only this law (may be repeated; default: all that need no height map)"
+        "--law",
+        type=law_name,
+        action="append",
+        help="fit only this law (may be repeated; default: all laws that need no height map)",
     )
     parser.add_argument(
         "--unloading",
-        help="only this rule: elastic, hertz, thornton or a rule of the law only (default: each, if the points unload)",
+        help="fit only this rule: elastic, hertz, thornton or a rule of the law (default: all, if points unload)",
     )
     parser.add_argument("--free", nargs="+", metavar="NAME", help="quantities to fit (default: each law's surface quantities)")
     parser.add_argument("--displacement-noise", type=length, metavar="M", help="standard deviation of the displacement in m")
@@ -49,7 +52,7 @@ def register(subparsers):
         metavar="M/N",
         help="compliance of the apparatus, in m/N or with a unit: 0.01um/N (to fit it: --free ... compliance)",
     )
-    parser.add_argument("--csv", type=Output(TITLES), help="file to write the ranking to")
+    parser.add_argument("--csv", type=Output(TITLES), help="CSV file of the ranking")
     parser.add_argument("--figure", type=output, help="picture to draw (png, pdf, svg)")
     parser.set_defaults(func=run)
 

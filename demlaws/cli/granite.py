@@ -10,9 +10,9 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "granite",
-        description="Runs the seven granite tests of Altuhafi, Baudet & Coop 2023 with every law; prints displacement and "
-        "stiffness per test and the paper's claims with verdicts; writes CSV files and figures.",
-        **example('  demlaws granite --out granite\n  demlaws granite --test "SS(18-18)" --law pohrt-popov --out one'),
+        description="Computes the seven granite tests of Altuhafi, Baudet & Coop (2023) with every law, prints displacement "
+        "and stiffness per test and the claims of the paper with verdicts, and writes CSV files and figures.",
+        **example('  demlaws granite --out granite\n  demlaws granite --test "SS(18-18)" --law pohrt-popov --out ss18'),
     )
     parser.add_argument("--test", help="one test only, for instance SS(18-18)")
     parser.add_argument("--law", type=law_name, help="one law only")

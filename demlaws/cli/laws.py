@@ -14,7 +14,7 @@ def register(subparsers):
         **example("  demlaws laws\n  demlaws laws rough-plastic\n  demlaws laws my-law --law-file my_laws.py --check"),
     )
     parser.add_argument("name", nargs="?", help="name of a law (default: list all)")
-    parser.add_argument("--check", action="store_true", help="run the project's tests of laws on it and print the table")
+    parser.add_argument("--check", action="store_true", help="run the project's tests on this law and print the results")
     parser.set_defaults(func=run)
 
 

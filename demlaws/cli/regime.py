@@ -11,7 +11,8 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     regime = subparsers.add_parser(
         "regime",
-        description="The criterion of Jamari & Schipper: p(0)/H_m at a load, the transition load, and which laws apply.",
+        description="Evaluates the criterion of Jamari & Schipper: p(0)/H_m at a load, the transition load, and the laws "
+        "that apply.",
         **example(
             "  demlaws regime --radius 3.175mm inf --young 430GPa 75.2GPa --poisson 0.17 0.34 --hardness 0.24GPa \\\n"
             "      --combined-roughness 1.3um --load 0.2"
@@ -19,7 +20,7 @@ def register(subparsers):
     )
     add_contact_arguments(regime)
     regime.add_argument("--load", type=force, help="load in N")
-    regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface: p(0) from their solution, not the fit")
+    regime.add_argument("--mu", type=plain, help="Greenwood & Tripp's μ of the surface; p(0) is then solved, not from the fit")
     regime.add_argument(
         "--yield-pressure", type=pressure, help="measured limit pressure p_y in Pa, in place of 0.6 of the hardness"
     )

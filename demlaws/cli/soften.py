@@ -10,8 +10,8 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "soften",
-        description="Engine input for contacts that are softer by a factor, and a longer time step, on the same branch of the "
-        "law: moduli, roughness, hardness and options of the law; and its effects on forces, energies and times.",
+        description="Prints the engine input for softer contacts that remain on the same branch of the law, and allow a longer "
+        "time step: moduli, roughness, hardness and options; and the effects on forces, energies and times.",
         **example(
             '  demlaws soften --factor 10 --law pohrt-popov --unloading hertz --test "SS(18-18)" --load 10\n'
             "  demlaws soften --factor 100 --law rough-plastic --option yield_pressure=1.66GPa --radius 8mm \\\n"
@@ -19,7 +19,7 @@ def register(subparsers):
         ),
     )
     parser.add_argument("--factor", type=plain, required=True, help="divisor of the modulus, for instance 10")
-    parser.add_argument("--load", type=force, default=10.0, help="load in N at which the contact is shown (default 10)")
+    parser.add_argument("--load", type=force, default=10.0, help="load in N for the printed comparison (default 10)")
     add_law_arguments(parser)
     parser.set_defaults(func=run)
 

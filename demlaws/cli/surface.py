@@ -32,9 +32,9 @@ def register(subparsers):
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface synthetic --out FILE [options]\n"
         "       demlaws surface summits FILE [--effective-radius R] [options]",
-        description="FILE: .npy, .csv, .txt, .tsv or .asc, or what an instrument writes (through SurfaceTopography). The first "
-        "form levels a map and prints its roughness; `contact` presses a smooth ball on it; `summits` counts nine-point "
-        "summits; `synthetic` makes a self-affine map.",
+        description="The first form levels a height map and prints its roughness and fractal dimension; `contact` computes the "
+        "contact with a smooth ball; `summits` counts nine-point summits; `synthetic` generates a self-affine map. FILE is "
+        ".npy, .csv, .txt, .tsv or .asc, or a file of an instrument (read by SurfaceTopography).",
         **example(
             "  demlaws surface synthetic --size 512 --pixel 0.5um --hurst 0.8 --roughness 1.3um --seed 1 --out map.asc\n"
             "  demlaws surface map.asc --form 2 --figure map.png\n"
@@ -44,39 +44,43 @@ def register(subparsers):
         ),
     )
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
-    surface.add_argument("--pixel", help="pixel size, for files without one: 0.8um, or 0.8um,1um for x and y")
+    surface.add_argument("--pixel", help="pixel size, if the file does not contain it: 0.8um, or 0.8um,1um for x and y")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
-    surface.add_argument("--form", type=whole(-1, 8), help="order of the polynomial removed (default 2; -1: none)")
+    surface.add_argument("--form", type=whole(-1, 8), help="order of the subtracted polynomial (default 2; -1: none)")
     surface.add_argument(
         "--crop",
         metavar="W[,H[,X,Y]]",
-        help="field of view about the middle, or about x, y from the first pixel: 0.2mm or 0.2mm,0.1mm,1mm,1mm",
+        help="field to use, in the middle or about x, y from the first pixel: 0.2mm or 0.2mm,0.1mm,1mm,1mm",
     )
     surface.add_argument(
-        "--wavelengths", type=length, nargs=2, metavar=("SHORTEST", "LONGEST"), help="range of the fractal dimension's fits"
+        "--wavelengths",
+        type=length,
+        nargs=2,
+        metavar=("SHORTEST", "LONGEST"),
+        help="wavelengths used to fit the fractal dimension",
     )
-    surface.add_argument("--out", type=output, help="write the map: levelled, synthetic, or as the load leaves it")
+    surface.add_argument("--out", type=output, help="file for the map: levelled, synthetic, or after the contact")
     surface.add_argument("--figure", type=output, help="picture to draw")
     add_contact_arguments(surface, test=False)
-    contact = surface.add_argument_group("pressing: a ball (the first body) on the map (the second body)")
+    contact = surface.add_argument_group("contact of a ball (the first body) with the map (the second body)")
     contact.add_argument("--load", type=force, help="load in N")
     contact.add_argument("--tolerance", type=plain, default=0.01, help="relative tolerance of the load (default 0.01)")
     contact.add_argument(
-        "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (without: aluminium's)"
+        "--plastic-factor", type=plain, help="c_h: fully plastic pressure over hardness (default: that of aluminium)"
     )
-    contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (without: aluminium's)")
-    contact.add_argument("--csv", type=Output(MICRO_CONTACTS), help="write the micro-contacts under load")
-    contact.add_argument("--table", type=output, help="write the map's law as a table for YADE and LIGGGHTS")
-    contact.add_argument("--unloading", default="hertz", help="rule joined to the table (default hertz)")
+    contact.add_argument("--plastic-ratio", type=plain, help="c_A: 2 ω2/ω1 of a sphere (default: that of aluminium)")
+    contact.add_argument("--csv", type=Output(MICRO_CONTACTS), help="CSV file of the micro-contacts under load")
+    contact.add_argument("--table", type=output, help="file for the law of the map as a table for YADE, LIGGGHTS and LAMMPS")
+    contact.add_argument("--unloading", default="hertz", help="unloading rule of the table (default hertz)")
     contact.add_argument("--max-force", type=force, help="end of the computed curve in N")
     contact.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the table (default 1e-5)")
-    synthetic = surface.add_argument_group("synthetic, with --roughness its Sq (default 1um)")
+    synthetic = surface.add_argument_group("synthetic map; --roughness is its Sq (default 1um)")
     synthetic.add_argument("--size", type=whole(4, 8192), default=512, help="pixels along each side (default 512)")
     synthetic.add_argument("--hurst", type=plain, default=0.8, help="Hurst exponent H = 3 - Df (default 0.8)")
     synthetic.add_argument("--seed", type=whole(0, 2**63), default=1, help="seed of the random numbers (default 1)")
     synthetic.add_argument("--shortest", type=length, default=0.0, help="shortest wavelength (default: two pixels)")
     synthetic.add_argument("--longest", type=length, default=float("inf"), help="longest wavelength (default: no roll-off)")
-    synthetic.add_argument("--anisotropy", type=plain, default=1.0, help="how much longer along x (default 1)")
+    synthetic.add_argument("--anisotropy", type=plain, default=1.0, help="ratio of the wavelengths along x and y (default 1)")
     surface.set_defaults(func=run_surface)
 
 

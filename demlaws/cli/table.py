@@ -13,8 +13,8 @@ def register(subparsers):
     """Add the command `table`."""
     table = subparsers.add_parser(
         "table",
-        description="Writes the dimensionless force and stiffness table of a law, or of a curve through measured points, "
-        "with its certificate in the header.",
+        description="Writes a table of dimensionless force and stiffness of a law, or of a curve through measured points. The "
+        "header of the file contains the measured errors.",
         **example(
             '  demlaws table --law pohrt-popov --unloading hertz --test "SS(18-18)" --out granite.tbl --figure granite.png\n'
             '  demlaws table --law pohrt-popov --test "SS(18-18)" --out both.tbl --unloading-law hertz\n'
@@ -25,20 +25,24 @@ def register(subparsers):
     )
     add_law_arguments(table, law_required=False)
     points = table.add_argument_group(
-        "measured points in place of --law; --unloading then also takes a file of points measured after the largest force"
-    )
-    points.add_argument("--points", type=Path, metavar="FILE", help="text file of first loading: overlap and force with units")
-    points.add_argument(
-        "--zero", type=length, default=0.0, help="displacement in m at which the bodies touch (default 0: overlaps are given)"
+        "measured points in place of --law; --unloading then also accepts a file with the measured points of unloading"
     )
     points.add_argument(
-        "--force-noise", type=force, metavar="N", help="standard uncertainty of a force in N (default: scatter)"
+        "--points", type=Path, metavar="FILE", help="text file with the points of first loading: overlap and force with units"
     )
-    points.add_argument("--residual", type=length, help="overlap in m at which unloading ends (default: found from the points)")
+    points.add_argument(
+        "--zero", type=length, default=0.0, help="displacement in m at first touch (default 0: the points are overlaps)"
+    )
+    points.add_argument(
+        "--force-noise", type=force, metavar="N", help="standard uncertainty of the force in N (default: from the scatter)"
+    )
+    points.add_argument("--residual", type=length, help="plastic overlap in m after unloading (default: from the points)")
     table.add_argument(
-        "--rtol", type=plain, help="relative tolerance in force and stiffness (default 1e-5; of points 1e-3, about their curve)"
+        "--rtol",
+        type=plain,
+        help="relative tolerance of force and stiffness (default 1e-5; for points 1e-3 of the smoothed curve)",
     )
-    table.add_argument("--max-force", type=force, help="end of the table in N (default: overlap of a tenth of the radius)")
+    table.add_argument("--max-force", type=force, help="largest force of the table in N (default: force at an overlap of R/10)")
     table.add_argument("--out", type=output, required=True, help="file to write")
     table.add_argument("--figure", type=output, help="picture of the table and its errors, or of the points and the table")
     table.set_defaults(func=run)

@@ -18,10 +18,10 @@ def register(subparsers):
     """Add this file's commands to the command line."""
     parser = subparsers.add_parser(
         "timestep",
-        description="The largest stable time step of a snapshot, 2/ω_max with shear and rotation, with a rigorous bound, "
+        description="Computes the largest stable time step of a snapshot, 2/ω_max with shear and rotation, a rigorous bound, "
         "Rayleigh's step and the recommended step. SNAPSHOT is a scene saved by YADE (O.save), or a dump of the grains of "
-        "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. Of a dump the last frame is used. Dumps hold "
-        "no stiffness: give the law and the contact without its radii. Contacts with walls are not in these dumps.",
+        "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. The last frame of a dump is used. Dumps have "
+        "no stiffness: give the law and the contact without radii. Contacts with walls are not in these dumps.",
         **example(
             "  demlaws timestep packing.yade.gz\n"
             "  demlaws timestep post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
@@ -35,10 +35,15 @@ def register(subparsers):
         type=int,
         nargs=5,
         metavar="N",
-        help="columns of CONTACTS, from 1, of id1 id2 fx fy fz (default: as in exported cases, 7 8 10 11 12 for LIGGGHTS, "
+        help="columns id1 id2 fx fy fz of CONTACTS, counted from 1 (default: as in exported cases, 7 8 10 11 12 for LIGGGHTS, "
         "2 3 4 5 6 for LAMMPS)",
     )
-    parser.add_argument("--density", type=density, default=2650.0, help="for grains without mass or density in the dump (2650)")
+    parser.add_argument(
+        "--density",
+        type=density,
+        default=2650.0,
+        help="density in kg/m³ if the dump contains no mass or density (default 2650)",
+    )
     add_law_arguments(parser, law_required=False)
     parser.set_defaults(func=run)
 

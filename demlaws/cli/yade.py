@@ -44,14 +44,14 @@ def register(subparsers):
     """Add `yade` with its sub-commands `check` and `run`."""
     parser = subparsers.add_parser(
         "yade",
-        description="The laws inside Debian's YADE.",
+        description="Uses the laws in Debian's YADE.",
         epilog="example: demlaws yade run -x yade_scripts/two_spheres.py --quick",
     )
     commands = parser.add_subparsers(dest="yade_command", required=True, metavar="COMMAND", parser_class=_PassesOn)
     check = commands.add_parser(
         "check",
-        help="versions, the native bridge, self-tests of the laws",
-        description="Start YADE, verify what the native bridge assumes, and test every law with its default unloading rule and "
+        help="print versions, test the native bridge and the laws",
+        description="Start YADE, verify the assumptions of the native bridge, and test every law with its default rule and "
         "every other rule with one law, on two spheres. The first time on a machine each takes some seconds to compile.",
         epilog="example: demlaws yade check --quick",
     )
@@ -62,7 +62,7 @@ def register(subparsers):
     run = commands.add_parser(
         "run",
         help="run a script under YADE with this package importable",
-        description="Run a script under YADE with this package importable. As with `yade`, the interpreter stays when the "
+        description="Run a script under YADE with this package importable. As with `yade`, the interpreter stays open when the "
         "script has ended, unless -x is given. Options before the script that are not listed here go to YADE (yade-batch) as "
         "they are, for instance --cores=0,1. Without --gui the graphical interface is not started. Where demlaws is "
         "installed for YADE's own Python, plain `yade SCRIPT` does the same.",
@@ -70,7 +70,7 @@ def register(subparsers):
     )
     run.add_argument("-x", dest="leave", action="store_true", help="exit when the script has ended (status 1 if it failed)")
     run.add_argument("-j", "--threads", type=int, default=1, metavar="N", help="OpenMP threads (default 1)")
-    run.add_argument("--gui", action="store_true", help="with the graphical interface")
+    run.add_argument("--gui", action="store_true", help="start the graphical interface")
     run.add_argument("--batch", metavar="TABLE", help="run once for each line of this parameter table (yade-batch)")
     run.usage = "demlaws yade run [-x] [-j N] [--gui] [--batch TABLE] [options of YADE] SCRIPT [arguments of the script]"
     run.passes_on = True

@@ -68,7 +68,7 @@ def bind(cls, **functions):
             while cls.__name__ in others:
                 cls.__name__ = f"{name}_{next(numbers)}"
         elif cls.__name__ in others:
-            raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; symbols would clash")
+            raise TypeError(f"{cls.__module__}.{cls.__name__}: another law has a type of this name; rename it")
     _KERNELS.setdefault(cls, {}).update(functions)
 
 

@@ -56,7 +56,7 @@ def grid(lowest, highest, kinks, bits_per_octave):
     u = node(np.arange(first, last + 1), bits_per_octave)
     inside = sorted({float(k) for k in kinks if u[0] < k < u[-1]})
     if len(inside) > MOST_KINKS:
-        raise DemlawsError(f"{len(inside)} kinks of the stiffness lie in the table's range: a table holds {MOST_KINKS} at most")
+        raise DemlawsError(f"{len(inside)} kinks of the stiffness in the table's range: a table stores at most {MOST_KINKS}")
     extra = [k for k in inside if k not in u]
     u = np.sort(np.concatenate([u, inside, extra]))
     return u, inside

@@ -26,7 +26,7 @@ except ImportError:  # of a release that has moved it: YADE's bridge, which alon
     populate_array = None
 
 if numba.config.DISABLE_JIT:
-    raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws are machine code and do not run without numba; unset it")
+    raise DemlawsError("NUMBA_DISABLE_JIT is set: the laws need numba's compiler; unset it")
 
 TESTED = (0, 68)
 """The last release of numba (major, minor) whose internals these tests have run with."""

@@ -102,9 +102,9 @@ def own_rule(rule: Rule) -> Rule:
         or (rule.name in OF_THE_PACKAGE and not type(rule.tag).__module__.startswith("demlaws.laws."))
         or (other is not None and not _same(type(other.tag), type(rule.tag)))
     ):
-        raise TypeError(f"there is another unloading rule {rule.name!r}: give this one a name of its own")
+        raise TypeError(f"an unloading rule {rule.name!r} exists already: use another name")
     if len(rule.state) > LARGEST_STATE:
-        raise TypeError(f"rule {rule.name!r} remembers {len(rule.state)} numbers, engines keep {LARGEST_STATE}")
+        raise TypeError(f"rule {rule.name!r} has a state of {len(rule.state)} numbers, engines store at most {LARGEST_STATE}")
     if rule.curve != "law":
         raise TypeError(f"rule {rule.name!r}: curve must be 'law', got {rule.curve!r}")
     _OWN[rule.name] = _OF_TAG[type(rule.tag)] = rule

@@ -56,7 +56,7 @@ def from_points(
         if abs(reached / expected - 1.0) > MeasuredCurve.MOST:
             raise DemlawsError(
                 f"unloading begins at overlap {top:.6g} m with {reached:.6g} N, where loading has {expected:.6g} N: "
-                "both must be of one test, with one zero of the overlap"
+                "both must come from one test, with the same zero of the overlap"
             )
         most = _REACH * _largest_force(table, contact)
         other.largest = max(other.largest, _overlap_of(lambda d: other.evaluate(np.array([d]))[0][0], most, float(past.max())))

@@ -149,7 +149,7 @@ def _definition(file, rule, prefix, collapses):
 
 
 def definition_of_table(name: str, source: str, description: str, length: str, collapses: bool, **facts: Any) -> Definition:
-    """`Definition` of a law that is known from its table only."""
+    """`Definition` of a law thatis known from its table only."""
     return Definition(
         name=name,
         prepare=_not_here,
@@ -164,7 +164,7 @@ def definition_of_table(name: str, source: str, description: str, length: str, c
 
 
 def _not_here(contact, **options):
-    raise DemlawsError("this law is known from a table only: it cannot be made for another contact")
+    raise DemlawsError("this law comes from a table without its definition: it cannot be made for another contact")
 
 
 def _rule(file, path):
@@ -176,12 +176,13 @@ def _rule(file, path):
     rule = None if definition is None else definition.offered().get(values["rule"])
     if rule is None:
         raise DemlawsError(
-            f"{path}: its rule {values['rule']!r} comes with law {values['law']!r}, which is not registered here: name its "
+            f"{path}: its rule {values['rule']!r} belongs to law {values['law']!r}, which is not registered here: name its "
             "file (--law-file FILE.py, dl.load_laws)"
         )
     if file.header.get("rule_source", "-") not in ("-", mark(definition)):
         raise DemlawsError(
-            f"{path}: law {values['law']!r} was another when the table was written: take that file of laws, or write it again"
+            f"{path}: law {values['law']!r} has changed since the table was written: use the former law file, "
+            "or write the table again"
         )
     return rule
 
@@ -190,4 +191,4 @@ def _knots(line, path):
     try:
         return None if line is None else Knots.from_text(line)
     except (ValueError, KeyError, TypeError):
-        raise DemlawsError(f"{path}: the line 'points' does not hold the points of a table") from None
+        raise DemlawsError(f"{path}: the line 'points' does not contain the points of a table") from None

@@ -109,7 +109,7 @@ def _smallest_table(source, contact, lengths, rtol, name, span, first_bits=1, bu
         if max(certificate) <= rtol:
             return shape, nodes, certificate
     raise DemlawsError(
-        f"rtol = {rtol:g} is out of reach: with {2**MOST_BITS} cells per octave the table of {name!r} errs by "
+        f"rtol = {rtol:g} cannot be reached: with {2**MOST_BITS} cells per octave the table of {name!r} errs by "
         f"{max(certificate):.2g}; use a larger tolerance"
     )
 
@@ -229,7 +229,7 @@ def tolerance(rtol: Any) -> float:
 def _refuse_too_fine(definition, rtol):
     if definition.solved and rtol < 1e-5:
         raise DemlawsError(
-            f"rtol = {rtol:g}: the curve of {definition.name!r} comes from a solver, to 1e-6 itself; ask for 1e-5 or more"
+            f"rtol = {rtol:g}: the curve of {definition.name!r} is a numerical solution with an error of 1e-6; use 1e-5 or more"
         )
 
 

@@ -310,7 +310,7 @@ def parse(data, name):
     def curve(prefix):
         given, promised, bits = rows.get(prefix, []), values[f"{prefix}rows"], values[f"{prefix}bits"]
         if len(given) != promised:
-            refuse(places[f"{prefix}rows"], f"{len(given)} rows were read, {promised} were promised")
+            refuse(places[f"{prefix}rows"], f"{len(given)} rows were read, the header states {promised}")
         nodes = Nodes(*np.array(given).T)
         wrong = _off_grid(nodes.u, bits)
         if wrong is not None:

@@ -87,7 +87,7 @@ def _version_of(binary):
     found = re.search(r"Massively Parallel Simulator - (.+)", result.stdout)
     if not found:
         reason = (result.stderr or result.stdout).strip().splitlines()
-        raise DemlawsError(f"{binary.path} does not answer as LAMMPS does: {reason[0] if reason else 'no output'} ({PACKAGES})")
+        raise DemlawsError(f"{binary.path} does not respond like LAMMPS: {reason[0] if reason else 'no output'} ({PACKAGES})")
     listed = result.stdout.split("Installed packages:", 1)[-1].split("List of individual style", 1)[0]
     version = Version(found.group(1).strip(), frozenset(listed.split()))
     if "GRANULAR" not in version.packages:

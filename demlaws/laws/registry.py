@@ -161,11 +161,11 @@ def _check(definition: Any) -> None:
         raise DemlawsError(f"register takes a demlaws.Definition, got {definition!r:.60}")
     name = definition.name
     if isinstance(name, str) and name in _BUILT_IN:
-        raise DemlawsError(f"law {name!r} is one of demlaws's own: give yours another name")
+        raise DemlawsError(f"law {name!r} is a law of demlaws: use another name")
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*", name) or name in RULES:
         known = f"no rule's ({', '.join(RULES)})"
         raise DemlawsError(
-            f"law {name!r:.60}: a law's name is small letters, digits and hyphens, begins with a letter, and is {known}"
+            f"law {name!r:.60}: a name consists of lower-case letters, digits and hyphens, begins with a letter, and is {known}"
         )
     for field in ("equation", "source", "description"):
         text = getattr(definition, field)
@@ -206,7 +206,7 @@ def _reduced(definition: Definition) -> tuple:
 def _of_name(name: str, marked: str = "") -> Definition:
     definition = find(name)
     if mark(definition) != marked:
-        raise DemlawsError(f"law {name!r} is another here than where it was pickled: make it again with this one")
+        raise DemlawsError(f"law {name!r} differs from the law that was pickled: make it again")
     return definition
 
 
@@ -301,13 +301,13 @@ def _imported(path: str) -> ModuleType | None:
 
 def _run(path: str) -> None:
     if not os.path.isfile(path):
-        raise DemlawsError(f"no file of laws {path:.200}: give the Python file that registers them")
+        raise DemlawsError(f"no law file {path:.200}: give a Python file that registers laws")
     # stable, so that machine code is found again, and different for files of one name
     name = f"demlaws_own_{re.sub(r'[^A-Za-z0-9]', '_', Path(path).stem)}_{zlib.crc32(path.encode()):08x}"
     spec = importlib.util.spec_from_file_location(name, path)
     before = dict(_own), dict(_homes)
     if spec is None or spec.loader is None:
-        raise DemlawsError(f"{path} is no Python file: laws are registered by one that ends in .py")
+        raise DemlawsError(f"{path} is not a Python file: the name of a law file ends in .py")
     module = importlib.util.module_from_spec(spec)
     sys.modules[name] = module
     folder = os.path.dirname(path)  # modules beside the file, as for a script
@@ -361,4 +361,4 @@ def _load_entry_points() -> None:
             for definition in [found] if isinstance(found, Definition) or not isinstance(found, list | tuple) else found:
                 _register(definition, _home(vars(sys.modules[point.module])))
         except Exception as error:
-            warn(f"laws of the entry point {point.name} = {point.value} are left out: {error}", UserWarning)
+            warn(f"laws of the entry point {point.name} = {point.value} were not loaded: {error}", UserWarning)

@@ -116,11 +116,9 @@ def _loading_definition(loading):
 
     definition = find(loading)
     if definition.default_unloading != "elastic":
-        raise DemlawsError(
-            f"loading={loading!r} is a law that yields by itself: give the law that holds before, or that law alone"
-        )
+        raise DemlawsError(f"loading={loading!r} is a law with its own yield: give the law before yield, or use that law alone")
     if definition.name == LAW.name:
-        raise DemlawsError(f"loading={loading!r}: give the rough law that holds before yield, for instance 'pohrt-popov'")
+        raise DemlawsError(f"loading={loading!r}: give the rough law before yield, for instance 'pohrt-popov'")
     return definition
 
 

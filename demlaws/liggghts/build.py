@@ -28,7 +28,7 @@ def engine_library():
         raise DemlawsError(f"{binary} does not find its libliggghts: set LD_LIBRARY_PATH to the folder of that library")
     if libraries:
         raise DemlawsError(
-            f"{binary} holds LIGGGHTS in itself and loads no libliggghts, through which alone a plugin reaches it: "
+            f"{binary} contains LIGGGHTS statically and loads no libliggghts, which the plugin needs: "
             "link main.cpp with the shared library instead (docs/machines.md has the line)"
         )
     return None

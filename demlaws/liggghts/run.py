@@ -40,7 +40,7 @@ def _version_of(binary):
     result = subprocess.run([binary, "-h"], capture_output=True, text=True)
     text = result.stdout
     if result.returncode and not text:  # a library that it does not find
-        raise DemlawsError(f"{binary} does not start: {result.stderr.strip()[:300]}")
+        raise DemlawsError(f"{binary} cannot be started: {result.stderr.strip()[:300]}")
     found = re.search(r"Version (LIGGGHTS\S*) (\S+?),", text)
     if not found or found.group(2) != VERSION:
         raise DemlawsError(f"the plugin is for LIGGGHTS {VERSION}, the binary is {found.group(0) if found else text[:80]!r}")

@@ -234,7 +234,7 @@ class RoughContact:
         if self.pair.size is not None:
             raise DemlawsError("a height map belongs to one contact; this pair is an array of contacts")
         if self.memory not in MEMORIES:
-            raise DemlawsError(f"memory = {self.memory!r}: a pixel remembers {', '.join(map(repr, MEMORIES))}")
+            raise DemlawsError(f"memory = {self.memory!r}: choose one of {', '.join(map(repr, MEMORIES))}")
         hardness = math.inf if self.pair.hardness is None else self.pair.hardness
         if self.pair.hardness is not None and None in (self.plastic_factor, self.plastic_ratio):
             warn(
@@ -348,7 +348,8 @@ class RoughContact:
                     deepest = self.origin - float(np.nanmin(self.gap)) + 10 * scale
                 if x > deepest:
                     raise DemlawsError(
-                        f"load = {load:g} N presses the whole map flat, at {force:.3g} N: give a smaller load or a larger map"
+                        f"load = {load:g} N brings the whole map into contact, at {force:.3g} N: use a smaller load or a "
+                        "larger map"
                     )
                 x = base + (x - base) * (4.0 if f == -math.inf else min(max(math.exp(-0.6 * f), 1.2), 8.0))
             elif low_f == -math.inf:
@@ -363,8 +364,8 @@ class RoughContact:
                 if not low < x < high:
                     break
         raise DemlawsError(
-            f"no separation carries {load:g} N within {tolerance:g}: the force jumps there from {math.exp(low_f) * load:g} N; "
-            "give a larger tolerance or a map with more pixels in contact"
+            f"no separation carries {load:g} N within {tolerance:g}: the force is discontinuous above "
+            f"{math.exp(low_f) * load:g} N; give a larger tolerance or a map with more pixels in contact"
         )
 
     def load(self, load, tolerance=0.01, elastic_only=False, guess=None):
@@ -391,8 +392,8 @@ class RoughContact:
             if ratio >= criterion.YIELD_RATIO:
                 self._warned.add("bulk")
                 warn(
-                    f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk yields too, "
-                    "which this model leaves out"
+                    f"asperity: at {step.load:.3g} N p(0)/H_m = {ratio:.2f} ≥ {criterion.YIELD_RATIO}: the bulk also yields, "
+                    "which this model neglects"
                 )
         if step.touches_edge and "edge" not in self._warned:
             self._warned.add("edge")

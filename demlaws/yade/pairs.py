@@ -176,7 +176,7 @@ class Source:
             (low, high), (soft, stiff) = span.radius, span.modulus
             raise DemlawsError(
                 f"law {self.name!r} is solved for one contact, these may have R from {low:g} to {high:g} m and "
-                f"E* from {soft:.6g} to {stiff:.6g} Pa: give the values of the one that occurs, radii=(R, R) and moduli=(E, E)"
+                f"E* from {soft:.6g} to {stiff:.6g} Pa: give its values, radii=(R, R) and moduli=(E, E)"
             )
         needs = self.definition.needs + (() if self.curve is None else self.curve.definition.needs)
         if surface.roughness == 0.0 and any(getattr(contact, name) is None for name in needs):
@@ -189,7 +189,7 @@ class Source:
 
     def _table_shape(self, surface, unloading):
         if unloading == GIVEN and self.table.unloading != GIVEN:
-            raise DemlawsError(f"unloading {GIVEN!r} needs its curve: the table of {self.name!r} holds none")
+            raise DemlawsError(f"unloading {GIVEN!r} needs a curve: the table of {self.name!r} has none")
         contact = self.table.contact
         if surface.roughness == 0.0 and self.table.loading_shape.length_over_roughness:
             return None
@@ -289,7 +289,7 @@ class Pairs:
             if isinstance(given, Law) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
-            raise DemlawsError(f"the laws come with different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
+            raise DemlawsError(f"the laws have different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
         self.unloading = rules.pop() if rules else "elastic"
         if unloading is not None and not (unloading == GIVEN and rules == {GIVEN}):
             self.unloading, curve = (unloading, None) if unloading == GIVEN else rule_and_curve(unloading)
@@ -532,7 +532,7 @@ class Pairs:
         answers = content.get("answers")
         if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):
             raise DemlawsError(
-                f"law {', '.join(map(repr, pairs._own()))} is registered, but answers otherwise than when the scene was saved: "
-                "the history of its contacts belongs to the other one. Register the law as it was"
+                f"law {', '.join(map(repr, pairs._own()))} is registered, but gives other forces than when the scene was "
+                "saved: the history of the contacts belongs to the former law. Register the law unchanged"
             )
         return pairs

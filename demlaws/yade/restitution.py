@@ -30,7 +30,7 @@ def restitution(pairs, first, second, speed, en=None):
     if not (isinstance(speed, Real) and speed > 0.0):
         raise DemlawsError(f"speed = {speed!r} m/s: an impact needs a positive speed")
     if en is not None and not (isinstance(en, Real) and 0.0 < en <= 1.0):
-        raise DemlawsError(f"en = {en!r}: above 0 and up to 1")
+        raise DemlawsError(f"en = {en!r}: give a value above 0, at most 1")
     if O.running:
         raise DemlawsError("the impact needs a scene of its own, but a simulation is running: call O.pause() first")
     for body in (first, second):
@@ -59,7 +59,8 @@ def en_for(pairs, first, second, speed, wanted):
     most = restitution(pairs, first, second, speed)
     if not (isinstance(wanted, Real) and 0.0 < wanted <= most):
         raise DemlawsError(
-            f"a restitution of {wanted!r} is not possible at {speed:g} m/s: the law itself dissipates, {most:.4f} is the most"
+            f"a restitution of {wanted!r} is not possible at {speed:g} m/s: the law itself dissipates energy, "
+            f"at most {most:.4f}"
         )
 
     def excess(en):
@@ -117,7 +118,7 @@ def _bounce(binding, lower, upper, mass, speed, en):
         if ball.state.vel[2] > 0.0 and not O.interactions.countReal():
             break
     if binding.context.take_fault() is not None or not math.isfinite(ball.state.vel[2]):
-        raise DemlawsError(f"the law does not serve an impact of these bodies at {speed:g} m/s (does a table end?)")
+        raise DemlawsError(f"the law has no force for an impact of these bodies at {speed:g} m/s (does a table end?)")
     if binding.context.take_deep():
         text = f"the impact at {speed:g} m/s goes deeper than {SMALL_OVERLAP:g} R, the range of contact laws"
         warnings.warn(text, ValidityWarning, stacklevel=4)

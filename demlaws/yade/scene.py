@@ -412,7 +412,7 @@ def guard(label):
     functor = at_work(label)
     binding = functor.binding
     if binding.attachment is None or not binding.attachment.acts_in(functor):
-        raise EngineStopped(f"the functor of law {label!r} does not act by it: assign O.engines again")
+        raise EngineStopped(f"the functor of law {label!r} does not use it: assign O.engines again")
     binding.watch(functor)
     _warn(binding.bound_steppers(get_engines()))
     if binding.guards == 1:
@@ -428,12 +428,12 @@ def at_work(label):
     if functor is None:
         known = ", ".join(map(repr, laws_here())) or "none"
         raise EngineStopped(
-            f"no law {label!r} is at work in this scene, or its tag {LAW.format(label=label)!r} is missing: {known}"
+            f"law {label!r} is not used in this scene, or its tag {LAW.format(label=label)!r} is missing: {known}"
         )
     if functor.binding.scene != token_here():
         raise EngineStopped(
-            f"the law {label!r} now acts in another scene, whose account of energy would mix with this one's: make one law "
-            "functor for each scene"
+            f"the law {label!r} is now used in another scene, and its energies would be mixed: make one law functor "
+            "for each scene"
         )
     return functor
 

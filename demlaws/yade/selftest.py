@@ -105,7 +105,7 @@ def _compare(binding, omega):
     if not largest > 0 or not wrong <= TOLERANCE * largest * 100:
         raise SelfTestFailed(f"YADE applied up to {max(applied):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
     if binding.context.take_fault() is not None:
-        raise SelfTestFailed("the native code met contacts that it does not know")
+        raise SelfTestFailed("the native code received unknown contacts")
     binding.account = 0.0, 0, 0.0
     binding.attachment.forget_rows()
     binding.attachment.watched_by(None)

@@ -52,7 +52,7 @@ def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
     pair = dl.Contact(5e-3, 30e9, GRANITE.roughness * 2**0.5, GRANITE.fractal_dimension, GRANITE.hardness)
     assert content["answers"][-1][-1] == pytest.approx(dl.law("pohrt-popov", pair, "hertz").force(2e-5), rel=1e-9)
     content["answers"][-1][-1] *= 1 + 1e-6
-    with pytest.raises(dl.DemlawsError, match=r"law 'pohrt-popov' is registered, but answers otherwise"):
+    with pytest.raises(dl.DemlawsError, match=r"law 'pohrt-popov' is registered, but gives other forces"):
         pairs.Pairs.from_text(json.dumps(content))
     content["default"]["law"] = "gone"
     with pytest.raises(dl.DemlawsError, match=r"saved with law 'gone', which is not registered"):
@@ -79,7 +79,7 @@ def test_a_law_changed_under_its_name_is_another(omega, tmp_path, registered_her
 
     scene._at_work.clear()  # as in another process
     omega.load(str(tmp_path / "scene.xml"))
-    with pytest.raises(dl.DemlawsError, match="law 'spring' is registered, but answers otherwise"):
+    with pytest.raises(dl.DemlawsError, match="law 'spring' is registered, but gives other forces"):
         list(omega.engines)
     omega.reset()
     register(1e9)
