@@ -58,9 +58,47 @@ def report(folder, out, printed):
     return text
 
 
-def as_printed(folder, out, printed):
-    """What the command printed."""
-    return f"```text\n{printed.rstrip()}\n```\n"
+def narrowed(block):
+    """A printed table without the blank columns beyond one between two columns."""
+    lines = block.splitlines()
+    width = max(map(len, lines))
+    blank = [all(line[k : k + 1] in ("", " ") for line in lines) for k in range(width)]
+    kept = [k for k in range(width) if not (k and blank[k] and blank[k - 1])]
+    return "\n".join("".join(line[k : k + 1] for k in kept) for line in lines)
+
+
+def as_printed(text):
+    """A page with this text and the tables that the command printed."""
+
+    def page(folder, out, printed):
+        tables = "\n\n".join(narrowed(block) for block in printed.rstrip().split("\n\n"))
+        return f"{text}\n\n```{{code-block}} text\n:class: digits\n\n{tables}\n```\n"
+
+    return page
+
+
+STABILITY = """Random load paths at extreme sizes, materials and overlaps test every law with every rule. If a check fails, the
+line above states it. [Accuracy and cost](../trade.md#extremes) summarises the results. One row per law, unloading rule and
+evaluation (closed form or table):
+
+- *not fin.*: forces that are not finite or that decrease on first loading; *returns work*: paths that return more work
+  than was done; *most returned*: the largest return over the stored energy (a negative value: no path returned work).
+- *force error*: against 50-digit references, below, within and above the usual range of overlaps; in units of ε =
+  2.2e-16.
+- *ratchet*: change of the force by tiny cycles; *kink*, *reload*: discontinuity at a kink, and at the largest overlap;
+  *broken*: contacts that differ from new ones after separation.
+- *gain at 50 steps*: largest energy gain of an impact of 50 steps; *safe steps*: steps per impact for a gain below
+  1e-4.
+- *step / limit*: `dl.timestep` over the measured stability limit; *NaN*: invalid input is refused; *float32*: error of
+  float32 storage."""
+
+TRADE = """Time and error of every law with every unloading rule, as closed form, in float32 and as tables of increasing
+accuracy. [Accuracy and cost](../trade.md) has the conclusions.
+
+- *ns*: nanoseconds per contact; *× copy*: over the time to copy the same arrays; *bytes*: history per contact; *rows*:
+  of the table.
+- Errors are the largest errors over loading and unloading, relative to the largest value so far; first against the
+  closed form of the same law, then against rough-plastic with Thornton unloading."""
 
 
 PAGES = {
@@ -75,13 +113,13 @@ PAGES = {
         "Every law at the extremes",
         [*STUDY, "studies.extremes", "--paths", "1e5"],
         ["--paths", "2e4", "--cycles", "1e4"],
-        as_printed,
+        as_printed(STABILITY),
     ),
     "trade-now": (
         "Cost against error, this version",
         [*STUDY, "studies.trade"],
         ["--contacts", "2e4", "--rounds", "3"],
-        as_printed,
+        as_printed(TRADE),
     ),
 }
 """Name of the page → title, command, what `--quick` adds to it, function that makes the text of its output."""
