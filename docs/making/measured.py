@@ -102,7 +102,7 @@ accuracy. [Accuracy and cost](../trade.md) has the conclusions.
 
 
 PAGES = {
-    "claims": ("What a paper says, and what runs give", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
+    "claims": ("Statements of the granite paper, tested", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
     "report": (
         "Published and third-party results, and ours",
         [*STUDY, "studies.validation", "--out", "{out}"],
@@ -110,13 +110,13 @@ PAGES = {
         report,
     ),
     "stability": (
-        "Every law at the extremes",
+        "Every law at extreme inputs",
         [*STUDY, "studies.extremes", "--paths", "1e5"],
         ["--paths", "2e4", "--cycles", "1e4"],
         as_printed(STABILITY),
     ),
     "trade-now": (
-        "Cost against error, this version",
+        "Cost and error of every law",
         [*STUDY, "studies.trade"],
         ["--contacts", "2e4", "--rounds", "3"],
         as_printed(TRADE),

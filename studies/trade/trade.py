@@ -226,14 +226,14 @@ def _number(value):
 def table(entries, floor):
     """The entries as text."""
     own, richest = "error against its own closed form", f"error against {RICHEST[0]}"
-    names = " ".join(f"{q:>11}" for q in COMPARED)
+    names = " ".join(f"{q:>9}" for q in (*COMPARED[:3], "rebound"))
     lines = [
-        f"{'':51} {'':>9} {'×':>8} {'state':>6} {'':>6}   {own:^47}   {richest:^47}",
+        f"{'':51} {'':>9} {'×':>8} {'state':>6} {'':>6}   {own:^39}   {richest:^39}",
         f"{'law':16} {'unloading':10} {'evaluation':12} {'':>9} {'ns':>9} {'copy':>8} {'bytes':>6} {'rows':>6}"
         f"   {names}   {names}",
     ]
     for e in entries:
-        errors = "   ".join(" ".join(f"{_number(values[q]):>11}" for q in COMPARED) for values in (e.own, e.richest))
+        errors = "   ".join(" ".join(f"{_number(values[q]):>9}" for q in COMPARED) for values in (e.own, e.richest))
         lines.append(
             f"{e.law:16} {e.unloading:10} {e.evaluation:12} {e.detail:>9} {e.ns:9.2f} {e.over_copy:8.2f} {e.state_bytes:6d} "
             f"{e.rows or '-':>6}   {errors}{'  *' if e.front else ''}"

@@ -120,7 +120,7 @@ def test_a_reloaded_module_replaces_its_laws(tmp_path):
     np.testing.assert_allclose(new.joined("hertz").tabulate(1e-3).force(1e-6), new.force(1e-6), rtol=1e-3)
     saved = pickle.dumps(new)
     dl.register(dl.define("power", power, slope), replace=True)
-    with pytest.raises(dl.DemlawsError, match="another here than where it was pickled"):
+    with pytest.raises(dl.DemlawsError, match="differs from the law that was pickled"):
         pickle.loads(saved)
 
 

@@ -159,7 +159,7 @@ def test_one_file_by_two_names_is_one_law(tmp_path, monkeypatch, how):
         assert os.environ["DEMLAWS_LAWS"].split(os.pathsep)[-1] == str(file)
         changed = tmp_path / "changed.py"
         changed.write_text(file.read_text().replace("lost=0.4", "lost=0.5"))
-        with pytest.raises(dl.DemlawsError, match="there is another unloading rule 'twice-slack'"):
+        with pytest.raises(dl.DemlawsError, match="an unloading rule 'twice-slack' exists already"):
             dl.load_laws(changed)
         # as a module of a script, too: it runs once more, its law is the one from then on, and the rules of both are known
         monkeypatch.syspath_prepend(tmp_path)
