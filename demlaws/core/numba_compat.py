@@ -118,7 +118,9 @@ def _plain_loop(function):
 if not PLAIN:
     from numba.core import serialize
     from numba.core.ccallback import CFunc
-    from numba.core.compiler import CompileResult
+    from numba.core.codegen import JITCodeLibrary
+    from numba.core.compiler import CompileResult, Flags, compile_extra
+    from numba.core.dispatcher import _FunctionCompiler
     from numba.core.registry import CPUDispatcher
     from numba.core.typing.templates import AbstractTemplate, infer_global
 
@@ -137,12 +139,36 @@ if not PLAIN:
             """What numba's code generator finds the kernel by."""
             return self.kernels[signature.args].get_overload(signature.args)
 
+    class InlinedCode(JITCodeLibrary):
+        """Code that its callers optimise with their own and compile: alone it is neither optimised nor made machine code."""
+
+        def _optimize_final_module(self):
+            pass
+
+        def _finalize_final_module(self):
+            self._finalize_dynamic_globals()
+            self._finalized = True
+
+    class KernelCompiler(_FunctionCompiler):
+        """Compiles a kernel as far as its callers need it."""
+
+        def _compile_core(self, arguments, return_type):
+            flags = Flags()
+            self.targetdescr.options.parse_as_flags(flags, self.targetoptions)
+            flags.no_compile = True
+            typing, target = self.targetdescr.typing_context, self.targetdescr.target_context
+            library = InlinedCode(target.codegen(), self.py_func.__qualname__)
+            function = self.py_func, arguments, return_type
+            return compile_extra(typing, target, *function, flags, self.locals, library, self.pipeline_class)
+
     class Kernel(CPUDispatcher):
-        """A kernel without the wrappers through which Python and C would call it: compiled code needs none, and they took a
-        quarter of the time that compiling a loop takes. Called from Python, it is compiled once more with them."""
+        """A kernel without the wrappers through which Python and C would call it, and without machine code of its own: compiled
+        code needs neither. Called from Python, it is compiled once more with them."""
 
         def add_overload(self, result):
-            """Keep the compiled code, but not among the functions that Python may call: there is no such code."""
+            """Keep the compiled code for callers; there is none that Python may call."""
+            result = result._replace(entry_point=result.library)  # what callers find it by
+            self.targetctx.insert_user_function(result.library, result.fndesc, [result.library])
             self.overloads[tuple(result.signature.args)] = result
 
         def _compile_for_args(self, *arguments, **named):
@@ -200,7 +226,7 @@ class CodeFiles:
 
 def _kernel(function):
     compiled = numba.njit(no_cpython_wrapper=True, **INLINED_KERNEL)(function)
-    compiled.__class__ = Kernel
+    compiled.__class__, compiled._compiler.__class__ = Kernel, KernelCompiler
     return compiled
 
 
