@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
-from demlaws.core import loops
+from demlaws.core import cache, loops
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.law import Law
@@ -497,15 +497,16 @@ def fit(
         refuse_other_units(displacement, force, contact, _COMPLIANCE.bounds(contact)[1] if COMPLIANCE in (free or ()) else 0.0)
     jobs = list(_jobs(names, rules, free, force))
 
-    def run(name, rule, varied):
+    def run(job):
+        name, rule, varied = job
         own = options.get(name, {})
         model = _Model(name, rule, varied, contact, own, displacement, force, displacement_noise)
         return _fit_law(model, displacement_noise, force_noise)
 
     fits, failed = [], {}
-    for job in progress(jobs):
+    for job in cache.shared(jobs, run, progress):
         try:
-            fits.append(run(*job))
+            fits.append(run(job))
         except DemlawsError as error:
             failed[job[0] if job[1] == "elastic" else f"{job[0]}, {job[1]} unloading"] = str(error)
     if not fits:
@@ -567,7 +568,7 @@ def _suspicions(best, run, contact, displacement):
         if name in varied:
             continue
         try:
-            other = run(best.name, best.unloading, [*varied, name])
+            other = run((best.name, best.unloading, [*varied, name]))
         except DemlawsError:
             continue
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))

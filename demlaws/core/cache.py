@@ -1,14 +1,18 @@
 """Machine code on disk: compiled loops are loaded by every later process unless their source has changed."""
 
 import contextlib
+import ctypes
 import functools
+import mmap
 import os
 import pickle
 import shutil
+import signal
 import sys
 import tempfile
 import threading
 import time
+import warnings
 from hashlib import sha256
 from pathlib import Path
 
@@ -217,6 +221,9 @@ def read(path):
     return pickle.loads(path.read_bytes())
 
 
+_written = []  # files of this process: it compiles
+
+
 def write(path, data):
     """Write a file whole or not at all: under another name and then renamed, so that any number of processes may write it."""
     temporary = path.with_name(f".{path.stem[-32:]}.{os.getpid()}.{threading.get_ident()}")
@@ -224,6 +231,45 @@ def write(path, data):
         path.parent.mkdir(parents=True, exist_ok=True)
         temporary.write_bytes(data)
         temporary.replace(path)
+        _written.append(path)
     except OSError:  # a full disk, say: the code works from memory
         with contextlib.suppress(OSError):
             temporary.unlink()
+
+
+def shared(jobs, work, progress=iter):
+    """Yield each of `jobs` (a list). Once one of them had machine code made, a second process does `work(job)` for the last
+    ones, backwards to the one that this process is at, which then finds their code on disk. Nothing else of it is used."""
+    place, helper, before = mmap.mmap(-1, 8), None, len(_written)
+    try:
+        for number, job in enumerate(progress(jobs)):
+            place[:] = number.to_bytes(8, "little")
+            if helper is None and len(_written) > before and sys.platform == "linux" and len(os.sched_getaffinity(0)) > 1:
+                helper = _fork(jobs, work, place)
+            yield job
+    finally:
+        if helper:
+            os.kill(helper, signal.SIGKILL)
+            os.waitpid(helper, 0)
+
+
+def _fork(jobs, work, place):
+    """Process that does the jobs from the last on; it ends with this one and neither prints nor handles an interrupt."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # a progress bar has a thread; its locks are not needed here
+        process = os.fork()
+    if process:
+        return process
+    try:
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        silence = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(silence, 1)
+        os.dup2(silence, 2)
+        for number in range(len(jobs) - 1, -1, -1):
+            if number <= int.from_bytes(place[:], "little"):
+                break
+            with contextlib.suppress(Exception):
+                work(jobs[number])
+    finally:
+        os._exit(0)

@@ -7,6 +7,7 @@ results. DEMLAWS_PLAIN_NUMBA=0 tries the first way with a later release, too.
 """
 
 import functools
+import gc
 import os
 import re
 from types import FunctionType
@@ -161,6 +162,20 @@ if not PLAIN:
             function = self.py_func, arguments, return_type
             return compile_extra(typing, target, *function, flags, self.locals, library, self.pipeline_class)
 
+    class Loop(CPUDispatcher):
+        """A compiled loop. numba makes objects by the million, which all live: looking for garbage meanwhile would take a tenth
+        of the time that compiling takes."""
+
+        def compile(self, signature):
+            """Machine code for arguments of these types."""
+            looks = gc.isenabled()
+            gc.disable()
+            try:
+                return super().compile(signature)
+            finally:
+                if looks:
+                    gc.enable()
+
     class Kernel(CPUDispatcher):
         """A kernel without the wrappers through which Python and C would call it, and without machine code of its own: compiled
         code needs neither. Called from Python, it is compiled once more with them."""
@@ -232,6 +247,7 @@ def _kernel(function):
 
 def _loop(function):
     dispatcher = numba.njit(no_cfunc_wrapper=True, **_OPTIONS)(function)
+    dispatcher.__class__ = Loop
     if cache.FOLDER:
         dispatcher._cache = CodeFiles(function)
     return dispatcher

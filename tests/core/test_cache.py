@@ -4,6 +4,7 @@ import os
 import pwd
 import runpy
 import shutil
+import sys
 import time
 
 import pytest
@@ -178,3 +179,27 @@ def test_a_user_without_a_home(monkeypatch):
     assert runpy.run_path(cache.__file__)["FOLDER"] == cache.FOLDER
     with pytest.raises(dl.DemlawsError):
         cache_folder()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="forks")
+def test_a_second_process_begins_with_the_last_jobs(tmp_path, monkeypatch):
+    """It begins once the first job has compiled, ends with the jobs, and does none that this process has come to."""
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: {0, 1})
+
+    def work(job):
+        cache.write(tmp_path / job, str(os.getpid()).encode())
+
+    done = []
+    for job in cache.shared(["first", "second", "third", "last"], work):
+        done.append(job)
+        if job == "first":
+            assert not list(tmp_path.iterdir())
+            work(job)
+        while job == "second" and not (tmp_path / "third").exists():
+            time.sleep(0.01)
+    assert done == ["first", "second", "third", "last"]
+    processes = {path.name: int(path.read_text()) for path in tmp_path.iterdir()}
+    assert processes.keys() == {"first", "third", "last"}
+    assert processes["first"] == os.getpid() != processes["third"] == processes["last"]
+    with pytest.raises(ProcessLookupError):
+        os.kill(processes["last"], 0)
