@@ -96,7 +96,12 @@ def quiet(function, *arguments):
         return function(*arguments)
 
 
-each_law_and_rule = pytest.mark.parametrize(("name", "unloading"), [pair for pair in pairs() if telling(pair)])
+ALIKE = ("hertz", "rms", "goddard", "bahrami", "yip-venart", "greenwood-tripp")
+ALIKE += ("thornton-ning", "conical-damage", "kogut-etsion", "luding")
+"""Laws whose compiled code has no part that another law's has not: where a test is of a loop or an engine, they are slow."""
+each_law_and_rule = pytest.mark.parametrize(
+    ("name", "unloading"), shared(filter(telling, pairs()), lambda pair: pair[0] not in ALIKE)
+)
 
 
 def work_along(law, corners):

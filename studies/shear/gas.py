@@ -17,27 +17,28 @@ from tqdm import tqdm
 import demlaws as dl
 from demlaws import lammps, liggghts
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.registry import registry
+from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from demlaws.make import example
 from demlaws.yade.run import run as run_in_yade
 
 ENGINES = {"liggghts": liggghts, "lammps": lammps}
 STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force"), "yade": ("native",)}
-DIAMETER, BOX, TIME = 0.0174, 0.08, 0.03  # [m, m, s]
+DIAMETER, SPACING, TIME = 0.0174, 0.02, 0.03  # [m, m, s]
+BOX = 4 * SPACING
+HEADS = {"liggghts": LIGGGHTS_HEAD, "lammps": f"{LAMMPS_HEAD}boundary f f f\n"}
 START = """\
-{style}
-atom_modify map array
-boundary f f f
-units si
-{communication}
-region box block -0.001 0.081 -0.001 0.081 -0.001 0.081 units box
+{head}processors {ranks} 1 1
+region box block {ends}
 create_box 1 box
 {places}
-set group all diameter 0.0174
-set group all density 2650
+set group all diameter 0.0174 density 2650
+"""
+REST = """\
 neighbor 0.002 bin
-{model}
-timestep {step}
+neigh_modify delay 0
+{walls}timestep {step}
 fix integr all nve/sphere
 compute ke all ke
 compute er all erotate/sphere
@@ -45,7 +46,6 @@ compute er all erotate/sphere
 thermo_style custom step c_ke c_er v_stored v_lost
 thermo_modify norm no lost error format float %.17e
 thermo {every}
-run {steps}
 """
 LIGGGHTS = """\
 fix m1 all property/global youngsModulus peratomtype 60.6e9
@@ -87,15 +87,15 @@ class Result(NamedTuple):
         return float(self.kept.max())
 
 
-def places_and_speeds():
+def places_and_speeds(side=4):
     """Centres [m] and velocities [m/s] of the spheres at the start."""
-    speeds = np.random.default_rng(3).normal(0, 0.3, (64, 3))
-    return list(zip((0.01 + 0.02 * np.argwhere(np.ones((4, 4, 4)))).tolist(), speeds.tolist(), strict=True))
+    speeds = np.random.default_rng(3).normal(0, 0.3, (side**3, 3))
+    return list(zip((0.01 + SPACING * np.argwhere(np.ones((side,) * 3))).tolist(), speeds.tolist(), strict=True))
 
 
-def _places():
+def _places(side):
     lines = []
-    for n, (place, speed) in enumerate(places_and_speeds()):
+    for n, (place, speed) in enumerate(places_and_speeds(side)):
         lines.append("create_atoms 1 single {:.2f} {:.2f} {:.2f} units box".format(*place))
         lines.append("set atom {} vx {:.6f} vy {:.6f} vz {:.6f}".format(n + 1, *speed))
     return "\n".join(lines)
@@ -114,42 +114,50 @@ def save_tables(name, rule, poisson, folder):
                     break
 
 
-def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, steps=150_000):
-    """`Result` of TIME in "liggghts" or "lammps" with one of its tangential models.
+def scene(
+    engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, *, step, every, side=4, ranks=1, newton="on"
+):
+    """Input of side³ spheres in "liggghts" or "lammps" in three parts: spheres, pair style, and all else but `run`.
 
-    tables: folder with those of `save_tables` (None: the engine's own Hertz); words: settings behind them, as "shear slip".
+    tables: files for pairs and for walls (None: the engine's own Hertz); words: settings behind them, as "shear slip".
     """
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        energy = "variable stored equal 0\nvariable lost equal 0"
-        if tables is not None:
-            energy = 'compute en all demlaws/energy\nvariable stored equal "c_en[1]"\nvariable lost equal "c_en[2]"'
 
-        def terms(table, place=""):
-            file = f"{tables}/{table}.tbl"
-            if engine == "liggghts":
-                own = "" if tables is None else f"table {file} {words}"
-                return f"{'hertz' if tables is None else 'demlaws/table'} tangential {tangential} {place}{own}"
-            normal = f"{'hertz/material' if tables is None else f'demlaws/table {file}'} 60.6e9 0 {poisson} {words}"
-            own = f"demlaws 0 {friction}" if tangential == "demlaws" else f"{tangential} NULL 0 {friction}"
-            return f"{normal} tangential {own} damping velocity"
-
-        sides = [(a, i, p) for a in "xyz" for i, p in (("l", 0.0), ("h", BOX))]
+    def terms(table, place=""):
         if engine == "liggghts":
-            style, communication = "atom_style granular", "newton off\ncommunicate single vel yes\nhard_particles yes"
-            model = LIGGGHTS.format(poisson=poisson, friction=friction, pair=terms("pair")) + "".join(
-                f"fix {a}{i} all wall/gran model {terms('wall', f'primitive type 1 {a}plane {p} ')}\n" for a, i, p in sides
-            )
-        else:
-            style, communication = "atom_style sphere", "comm_modify vel yes"
-            model = f"pair_style granular\npair_coeff * * {terms('pair')}\n" + "".join(
-                f"fix {a}{i} all wall/gran granular {terms('wall')} {a}plane {f'NULL {p}' if p else '0 NULL'}\n"
-                for a, i, p in sides
-            )
-        values = {"style": style, "communication": communication, "places": _places(), "model": model, "energy": energy}
-        (folder / "in.gas").write_text(START.format(**values, step=TIME / steps, every=steps // 30, steps=steps))
-        log = ENGINES[engine].run(folder / "in.gas")
-    log = {key.removeprefix("c_").removeprefix("v_"): column for key, column in log.items()}
+            own = f"table {table} {words}" if table else ""
+            return f"{'demlaws/table' if table else 'hertz'} tangential {tangential} {place}{own}"
+        normal = f"{f'demlaws/table {table}' if table else 'hertz/material'} 60.6e9 0 {poisson} {words}"
+        own = f"demlaws 0 {friction}" if tangential == "demlaws" else f"{tangential} NULL 0 {friction}"
+        return f"{normal} tangential {own} damping velocity"
+
+    pair, wall = tables or (None, None)
+    box = side * SPACING
+    sides = [(a, i, p) for a in "xyz" for i, p in (("l", 0.0), ("h", box))]
+    if engine == "liggghts":
+        contacts = LIGGGHTS.format(poisson=poisson, friction=friction, pair=terms(pair))
+        walls = [f"fix {a}{i} all wall/gran model {terms(wall, f'primitive type 1 {a}plane {p:.10g} ')}\n" for a, i, p in sides]
+    else:
+        contacts = f"pair_style granular\npair_coeff * * {terms(pair)}\n"
+        walls = [
+            f"fix {a}{i} all wall/gran granular {terms(wall)} {a}plane {f'NULL {p:.10g}' if p else '0 NULL'}\n"
+            for a, i, p in sides
+        ]
+    energy = "variable stored equal 0\nvariable lost equal 0"
+    if tables is not None:
+        energy = 'compute en all demlaws/energy\nvariable stored equal "c_en[1]"\nvariable lost equal "c_en[2]"'
+    head = HEADS[engine] + (f"newton {newton}\n" if engine == "lammps" else "")
+    ends = f"-0.001 {box + 0.001:.10g} " * 3 + "units box"
+    start = START.format(head=head, ranks=ranks, ends=ends, places=_places(side))
+    return start, contacts, REST.format(walls="".join(walls), step=step, energy=energy, every=every)
+
+
+def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=None, steps=150_000):
+    """`Result` of TIME in `scene`; tables: folder with those of `save_tables`."""
+    files = tables and (f"{tables}/pair.tbl", f"{tables}/wall.tbl")
+    text = scene(engine, tangential, friction, poisson, words, files, step=TIME / steps, every=steps // 30)
+    with tempfile.TemporaryDirectory() as name:
+        (Path(name) / "in.gas").write_text("".join(text) + f"run {steps}\n")
+        log = ENGINES[engine].run(Path(name) / "in.gas")
     kept = log["ke"] + log["er"] + log["stored"]
     return Result(kept / kept[0], (kept + log["lost"]) / kept[0])
 

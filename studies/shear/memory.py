@@ -5,14 +5,9 @@ from pathlib import Path
 
 from demlaws.make import example
 from demlaws.yade.run import run as run_in_yade
-from studies.shear.gas import CONTACT, DIAMETER, ENGINES
+from studies.shear.gas import CONTACT, DIAMETER, ENGINES, HEADS, LIGGGHTS
 
 START = """\
-{style}
-atom_modify map array
-boundary f f f
-units si
-{communication}
 region box block -0.03 0.03 -0.03 0.03 -0.03 0.03 units box
 create_box 1 box
 create_atoms 1 single 0 0 0 units box
@@ -25,14 +20,6 @@ fix integr all nve/sphere
 run 2
 write_restart now.restart
 """
-LIGGGHTS = """\
-fix m1 all property/global youngsModulus peratomtype 60.6e9
-fix m2 all property/global poissonsRatio peratomtype 0.25
-fix m3 all property/global coefficientRestitution peratomtypepair 1 0.5
-fix m4 all property/global coefficientFriction peratomtypepair 1 0.5
-pair_style gran model {}
-pair_coeff * *"""
-LAMMPS = "pair_style granular\npair_coeff * * {} damping viscoelastic"
 MODELS = {
     "liggghts": {
         "stock hertz, history": "hertz tangential history",
@@ -82,17 +69,13 @@ def bytes_per_contact():
         for rule in ("elastic", "hertz"):
             example("pohrt-popov", CONTACT, rule).tabulate().save(folder / f"{rule}.tbl")
         for engine, models in MODELS.items():
-            liggghts = engine == "liggghts"
-            style = "granular" if liggghts else "sphere"
-            communication = "newton off\ncommunicate single vel yes\nhard_particles yes" if liggghts else "comm_modify vel yes"
             for label, words in models.items():
-                model = (
-                    LIGGGHTS.format(words) if liggghts else f"pair_style granular\npair_coeff * * {words} damping viscoelastic"
-                )
-                values = {"style": f"atom_style {style}", "communication": communication, "model": model}
+                model = f"pair_style granular\npair_coeff * * {words} damping viscoelastic"
+                if engine == "liggghts":
+                    model = LIGGGHTS.format(poisson=0.25, friction=0.5, pair=words)
                 sizes = []
                 for distance in (DIAMETER - 1e-6, DIAMETER + 1e-6):
-                    text = START.format(**values, distance=distance, diameter=DIAMETER)
+                    text = HEADS[engine] + START.format(model=model, distance=distance, diameter=DIAMETER)
                     (folder / "in.pair").write_text(text)
                     ENGINES[engine].run(folder / "in.pair")
                     sizes.append((folder / "now.restart").stat().st_size)

@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 import pytest
-from examples import GRANITE, make, overlaps, pairs, quiet, shared, telling
+from examples import GRANITE, make, overlaps, pairs, quiet, telling
 
 import demlaws as dl
 from demlaws.advice.soften import EXPONENTS, Softening
@@ -43,7 +43,7 @@ def _same_but_stretched(law, softened, factor, rtol):
         np.testing.assert_allclose(getattr(after, name), getattr(before, name) * stretch, rtol=0, atol=10 * rtol * scale * top)
 
 
-@pytest.mark.parametrize(("name", "rule"), shared([p for p in pairs() if p[0] in SOFTENED], telling))
+@pytest.mark.parametrize(("name", "rule"), [pair for pair in pairs() if pair[0] in SOFTENED and telling(pair)])
 def test_every_law_and_rule_is_stretched(name, rule):
     """A factor that rounds nothing: equal to 1e-13; hysteresis, and the curve of rule "table", included."""
     law = make(name, rule)

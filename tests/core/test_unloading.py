@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from examples import GRANITE, make, options_of, pairs, quiet, rules_of, shared, telling, work_along
+from examples import GRANITE, each_law_and_rule, make, options_of, pairs, quiet, rules_of, shared, telling, work_along
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from references import EPS
@@ -20,9 +20,6 @@ WITH_HISTORY = [pair for pair in PAIRS if pair[1] != "elastic"]
 # a law whose every force is an equation solved takes seconds
 every_pair = pytest.mark.parametrize(
     ("name", "unloading"), shared(PAIRS, lambda pair: telling(pair) and not registry()[pair[0]].implicit)
-)
-each_law_and_rule = pytest.mark.parametrize(
-    ("name", "unloading"), shared(filter(telling, PAIRS), lambda pair: not registry()[pair[0]].implicit)
 )
 every_history = pytest.mark.parametrize(("name", "unloading"), shared(WITH_HISTORY, telling))
 

@@ -8,6 +8,7 @@ from inputs import LOAD_UNLOAD, modulus, moves_of
 
 import demlaws as dl
 from demlaws.shear import sheared
+from studies.shear.gas import scene
 
 ENGINES = ("liggghts", "lammps")
 both = pytest.mark.parametrize("engine", ENGINES)
@@ -24,15 +25,6 @@ LAWS = {
 RATIO = 2 * (1 - 0.25) / (2 - 0.25)
 SHEARED = [(-0.2, 0, 600), (0, 0.05, 300), (-0.2, 0.02, 300), (0.2, 0.03, 360), (0, -0.08, 800), (-0.2, 0, 200)]
 """Press, slide partly, press on, lift off partly, slide back past Coulomb's limit, press, slide."""
-WATCH = """\
-compute er all erotate/sphere
-compute en all demlaws/energy
-variable spin equal c_er
-variable x1 equal x[1]
-thermo_style custom step ke v_spin c_en[1] c_en[2] v_x1
-thermo_modify norm no lost error format float %.17e
-thermo 5000
-"""
 
 
 def save_law(folder, name):
@@ -71,24 +63,7 @@ def continued(engine, text, moves, **watch):
     return "".join(line for line in inputs_for_liggghts.again(text).splitlines(True) if "run " not in line) + moves_of(moves)
 
 
-def gas(engine, friction, shear, poisson=0.25, ranks=1, newton="on"):
-    """Whole start of a closed box of 27 spheres without damping, and what a run that goes on from its restart file needs."""
-    # one by one: LIGGGHTS's `create_atoms region` gives other numbers on two ranks
-    places = "\n".join(
-        f"create_atoms 1 single {x:.2f} {y:.2f} {z:.2f} units box" for x, y, z in 0.01 + 0.02 * np.argwhere(np.ones((3, 3, 3)))
-    )
-    random = np.random.default_rng(3)
-    velocities = "\n".join(
-        f"set atom {i + 1} vx {v[0]:.6f} vy {v[1]:.6f} vz {v[2]:.6f}" for i, v in enumerate(random.normal(0, 0.3, (27, 3)))
-    )
-    values = {"places": places, "velocities": velocities, "ranks": ranks, "newton": newton}
-    if engine == "lammps":
-        terms = f"demlaws/table law.tbl 60.6e9 0 {poisson} shear {shear} tangential demlaws 0.0 {friction} damping velocity"
-        walls = "\n".join(f"fix {a} all wall/gran granular {terms} {a}plane 0.0 0.06" for a in "xyz")
-        common = inputs_for_lammps.GAS_COMMON.format(walls=walls, watch=WATCH)
-        return inputs_for_lammps.GAS.format(**values, terms=terms, common=common), "neighbor 0.002 bin\n" + common
-    model = "wall/gran model demlaws/table tangential demlaws primitive type 1"
-    walls = "\n".join(f"fix {a}{n} all {model} {a}plane {place}" for a in "xyz" for n, place in enumerate((0.0, 0.06)))
-    properties = inputs_for_liggghts.properties(friction=friction, poisson=poisson)
-    common = inputs_for_liggghts.GAS_COMMON.format(properties=properties, shear=shear, walls=walls, watch=WATCH)
-    return inputs_for_liggghts.GAS.format(**values, common=common), common
+def gas(engine, friction, shear, **more):
+    """A closed box of 27 spheres without damping: spheres, pair style, and all else but `run`."""
+    options = {"words": f"shear {shear}", "tables": ["law.tbl"] * 2, "side": 3, "step": 2e-7, "every": 5000}
+    return scene(engine, "demlaws", friction, **options, **more)

@@ -110,19 +110,6 @@ def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tm
     _is_similar(results.similarity(study.load(tmp_path / "rows.jsonl")), 1e4)
 
 
-def test_density_and_rate_were_one_knob():
-    """The same of the rows that are kept."""
-    rows, one = study.load(), Run("yade", "cycles")
-    for copy in range(3):
-        _move_alike(rows, one._replace(copy=copy), one._replace(copy=copy, density=100.0))
-
-
-def _move_alike(rows, one, dense):
-    assert abs(rows[dense]["steps"] - rows[one]["steps"]) <= 2 * one.given()["every"]
-    for name, chance in (("low", 0.01), ("loading", 0.01), ("unloading", 0.01), ("coordination", 0.03), ("put_in", 0.005)):
-        assert rows[dense][name] == pytest.approx(rows[one][name], rel=chance)  # rounding grows to that
-
-
 @pytest.mark.slow
 @pytest.mark.liggghts
 def test_shear_in_liggghts_is_that_of_yade(tmp_path):

@@ -61,26 +61,3 @@ def continued(moves, file="now.restart", again="", every=20, more="", columns=""
     lines = f"read_restart    {file}\nneighbor        1e-4 bin\nneigh_modify    delay 0\n{again}\ntimestep        5e-8\n"
     watch = WATCH.format(d1=repr(d1), d2=repr(d2), more=more, columns=columns, every=every)
     return "comm_modify     vel yes\n" + lines + watch + moves_of(moves)
-
-
-GAS = (
-    HEAD
-    + """\
-boundary f f f
-newton {newton}
-processors {ranks} 1 1
-region box block -0.001 0.061 -0.001 0.061 -0.001 0.061 units box
-create_box 1 box
-{places}
-set group all diameter 0.0174 density 2650
-{velocities}
-pair_style granular
-pair_coeff * * {terms}
-neighbor 0.002 bin
-{common}"""
-)
-GAS_COMMON = """\
-timestep 2e-7
-{walls}
-fix integr all nve/sphere
-{watch}"""

@@ -28,8 +28,8 @@ def same(log, path, limit):
 @pytest.mark.parametrize(
     "unloading, ranks, newton",
     [
-        *((rule, 1, newton) for rule in RULES for newton in ("on", "off")),
-        ("hertz", 2, "on"),
+        *((rule, 1, "on") for rule in RULES),
+        ("hertz", 1, "off"),
         ("hertz", 2, "off"),
         ("table", 2, "on"),
     ],
@@ -45,8 +45,9 @@ def test_every_rule_on_one_and_two_ranks(granite_pair, unloading, ranks, newton)
     assert np.abs(log["kept[3]"] - path.stored)[touching].max() <= 1e-7 * path.work.max()
 
 
-@pytest.mark.parametrize("unloading", RULES)
-@pytest.mark.parametrize("wall", ["plane", "region"])
+@pytest.mark.parametrize(
+    ("wall", "unloading"), [("plane", "elastic"), ("plane", "table"), ("region", "hertz"), ("region", "thornton")]
+)
 def test_walls(granite_pair, unloading, wall):
     law = example("pohrt-popov", granite_pair, unloading)
     same(*follow(law, text=WALL, rtol=1e-8, wall=wall, every=20), limit=1e-7)

@@ -86,26 +86,3 @@ def again(text, restart="now.restart", change=()):
         assert old in out
         out = out.replace(old, new)
     return out
-
-
-GAS = (
-    HEAD
-    + """\
-processors {ranks} 1 1
-region box block -0.001 0.061 -0.001 0.061 -0.001 0.061 units box
-create_box 1 box
-{common}{places}
-set group all diameter 0.0174 density 2650
-{velocities}
-"""
-)
-GAS_COMMON = """\
-neighbor 0.002 bin
-neigh_modify delay 0 page 200000
-{properties}
-pair_style gran model demlaws/table tangential demlaws table law.tbl shear {shear}
-pair_coeff * *
-timestep 2e-7
-{walls}
-fix integr all nve/sphere
-{watch}"""

@@ -68,13 +68,11 @@ def granite(tmp_path):
 # --- units
 
 
-@pytest.mark.parametrize("units", ["cgs", "micro", "nano"])
-@pytest.mark.parametrize("words", ["table granite.tbl", "table granite.tbl surfaceRoughness on"])
+@pytest.mark.parametrize(("units", "words"), [("cgs", ""), ("micro", " surfaceRoughness on"), ("nano", " surfaceRoughness on")])
 def test_other_units_give_the_same(granite, units, words):
     """σ and radius of the table are metres: forces and energies are those of SI, converted."""
     L, M, T = SCALES[units]
-    si = simulate(granite, falling(words))
-    other = simulate(granite, falling(words, units))
+    si, other = (simulate(granite, falling(f"table granite.tbl{words}", system)) for system in ("si", units))
     for name, scale in (("KinEng", M * L * L / T**2), ("top[1]", M * L / T**2), ("low[2]", L)):
         assert np.abs(other[name] / scale - si[name]).max() <= 1e-8 * np.abs(si[name]).max(), name
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from examples import rules_of, shared, telling
+from examples import ALIKE, rules_of, shared, telling
 from yade_scenes import GRANITE, MODULUS, Recorder, cloud, fixed_pair, functor, material, set_engines, sphere, two_spheres, yade
 
 import demlaws as dl
@@ -15,11 +15,6 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 REFUSED = [("bahrami", rule) for rule in RULES if rule != "elastic"]
 SLOW = [("asperity", GIVEN)]  # to make, not to run
 COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if (name, rule) not in REFUSED + SLOW]
-
-
-ALIKE = ("hertz", "rms", "goddard", "bahrami", "yip-venart", "greenwood-tripp")
-ALIKE += ("thornton-ning", "conical-damage", "kogut-etsion", "luding")
-"""Laws whose native code has no part that another law's has not: with `make test-all`."""
 
 
 @pytest.mark.parametrize(("name", "rule"), shared(filter(telling, COMBINATIONS), lambda pair: pair[0] not in ALIKE))
