@@ -49,11 +49,14 @@ def _under(path, folder):
     return f"tests/{folder}/" in str(path).replace(os.sep, "/")
 
 
-@pytest.hookimpl(tryfirst=True)
+@pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """The engines first, then the longest files: what takes longest must not be begun last."""
-    size = {path: path.stat().st_size for path in {item.path for item in items}}
-    items.sort(key=lambda item: (not _under(item.path, "engines"), -size[item.path], str(item.path)))
+    """The engines first, then the longest files: what takes longest must not be begun last. A slow test is taken for as long
+    as 10 kB of others."""
+    weight = {path: path.stat().st_size for path in {item.path for item in items}}
+    for item in items:
+        weight[item.path] += 10_000 * bool(item.get_closest_marker("slow"))
+    items.sort(key=lambda item: (not _under(item.path, "engines"), -weight[item.path], str(item.path)))
 
 
 @pytest.hookimpl(optionalhook=True)
