@@ -32,6 +32,8 @@ def main(arguments=None):
             oedometer.run_from_one_packing(options.grains, 1, options.results, progress)
         elif not options.report:
             oedometer.run(options.grains, options.seeds, options.results, progress=progress)
+            few = [case for case in oedometer.CASES if "calibrated" in case.label]
+            oedometer.run(oedometer.FEW, 1, options.results, [*few, *oedometer.STIFFER], progress)
         from studies.experiment.report import figure, table
 
         print(table(oedometer.read(options.results), options.grains))

@@ -2,9 +2,11 @@
 
 `glass_beads.dat`: axial strain, p and q [MPa], porosity, as kept in GrainLearning's repository (tests/data/oedo_sim_data/
 obsdata.dat, BSD-3-Clause, copyright 2025 Hongyang Cheng). Density, Poisson's ratio and the result of their calibration are in
-grainLearning/mcTriax_e.py of version 0.2 there; the size distribution is that of grainLearning/Packs/PeriSp_10000_0.68.txt.
-E = 70 GPa, the modulus of glass, is the default of their two-bead script. The diameter of the beads is in none of these files:
-60 µm is assumed, and only the roughness over the diameter matters.
+grainLearning/mcTriax_e.py of version 0.2 there; the size distribution is that of grainLearning/Packs/PeriSp_10000_0.68.txt,
+which another script there loads for sand: that of the beads is not kept. E = 70 GPa, the modulus of glass, is the default of
+their two-bead script. The diameter of the beads is in none of these files: 60 µm is assumed. Their kept runs have mean overlaps
+of 0.130 and 0.387 µm at 6.8 and 52 MPa (grainLearning/Oedometric/iter2/VAE3_00_…, in mm); 300 grains of ours with their
+parameters have 0.135 and 0.396 µm, so that 58 µm would agree. The diameter matters to roughness and to resistance to rolling.
 """
 
 import json
@@ -22,10 +24,12 @@ RESULTS = HERE / "oedometer.jsonl"
 SCRIPT = "experiment/yade_oedometer.py"
 RADIUS = 30e-6  # [m], median of the beads: assumed
 FITTED = {"young": 137.459e9, "friction": 0.36298}
-"""E [Pa] and friction of their calibration.
+"""E [Pa] and friction of their calibration."""
+ROLLING = (2458.66e-9, 0.39885)
+"""Resistance to rolling of their calibration: stiffness [N m] of rolling and of twisting, largest rolling moment over F R.
 
-Its resistance to rolling (krot 2459, eta 0.399 in YADE) is left out: rolling is √(krot/0.4) = 78 times as fast as the
-contact and asks for a step as many times smaller; a trial at this step did not end.
+Their script counts in µg, mm and ms ("units: ug->1e-9kg; mm->1e-3m; ms->1e-3s"), and YADE takes krot as it is given, so that
+their 2458.66 is in nN m. That is 1 to 2 % of k_n R²: rolling is slower than the contact and asks for no smaller step.
 """
 SETUP = {
     "poisson": 0.2,
@@ -49,16 +53,24 @@ class Case(NamedTuple):
     roughness: float = 0.0  # Sq of each bead [m]
     young: float = 70e9
     friction: float = 0.36
+    rolling: tuple | None = None  # krot = ktwist [N m] and eta of YADE's Mindlin
     fractal_dimension: float = 2.2
     unloading: str = "elastic"
 
 
+CALIBRATED = "YADE's Hertz–Mindlin, all as calibrated by Cheng et al."
 CASES = (
     Case("YADE's Hertz–Mindlin"),
     Case("hertz", HERTZ),
     *(Case(f"pohrt-popov, Sq = {sq:g} µm", POHRT_POPOV, 1e-6 * sq, unloading=HERTZ) for sq in (0.07, 0.15, 0.3)),
     Case("YADE's Hertz–Mindlin, E and friction as calibrated by Cheng et al.", **FITTED),
+    Case("YADE's Hertz–Mindlin, rolling", rolling=ROLLING),
+    Case("pohrt-popov, Sq = 0.07 µm, rolling", POHRT_POPOV, 0.07e-6, unloading=HERTZ, rolling=ROLLING),
+    Case(CALIBRATED, rolling=ROLLING, **FITTED),
 )
+STIFFER = tuple(Case(f"{CALIBRATED}, krot × {n}", rolling=(n * ROLLING[0], ROLLING[1]), **FITTED) for n in (8, 64))
+"""What the stiffness of rolling changes: run with `FEW` grains."""
+FEW = 300
 
 
 SAME = ", from one packing"

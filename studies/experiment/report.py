@@ -3,7 +3,7 @@
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from studies.experiment.oedometer import CASES, curve_of, measured
+from studies.experiment.oedometer import CASES, STIFFER, curve_of, measured
 
 LOW, HIGH = 6.78e6, 51.8e6
 """Axial stresses [Pa] between which strains are compared."""
@@ -14,7 +14,8 @@ def numbers(curve, young=None):
     """Strain on first loading and on unloading [%], exponent of the modulus, radial over axial stress, modulus needed [GPa].
 
     Modulus needed: at a given stress the strain of smooth elastic grains falls as E^(-2/3) (our derivation: overlap over
-    radius is a function of p/E* alone), so that E times (strain over the measured strain)^1.5 gives the measured strain.
+    radius is a function of p/E* alone, without resistance to rolling), so that E times (strain over the measured
+    strain)^1.5 gives the measured strain.
     """
     test = measured()
     strain = curve.gained(0, LOW, HIGH)
@@ -26,10 +27,10 @@ def numbers(curve, young=None):
 def outcomes(rows, count):
     """Label → numbers of each seed, for runs of this many grains."""
     found = {}
-    for case in CASES:
+    for case in (*CASES, *STIFFER):
         chosen = [row for row in rows if row["count"] == count and row["label"] == case.label]
         if chosen:
-            smooth = None if case.roughness else case.young
+            smooth = None if case.roughness or case.rolling else case.young
             found[case.label] = np.array([numbers(curve_of(row), smooth) for row in chosen])
     if not found:
         raise DemlawsError(f"no runs of {count} grains are kept: run python -m studies.experiment --grains {count}")
@@ -39,13 +40,13 @@ def outcomes(rows, count):
 def table(rows, count):
     """Mean of the seeds and their standard deviation."""
     test = numbers(measured())
-    lines = [f"{'':52}{'seeds':>6}" + "".join(f"{title:>18}" for title in TITLES)]
-    lines.append(f"{'measured':58}" + "".join("" if np.isnan(v) else f"{v:18.3f}" for v in test))
+    lines = [f"{'':68}{'seeds':>6}" + "".join(f"{title:>18}" for title in TITLES)]
+    lines.append(f"{'measured':74}" + "".join("" if np.isnan(v) else f"{v:18.3f}" for v in test))
     for label, values in outcomes(rows, count).items():
         mean = values.mean(axis=0)
         spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.full(len(mean), np.nan)
         cells = "".join(" " * 18 if np.isnan(m) else f"{m:10.3f} ± {s:5.3f}" for m, s in zip(mean, spread, strict=True))
-        lines.append(f"{label:52}{len(values):6d}{cells}")
+        lines.append(f"{label:68}{len(values):6d}{cells}")
     return "\n".join(lines)
 
 
@@ -60,8 +61,8 @@ def figure(rows, count, path):
     from demlaws.plots import save
 
     fig, ax = new_figure(width=7.5, height=5.5)
-    names = [CASES[0].label, CASES[2].label, CASES[4].label, CASES[5].label]
-    for colour, label in zip(("tab:blue", "tab:green", "tab:red", "tab:orange"), names, strict=True):
+    shown = {"tab:blue": 0, "tab:green": 2, "tab:red": 4, "tab:orange": 5, "tab:purple": 6, "tab:cyan": 8}
+    for colour, label in ((colour, CASES[number].label) for colour, number in shown.items()):
         chosen = [row for row in rows if row["count"] == count and row["label"] == label]
         for number, row in enumerate(chosen):
             curve = curve_of(row)

@@ -28,13 +28,19 @@ def scene(given, case, grains, size, friction):
     else:
         surface = dl.Surface(roughness=case["roughness"], fractal_dimension=case["fractal_dimension"])
         law = Law2_ScGeom_MindlinPhys_Demlaws(case["law"], case["unloading"], {"glass": surface})
+    krot, eta = case.get("rolling") or (0.0, 0.0)
+    law.includeMoment = krot > 0.0
     O.engines = engines(
         law,
+        physics=yade.Ip2_FrictMat_FrictMat_MindlinPhys(krot=krot, ktwist=krot, eta=eta),
         newton=yade.NewtonIntegrator(damping=given["damping"]),
         timestep=given["timestep"],
         verlet=0.2,
     )
     O.dt = 0.2 * utils.PWaveTimeStep()
+    if krot:  # the stepper does not know it: half the limit of the smallest grain with six contacts, all rolling against it
+        inertia = min(b.state.inertia[0] for b in O.bodies)
+        next(e for e in O.engines if isinstance(e, yade.TimeStepper)).maxDt = (inertia / (12.0 * krot)) ** 0.5
 
 
 def run(steps):
