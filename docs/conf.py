@@ -49,7 +49,8 @@ def source_read(app, name, source):
     if not name.startswith("made/"):
         text = pages.relinked(text, f"docs/{name}.md", f"{name}.md")
     if name.startswith("tutorials/") and name != "tutorials/index":
-        text += f"\n\nDownload: {{download}}`this page as a notebook <../made/notebooks/{name.partition('/')[2]}.ipynb>`.\n"
+        file = f"../made/notebooks/{name.partition('/')[2]}"
+        text += f"\n\nDownload this page as {{download}}`a notebook <{file}.ipynb>` or {{download}}`a script <{file}.sh>`.\n"
     source[0] = text
 
 

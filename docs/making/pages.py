@@ -130,6 +130,21 @@ def notebook(text):
     return json.dumps({"cells": cells, "metadata": kernel, "nbformat": 4, "nbformat_minor": 4}, ensure_ascii=False, indent=1)
 
 
+def script(text):
+    """The listings of a page that are run, as a shell script."""
+    lines = ["set -e"]
+    for match in LISTING.finditer(text):
+        mark, kind, listing = match[1] or "", match[2], match[3]
+        if mark.startswith("file: "):
+            lines.append(f"cat > {mark[6:]} <<'END'\n{listing}END")
+        elif mark.startswith("run") and kind == "python":
+            lines.append(f"python - <<'END'\n{listing}END")
+        elif mark.startswith("run"):
+            joined = listing.replace("\\\n", " ")
+            lines += [line[2:] for line in joined.splitlines() if line.startswith("$ ")]
+    return "\n".join(lines) + "\n"
+
+
 def write():
     """Write the folder docs/made."""
     from making import reference, theory
@@ -139,7 +154,9 @@ def write():
     (MADE / "gallery.md").write_text(draw_gallery(MADE / "gallery"))
     (MADE / "notebooks").mkdir()
     for tutorial in TUTORIALS:
-        (MADE / "notebooks" / f"{tutorial}.ipynb").write_text(notebook((DOCS / "tutorials" / f"{tutorial}.md").read_text()))
+        text = (DOCS / "tutorials" / f"{tutorial}.md").read_text()
+        (MADE / "notebooks" / f"{tutorial}.ipynb").write_text(notebook(text))
+        (MADE / "notebooks" / f"{tutorial}.sh").write_text(script(text))
     for source, target in ELSEWHERE.items():
         if target.startswith("made/"):
             (DOCS / target).write_text(relinked((ROOT / source).read_text(), source, target))

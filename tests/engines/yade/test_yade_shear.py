@@ -104,7 +104,7 @@ def test_choice_is_saved_and_checked(omega, tmp_path):
 
 
 def slip_along(law, overlaps, displacements, friction, springs):
-    """Shear force of `dl.shear.sheared(..., "slip")`, with 128 times as many points of the unloading curve."""
+    """Shear force of `dl.driver.sheared(..., "slip")`, with 128 times as many points of the unloading curve."""
     results, rows = np.empty((6, len(overlaps))), (np.zeros((2, springs)), np.empty((2, 128 * SAMPLES)))
     largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
     still = np.zeros(len(overlaps))
