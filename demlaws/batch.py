@@ -12,7 +12,7 @@ from demlaws.units import real
 
 
 class State:
-    """History of n contacts: one array for each quantity that the unloading rule remembers; all zeros is virgin.
+    """History of n contacts: one array for each state variable of the unloading rule; all zero before first loading.
 
     `state.maximum_overlap` is that array; `state.maximum_overlap = saved` sets its values. A state can be copied and
     pickled, to go on later.
@@ -49,7 +49,7 @@ class State:
         return f"demlaws.State({', '.join(f'{n}={a!r}' for n, a in zip(self.names, self.arrays, strict=True))})"
 
     def copy(self) -> "State":
-        """A state of its own with the same values."""
+        """An independent copy."""
         twin = State(self.names, 0)
         twin.__dict__["arrays"] = tuple(array.copy() for array in self.arrays)
         return twin

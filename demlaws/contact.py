@@ -46,7 +46,7 @@ def _refuse_lengths(values: dict) -> None:
 @refuses_unknown_keywords
 @dataclass(frozen=True)
 class Material:
-    """An elastic solid. Quantities are numbers in SI units, or text with a unit ("60.6GPa").
+    """An elastic solid. Quantities are numbers in SI units, or strings with a unit ("60.6GPa").
 
     Parameters
     ----------
@@ -321,7 +321,7 @@ class Contact:
         return bool(smooth) if smooth.ndim == 0 else smooth
 
     def representatives(self) -> list[int]:
-        """Places of the contacts that checks look at: the relatively smoothest, the roughest and the middle of an array."""
+        """Indices of the contacts used by checks: the relatively smoothest, the roughest and the middle one of an array."""
         if self.size is None:
             return [0]
         order = np.argsort(np.broadcast_to(self.roughness, self.size) / self.radius)
@@ -369,7 +369,7 @@ class Contact:
 
 
 def pressure_of(contact: Contact, value: Any, name: str) -> float:
-    """A hardness, yield pressure or strength [Pa] of the bodies of a contact; DemlawsError where its unit must be another."""
+    """A hardness, yield pressure or strength [Pa] of the bodies of a contact; DemlawsError if the unit is wrong."""
     pressure = number(value, name, "Pa")
     if np.any(pressure < LOWEST_HARDNESS * np.asarray(contact.modulus)):
         share = pressure / float(np.max(contact.modulus))

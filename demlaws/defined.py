@@ -46,9 +46,9 @@ def define(
     stiffness : callable
         stiffness(p, overlap) → K = dP/dδ [N/m].
     overlap : callable, optional
-        overlap(p, force) → δ [m]. Default: solved for.
+        overlap(p, force) → δ [m]. Default: solved numerically.
     energy : callable, optional
-        energy(p, overlap) → ∫P dδ [J]. Default: integrated.
+        energy(p, overlap) → ∫P dδ [J]. Default: integrated numerically.
     options : dict, optional
         Name → default, or (default, unit, meaning); None for a required option.
     **facts

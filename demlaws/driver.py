@@ -46,7 +46,7 @@ def displacement_controlled(law: Law, turning_points: ArrayLike, steps: int = 20
     law : Law
         Law of one contact.
     turning_points : array_like
-        Overlaps [m], or text with units. Below 0 the bodies are separated, and the next contact is a virgin one.
+        Overlaps [m], or text with units. Below 0 the bodies are separated, and the history is lost.
     steps : int
         Equal steps per branch.
 
@@ -172,7 +172,7 @@ class Impact(NamedTuple):
 
 
 def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -> Impact:
-    """Impact of a body on the contact, without other damping than that of the law.
+    """Impact of a body on the contact, damped only by the law.
 
     Parameters
     ----------

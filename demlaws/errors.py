@@ -1,4 +1,4 @@
-"""Errors and warnings that a user of demlaws meets."""
+"""Errors and warnings of demlaws."""
 
 import dataclasses
 import functools
@@ -20,19 +20,19 @@ class DemlawsError(ValueError):
 
 
 class NotPassive(DemlawsError):
-    """A law and an unloading rule that together would return more work than loading took."""
+    """A law and an unloading rule that would return more work than was done on loading."""
 
 
 class EngineStopped(DemlawsError):
-    """An engine has read an input and ended with an error of its own."""
+    """An engine stopped with an error while it ran an input."""
 
 
 class NeedsClasses(DemlawsError):
-    """A curve that depends on the radius, asked for a range of radii: it needs grains of a few sizes."""
+    """A curve that depends on the radius cannot serve a range of radii; define grains of a few sizes."""
 
 
 class ValidityWarning(UserWarning):
-    """A law is used outside the range in which its source supports it.
+    """A law is used outside the validity range of its source.
 
     >>> import warnings
     >>> law = dl.law("hertz", dl.Contact(radius=4e-3, modulus=32e9, hardness=6e9))

@@ -140,7 +140,7 @@ class Law(Response):
         Raises
         ------
         DemlawsError
-            If a cycle of the pair could return more work than was done on it.
+            If a load cycle could return more work than was done on the contact.
         """
         return join(self.contact, self.curve, unloading)
 
@@ -283,12 +283,12 @@ class Table(Law):
 
     @property
     def rtol(self) -> float:
-        """The tolerance that was asked for."""
+        """The requested tolerance."""
         return self.curve.rtol
 
     @property
     def rows(self) -> "Rows":
-        """What a file has of the curve of first loading."""
+        """Rows of the curve of first loading, as stored in a file."""
         return self.curve.rows
 
     @property
@@ -311,7 +311,7 @@ class Table(Law):
         return self._on(contact, True)
 
     def for_unloading(self, contact: Contact) -> "Table":
-        """`bound_to` of an unloading curve, whose surface is its own: only radius, modulus and roughness are the contact's."""
+        """`bound_to` of an unloading curve: only radius, modulus and roughness must be those of the contact."""
         return self._on(contact, False)
 
     def _on(self, contact, surface_matters):
@@ -389,7 +389,7 @@ class Table(Law):
 
     @property
     def fingerprint(self) -> int:
-        """Check value (CRC-32) of the file that `save` writes: tables with one fingerprint are one table."""
+        """Checksum (CRC-32) of the file that `save` writes: equal tables have equal checksums."""
         return self._compose()[1]
 
     def _compose(self):
@@ -399,7 +399,7 @@ class Table(Law):
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Table":
-        """Read a table written by `save`; a law that this version of demlaws does not have is no error.
+        """Read a table written by `save`; this version of demlaws need not have its law.
 
         Parameters
         ----------
@@ -451,7 +451,7 @@ class Table(Law):
             A rule, a law or a `Table` as for `demlaws.law`, or a function of the overlap past the plastic overlap, along
             which the contact unloads.
         kinks : array_like
-            Overlaps [m] where the stiffness jumps; others are searched for.
+            Overlaps [m] where the stiffness is discontinuous; others are detected.
         scales_with : {"radius", "roughness"}, optional
             The table serves other contacts, too: P/(E* R²) is a function of δ/R, or P/(E* √R σ^1.5) one of δ/σ.
         rtol : float

@@ -42,7 +42,7 @@ class Breach(NamedTuple):
 
     @property
     def range(self) -> str:
-        """The side of the bound, in words."""
+        """The range as text."""
         return f"{'above' if self.value > self.bound else 'below'} {self.bound:.3g} N"
 
     def __str__(self):
@@ -363,7 +363,7 @@ class Response:
             warn(f"{self.name}: {text}", LargeOverlap)
 
     def single_params(self) -> tuple:
-        """Params of the one contact; DemlawsError where the law holds an array of contacts."""
+        """Params of the one contact; DemlawsError if the law has an array of contacts."""
         if self.contact.size is not None:
             raise DemlawsError("a path is followed by one contact; this law holds an array of contacts: use evaluate")
         return self.params
@@ -378,7 +378,7 @@ class Response:
         return values.ravel(), shape, self._arrays_of(self.new_state(1) if state is None else state, 1)
 
     def follow(self, overlap: ArrayLike, state: "State | None" = None) -> "Path":
-        """Take one contact along a sequence of overlaps.
+        """Compute one contact along a sequence of overlaps.
 
         Parameters
         ----------
@@ -409,11 +409,11 @@ class Response:
     def shear_stiffness(
         self, overlap: ArrayLike, ratio: float, shear: str = DEFAULT, state: "State | None" = None
     ) -> float | np.ndarray:
-        """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m], from virgin (or `state`, updated).
+        """Tangential stiffness K_t [N/m] of one contact along a sequence of overlaps [m]; `state` is updated.
 
         K_t = ratio K_s, where ratio is that of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949),
-        and K_s by `shear`: "elastic", the stiffness with which the contact would unload now, or "loading", that of first
-        loading at the force carried now (docs/shear.md).
+        and K_s by `shear`: "elastic", the tangent stiffness of unloading, or "loading", that of first
+        loading at the present force (docs/shear.md).
         """
         if shear not in CHOICES:
             raise DemlawsError(
@@ -438,13 +438,13 @@ class Response:
     # --- range
 
     def limits(self) -> list:
-        """The ranges of force [N] in which the law's source supports it, each with its reason."""
+        """The validity ranges of the law in force [N], each with its reason."""
         if self._limits is None:
             self._limits = self.definition.limits(self.contact, **self.options)
         return self._limits
 
     def breaches(self, smallest: float, largest: float) -> list[Breach]:
-        """Limits of the law that forces from `smallest` to `largest` [N] pass, the one passed by the largest factor first."""
+        """Limits of the law exceeded by forces from `smallest` to `largest` [N], the largest excess first."""
         smallest, largest = float(real(smallest, "smallest", "N")), float(real(largest, "largest", "N"))
         found = []
         for limit in self.limits():

@@ -16,8 +16,8 @@ from demlaws.units import number, real, unmasked, whole
 class Sheared(NamedTuple):
     """One contact under normal and tangential displacement: arrays with one entry per point of the path, SI units.
 
-    displacement and shear_force have two columns where two directions were given. work: done by tangential displacement since
-    the path began [J]; stored: energy that the stretched contact holds [J]; the rest was dissipated.
+    displacement and shear_force have two columns for two directions. work: done by tangential displacement since
+    the path began [J]; stored: elastic shear energy [J]; the rest was dissipated.
     """
 
     overlap: np.ndarray
@@ -30,7 +30,7 @@ class Sheared(NamedTuple):
 
     @property
     def dissipated(self) -> np.ndarray:
-        """Energy [J] lost to friction and to the parts of the contact that opened while stretched; it never falls."""
+        """Energy [J] dissipated by friction and by the opening of sheared parts of the contact; it never decreases."""
         return self.work - self.stored
 
 
@@ -50,13 +50,13 @@ def sheared(
     law : Law
         Normal law of one contact, with its unloading rule.
     overlap : array_like, shape (n,)
-        Overlaps [m], from a virgin contact.
+        Overlaps [m]; the contact has no history at the start.
     displacement : array_like, shape (n,) or (n, 2)
         Tangential displacement [m] in one direction, or in two directions of the tangent plane.
     ratio : float
         K_t/K of an elastic contact, 2(1-ν)/(2-ν) for two bodies of one material (Mindlin 1949): above 0, at most 4/3 (ν = -1).
     shear : str
-        "elastic" (default): no slip before sliding, K_t = ratio times the stiffness with which the contact would unload.
+        "elastic" (default): no slip before sliding, K_t = ratio times the tangent stiffness of unloading.
         "loading": the same with the tangent of first loading at the present force. "slip": partial slip.
     friction : float, optional
         Coefficient of friction μ. Default: the contact never slides; required by "slip".

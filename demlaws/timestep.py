@@ -136,7 +136,7 @@ def shear_ratio(material1: Material, material2: Material) -> float:
 
 
 def rayleigh_step(radius: float, density: float, young: float, poisson: float) -> float:
-    """Rayleigh's step, π R √(ρ/G)/(0.1631 ν + 0.8766), the time a surface wave takes over the smallest grain.
+    """Rayleigh's step, π R √(ρ/G)/(0.1631 ν + 0.8766), the travel time of a surface wave across the smallest grain.
 
     For comparison only: it does not depend on the law, the load or the number of contacts. Usual advice is 0.1 to 0.3 of it.
 

@@ -1,4 +1,4 @@
-"""Checks of what users give: one clear error that names the value, the unit and the range."""
+"""Checks of user input: one error that names the value, the unit and the range."""
 
 import math
 import re
@@ -81,7 +81,7 @@ def unmasked(value):
 
 
 def real(value, name, unit="", array=False):
-    """A number (or an array of them) as float64: numbers, or text as `quantity` reads it; nothing else passes for one."""
+    """A number (or an array of them) as float64: numbers, or text as `quantity` reads it; anything else is refused."""
     if isinstance(value, str):
         return np.float64(quantity(value, name, unit))
     try:

@@ -2,7 +2,7 @@
 
 `choose` binds the richest law that a `Scene`'s quantities determine (the reference), strips it step by step, predicts each
 candidate's error over the scene's contacts and loads, and ranks those within the tolerance by the kept cost of an evaluation.
-Errors are those against the reference; how well that describes the grains is `demlaws fit`'s question.
+Errors are those against the reference; use `demlaws fit` to compare laws with measurements.
 """
 
 import inspect
@@ -43,7 +43,7 @@ def kept_cost(plan):
 
 
 class Plan(NamedTuple):
-    """A way to compute the scene's contacts."""
+    """A law, an unloading rule and an evaluation for the contacts of a scene."""
 
     name: str
     options: tuple  # (name, value) pairs
@@ -54,7 +54,7 @@ class Plan(NamedTuple):
 
     @property
     def unload_by(self):
-        """Rule or curve, as `dl.law` takes them for `unloading`."""
+        """Rule or curve, as for the argument `unloading` of `dl.law`."""
         return self.unloading if self.curve is None else self.curve
 
     def bind(self, contact, max_force=None):
@@ -67,7 +67,7 @@ class Plan(NamedTuple):
 
 @dataclass(frozen=True)
 class Choice:
-    """One candidate, judged."""
+    """One candidate with its error and cost."""
 
     plan: Plan
     error: float  # bound of the scene's quantity over its contacts and loads, against the reference
@@ -123,7 +123,7 @@ class Choice:
 
     @property
     def scene(self) -> Scene:
-        """The scene that this is a choice for."""
+        """The scene of this choice."""
         return self.judge.scene
 
     @property
@@ -133,7 +133,7 @@ class Choice:
 
     @property
     def max_force(self) -> float:
-        """1.5 times the largest force [N] of the scene: where a table ends."""
+        """1.5 times the largest force [N] of the scene: the end of its tables."""
         return self.judge.max_force
 
     def describe(self) -> str:
@@ -143,7 +143,7 @@ class Choice:
         return f"{self.name}{f' ({options})' if options else ''}, {self.unloading}, {self.evaluation}{rtol}"
 
     def script(self, table: str = "law.tbl", dt: float | None = None) -> str:
-        """The lines that put this choice into the scene's engine; dt: time step [s], if not `step`."""
+        """Python or input lines for this choice in the scene's engine; dt: time step [s], if not `step`."""
         dt = self.step if dt is None else dt
         plain = ((k, float(v) if isinstance(v, float) else v) for k, v in self.plan.options)  # numpy 2 writes np.float64(…)
         options = "".join(f", {k}={v!r}" for k, v in plain)
@@ -181,7 +181,7 @@ def table_name(path, scene, kinds):
 
 
 class Choices(Tabular, list):
-    """Choices, those that meet the tolerance first, the cheapest of them first."""
+    """Choices, ordered by cost; those within the tolerance come first."""
 
     def __init__(self, choices, scene, reference, ruled_out, notes):
         super().__init__(choices)
@@ -192,7 +192,7 @@ class Choices(Tabular, list):
 
     @property
     def best(self) -> Choice:
-        """The choice of lowest cost that keeps the tolerance; the list's first."""
+        """The cheapest choice within the tolerance, the first of the list."""
         return self[0]
 
     def columns(self) -> dict:

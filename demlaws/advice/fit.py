@@ -58,8 +58,8 @@ class Estimate(NamedTuple):
     """A fitted value, SI. low and high: 95 % interval.
 
     From Student's t in the fitted coordinate. If a quantity lies at or near the end of its range, all intervals of that law
-    come from the profile likelihood. Where neighbouring points deviate alike (drift, or a wrong law) intervals are widened:
-    `Fit.notes`. `note` reports an interval that ends where the search does.
+    come from the profile likelihood. If the deviations of neighbouring points are correlated (drift, or a wrong law), the
+    intervals are widened: `Fit.notes`. `note` reports an interval that ends at the limit of the search.
     """
 
     value: float
@@ -116,7 +116,7 @@ class Ranking(Tabular, list):
 
 
 def history(law, force):
-    """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts on a virgin contact."""
+    """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts with first loading."""
     return loops.history(law.unloads.rule, law.params, np.array(force, float))
 
 

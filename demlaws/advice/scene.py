@@ -177,7 +177,7 @@ class Scene:
 
     @property
     def unloads(self) -> bool:
-        """Whether unloading matters."""
+        """Whether the scene includes unloading."""
         return self.cyclic or self.quantity == "restitution"
 
     def contacts(self, radius: float | np.ndarray) -> list[Contact]:

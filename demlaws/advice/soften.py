@@ -37,7 +37,7 @@ def soften(thing: Any, factor: float) -> Any:
     thing : Contact, Material, Surface, Law, Table, Scene, Grain, Case, or a collection of these
         Rescaled with its options and its unloading curve.
     factor : float
-        s, the divisor of the modulus; below 1 it stiffens.
+        s, the divisor of the modulus; a value below 1 makes contacts stiffer.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def soften(thing: Any, factor: float) -> Any:
 
     Notes
     -----
-    P_new(δ) = P_old(δ/s^(2/3)): the force at a contact's place on its curve is kept, and so are branch and plastic share.
+    P_new(δ) = P_old(δ/s^(2/3)): forces, the branch of the law, and the plastic share of the overlap are kept.
     Overlaps, also tangential ones, and energies grow by s^(2/3), stiffness falls by s^(-2/3), and the stable step grows by
     s^(1/3). Geometry is not kept, since overlap over diameter grows by s^(2/3). `Softening` lists the effect on each
     quantity.
@@ -69,7 +69,7 @@ def soften(thing: Any, factor: float) -> Any:
 
 @dataclass(frozen=True)
 class Softening:
-    """What making contacts softer by `factor` s does to each quantity."""
+    """Scale factors of all quantities for contacts softened by `factor` s."""
 
     factor: float
 
@@ -78,22 +78,22 @@ class Softening:
 
     @property
     def overlap(self) -> float:
-        """By what overlaps, plastic ones too, roughness, and energies are multiplied: s^(2/3)."""
+        """Factor of overlaps (also plastic ones), roughness, and energies: s^(2/3)."""
         return power_of(self.factor, 2 / 3)
 
     @property
     def stiffness(self) -> float:
-        """By what stiffness is multiplied: s^(-2/3)."""
+        """Factor of the stiffness: s^(-2/3)."""
         return power_of(self.factor, -2 / 3)
 
     @property
     def pressure(self) -> float:
-        """By what hardness and yield pressure are multiplied: s^(-2/3)."""
+        """Factor of hardness and yield pressure: s^(-2/3)."""
         return power_of(self.factor, PRESSURE)
 
     @property
     def step(self) -> float:
-        """By what the stable time step, slopes, and speeds of like impacts are multiplied: s^(1/3)."""
+        """Factor of the stable time step, slopes, and speeds of equivalent impacts: s^(1/3)."""
         return power_of(self.factor, 1 / 3)
 
     def of(self, thing: Any) -> Any:
@@ -189,7 +189,7 @@ class Softening:
     # --- in words
 
     def effects(self) -> list[tuple[str, str, str]]:
-        """(quantity, by what it is multiplied, what that is of s) of all that changes, and of what is kept."""
+        """(quantity, factor, power of s) of all quantities, also of those that are kept."""
         s, overlap, step = self.factor, self.overlap, self.step
         return [
             (
@@ -208,7 +208,7 @@ class Softening:
         ]
 
     def report(self, law: Law, force: float) -> "Report":
-        """What becomes of one contact of `law` at `force` [N]: softened as here, and with σ and pressures left alone."""
+        """One contact of `law` at `force` [N], softened with all parameters, and with the modulus alone."""
         force = number(force, "force", "N")
         law.single_params()
         with warnings.catch_warnings():
@@ -270,12 +270,12 @@ class Report:
 
     @property
     def left_alone_error(self) -> float:
-        """The same where σ, hardness and yield pressure are left alone: another branch."""
+        """The same with unchanged σ, hardness and yield pressure."""
         return self.left_alone.stiffness / (self.before.stiffness * self.softening.stiffness) - 1.0
 
     @property
     def too_deep(self) -> bool:
-        """Whether the softened overlap is beyond what contact laws hold for."""
+        """Whether the softened overlap is beyond the validity range of contact laws."""
         return self.after.over_radius > SMALL_OVERLAP
 
     def lines(self) -> list[str]:

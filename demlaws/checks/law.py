@@ -1,4 +1,4 @@
-"""The project's own tests of a law, for any law: `check_law` measures what the suite asserts and says what fails."""
+"""The project's tests of a law, for any law: `check_law` evaluates the assertions of the test suite and reports failures."""
 
 import math
 import warnings
@@ -19,7 +19,7 @@ GRANITE_PAIR = Contact(4.35e-3, 0.5 * GRANITE.plane_modulus, 2.40e-6, 2.22, GRAN
 
 
 class LawCheck(NamedTuple):
-    """What `check_law` found; text is the table."""
+    """Result of `check_law`; `text` is the table."""
 
     law: str
     checks: tuple

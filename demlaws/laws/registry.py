@@ -1,4 +1,4 @@
-"""The laws by name: the package's own, and those that users register."""
+"""The registry of laws: those of the package, and user-defined laws."""
 
 import contextlib
 import copyreg
@@ -190,7 +190,7 @@ def _check(definition: Any) -> None:
 
 
 def mark(definition: Definition) -> str:
-    """What tells a registered definition from an edited one of the same name: of its functions, or of its file."""
+    """Checksum of the functions or of the file of a definition, to distinguish edited versions."""
     if not is_own(definition):
         return ""
     return getattr(definition.prepare, "mark", None) or _marks[definition.name]
