@@ -115,8 +115,8 @@ def define(
     first = inspect.Parameter("contact", inspect.Parameter.POSITIONAL_OR_KEYWORD)
     prepare.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
     fallback = {"equation": "", "source": "", "description": "user-defined law", "collapses": False, "length": "radius"}
-    said = {n: option for n, (_, option) in described.items()}
-    return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=said)
+    defined = {n: option for n, (_, option) in described.items()}
+    return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=defined)
 
 
 def _grouped(facts: dict[str, Any]) -> dict[str, Any]:

@@ -139,17 +139,16 @@ def _linked(objects):
             files[-1].write_bytes(data)
         exports = Path(folder, "export.map")
         exports.write_text(f"{{ global: {'; '.join(objects)}; local: *; }};\n")
-        made = Path(folder, "rule.so")
+        library = Path(folder, "rule.so")
         line = [compiler, "-shared", "-s", "-Wl,--build-id=none", f"-Wl,--version-script={exports}", "-Wl,--no-undefined"]
-        done = subprocess.run([*line, "-o", str(made), *map(str, files), "-lm"], capture_output=True, text=True)
+        done = subprocess.run([*line, "-o", str(library), *map(str, files), "-lm"], capture_output=True, text=True)
         if done.returncode:
             lines = [text for text in done.stderr.splitlines() if "undefined reference" in text] or done.stderr.splitlines()
             raise DemlawsError(
                 f"the rule cannot be linked without Python: {lines[0].strip() if lines else 'the linker failed'}; it "
-                "must not raise, print, "
-                "make arrays or call Python"
+                "must not raise, print, make arrays or call Python"
             )
-        return made.read_bytes()
+        return library.read_bytes()
 
 
 def rule_object(rule, shape) -> bytes:

@@ -340,8 +340,8 @@ def _fault_of_rule(rule, params, top, steps=400):
         gained = float(work[end] - (work[begin] if begin else 0.0))
         if gained < -_RETURN * held:
             return f"loaded to overlap {top:.6g} m and {what}, it returns {-gained:.6g} J more than it took ({held:.6g} J)"
-    told = (stored + lost)[:parted]
-    wrong = np.abs(told - work) > 5.0 * _RETURN * held
+    total = (stored + lost)[:parted]
+    wrong = np.abs(total - work) > 5.0 * _RETURN * held
     if np.any(wrong):
         k = int(np.argmax(wrong))
         return (

@@ -17,7 +17,7 @@ from demlaws.errors import DemlawsError
 
 
 @loop
-def scale_one(shape, radius, modulus, roughness):
+def scale_contact(shape, radius, modulus, roughness):
     """Params of one contact: R [m], E* [Pa], σ [m]."""
     return dispatch.scale(shape, radius, modulus, roughness)
 
@@ -237,12 +237,12 @@ def bind_params(shape, contact):
     """Params of a contact, or of an array of contacts: values that differ become arrays, the others stay numbers."""
     roughness = clamped_roughnesses(contact)
     if contact.size is None:
-        return scale_one(shape, contact.radius, contact.modulus, float(roughness))
+        return scale_contact(shape, contact.radius, contact.modulus, float(roughness))
     # copies: loops are compiled once for arrays that may be written to, once more for others
     columns = [np.array(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)]
     if contact.size == 0:
         raise DemlawsError("the contact's arrays are empty: give at least one contact")
-    first = scale_one(shape, *(float(c[0]) for c in columns))
+    first = scale_contact(shape, *(float(c[0]) for c in columns))
     arrays = map_leaves(lambda v: np.empty(contact.size) if isinstance(v, float) else v, first)
     scale_loop(shape, *columns, arrays)
 

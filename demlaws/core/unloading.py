@@ -131,12 +131,12 @@ def rule_of(tag_type):
     return known or next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
 
 
-def without_own(rule):
-    """The rule for a contact that another law than the rule's own serves, a smooth one in YADE: then back along its curve."""
+def rule_of_smooth_contact(rule):
+    """The rule for a smooth contact in YADE, which Hertz's law computes: elastic if the rule belongs to another law."""
 
 
-@overload(without_own, jit_options=INLINED)
-def _without_own(rule):
+@overload(rule_of_smooth_contact, jit_options=INLINED)
+def _rule_of_smooth_contact(rule):
     if rule_of(rule.instance_class).curve == "law":
         return lambda rule: Elastic()
     return lambda rule: rule

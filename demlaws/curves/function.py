@@ -103,10 +103,10 @@ class GivenCurve:
         """dP/d ln δ with nodes `factor` steps apart; one-sided where a kink or the end lies within reach."""
         x, barriers = np.log(overlap), np.array([*self.kinks, self.largest])
         reach = 6.0 * step  # of the central one with two steps
-        next_one = np.searchsorted(barriers, overlap, side="left")  # on a kink: the part below it
+        next_barrier = np.searchsorted(barriers, overlap, side="left")  # on a kink: the part below it
         logs = np.concatenate([[-np.inf], np.log(barriers), [np.inf]])
-        on_left = logs[next_one + 1] - x <= reach  # look back
-        on_right = (x - logs[next_one] <= reach) & ~on_left
+        on_left = logs[next_barrier + 1] - x <= reach  # look back
+        on_right = (x - logs[next_barrier] <= reach) & ~on_left
         places = np.where(on_left[:, None], -_AHEAD, np.where(on_right[:, None], _AHEAD, _PLACES)) * (step * factor)
         weights = np.where(on_left[:, None], -_FORWARD, np.where(on_right[:, None], _FORWARD, _CENTRAL)) / (step * factor)
         at = np.exp(x[:, None] + places)

@@ -18,7 +18,7 @@ from demlaws.core.fastmath import from_bits, hertz_coefficient
 from demlaws.core.loops import clamped_roughness
 from demlaws.core.numba_compat import INLINED, callback, kernel, loop
 from demlaws.core.shear import shear_stiffness
-from demlaws.core.unloading import rule_of, without_own
+from demlaws.core.unloading import rule_of, rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.yade import layout as at
@@ -37,7 +37,7 @@ from demlaws.yade.memory import (
     load_word,
     prefetch,
     store_double,
-    store_own,
+    store_params,
     store_tuple,
     store_word,
 )
@@ -81,7 +81,7 @@ def respond(kind, shear, rule, record, radius, modulus, overlap, state):
     if modulus == 0.0:  # a marker: YADE's own law gives it no force
         return 0.0, 0.0, 0.0, state
     if load_word(record) != 0:
-        return answer(shear, without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+        return answer(shear, rule_of_smooth_contact(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return answer(shear, rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
@@ -91,7 +91,7 @@ def energies(kind, rule, record, radius, modulus, overlap, state):
     if modulus == 0.0:
         return 0.0, 0.0
     if load_word(record) != 0:
-        return stored_and_dissipated(without_own(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
+        return stored_and_dissipated(rule_of_smooth_contact(rule), scale(HertzShape(), radius, modulus, 0.0), overlap, state)
     return stored_and_dissipated(rule, params_of(kind, record, radius, modulus), overlap, state)
 
 
@@ -305,7 +305,7 @@ def follow(kind, context, geom, interaction, row):
     if load_word(record) != 0:
         store_double(row + at.ROW_OWN, hertz_coefficient(radius, modulus))
     else:
-        store_own(kind, params_of(kind, record, radius, modulus), row + at.ROW_OWN)
+        store_params(kind, params_of(kind, record, radius, modulus), row + at.ROW_OWN)
 
 
 @kernel
@@ -403,7 +403,7 @@ def fill_row(kind, context, row, number, geom, phys, interaction):
         code = -code
         store_double(row + at.ROW_OWN, hertz_coefficient(radius, modulus))
     else:
-        store_own(kind, params_of(kind, record, radius, modulus), row + at.ROW_OWN)
+        store_params(kind, params_of(kind, record, radius, modulus), row + at.ROW_OWN)
     store_double(phys + word(context, at.MARK), float(code))
     return code
 
@@ -477,8 +477,8 @@ def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_
         compress(mode, rule, p, context, row, overlap, force, sideways, new)
     elif load_double(row + at.ROW_OWN) != 0.0:
         p = HertzParams(load_double(row + at.ROW_OWN))
-        force, stiffness, sideways, new = answer(shear, without_own(rule), p, overlap, old)
-        compress(mode, without_own(rule), p, context, row, overlap, force, sideways, new)
+        force, stiffness, sideways, new = answer(shear, rule_of_smooth_contact(rule), p, overlap, old)
+        compress(mode, rule_of_smooth_contact(rule), p, context, row, overlap, force, sideways, new)
     else:
         force, stiffness, sideways, new = 0.0, 0.0, 0.0, old
     wrong = at.NOT_FINITE if force - force != 0.0 else at.UNGUARDED if word(context, at.ALARM) == 0 else 0

@@ -252,7 +252,7 @@ def store_tuple(typing_context, value, address):
 
 @intrinsic
 def load_params(typing_context, params_kind, kind, own, shape):
-    """A law's Params from the words that `store_own` wrote to `own` and those of its Shape at `shape`."""
+    """A law's Params from the words that `store_params` wrote to `own` and those of its Shape at `shape`."""
     params = params_kind.instance_type
 
     def generate(context, builder, signature, arguments):
@@ -269,7 +269,7 @@ def load_params(typing_context, params_kind, kind, own, shape):
 
 
 @intrinsic
-def store_own(typing_context, kind, params, address):
+def store_params(typing_context, kind, params, address):
     """Write the words of a law's Params that are not in its Shape, whose numba type is `kind`, to `address`."""
 
     def generate(context, builder, signature, arguments):

@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from demlaws.contact import Contact, Surface
-from demlaws.core.loops import clamped_roughness, loading_part, scale_one
+from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.errors import DemlawsError, ValidityWarning, did_you_mean
@@ -351,7 +351,7 @@ class Pairs:
         )
         self.kind = numba.typeof(example)
         radius, modulus = self.specimen(number)
-        params = scale_one(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
+        params = scale_contact(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         self.params_kind = numba.typeof(params)
         self.springs_at = at.ROW_OWN // 8 + max(memory.own_words(self.params_kind, self.kind), 1)
         self.row_words = self.springs_at + (FRAME_WORDS + SPRING_WORDS * self.springs if self.springs else 0)

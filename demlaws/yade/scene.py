@@ -207,8 +207,8 @@ def _refuse_rivals(dispatcher):
     takers = [f for f in dispatcher.functors if list(f.bases) == CONTACT]
     if not takers:
         return
-    asked = dispatcher.dispFunctor(*(getattr(yade, name)() for name in CONTACT))
-    known = {native.address(f): f for f in (*takers, asked)}
+    active = dispatcher.dispFunctor(*(getattr(yade, name)() for name in CONTACT))
+    known = {native.address(f): f for f in (*takers, active)}
     if len(known) > 1 and any(map(is_ours, known.values())):
         raise DemlawsError(
             f"{type(dispatcher).__name__} was given {len(known)} functors for the same contacts "

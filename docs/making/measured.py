@@ -44,8 +44,8 @@ def claims(folder, out, printed):
     said = "; ".join(f"{n} {verdict}" for verdict, n in counts.items())
     body = [tuple(prose(cell) for cell in row) for row in rows[1:]]
     return (
-        "Statements of Altuhafi, Baudet & Coop (2023) that a run can be compared with, the result of the run, and the verdict. "
-        "*Built in*: true by the choice of the rule or parameter. *Not decidable*: the paper prints no points.\n\n"
+        "The table compares statements of Altuhafi, Baudet & Coop (2023) with results of runs. *Built in*: true because of the "
+        "chosen rule or parameter. *Cannot be decided*: the paper does not publish the measured points.\n\n"
         f"**{said}.**\n\n{table(rows[0], body)}"
     )
 

@@ -246,7 +246,7 @@ def contact_forces(path):
 
 
 def press(path, given, way, centres, drag=DRAG, **more):
-    """Rest, pressing, hold, easing to `least`, as often as `cycles` says; what was found, as yade_oedometer.py has it."""
+    """Rest, compression, hold, unloading to `least`, repeated `cycles` times; returns the results like yade_oedometer.py."""
     log, forces, seconds = carry_out(path, prepare(path, given, way, centres, PRESS, drag, back=given["back"], **more))
     step, stress, speed = log["Step"], log["stress"], log["way"]
     height = log["touched"] + np.append(0.0, np.cumsum(speed[1:] * np.diff(step))) * given["dt"]

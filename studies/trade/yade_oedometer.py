@@ -123,7 +123,7 @@ class Box:
 
 
 def press(box, run, least):
-    """Come to rest, be pressed to the stress, held, eased until least(stress after the hold), and so on; what was found.
+    """Rest, compression to the stress, hold, unloading to least(stress after the hold), repeated; returns the results.
 
     run: settle, hold [s], stress [Pa], speeds of the plate down and up [m/s], cycles, steps between two readings (every).
     """
