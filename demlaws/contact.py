@@ -11,6 +11,8 @@ from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radi
 from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
 from demlaws.units import number, real
 
+PER_CONTACT = ("radius", "modulus", "roughness")
+"""Fields of a `Contact` that may have one entry per contact."""
 _OPTIONAL = ("fractal_dimension", "hardness", "density", "edge_radius")
 LOWEST_HARDNESS = 1e-6
 """Hardness or yield pressure over effective modulus below which one of them is in another unit: sodium's 1e-4 is the least."""
@@ -216,7 +218,7 @@ class Contact:
     def __post_init__(self) -> None:
         _check(self, "radius", "modulus", "roughness", scalar=False)
         _check(self, "fractal_dimension", "hardness")
-        _refuse_lengths({name: getattr(self, name) for name in ("radius", "modulus", "roughness")})
+        _refuse_lengths({name: getattr(self, name) for name in PER_CONTACT})
         if self.hardness is not None:
             pressure_of(self, self.hardness, "hardness")
         if self.hardness is not None and np.any(self.hardness > HIGHEST_HARDNESS * np.asarray(self.modulus)):
@@ -326,6 +328,11 @@ class Contact:
             return [0]
         order = np.argsort(np.broadcast_to(self.roughness, self.size) / self.radius)
         return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
+
+    def one(self, index: int) -> "Contact":
+        """The contact of this place in an array; a single one is at every place."""
+        values = {name: np.broadcast_to(getattr(self, name), self.size or index + 1)[index] for name in PER_CONTACT}
+        return replace(self, **values)
 
     def with_values(self, **changes: Any) -> "Contact":
         """A copy with some fields changed.

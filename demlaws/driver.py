@@ -265,10 +265,7 @@ def elastic_contact(law: Law, mass: float, speed: float) -> tuple[float, float]:
     params, kinetic = as_law(law).single_params(), _kinetic(mass, speed)
 
     def work(overlaps):  # without the advice that `law.energy` gives on overlaps which no impact reaches
-        values = np.atleast_1d(np.asarray(overlaps, float))
-        result = np.empty(values.size)
-        energy_loop(loading_part(params), values, result)
-        return result
+        return energy_loop(loading_part(params), np.atleast_1d(np.asarray(overlaps, float)))
 
     high = float(law.contact.radius)
     if not work(high)[0] > kinetic:  # also where a table ends before: its energy is not a number there

@@ -1,10 +1,11 @@
 """Errors and warnings of demlaws."""
 
+import contextlib
 import dataclasses
 import functools
 import sys
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
 T = TypeVar("T")
@@ -42,6 +43,14 @@ class ValidityWarning(UserWarning):
     >>> any(one.category is dl.ValidityWarning for one in said)
     True
     """
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """Within this context no `ValidityWarning` is issued."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ValidityWarning)
+        yield
 
 
 class LargeOverlap(ValidityWarning):

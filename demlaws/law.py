@@ -25,7 +25,7 @@ from demlaws.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_pa
 if TYPE_CHECKING:
     from demlaws.core.grid import Nodes
     from demlaws.curves.points import Knots
-    from demlaws.curves.table import Rows, TableCurve
+    from demlaws.curves.table import TableCurve
 
 
 class Law(Response):
@@ -287,19 +287,9 @@ class Table(Law):
         return self.curve.rtol
 
     @property
-    def rows(self) -> "Rows":
-        """Rows of the curve of first loading, as stored in a file."""
-        return self.curve.rows
-
-    @property
     def knots(self) -> "Knots | None":
         """`Knots` of a table made of points."""
         return self.curve.knots
-
-    @property
-    def loading_shape(self) -> Any:
-        """`TableShape` of first loading."""
-        return self.curve.shape
 
     @property
     def length(self) -> float | np.ndarray:

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.contact import Contact, as_contact
+from demlaws.contact import PER_CONTACT, Contact, as_contact
 from demlaws.core.unloading import GIVEN, RULES
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError, did_you_mean
@@ -79,8 +79,7 @@ def rebound(unloading, contact):
     rule, curve = rule_and_curve(unloading)
     if curve is None:
         return rule
-    names = ("radius", "modulus", "roughness")
-    if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in names):
+    if all(np.allclose(getattr(curve.contact, n), getattr(contact, n), rtol=1e-6, atol=0.0) for n in PER_CONTACT):
         return curve
     return curve.for_unloading(contact)
 

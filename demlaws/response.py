@@ -121,9 +121,8 @@ class Response:
     def _both(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
-        force, stiffness = np.empty(values.size), np.empty(values.size)
-        finite = first_loading(self.params, values.ravel(), force, stiffness)
-        if not finite:
+        force, stiffness = first_loading(self.params, values.ravel())
+        if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._advise(force)
         return force.reshape(shape), stiffness.reshape(shape)
@@ -178,8 +177,7 @@ class Response:
             Overlap [m], 0 at P ≤ 0.
         """
         values, shape = self._shaped(force, "force", "N")
-        result = np.empty(values.size)
-        inverse_loop(loading_part(self.params), values.ravel(), result)
+        result = inverse_loop(loading_part(self.params), values.ravel())
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._force_out_of_range(float(values.max())))
         self._check_range(result.reshape(shape))
@@ -204,8 +202,7 @@ class Response:
         """
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
-        result = np.empty(values.size)
-        energy_loop(loading_part(self.params), values.ravel(), result)
+        result = energy_loop(loading_part(self.params), values.ravel())
         return as_given(result.reshape(shape))
 
     # --- history
@@ -308,9 +305,7 @@ class Response:
             radius = np.asarray(self.contact.radius)
             end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
             small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
-            most, stiffness = small.copy(), np.empty(small.size)
-            if self.state_size:
-                first_loading(self.params, small, most, stiffness)
+            most = first_loading(self.params, small)[0] if self.state_size else small
             self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE[0])))
         return self._end
 
@@ -324,8 +319,7 @@ class Response:
         end = self.curve.end(params)
         if force == math.inf:
             return end
-        result = np.empty(self.contact.size or 1)
-        inverse_loop(params, np.full(result.size, force), result)
+        result = inverse_loop(params, np.full(self.contact.size or 1, force))
         result[np.isnan(result)] = math.inf
         return np.minimum(end, result if self.contact.size is not None else float(result[0]))
 
@@ -421,8 +415,7 @@ class Response:
             )
         ratio = number(ratio, "ratio")
         values, shape, arrays = self._path_of(overlap, state)
-        result = np.empty(values.size)
-        shear_loop(CHOICES[shear].tag, self.rule, self.params, values, arrays, result)
+        result = shear_loop(CHOICES[shear].tag, self.rule, self.params, values, arrays)
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         return as_given(ratio * result.reshape(shape))
@@ -430,9 +423,8 @@ class Response:
     def unloading_overlap(self, force: ArrayLike, state: "State") -> float | np.ndarray:
         """Overlap [m] at which a contact with this history, below its maximum overlap, carries `force` ≥ 0 [N]."""
         values, shape = self._shaped(force, "force", "N")
-        result = np.empty(values.size)
         states = tuple(np.full(values.size, float(array[0])) for array in self._arrays_of(state, 1))
-        unloaded_loop(self.rule, self.single_params(), values.ravel(), states, result)
+        result = unloaded_loop(self.rule, self.single_params(), values.ravel(), states)
         return as_given(result.reshape(shape))
 
     # --- range

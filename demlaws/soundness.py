@@ -40,19 +40,23 @@ _NEEDED = {"Shape": ("scale",), "Params": ("virgin", "inverse", "energy")}
 
 
 @loop
-def curve_loop(p, overlap, force, stiffness, equivalent, area):
-    """All that `virgin` says of one contact."""
+def curve_loop(p, overlap):
+    """All that `virgin` says of one contact, a row each."""
+    found = np.empty((4, overlap.size))
     for i in range(overlap.size):
-        force[i], stiffness[i], equivalent[i], area[i] = virgin(p, overlap[i])
+        found[0, i], found[1, i], found[2, i], found[3, i] = virgin(p, overlap[i])
+    return found
 
 
 @loop
-def back_loop(p, overlap, back, work):
+def back_loop(p, overlap):
     """Overlap of the force at each overlap, and the work up to it."""
+    back, work = np.empty(overlap.size), np.empty(overlap.size)
     for i in range(overlap.size):
         force = virgin(p, overlap[i])[0]
         back[i] = inverse(p, force) if force > 0.0 else 0.0
         work[i] = energy(p, overlap[i])
+    return back, work
 
 
 class Check(NamedTuple):
@@ -82,9 +86,7 @@ class Values(NamedTuple):
 
 def values_of(params, overlap):
     """`Values` of one contact's params."""
-    found = Values(*(np.empty(overlap.size) for _ in Values._fields))
-    curve_loop(params, overlap, *found)
-    return found
+    return Values(*curve_loop(params, overlap))
 
 
 def fault_of_values(overlap: np.ndarray, force: np.ndarray, stiffness: np.ndarray | None = None) -> str | None:
@@ -218,8 +220,7 @@ def _return_checks(params, overlap, known, solved):
     """
     expected = integrals(lambda at: values_of(params, at).force, overlap).reshape(-1, _THINNED).sum(axis=1)
     overlap, force, stiffness = (values[::_THINNED] for values in (overlap, known.force, known.stiffness))
-    back, work = np.empty(overlap.size), np.empty(overlap.size)
-    back_loop(params, overlap, back, work)
+    back, work = back_loop(params, overlap)
     carries = force > 0.0
     at, load, back = overlap[carries], force[carries], back[carries]
     good = np.isfinite(back) & (back > 0.0)
@@ -281,8 +282,7 @@ def _refuse_array(name, params, contact):
         return
     for share in (1e-6, 1e-4, 1e-2):
         overlap = share * np.broadcast_to(np.asarray(contact.radius, float), contact.size).copy()
-        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-        first_loading(params, overlap, force, stiffness)
+        force, stiffness = first_loading(params, overlap)
         bad = np.flatnonzero(~(np.isfinite(force) & np.isfinite(stiffness) & (force >= 0.0) & (stiffness >= 0.0)))
         if bad.size:
             k = int(bad[0])

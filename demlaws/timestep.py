@@ -262,9 +262,7 @@ def _jumps_down(law, end):
 
 def _tangent(law, overlap):
     """Stiffness [N/m] of first loading, without the warnings of `law.stiffness`."""
-    forces, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-    first_loading(law.params, overlap, forces, stiffness)
-    return stiffness
+    return first_loading(law.params, overlap)[1]
 
 
 def _stiffness(value):

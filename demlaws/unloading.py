@@ -88,13 +88,11 @@ def largest_stiffness_ratio(law: Any, points: int = 2000) -> tuple[float, float]
         # where K may jump up, between two points; the law of a table was checked in closed form
         steps = [] if isinstance(part, TableParams) else law.curve.kinks(part)
         overlap = np.sort(np.append(overlap, [step * (1.0 + 1e-12) for step in steps if step < 0.1 * radius]))
-        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-        first_loading(p, overlap, force, stiffness)
+        force, stiffness = first_loading(p, overlap)
         usable = np.isfinite(force) & (force > 0)
         if isinstance(p, JoinedParams):
-            elastic, own, other = (np.empty(overlap.size) for _ in range(3))
-            inverse_loop(p.unloading, force, elastic)
-            first_loading(p.unloading, elastic, own, other)
+            elastic = inverse_loop(p.unloading, force)
+            _, other = first_loading(p.unloading, elastic)
             usable &= elastic > 0.0  # at a seating load the curve is a step; beyond its end there is none
             if not np.any(usable):
                 raise DemlawsError("the unloading curve has no load in common with the law: is it for another contact?")

@@ -24,7 +24,7 @@ def ellipsoids(material, radius_x, radius_y, indentation):
     for rx, ry, w in zip(*(np.ravel(v) for v in np.broadcast_arrays(radius_x, radius_y, indentation)), strict=True):
         alpha, beta, gamma, _ = ellipsoid.shape_factors(max(rx, ry) / min(rx, ry))
         mean, geometric = rx * ry / (rx + ry), np.sqrt(rx * ry)
-        given = material, alpha * beta, gamma, mean, geometric, float(w), material.yield_factor, False
+        given = material, alpha * beta, gamma, mean, geometric, float(w), material.yield_factor
         force, area, state, first, full, _, over, _ = ellipsoid.ellipsoid(*given)
         rows.append((force, area, state, first, full, ellipsoid.residual(material, mean, force, area, w, over, gamma, state)))
     return Ellipsoids(*np.array(rows, float).T)

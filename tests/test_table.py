@@ -345,7 +345,7 @@ def test_a_failed_save_leaves_the_old_file_and_no_other(tmp_path, monkeypatch):
 def test_a_kink_anywhere_in_the_grid(bits, place):
     """On a node, a hair beside one, or inside a cell: two straight lines that meet there are read as they are."""
     from demlaws.core.grid import Nodes, grid, shape_from_nodes
-    from demlaws.core.loops import bind_params, evaluate_loop
+    from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, bind_params
     from demlaws.core.unloading import Elastic
 
     u, _ = grid(0.5, 30.0, [place], bits)
@@ -357,7 +357,7 @@ def test_a_kink_anywhere_in_the_grid(bits, place):
     contact = dl.Contact(radius=1.0, modulus=0.75e6)  # so that P = s^1.5 MN
     points = np.sort(np.append(np.linspace(0.5, 29.9, 4001), [place * (1 - 1e-12), place * (1 + 1e-12)]))
     force, stiffness = np.empty(points.size), np.empty(points.size)
-    assert evaluate_loop(Elastic(), bind_params(shape, contact), points, (), force, stiffness)
+    assert batch_loop(Elastic(), bind_params(shape, contact), points, (), UNBOUNDED, FINITE, force, stiffness)
     exact = np.minimum(points, place + 0.5 * (points - place))
     assert force / 1e6 == pytest.approx(exact**1.5, rel=1e-11)
     away = np.abs(points - place) > 1e-11

@@ -8,7 +8,6 @@ Errors are those against the reference; use `demlaws fit` to compare laws with m
 import inspect
 import math
 import os
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -21,7 +20,7 @@ from demlaws.advice.kept import kept
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, ValidityWarning
+from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
 from demlaws.law import Law, Table
 from demlaws.laws.definition import bulk_yield
 from demlaws.laws.registry import find, registry
@@ -59,8 +58,7 @@ class Plan(NamedTuple):
 
     def bind(self, contact, max_force=None):
         """The law on a contact, or an array of contacts."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             law = bind_law(self.name, contact, rebound(self.unload_by, contact), **dict(self.options))
             return law.tabulate(self.rtol, max_force) if self.evaluation == "table" else law
 
@@ -339,8 +337,7 @@ class _Judge:
 
     def step(self, plan):
         """Safe step [s] of the scene."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             return stable_step(self.scene, plan._replace(evaluation="closed form", rtol=0.0).bind)
 
 
@@ -417,8 +414,7 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     reference = reference_plan(scene)
     judge = _Judge(scene, reference)
     ruled_out, notes, judged = {}, [], {}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         known = set()
         for law in judge.exact:
             for breach in law.breaches(judge.smallest, judge.largest):

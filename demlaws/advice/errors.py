@@ -1,13 +1,12 @@
 """How far a law is from a reference on the same contacts and loads: force, stiffness, overlap, energy, restitution."""
 
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.loops import energies_loop, energy_loop, first_loading, loading_part, unloaded_loop
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 
 QUANTITIES = {
     "force": "force at equal overlap, over the contact's largest force so far",
@@ -47,9 +46,7 @@ class Loaded:
 
     def unloaded(self, state, force):
         """Overlap at `force` after the peak."""
-        overlap = np.empty(np.size(force))
-        unloaded_loop(self.law.rule, self.law.params, force, state.arrays, overlap)
-        return overlap
+        return unloaded_loop(self.law.rule, self.law.params, force, state.arrays)
 
     def again(self, overlap, state):
         """Force and stiffness at `overlap` after the peak."""
@@ -60,9 +57,7 @@ class Loaded:
         """Work of loading to `top`, and the part that unloading does not return."""
         work = np.asarray(self.law.energy(np.asarray(top, float)), float)
         state, _, _ = self.state_at(top)
-        stored, dissipated = np.empty(work.size), np.empty(work.size)
-        energies_loop(self.law.rule, self.law.params, np.asarray(top, float), state.arrays, stored, dissipated)
-        return work, dissipated
+        return work, energies_loop(self.law.rule, self.law.params, np.asarray(top, float), state.arrays)[1]
 
     def overlap_of_work(self, work):
         """Overlap at which loading has taken `work`; not a number where the law ends before.
@@ -71,10 +66,8 @@ class Loaded:
         """
         params = self.law.params
         overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
-        found, force, stiffness = (np.empty(work.size) for _ in range(3))
         for _ in range(60):
-            energy_loop(loading_part(params), overlap, found)
-            first_loading(params, overlap, force, stiffness)
+            found, (force, _) = energy_loop(loading_part(params), overlap), first_loading(params, overlap)
             step = np.log(work / found) * found / (force * overlap)
             step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
             overlap *= np.exp(step)
@@ -85,8 +78,7 @@ class Loaded:
 
 def error_of(law, reference, sample, quantity, unloads):
     """Error of `law` against `reference` for each contact of `sample`, as `QUANTITIES` define it."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet(), np.errstate(all="ignore"):
         exact, given = Loaded(reference, sample), Loaded(law, sample)
         return _MEASURES[quantity](exact, given, sample, unloads)
 

@@ -10,7 +10,6 @@ adds to the displacement, known or fitted.
 import copy
 import itertools
 import math
-import warnings
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
@@ -20,7 +19,7 @@ from numpy.typing import ArrayLike
 from demlaws.contact import Contact
 from demlaws.core import cache, loops
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.law import Law
 from demlaws.laws.definition import OF_CONTACT, Parameter
 from demlaws.laws.registry import find, registry
@@ -403,8 +402,7 @@ def _report(model, x, squares, absolute, notes):
         minus_two_log = 2.0 * float(np.sum(np.log(likely))) + n * (math.log(2.0 * math.pi) + 1.0)
         count = k + 1 + (np.ptp(model.sigma) > 0.0)
     aicc = minus_two_log + 2.0 * count + (2.0 * count * (count + 1.0) / (n - count - 1.0) if n > count + 1 else math.inf)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         contact, options = model.inputs(x)
         # checked now: refuses a pair that is not passive
         law = bind_law(model.definition.name, contact.with_values(), model.unloading, **options)

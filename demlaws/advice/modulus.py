@@ -12,7 +12,6 @@ advised, and no error is predicted.
 
 import functools
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ import numpy as np
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import PROCESSES, Scene, stable_step, unloading_rule
 from demlaws.advice.soften import Softening, soften
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.names import USUAL
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
@@ -121,8 +120,7 @@ def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: 
         raise DemlawsError("softening is advised for a packing under pressure: give the scene its pressure in Pa")
     radius, pressure, softening = 0.25 * (scene.radii[0] + scene.radii[1]), scene.pressure[1], Softening(factor)
     force, diameter = float(scene.mean_force(pressure, radius)), 4.0 * radius
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         law = bind_law(name, max(scene.contacts(radius), key=lambda c: c.modulus), **options)
         overlap = float(law.overlap(force))
         kappa = float(law.stiffness(overlap)) * softening.stiffness / (pressure * diameter)
@@ -261,8 +259,7 @@ def predict(
     here = numbers_of(scene, law, options, factor, inertial)
 
     def bind(contact):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             return bind_law(law, contact, rebound(rule, contact), **options)
 
     rule = unloading_rule(scene, law, options)  # of many a law unloading is stiffer than loading

@@ -6,7 +6,6 @@ fall by s^(-2/3), slopes grow by s^(1/3). That is one affine map of the surfaces
 rule [our derivation]. With σ left as it is a contact slides to another branch instead.
 """
 
-import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -14,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact, Material, Surface
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.law import Law, Table
 from demlaws.laws.definition import PRESSURE, Option, power_of
 from demlaws.laws.registry import find, registry
@@ -159,7 +158,7 @@ class Softening:
                 "another table, with overlaps times s^(2/3) at the same forces"
             )
         contact, along = self.of(law.contact), law.unloading_law
-        if isinstance(law, Table) and law.loading_shape.length_over_roughness:
+        if isinstance(law, Table) and law.curve.shape.length_over_roughness:
             # rows in multiples of σ, which is stretched as overlaps are: they stay as they are
             unloading = law.unloads
             if unloading.curve is not None:
@@ -211,8 +210,7 @@ class Softening:
         """One contact of `law` at `force` [N], softened with all parameters, and with the modulus alone."""
         force = number(force, "force", "N")
         law.single_params()
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             softened = self.of(law)
             left = bind_law(law.name, law.contact.with_values(modulus=law.contact.modulus / self.factor), **law.options)
             rows = []

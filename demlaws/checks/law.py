@@ -1,13 +1,12 @@
 """The project's tests of a law, for any law: `check_law` evaluates the assertions of the test suite and reports failures."""
 
 import math
-import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.errors import DemlawsError, NotPassive, ValidityWarning
+from demlaws.errors import DemlawsError, NotPassive, quiet
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import example
@@ -142,8 +141,7 @@ def check_law(
     contact = GRANITE_PAIR if contact is None else contact
     if not isinstance(contact, Contact) or contact.size is not None:
         raise DemlawsError("check_law takes one contact, not an array of contacts")
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet(), np.errstate(all="ignore"):
         law = example(name, contact, "elastic", **options)
         return LawCheck(name, (*_curve_checks(law), *_rule_checks(law, contact, rules, paths, options), *_table_checks(law)))
 

@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import functools
 import importlib
 import re
 import sys
@@ -102,17 +103,6 @@ def similar(word, known):
     return f": did you mean {match}?" if match else ""
 
 
-class _Part:
-    """Object with which a file registers its commands; commands that are not on the command line are left out."""
-
-    def __init__(self, subparsers, wanted):
-        self.subparsers, self.wanted = subparsers, wanted
-
-    def add_parser(self, name, **options):
-        subparsers = self.subparsers if name in self.wanted else Parser().add_subparsers()
-        return subparsers.add_parser(name, help=COMMANDS[name][1], **options)
-
-
 def build_parser(commands=tuple(COMMANDS)):
     """The command line: `commands` with all their arguments, the others with their line of help only."""
     from demlaws import __version__
@@ -124,13 +114,12 @@ def build_parser(commands=tuple(COMMANDS)):
     )
     parser.add_argument("--version", action="version", version=f"demlaws {__version__}")
     subparsers = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    registered = set()
     for name, (part, line) in COMMANDS.items():
-        if name not in commands:
-            subparsers.add_parser(name, help=line)
-        elif part not in registered:
-            registered.add(part)
-            importlib.import_module(f"{__name__}.{part}").register(_Part(subparsers, commands))
+        add = functools.partial(subparsers.add_parser, name, help=line)
+        if name in commands:
+            importlib.import_module(f"{__name__}.{part}").register(add)
+        else:
+            add()
     return parser
 
 

@@ -10,10 +10,9 @@ FIELDS = ("error", "mean_error", "ns", "step_factor", "step", "state_bytes", "ta
 TITLES = ("choice", *(f"{name}_s" if name == "step" else name for name in FIELDS))
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    parser = subparsers.add_parser(
-        "choose",
+def register(add):
+    """Add this command."""
+    parser = add(
         description="Ranks the combinations of law, unloading rule and evaluation (formula or table) that meet the tolerance "
         "of a scene by their stored cost, and reports the neglected effects with their errors. For a packing under pressure "
         "it also recommends a stiffness reduction and a loading rate.",

@@ -7,10 +7,9 @@ from demlaws.cli.output import Output, output, record, write_csv
 from demlaws.results import PATH_COLUMNS
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    curve = subparsers.add_parser(
-        "curve",
+def register(add):
+    """Add this command."""
+    curve = add(
         description="Computes force and overlap of one contact along a path of forces or overlaps.",
         **example(
             '  demlaws curve --law pohrt-popov --unloading hertz --test "SS(18-18)" --forces 50 0 100 0 --figure c.png\n'

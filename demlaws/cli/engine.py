@@ -44,15 +44,11 @@ class _PartParser(Parser):
         return namespace, unknown
 
 
-def register(subparsers):
-    """Add both commands and their own sub-commands."""
-    stock = _register(subparsers, "liggghts", "LIGGGHTS", WITHOUT_COMPILER)
-    stock.add_argument("--stock", choices=("hertz",), help="write stock hertz with a fitted modulus; needs no compiler")
-    _register(subparsers, "lammps", "LAMMPS")
-
-
-def _register(subparsers, name, engine, more=""):
-    parser = subparsers.add_parser(name, **example(f"  demlaws {name} check"))
+def register(add):
+    """Add the command of the engine whose name `add` holds, with its sub-commands."""
+    (name,) = add.args
+    engine = name.upper()
+    parser = add(**example(f"  demlaws {name} check"))
     parts = parser.add_subparsers(dest="part", required=True, metavar="PART", parser_class=_PartParser)
 
     def part(part_name):
@@ -111,9 +107,11 @@ def _register(subparsers, name, engine, more=""):
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
     checks.set_defaults(func=check)
 
-    text = example(EXPORT_EXAMPLE.format(name=name) + more)
+    text = example(EXPORT_EXAMPLE.format(name=name) + (WITHOUT_COMPILER if name == "liggghts" else ""))
     exports = parts.add_parser("export", help="write a complete case: tables, input, run script", **text)
     _grain_arguments(exports)
+    if name == "liggghts":
+        exports.add_argument("--stock", choices=("hertz",), help="write stock hertz with a fitted modulus; needs no compiler")
     exports.set_defaults(func=export)
 
     text = example(CONVERT_EXAMPLE.format(name=name))
@@ -129,7 +127,6 @@ def _register(subparsers, name, engine, more=""):
     text = f"input script; {engine} runs in its folder; then the options above and any options of {engine}"
     runs.add_argument("rest", nargs=argparse.REMAINDER, metavar="INPUT ...", help=text)
     runs.set_defaults(func=run)
-    return exports
 
 
 def _run_options(parser, **default):

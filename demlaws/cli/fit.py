@@ -16,10 +16,9 @@ TITLES = [
 ]
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    parser = subparsers.add_parser(
-        "fit",
+def register(add):
+    """Add this command."""
+    parser = add(
         description="Fits each law to measured points of displacement and force, loading and unloading in the order of the "
         "test, and prints parameters with 95 % intervals and the ranking by Akaike's criterion (AICc).",
         **example(

@@ -6,10 +6,9 @@ from demlaws.cli import example
 from demlaws.cli.arguments import law_name
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    parser = subparsers.add_parser(
-        "granite",
+def register(add):
+    """Add this command."""
+    parser = add(
         description="Computes the seven granite tests of Altuhafi, Baudet & Coop (2023) with every law, prints displacement "
         "and stiffness per test and the claims of the paper with verdicts, and writes CSV files and figures.",
         **example('  demlaws granite --out granite\n  demlaws granite --test "SS(18-18)" --law pohrt-popov --out ss18'),

@@ -5,10 +5,9 @@ from demlaws.cli.output import record
 from demlaws.errors import DemlawsError
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    parser = subparsers.add_parser(
-        "laws",
+def register(add):
+    """Add this command."""
+    parser = add(
         description="Lists the laws of first loading, or one law's equation, source, required contact quantities, options "
         "(for --option NAME=VALUE and dl.law(..., name=value)) and the unloading rules.",
         **example("  demlaws laws\n  demlaws laws rough-plastic\n  demlaws laws my-law --law-file my_laws.py --check"),

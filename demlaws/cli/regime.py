@@ -7,10 +7,9 @@ from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    regime = subparsers.add_parser(
-        "regime",
+def register(add):
+    """Add this command."""
+    regime = add(
         description="Evaluates the criterion of Jamari & Schipper: p(0)/H_m at a load, the transition load, and the laws "
         "that apply.",
         **example(

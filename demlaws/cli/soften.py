@@ -6,10 +6,9 @@ from demlaws.cli.contact import add_law_arguments, law_from
 from demlaws.cli.output import record
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    parser = subparsers.add_parser(
-        "soften",
+def register(add):
+    """Add this command."""
+    parser = add(
         description="Prints the engine input for softer contacts that remain on the same branch of the law, and allow a longer "
         "time step: moduli, roughness, hardness and options; and the effects on forces, energies and times.",
         **example(

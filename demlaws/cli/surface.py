@@ -24,10 +24,9 @@ MICRO_CONTACTS = (
 )
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    surface = subparsers.add_parser(
-        "surface",
+def register(add):
+    """Add this command."""
+    surface = add(
         usage="demlaws surface FILE [options]\n"
         "       demlaws surface contact FILE [options]\n"
         "       demlaws surface synthetic --out FILE [options]\n"

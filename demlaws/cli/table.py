@@ -9,10 +9,9 @@ from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
 
 
-def register(subparsers):
+def register(add):
     """Add the command `table`."""
-    table = subparsers.add_parser(
-        "table",
+    table = add(
         description="Writes a table of dimensionless force and stiffness of a law, or of a curve through measured points. The "
         "header of the file contains the measured errors.",
         **example(
@@ -124,7 +123,7 @@ def run(arguments):
     record(file=str(arguments.out), rows=table.nodes.u.size, largest_force=table.largest_force, rtol=table.rtol)
     record(force_error=table.force_error, stiffness_error=table.stiffness_error)
     print(
-        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.rows.bits} cells per octave, "
+        f"{arguments.out}: {table.nodes.u.size} rows, {2**table.curve.rows.bits} cells per octave, "
         f"to {table.largest_force:.4g} N; largest relative error: force {table.force_error:.1e}, "
         f"stiffness {table.stiffness_error:.1e}"
     )

@@ -14,10 +14,9 @@ LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
 write them (there: pair/gran/local pos id force_normal …)."""
 
 
-def register(subparsers):
-    """Add this file's commands to the command line."""
-    parser = subparsers.add_parser(
-        "timestep",
+def register(add):
+    """Add this command."""
+    parser = add(
         description="Computes the largest stable time step of a snapshot, 2/ω_max with shear and rotation, a rigorous bound, "
         "Rayleigh's step and the recommended step. SNAPSHOT is a scene saved by YADE (O.save), or a dump of the grains of "
         "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. The last frame of a dump is used. Dumps have "

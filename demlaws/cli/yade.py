@@ -40,10 +40,9 @@ class _PassesOn(Parser):
         return namespace, []
 
 
-def register(subparsers):
+def register(add):
     """Add `yade` with its sub-commands `check` and `run`."""
-    parser = subparsers.add_parser(
-        "yade",
+    parser = add(
         description="Uses the laws in Debian's YADE.",
         epilog="example: demlaws yade run -x yade_scripts/two_spheres.py --quick",
     )

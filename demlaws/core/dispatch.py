@@ -145,15 +145,18 @@ class _Source:
     def __init__(self):
         self.names = {}
 
+    def _tuple(self, kind, expression, text_of):
+        items = "".join(f"{text_of(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
+        if not isinstance(kind, types.BaseNamedTuple):
+            return f"({items})"
+        name = f"Class{len(self.names)}"
+        self.names[name] = kind.instance_class
+        return f"{name}({items})"
+
     def read(self, kind, expression):
         """Element i of every 1-D array in `kind` (one entry per contact); anything else is shared by all contacts."""
         if isinstance(kind, types.BaseTuple):
-            items = "".join(f"{self.read(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
-            if not isinstance(kind, types.BaseNamedTuple):
-                return f"({items})"
-            name = f"Class{len(self.names)}"
-            self.names[name] = kind.instance_class
-            return f"{name}({items})"
+            return self._tuple(kind, expression, self.read)
         return f"float({expression}[i])" if isinstance(kind, types.Array) and kind.ndim == 1 else expression
 
     def fix(self, kind, expression):
@@ -164,12 +167,7 @@ class _Source:
 
     def fix_parts(self, kind, expression):
         if isinstance(kind, types.BaseTuple):
-            items = "".join(f"{self.fix(item, f'{expression}[{n}]')}, " for n, item in enumerate(kind))
-            if not isinstance(kind, types.BaseNamedTuple):
-                return f"({items})"
-            name = f"Class{len(self.names)}"
-            self.names[name] = kind.instance_class
-            return f"{name}({items})"
+            return self._tuple(kind, expression, self.fix)
         return f"read_only({expression})" if isinstance(kind, types.Array) and kind.ndim == 2 else expression
 
     def write(self, kind, target, value):

@@ -63,37 +63,40 @@ UNBOUNDED = (math.inf,)
 FINITE = (np.finfo(float).max,)
 
 
-def evaluate_loop(rule, params, overlap, state, force, stiffness):
-    """`batch_loop` of a curve that is read at overlaps of any size: whether all forces are finite."""
-    return batch_loop(rule, params, overlap, state, UNBOUNDED, FINITE, force, stiffness) and bool(np.isfinite(force).all())
-
-
 @loop
-def inverse_loop(params, force, overlap):
-    """Overlap [m] of first loading at each force [N], 0 where that is not positive, into `overlap`."""
+def inverse_loop(params, force):
+    """Overlap [m] of first loading at each force [N], 0 where that is not positive."""
+    overlap = np.empty(force.size)
     for i in range(force.size):
         overlap[i] = dispatch.inverse(gather(params, i), force[i]) if force[i] > 0.0 else 0.0
+    return overlap
 
 
 @loop
-def energy_loop(params, overlap, energy):
-    """Work of first loading [J] to each overlap [m], 0 where that is not positive, into `energy`."""
+def energy_loop(params, overlap):
+    """Work of first loading [J] to each overlap [m], 0 where that is not positive."""
+    energy = np.empty(overlap.size)
     for i in range(overlap.size):
         energy[i] = dispatch.energy(gather(params, i), overlap[i]) if overlap[i] > 0.0 else 0.0
+    return energy
 
 
 @loop
-def unloaded_loop(rule, params, force, state, overlap):
-    """Overlap of each contact at `force`, below its largest overlap so far."""
+def unloaded_loop(rule, params, force, state):
+    """Overlap [m] of each contact at `force` [N], below its largest overlap so far."""
+    overlap = np.empty(force.size)
     for i in range(force.size):
         overlap[i] = dispatch.unloaded(rule, gather(params, i), force[i], gather(state, i))
+    return overlap
 
 
 @loop
-def energies_loop(rule, params, overlap, state, stored, dissipated):
-    """Energy that each contact can still return, and what it has dissipated since it was made."""
+def energies_loop(rule, params, overlap, state):
+    """Energy [J] that each contact can still return, and what it has dissipated since it was made."""
+    stored, dissipated = np.empty(overlap.size), np.empty(overlap.size)
     for i in range(overlap.size):
         stored[i], dissipated[i] = stored_and_dissipated(rule, gather(params, i), float(overlap[i]), gather(state, i))
+    return stored, dissipated
 
 
 @loop
@@ -223,9 +226,11 @@ def loading_part(params):
     return params.loading if isinstance(params, JoinedShape | JoinedParams) else params
 
 
-def first_loading(params, overlap, force, stiffness):
-    """Force [N] and stiffness [N/m] of first loading at any overlaps [m], into arrays: whether all forces are finite."""
-    return evaluate_loop(Elastic(), loading_part(params), overlap, (), force, stiffness)
+def first_loading(params, overlap):
+    """Force [N] and stiffness [N/m] of first loading at any overlaps [m]."""
+    force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
+    batch_loop(Elastic(), loading_part(params), overlap, (), UNBOUNDED, FINITE, force, stiffness)
+    return force, stiffness
 
 
 def clamped_roughnesses(contact):

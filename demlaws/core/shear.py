@@ -6,6 +6,8 @@ cheaper than the general one binds it.
 
 from typing import NamedTuple
 
+import numpy as np
+
 from demlaws.core.dispatch import bind, gather, generic, inverse, parts, scatter, step, virgin
 from demlaws.core.fastmath import cbrt, sqrt
 from demlaws.core.numba_compat import kernel, loop
@@ -138,9 +140,11 @@ bind(Given, unloading_stiffness=_of_curve, loading_stiffness=of_first_loading)
 
 
 @loop
-def shear_loop(choice, rule, p, overlap, state, shear):
+def shear_loop(choice, rule, p, overlap, state):
     """The normal stiffness used to compute K_t along a path of one contact; `state` is moved on as in `follow_loop`."""
+    shear = np.empty(overlap.size)
     for i in range(overlap.size):
         force, stiffness, new = step(rule, p, overlap[i], gather(state, 0))
         scatter(state, 0, new)
         shear[i] = shear_stiffness(choice, rule, p, overlap[i], force, stiffness, new)
+    return shear

@@ -109,9 +109,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
 
 def _limits(curve, contact):
     """Header lines of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
-    size = contact.size or 1
-    values = {name: float(np.broadcast_to(getattr(contact, name), size)[0]) for name in ("radius", "modulus", "roughness")}
-    one = contact.with_values(**values)
+    one = contact.one(0)
     length = curve.shape.length_over_roughness * one.roughness + curve.shape.length_over_radius * one.radius
     scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
     for limit in curve.definition.limits(one, **curve.options):

@@ -1,5 +1,6 @@
 """Making tables: the fewest cells whose force and stiffness lie within a tolerance of a curve."""
 
+import functools
 import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -74,22 +75,11 @@ class Source(NamedTuple):
         fractions = np.unique([0.2113, 0.5, 0.7887, *np.linspace(0.0, 1.0, 32 if self.solved else 12)[1:-1]])
         width = np.diff(u)
         points = (u[:-1, None] + width[:, None] * fractions).ravel() * self.length
-        force, stiffness = _curve_of(table)(points)
+        force, stiffness = first_loading(table, points)
         exact_force, exact_stiffness = self.exact(points)
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.abs(force / exact_force - 1.0), np.abs(stiffness / exact_stiffness - 1.0)
         return Certificate(float(np.max(errors[0])), float(np.max(errors[1])))
-
-
-def _curve_of(params):
-    """`Source.exact` of a law's params."""
-
-    def exact(overlap):
-        force, stiffness = np.empty(overlap.size), np.empty(overlap.size)
-        first_loading(params, overlap, force, stiffness)
-        return force, stiffness
-
-    return exact
 
 
 def _smallest_table(source, contact, lengths, rtol, name, span, first_bits=1, bulk=None, straight=False, floor=None):
@@ -138,7 +128,7 @@ def tabulate(contact: Contact, curve: Any, rtol: float, largest_overlap: float |
         largest = float(np.max(largest_overlap) / length) * (1.0 + 1e-9)
     params = loading_part(bind_params(curve.shape, one))
     kinks = [k / length for k in curve.kinks(one_of(bind_params(curve.shape, contact), index))]
-    source = Source(_curve_of(params), length, params.hertz_coefficient, kinks, definition.solved)
+    source = Source(functools.partial(first_loading, params), length, params.hertz_coefficient, kinks, definition.solved)
     shape, nodes, certificate = _smallest_table(
         source,
         one,
@@ -162,18 +152,18 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
     length, coefficient = params.loading.length, params.hertz_coefficient
     own = one_of(bind_params(curve.shape, unloading.contact), index)
     kinks = [k / length for k in curve.kinks(own)]
-    source = Source(_curve_of(params.unloading), length, coefficient, kinks, curve.definition.solved)
-    end, top = 0.75 * coefficient * length**1.5 * table.nodes.force[-1], np.empty(1)
+    source = Source(functools.partial(first_loading, params.unloading), length, coefficient, kinks, curve.definition.solved)
+    end = 0.75 * coefficient * length**1.5 * table.nodes.force[-1]
 
     def span(bits):
         # some cells beyond the end of the loading, so that the reverse, which ends with a whole cell, reaches it, too
-        inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits)]), top)
-        if not np.isfinite(top[0]):
+        (top,) = inverse_loop(params.unloading, np.array([end * (1.0 + 4.0 * 0.5**bits)]))
+        if not np.isfinite(top):
             raise DemlawsError(
                 f"the unloading curve, a table of {curve.definition.name!r}, must reach beyond this table's {end:.4g} N: "
                 "make it with a larger max_force, or this one with a smaller"
             )
-        return top[0] / length
+        return top / length
 
     shape, nodes, certificate = _smallest_table(
         source,
@@ -238,5 +228,4 @@ def _one_contact(contact):
     if contact.size is None:
         return 0, contact
     index = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
-    names = ("radius", "modulus", "roughness")
-    return index, contact.with_values(**{n: float(np.broadcast_to(getattr(contact, n), contact.size)[index]) for n in names})
+    return index, contact.one(index)

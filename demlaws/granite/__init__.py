@@ -13,7 +13,7 @@ import numpy as np
 
 from demlaws import driver
 from demlaws.contact import Contact
-from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning
+from demlaws.errors import DemlawsError, LargeOverlap, ValidityWarning, quiet
 from demlaws.files import save_csv
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
@@ -201,8 +201,7 @@ def table_of(test, runs, notes):
     low, high, loads = forces_of(test)
     rows = []
     for run in runs:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             gained = displacement_gained(run.law, low, high) / MICRO
             stiffness = tuple(stiffness_at(run.law, load) / 1e3 for load in loads)
         rows.append(Row(run.law.name, gained, stiffness, "; ".join(notes.get((test.name, run.law.name), []))))

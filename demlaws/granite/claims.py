@@ -6,13 +6,12 @@ chosen parameter makes true is built in, and says nothing for or against the law
 
 import functools
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws import granite, regime
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.granite import (
     CONE_DIMENSION,
     MICRO,
@@ -48,8 +47,7 @@ def _verdict(holds):
 
 def granite_claims(tests=None):
     """Every claim of Altuhafi, Baudet & Coop 2023 that can be compared with a run; tests: those that concern one of these."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         get = functools.cache(lambda name, test: bind(name, find_test(test)))
         found = [claim for group in (_sphere_claims, _law_claims, _cone_claims) for claim in group(get)]
     return found if tests is None else [c for c in found if any(name in _concerned(c) for name in tests)]
@@ -299,8 +297,7 @@ class Sensitivity(NamedTuple):
 def cone_sensitivity():
     """FC5 with each radius that the paper measured (0.31, 0.35 mm by microscope, 0.62 by camera) and Df from 2.1 to 2.35."""
     base, rows = find_test("FC5"), []
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         for radius in (0.31e-3, 0.35e-3, 0.62e-3):
             for dimension in (2.10, 2.22, 2.35):
                 one = law(POHRT_POPOV, base.contact.with_values(radius=radius, fractal_dimension=dimension))

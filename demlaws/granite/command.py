@@ -3,10 +3,9 @@
 import math
 import shutil
 import textwrap
-import warnings
 
 from demlaws import granite, plots
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.files import save_csv
 from demlaws.granite import claims
 from demlaws.granite import figures as pictures
@@ -45,8 +44,7 @@ def run(arguments):
         print_claims(found)
     if any(test.name == "FC5" for test in tests):
         print_sensitivity(claims.cone_sensitivity())
-    with warnings.catch_warnings():  # the notes have been printed with the tables
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():  # the notes have been printed with the tables
         files = write_csv(arguments.out, tests, runs, notes, found)
         files += draw(arguments.out, tests, runs, whole=not (arguments.test or arguments.law))
     print(f"\n{len(files)} files written to {arguments.out}/")

@@ -162,10 +162,6 @@ def _energy(p, overlap):
     return 0.75 * p.hertz_coefficient * p.roughness * p.roughness * math.sqrt(p.roughness) * scaled
 
 
-def _kinks(p, **_):
-    return [p.joint_overlap * p.roughness]
-
-
 bind(BahramiShape, scale=_scale)
 bind(BahramiParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
@@ -190,7 +186,7 @@ LAW = Definition(
     source="Bahrami, Yovanovich & Culham 2005; Altuhafi, Baudet & Coop 2023, Eqs. 12–14, κ and exponents mended",
     description="plastic asperities, compact",
     limits=_limits,
-    kinks=_kinks,
+    kinks=lambda p, **_: [p.joint_overlap * p.roughness],
     collapses=False,
     implicit=True,
     needs=("hardness",),

@@ -27,6 +27,7 @@ from demlaws.laws.definition import (
     Parameter,
     elastic_bulk,
     power_of,
+    pressure_option,
 )
 from demlaws.materials import GRANITE_YIELD_PRESSURE
 from demlaws.units import number
@@ -132,14 +133,6 @@ def _angle_softens(angle, factor):
     return math.asin(1.0 / (1.0 + (1.0 - sine) / sine * power_of(factor, LENGTH)))
 
 
-def _kinks(p, **_):
-    return [p.yield_overlap]
-
-
-def _bulk(p):
-    return p.yield_overlap, p.yield_overlap, p.yield_overlap / p.yield_force
-
-
 def _advise(conditions):
     return elastic_bulk(conditions, False, f"{conditions.state}: calibrated on ballast in bulk, not measured on contacts")
 
@@ -151,8 +144,8 @@ LAW = Definition(
     source="Harkness et al. 2016, Granular Matter 18:65; Suhr & Six 2016, 2017, Granular Matter 19:64",
     description="tips that crush, for ballast",
     limits=_limits,
-    kinks=_kinks,
-    bulk=_bulk,
+    kinks=lambda p, **_: [p.yield_overlap],
+    bulk=lambda p: (p.yield_overlap, p.yield_overlap, p.yield_overlap / p.yield_force),
     length="radius",
     collapses=False,
     example={"strength": GRANITE_YIELD_PRESSURE, "angle": 1.2},
@@ -169,9 +162,7 @@ LAW = Definition(
     fitting=Fitting(
         identifiable=False,
         parameters={
-            "strength": Parameter(
-                "Pa", True, lambda c: (1e-4 * c.modulus, c.modulus), lambda c: c.modulus * np.array([0.02, 0.1]), option=True
-            ),
+            "strength": pressure_option(1e-4, 1.0, 0.02, 0.1),
             "angle": Parameter("rad", True, lambda c: (0.02, 1.57), lambda c: [0.5, 1.3], option=True),
         },
         free=("strength", "angle"),

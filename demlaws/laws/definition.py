@@ -119,6 +119,15 @@ ROUGHNESS = Parameter(
 )
 DIMENSION = Parameter("", False, lambda c: (2.0, 3.0), lambda c: [c.fractal_dimension or 2.25, 2.1, 2.5, 2.8])
 HARDNESS = Parameter("Pa", True, lambda c: (1e-3 * c.modulus, 10 * c.modulus), lambda c: [c.hardness or 0.2 * c.modulus])
+
+
+def pressure_option(lowest: float, highest: float, *starts: float) -> Parameter:
+    """An option [Pa] that a fit varies from `lowest` to `highest`, beginning at `starts`, all over E*."""
+    return Parameter(
+        "Pa", True, lambda c: (lowest * c.modulus, highest * c.modulus), lambda c: c.modulus * np.array(starts), option=True
+    )
+
+
 OF_CONTACT = {"modulus": MODULUS, "roughness": ROUGHNESS, "fractal_dimension": DIMENSION, "hardness": HARDNESS}
 """The contact's own quantities; a law names those that it depends on, and adds its options, in `Fitting.parameters`."""
 

@@ -61,10 +61,6 @@ def _energy(p, overlap):
     return transition_energy(p, _RATIO, overlap, force, equivalent)
 
 
-def _kinks(p, **_):
-    return [1.0 / p.inverse_threshold]
-
-
 bind(GoddardShape, scale=_scale)
 bind(GoddardParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
@@ -82,7 +78,7 @@ LAW = Definition(
     equation="P = (2E*/(π tan β)) δ² to P* = (9π³/128) E* R² tan³β, then Hertz stiffness",
     source="Goddard 1990; surface slope β in place of the cone's: our derivation",
     description="blunt cone tips",
-    kinks=_kinks,
+    kinks=lambda p, **_: [1.0 / p.inverse_threshold],
     length="radius",
     example={"slope": 0.035},
     example_curve={"slope": 0.03},

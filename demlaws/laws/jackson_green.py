@@ -148,10 +148,6 @@ def _prepare(contact, yield_strength=None, poisson=0.3):
     return JacksonGreenShape(pressure_of(contact, yield_strength, "yield_strength"), 1.295 * math.exp(0.736 * ratio))
 
 
-def _kinks(p, **_):
-    return [p.joint * p.critical_overlap]
-
-
 def _numbers(p, length, error):
     return _YIELD * p.critical_overlap / length, p.spread
 
@@ -163,7 +159,7 @@ LAW = Definition(
     source="Jackson & Green 2005 (10.1115/1.1866166); unloading Etsion, Kligerman & Kadin 2005 as Jackson et al. 2010 give it",
     description="smooth spheres that yield, hardness of a/R",
     limits=no_limits,
-    kinks=_kinks,
+    kinks=lambda p, **_: [p.joint * p.critical_overlap],
     length="radius",
     collapses=False,
     example={"yield_strength": 1.0375e9},

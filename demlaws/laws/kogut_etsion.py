@@ -21,7 +21,17 @@ from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import exp2, hertz_coefficient, hertz_overlap, kernel, log2, sqrt
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Limit, Option, Parameter, yielding_bulk
+from demlaws.laws.definition import (
+    PRESSURE,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Limit,
+    Option,
+    pressure_option,
+    yielding_bulk,
+)
 from demlaws.laws.etsion import ETSION, JACKSON, NOT_THORNTON
 from demlaws.units import number
 
@@ -117,10 +127,6 @@ def _pressure(strength, poisson):
     return (0.454 + 0.41 * poisson) * 2.8 * strength
 
 
-def _kinks(p, **_):
-    return [_FIRST * p.critical_overlap, _SECOND * p.critical_overlap]
-
-
 def _limits(contact, yield_strength, poisson=0.3):
     radius, modulus = np.asarray(contact.radius), np.asarray(contact.modulus)
     critical = (0.5 * math.pi * _pressure(yield_strength, poisson) / modulus) ** 2 * radius
@@ -136,9 +142,7 @@ def _numbers(p, length, error):
     return p.critical_overlap * _AREA ** (-1.0 / (_AREA_POWER - 1.0)) / length, _AREA_POWER - 1.0
 
 
-STRENGTH = Parameter(
-    "Pa", True, lambda c: (1e-5 * c.modulus, 0.3 * c.modulus), lambda c: c.modulus * np.geomspace(0.005, 0.1, 3), option=True
-)
+STRENGTH = pressure_option(1e-5, 0.3, *np.geomspace(0.005, 0.1, 3))
 STRENGTH_OPTION = Option("Pa", "above 0", "yield strength of the softer body; needed", PRESSURE)
 POISSON_OPTION = Option("", "0 to 0.5", "its Poisson's ratio")
 
@@ -149,7 +153,7 @@ LAW = Definition(
     source="Kogut & Etsion 2002 (10.1115/1.1490373); unloading Etsion, Kligerman & Kadin 2005 (10.1016/j.ijsolstr.2004.12.006)",
     description="smooth spheres that yield, fitted",
     limits=_limits,
-    kinks=_kinks,
+    kinks=lambda p, **_: [_FIRST * p.critical_overlap, _SECOND * p.critical_overlap],
     length="radius",
     collapses=False,
     example={"yield_strength": 1.0375e9},

@@ -54,10 +54,6 @@ def _prepare(contact, loading_stiffness=None, stiffness_ratio=None, plasticity_d
     return LudingShape(number(loading_stiffness, "loading_stiffness", "N/m"), ratio, depth)
 
 
-def _kinks(p, **_):
-    return [p.limit]
-
-
 LAW = Definition(
     name="luding",
     prepare=_prepare,
@@ -65,7 +61,7 @@ LAW = Definition(
     source="Luding 2008, Granular Matter 10, 235 (10.1007/s10035-008-0099-x), without its adhesive branch",
     description="straight branches, plastic to a depth",
     limits=no_limits,
-    kinks=_kinks,
+    kinks=lambda p, **_: [p.limit],
     length="radius",
     collapses=False,
     example={"loading_stiffness": 3e6, "stiffness_ratio": 5.0, "plasticity_depth": 0.005},

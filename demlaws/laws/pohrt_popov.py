@@ -88,10 +88,6 @@ def _energy(p, overlap):
     return transition_energy(p, p.ratio, overlap, force, equivalent)
 
 
-def _kinks(p):
-    return [1.0 / p.inverse_threshold]
-
-
 bind(PohrtPopovShape, scale=_scale)
 bind(PohrtPopovParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
@@ -115,7 +111,7 @@ LAW = Definition(
     equation="K = (π√A0 E* Df/10) (P/(σ E* √A0))^(0.2567 Df) to F, then Hertz stiffness",
     source="Pohrt & Popov 2012, 2013; Altuhafi, Baudet & Coop 2023, Eqs. 7–9",
     description="self-affine roughness",
-    kinks=_kinks,
+    kinks=lambda p: [1.0 / p.inverse_threshold],
     needs=("fractal_dimension",),
     fitting=Fitting(
         parameters={"roughness": ROUGHNESS, "fractal_dimension": DIMENSION}, free=("roughness", "fractal_dimension")

@@ -26,7 +26,7 @@ from demlaws.laws.definition import (
     Drawing,
     Fitting,
     Option,
-    Parameter,
+    pressure_option,
 )
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
 from demlaws.units import number
@@ -178,17 +178,9 @@ def _of_loading(options):
     return _loading_definition(options.get("loading", "pohrt-popov")), rest
 
 
-def _before_yield(**options):
-    return _of_loading(options)
-
-
 def _kinks(p, **options):
     definition, rest = _of_loading(options)
     return [*(k for k in definition.kinks(p.loading, **rest) if k < p.yield_overlap), p.yield_overlap]
-
-
-def _bulk(p):
-    return p.yield_overlap, p.yield_area, p.area_slope
 
 
 def _limits(contact, **options):
@@ -211,9 +203,9 @@ LAW = Definition(
     description="any rough law, then bulk yield",
     limits=_limits,
     kinks=_kinks,
-    bulk=_bulk,
+    bulk=lambda p: (p.yield_overlap, p.yield_area, p.area_slope),
     collapses=False,
-    before_yield=_before_yield,
+    before_yield=lambda **options: _of_loading(options),
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
     unloading=("elastic", "hertz", "thornton"),
     options={
@@ -228,13 +220,7 @@ LAW = Definition(
         parameters={
             "roughness": ROUGHNESS,
             "fractal_dimension": DIMENSION,
-            "yield_pressure": Parameter(
-                "Pa",
-                True,
-                lambda c: (1e-4 * c.modulus, c.modulus),
-                lambda c: c.modulus * np.geomspace(0.01, 0.3, 6),
-                option=True,
-            ),
+            "yield_pressure": pressure_option(1e-4, 1.0, *np.geomspace(0.01, 0.3, 6)),
         },
         free=("roughness", "fractal_dimension", "yield_pressure"),
     ),

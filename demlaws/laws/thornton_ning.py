@@ -9,7 +9,17 @@ from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import PRESSURE, Advice, Definition, Drawing, Fitting, Option, Parameter, no_limits, yielding_bulk
+from demlaws.laws.definition import (
+    PRESSURE,
+    Advice,
+    Definition,
+    Drawing,
+    Fitting,
+    Option,
+    no_limits,
+    pressure_option,
+    yielding_bulk,
+)
 from demlaws.laws.hertz import HertzParams
 from demlaws.laws.rough_plastic import RoughPlasticParams
 from demlaws.materials import GRANITE_YIELD_PRESSURE
@@ -44,14 +54,6 @@ def _prepare(contact, yield_pressure=None):
     return ThorntonNingShape(pressure_of(contact, yield_pressure, "yield_pressure"))
 
 
-def _kinks(p, **_):
-    return [p.yield_overlap]
-
-
-def _bulk(p):
-    return p.yield_overlap, p.yield_area, p.area_slope
-
-
 LAW = Definition(
     name="thornton-ning",
     prepare=_prepare,
@@ -59,8 +61,8 @@ LAW = Definition(
     source="Thornton 1997; Thornton & Ning 1998, Powder Technology 99, 154 (10.1016/S0032-5910(98)00099-0), without adhesion",
     description="smooth spheres whose bulk yields",
     limits=no_limits,
-    kinks=_kinks,
-    bulk=_bulk,
+    kinks=lambda p, **_: [p.yield_overlap],
+    bulk=lambda p: (p.yield_overlap, p.yield_area, p.area_slope),
     length="radius",
     collapses=False,
     example={"yield_pressure": GRANITE_YIELD_PRESSURE},
@@ -74,18 +76,7 @@ LAW = Definition(
             PRESSURE,
         ),
     },
-    fitting=Fitting(
-        parameters={
-            "yield_pressure": Parameter(
-                "Pa",
-                True,
-                lambda c: (1e-4 * c.modulus, c.modulus),
-                lambda c: c.modulus * np.geomspace(0.01, 0.3, 4),
-                option=True,
-            )
-        },
-        free=("yield_pressure",),
-    ),
+    fitting=Fitting({"yield_pressure": pressure_option(1e-4, 1.0, *np.geomspace(0.01, 0.3, 4))}, ("yield_pressure",)),
     advice=Advice(advise=yielding_bulk, smooth=True),
     drawing=Drawing(label="Thornton-Ning", colour="#bcbd22", line="--"),
 )

@@ -1,13 +1,12 @@
 """Write a case for LIGGGHTS: tables (one, or one per pair of types), input, runscript, and fits of stock models."""
 
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 
 import demlaws
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
 from demlaws.grains import make_case, output_folder
 from demlaws.laws.names import USUAL
@@ -40,8 +39,7 @@ def stock_fit(law, load, loads=None):
     if law.contact.size is not None:
         raise DemlawsError("a stock fit needs one contact, not an array of them")
     loads = load * np.array([0.01, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0]) if loads is None else np.asarray(loads, float)
-    with warnings.catch_warnings():  # the table of errors goes beyond the law's support on purpose
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():  # the table of errors goes beyond the law's support on purpose
         overlap, overlaps = float(law.overlap(load)), np.asarray(law.overlap(loads))
     modulus = load / (4.0 / 3.0 * math.sqrt(law.contact.radius) * overlap**1.5)
     forces = 4.0 / 3.0 * modulus * math.sqrt(law.contact.radius) * overlaps**1.5

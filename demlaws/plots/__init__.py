@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.files import write_atomically
 from demlaws.laws.definition import Drawing
 from demlaws.laws.registry import registry
@@ -148,8 +148,7 @@ def table_figure(table, law):
         reach = float(np.ravel(exact.contact.radius)[0]) / length  # a law is undefined beyond R
         u = np.geomspace(rows.nodes.u[0], min(rows.nodes.u[shown][-1], reach) * (1 - 1e-12), 4000)
         for quantity in ("force", "stiffness"):
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", ValidityWarning)  # the table's end, not a load of the user's
+            with quiet():  # the table's end, not a load of the user's
                 error = getattr(rows, quantity)(u * length) / getattr(exact, quantity)(u * length) - 1
             right.loglog(u, np.maximum(np.abs(error), 1e-17), lw=0.8, label=name + quantity)
     left.set(xlabel="overlap/length", ylabel="force/(E* √R length$^{1.5}$)", title=title)
@@ -169,8 +168,7 @@ def points_figure(table, measured):
     fig, (left, right) = figure(columns=2)
     knots = table.knots
     at = np.linspace(0.0, knots.overlap[-1], 600)[1:]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         force, band = table.force(at), 1.96 * table.uncertainty(at)
         for axes, name in ((left, "points"), (right, None)):
             for (overlap, load), colour in zip(measured, ("k", "tab:blue"), strict=False):

@@ -41,7 +41,7 @@ REMEMBERED = {
 
 
 @kernel
-def _response(p, stats, i, shape, remembers, elastic_only):
+def _response(p, stats, i, shape, remembers):
     """What patch i remembers (blunting, pressure factor at its yield), its mean radius, and what `ellipsoid` gives for it."""
     cut_area, indentation, aspect, _ = shape
     blunt = stats[i, SPREAD] / stats[i, AREA] if remembers else 1.0
@@ -49,17 +49,17 @@ def _response(p, stats, i, shape, remembers, elastic_only):
     geometric = blunt * cut_area / (2.0 * math.pi * indentation)
     mean = geometric / (aspect + 1.0 / aspect)
     ab, gamma = quick_factors(aspect * aspect)
-    return (blunt, limit), mean, ellipsoid(p, ab, gamma, mean, geometric, indentation, limit, elastic_only)
+    return (blunt, limit), mean, ellipsoid(p, ab, gamma, mean, geometric, indentation, limit)
 
 
 @loop
-def _carry(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only):
+def _carry(p, stats, patches, pixel_x, pixel_y, remembers):
     """Force and contact area of all patches, and whether one touches the edge of the map."""
     force = area = edge = 0.0
     for i in range(1, patches + 1):
         if not (stats[i, AREA] > 0.0 and stats[i, VOLUME] > 0.0):
             continue
-        _, _, values = _response(p, stats, i, paraboloid(stats, i, pixel_x, pixel_y), remembers, elastic_only)
+        _, _, values = _response(p, stats, i, paraboloid(stats, i, pixel_x, pixel_y), remembers)
         force += values[0]
         area += values[1]
         edge = max(edge, stats[i, EDGE])
@@ -73,7 +73,7 @@ _COLUMNS = (
 
 
 @loop
-def _describe(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only, out):
+def _describe(p, stats, patches, pixel_x, pixel_y, remembers, out):
     """Everything about each patch, one row each, columns as in _COLUMNS; patches without volume get zeros."""
     for n in range(patches):
         i = n + 1
@@ -84,7 +84,7 @@ def _describe(p, stats, patches, pixel_x, pixel_y, remembers, elastic_only, out)
         if not (stats[i, AREA] > 0.0 and stats[i, VOLUME] > 0.0):
             continue
         cut_area, indentation, aspect, angle = shape = paraboloid(stats, i, pixel_x, pixel_y)
-        (blunt, limit), mean, values = _response(p, stats, i, shape, remembers, elastic_only)
+        (blunt, limit), mean, values = _response(p, stats, i, shape, remembers)
         force, area, state = values[0], values[1], values[2]
         out[n, 0] = (stats[i, X] / stats[i, AREA] + stats[i, X0]) * pixel_x
         out[n, 1] = (stats[i, Y] / stats[i, AREA] + stats[i, Y0]) * pixel_y
@@ -138,18 +138,6 @@ def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
             if chosen >= 0 and described[chosen, 10] != ELASTIC:
                 heights[i, j] += (described[chosen, 11] - 1.0) * (h[i, j] - cut)
                 spread[i, j] = described[chosen, 12]
-
-
-@loop
-def _subtract_ball(z, pixel_x, pixel_y, radius, x0, y0, out):
-    highest = -math.inf
-    for i in range(z.shape[0]):
-        for j in range(z.shape[1]):
-            x, y = j * pixel_x - x0, i * pixel_y - y0
-            out[i, j] = z[i, j] - (x * x + y * y) / (2.0 * radius)
-            if out[i, j] > highest:
-                highest = out[i, j]
-    return highest
 
 
 class MicroContacts:
@@ -248,9 +236,9 @@ class RoughContact:
         px, py = self.heights.pixel_x, self.heights.pixel_y
         if self.centre is None:
             self.centre = (0.5 * (columns - 1) * px, 0.5 * (rows - 1) * py)
-        self.gap = np.empty(self.heights.shape)
-        radius = math.inf if self.flat else self.pair.radius
-        self.highest = _subtract_ball(self.heights.heights, px, py, radius, *self.centre, self.gap)
+        x, y = np.arange(columns) * px - self.centre[0], np.arange(rows)[:, None] * py - self.centre[1]
+        self.gap = self.heights.heights - (0.0 if self.flat else (x * x + y * y) / (2.0 * self.pair.radius))
+        self.highest = float(np.nanmax(self.gap))
         if self.origin is None:
             self.origin = self.highest  # where a virgin surface first touches; overlaps count from here
         self.mean = float(np.nanmean(self.heights.heights))
@@ -280,12 +268,12 @@ class RoughContact:
         """Force [N], contact area [m²] and whether the contact reaches the edge of the map, at an overlap [m] as in `at`."""
         return self._force(self.origin - overlap, self._whole())
 
-    def _force(self, cut, window, elastic_only=False):
+    def _force(self, cut, window):
         patches = self._patches(cut, window)
         px, py = self.heights.pixel_x, self.heights.pixel_y
-        return _carry(self.material, self._stats, patches, px, py, self.spread is not None, elastic_only)
+        return _carry(self.material, self._stats, patches, px, py, self.spread is not None)
 
-    def at(self, overlap, elastic_only=False, labels=None, evaluations=1):
+    def at(self, overlap, labels=None, evaluations=1):
         """The `LoadStep` at a given overlap [m] since first touch of the virgin surface."""
         cut = self.origin - overlap
         window = self._whole()
@@ -293,7 +281,7 @@ class RoughContact:
         table = np.empty((patches, len(_COLUMNS)))
         px, py = self.heights.pixel_x, self.heights.pixel_y
         remembers = self.spread is not None
-        _describe(self.material, self._stats, patches, px, py, remembers, elastic_only, table)
+        _describe(self.material, self._stats, patches, px, py, remembers, table)
         held = table if labels is not None else table[table[:, 8] > 0]
         micro = MicroContacts(held[held[:, 8] > 0])
         step = LoadStep(
@@ -311,7 +299,7 @@ class RoughContact:
         )
         return (step, table) if labels is not None else step
 
-    def _solve(self, load, tolerance, elastic_only=False, guess=None):
+    def _solve(self, load, tolerance, guess=None):
         """Overlap at which the patches carry `load` within `tolerance`, and how many cuts that took.
 
         The force falls in jumps where patches merge, and rises continuously between: a bracket whose upper end carries
@@ -329,7 +317,7 @@ class RoughContact:
         x, evaluations, side = guess, 0, 0
         while evaluations < 300:
             trial = (self._high_window if high < math.inf else window).copy()
-            force, _, _ = self._force(self.origin - x, trial, elastic_only)
+            force, _, _ = self._force(self.origin - x, trial)
             evaluations += 1
             if abs(force - load) <= tolerance * load:
                 return x, evaluations
@@ -368,7 +356,7 @@ class RoughContact:
             f"{math.exp(low_f) * load:g} N; give a larger tolerance or a map with more pixels in contact"
         )
 
-    def load(self, load, tolerance=0.01, elastic_only=False, guess=None):
+    def load(self, load, tolerance=0.01, guess=None):
         """Press until the micro-contacts carry `load` [N] within `tolerance` (relative): a `LoadStep`.
 
         Warns (ValidityWarning) where the regime criterion says that the bulk yields too, and where the contact reaches
@@ -376,8 +364,8 @@ class RoughContact:
         """
         load = number(load, "load", "N")
         tolerance = number(tolerance, "tolerance", high=1.0)
-        overlap, evaluations = self._solve(load, tolerance, elastic_only, guess)
-        step = self.at(overlap, elastic_only, evaluations=evaluations)
+        overlap, evaluations = self._solve(load, tolerance, guess)
+        step = self.at(overlap, evaluations=evaluations)
         self.advise(step)
         return step
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.numba_compat import kernel, loop
+from demlaws.core.numba_compat import kernel
 from demlaws.errors import DemlawsError
 from demlaws.units import number
 
@@ -16,60 +16,29 @@ ELASTIC, ELASTIC_PLASTIC, PLASTIC = 0, 1, 2
 STATES = ("elastic", "elastic-plastic", "plastic")
 
 
-@kernel
-def _elliptic(log_k):
-    """m = 1 - k², K(m) by the arithmetic-geometric mean, S and m - S with E(m) = K (1 - S); nothing cancels as m → 0."""
-    m = -math.expm1(2.0 * log_k)
-    a, b, c2, weight = 1.0, math.exp(log_k), m, 0.5
-    tail = 0.0
-    for _ in range(12):
-        if c2 < 1e-34:
-            break
-        a, b = 0.5 * (a + b), math.sqrt(a * b)
-        c = c2 / (4.0 * a)
-        c2 = c * c
-        weight *= 2.0
-        tail += weight * c2
-    return m, 0.5 * math.pi / a, 0.5 * m + tail, 0.5 * m - tail
+def shape_factors(ratio):
+    """ᾱ, β̄, γ̄ and k = a/b of the elliptic Hertz contact whose principal radii have `ratio` (≥ 1); Johnson 1985, Eq. 4.28.
 
-
-@kernel
-def _ellipticity(ratio):
-    """ln k, k = a/b ≤ 1, of the Hertz contact whose radii of curvature have this ratio ≥ 1 (Johnson 1985, Eq. 4.28).
-
-    Newton on ln[(E/k² - K)/(K - E)] = ln ratio.
+    a = ᾱ (3PRm/(2E*))^(1/3), b = β̄ (…)^(1/3), ω = γ̄ (9P²/(32 E*² Rm))^(1/3). The ratio is (E/k² - K)/(K - E), here by Carlson's
+    integrals, of which nothing cancels as k → 1; Newton's method in ln k.
     """
-    target = math.log(ratio)
-    x = -2.0 / 3.0 * target
-    if target < 1e-5:
-        return x  # odd in the target: the next term is of third order
-    for _ in range(50):
-        m, _, s, d = _elliptic(x)
-        k2 = math.exp(2.0 * x)
-        slope = -1.5 if m < 1e-3 else -k2 / d + (d + k2 * s) / (m * s) - 2.0
-        step = (math.log(d / s) - 2.0 * x - target) / slope
-        x -= step
-        if abs(step) < 4e-16 * abs(x):
-            break
-    return x
+    from scipy.special import ellipe, ellipkm1, elliprd
 
+    ratio = np.asarray(ratio, float)
+    if not np.all((ratio >= 1) & (ratio < 1.5e12)):
+        raise DemlawsError(f"ratio of radii must be from 1 to 1.5e12 (larger over smaller), got {ratio}")
 
-@kernel
-def _shape_factors(ratio):
-    """ᾱ, β̄, γ̄ of an ellipsoid whose radii of curvature have this ratio ≥ 1."""
-    x = _ellipticity(ratio)
-    _, k_integral, s, _ = _elliptic(x)
-    k_integral *= 2.0 / math.pi
-    e_root = (k_integral * (1.0 - s)) ** (1.0 / 3.0)
-    third = math.exp(x / 3.0)
-    return third * e_root, e_root / (third * third), third * third / e_root * k_integral
+    def logarithm(x):
+        square = np.exp(2.0 * x)
+        return np.log(elliprd(0.0, 1.0, square) / elliprd(0.0, square, 1.0))
 
-
-@loop
-def _factors_loop(ratio, out):
-    for i in range(ratio.size):
-        out[i, 0], out[i, 1], out[i, 2] = _shape_factors(ratio[i])
-        out[i, 3] = math.exp(_ellipticity(ratio[i]))
+    x = -2.0 / 3.0 * np.log(ratio)
+    for _ in range(12):
+        x = x - (logarithm(x) - np.log(ratio)) * 1e-6 / (logarithm(x + 1e-6) - logarithm(x))
+    k, third = np.exp(x), np.exp(x / 3.0)
+    root = np.cbrt(2.0 / math.pi * ellipe(-np.expm1(2.0 * x)))
+    factors = third * root, root / third**2, third**2 / root * ellipkm1(k * k) * 2.0 / math.pi, k
+    return tuple(float(f) if ratio.ndim == 0 else f for f in factors)
 
 
 _STEP = 64.0  # nodes of the table below in a unit of ln ratio
@@ -77,9 +46,8 @@ _STEP = 64.0  # nodes of the table below in a unit of ln ratio
 
 def _factor_table():
     """ln ᾱβ̄ and ln γ̄ at ln ratio = -1/64, 0, 1/64 … 28: what maps with thousands of patches read in place of Newton."""
-    exact = np.empty((round(28 * _STEP) + 3, 4))
-    _factors_loop(np.exp(np.arange(len(exact)) / _STEP), exact)
-    table = np.log(np.column_stack([exact[:, 0] * exact[:, 1], exact[:, 2]]))
+    alpha, beta, gamma, _ = shape_factors(np.exp(np.arange(round(28 * _STEP) + 3) / _STEP))
+    table = np.log(np.column_stack([alpha * beta, gamma]))
     return np.vstack([table[1], table])  # both are even functions of ln ratio
 
 
@@ -113,7 +81,7 @@ class Plasticity(NamedTuple):
 
 
 @kernel
-def ellipsoid(p, ab, gamma, mean_radius, geometric_radius, indentation, yield_factor, elastic_only):
+def ellipsoid(p, ab, gamma, mean_radius, geometric_radius, indentation, yield_factor):
     """Force, contact area, state, ω1, ω2, elastic area, γ̄/(ᾱβ̄), γ̄ of one ellipsoid.
 
     ab, gamma: ᾱβ̄ and γ̄; mean_radius: Rm, 1/Rm = 1/Rx + 1/Ry; geometric_radius: √(Rx Ry).
@@ -124,7 +92,7 @@ def ellipsoid(p, ab, gamma, mean_radius, geometric_radius, indentation, yield_fa
     pressure = yield_factor * p.hardness / p.modulus
     first = 0.5 * math.pi * math.pi * mean_radius * gamma * (ab * pressure) ** 2
     full = p.plastic_ratio * first * mean_radius * ab / (gamma * geometric_radius)
-    if elastic_only or indentation <= first:
+    if indentation <= first:
         return elastic_force, elastic_area, ELASTIC, first, full, elastic_area, gamma / ab, gamma
     plastic_area = 2.0 * math.pi * geometric_radius * indentation
     at_yield = 2.0 / 3.0 * yield_factor
@@ -144,19 +112,6 @@ def residual(p, mean_radius, force, area, indentation, gamma_over_ab, gamma, sta
         return 0.0
     g = area * gamma_over_ab / (2.0 * math.pi)  # Rm' ω' of the unloaded shape
     return indentation - 3.0 * force * gamma * math.sqrt(gamma) / (4.0 * math.sqrt(2.0) * p.modulus * math.sqrt(g))
-
-
-def shape_factors(ratio):
-    """ᾱ, β̄, γ̄ and k = a/b of the elliptic Hertz contact whose principal radii have `ratio` (≥ 1).
-
-    a = ᾱ (3PRm/(2E*))^(1/3), b = β̄ (…)^(1/3), ω = γ̄ (9P²/(32 E*² Rm))^(1/3), by exact elliptic integrals.
-    """
-    ratio = np.asarray(ratio, float)
-    if not np.all((ratio >= 1) & (ratio < 1e12)):
-        raise DemlawsError(f"ratio of radii must be from 1 to 1e12 (larger over smaller), got {ratio}")
-    out = np.empty((ratio.size, 4))
-    _factors_loop(ratio.ravel(), out)
-    return tuple(float(c[0]) if ratio.ndim == 0 else c.reshape(ratio.shape) for c in out.T)
 
 
 def yield_factor(poisson):

@@ -44,96 +44,39 @@ def area_share(ratio):
 # --- the fit
 
 
-@loop
-def fit_loop(field, band, index, tensors):
-    """Curvature tensors (xx, yy, zz, yz, xz, xy) [1/cell] of a level set in cells, at its nodes within `band` of the surface.
-
-    index: number of a node's tensor or -1. Returns the number of nodes; tensors of negative length are only counted.
-    """
-    n0, n1, n2 = field.shape
-    reach = int(WINDOW)
-    normal_matrix, right = np.empty((10, 10)), np.empty(10)
-    terms, solution = np.empty(10), np.empty(10)
-    count = 0
-    for i in range(n0):
-        for j in range(n1):
-            for k in range(n2):
-                index[i, j, k] = -1
-                if not abs(field[i, j, k]) < band:
-                    continue
-                index[i, j, k] = count
-                count += 1
-                if tensors.shape[0] == 0:
-                    continue
-                normal_matrix[:] = 0.0
-                right[:] = 0.0
-                for a in range(max(i - reach, 0), min(i + reach + 1, n0)):
-                    for b in range(max(j - reach, 0), min(j + reach + 1, n1)):
-                        for c in range(max(k - reach, 0), min(k + reach + 1, n2)):
-                            x, y, z = float(a - i), float(b - j), float(c - k)
-                            weight = 1.0 - (x * x + y * y + z * z) / (WINDOW * WINDOW)
-                            value = field[a, b, c]
-                            if weight <= 0.0 or value - value != 0.0:
-                                continue
-                            weight *= weight
-                            terms[0], terms[1], terms[2], terms[3] = 1.0, x, y, z
-                            terms[4], terms[5], terms[6] = 0.5 * x * x, 0.5 * y * y, 0.5 * z * z
-                            terms[7], terms[8], terms[9] = y * z, x * z, x * y
-                            for row in range(10):
-                                w = weight * terms[row]
-                                right[row] += w * value
-                                for column in range(row + 1):
-                                    normal_matrix[row, column] += w * terms[column]
-                _solve(normal_matrix, right, solution)
-                _tensor(solution, tensors[count - 1])
-    return count
-
-
-@kernel
-def _solve(matrix, right, out):
-    """Cholesky's solution of a symmetric system, whose lower half is overwritten; NaN where it is singular."""
-    n = right.size
-    for j in range(n):
-        for k in range(j):
-            matrix[j, j] -= matrix[j, k] * matrix[j, k]
-        matrix[j, j] = math.sqrt(matrix[j, j]) if matrix[j, j] > 1e-9 else math.nan
-        for i in range(j + 1, n):
-            for k in range(j):
-                matrix[i, j] -= matrix[i, k] * matrix[j, k]
-            matrix[i, j] /= matrix[j, j]
-    for i in range(n):
-        out[i] = right[i]
-        for k in range(i):
-            out[i] -= matrix[i, k] * out[k]
-        out[i] /= matrix[i, i]
-    for i in range(n - 1, -1, -1):
-        for k in range(i + 1, n):
-            out[i] -= matrix[k, i] * out[k]
-        out[i] /= matrix[i, i]
-
-
-@kernel
-def _tensor(fit, out):
-    """P H P/|∇φ| of a fitted quadratic, P = 1 - n nᵀ."""
-    x, y, z = fit[1], fit[2], fit[3]
-    size = math.sqrt(x * x + y * y + z * z)
-    x, y, z = x / size, y / size, z / size
-    xx, yy, zz, yz, xz, xy = fit[4] / size, fit[5] / size, fit[6] / size, fit[7] / size, fit[8] / size, fit[9] / size
-    hx, hy, hz = xx * x + xy * y + xz * z, xy * x + yy * y + yz * z, xz * x + yz * y + zz * z
-    nn = x * hx + y * hy + z * hz
-    out[0], out[1], out[2] = (xx - 2 * x * hx + nn * x * x), (yy - 2 * y * hy + nn * y * y), (zz - 2 * z * hz + nn * z * z)
-    out[3] = yz - y * hz - z * hy + nn * y * z
-    out[4] = xz - x * hz - z * hx + nn * x * z
-    out[5] = xy - x * hy - y * hx + nn * x * y
+_TERMS = np.array([i for i in np.ndindex(3, 3, 3) if sum(i) <= 2])
+"""Powers of x, y and z in a quadratic: 1, z, z², y, yz, y², x, xz, xy, x²."""
+_FIT_AT_ONCE = 4096  # nodes
 
 
 def fit(field):
-    """(index, tensors) of `fit_loop` for a level set in cells."""
-    field = np.ascontiguousarray(field)
-    index = np.empty(field.shape, np.int64)
-    count = fit_loop(field, BAND, index, np.empty((0, 6)))
-    tensors = np.empty((count, 6))
-    fit_loop(field, BAND, index, tensors)
+    """Curvature of a level set in cells: number of each node's tensor or -1, and tensors (xx, yy, zz, yz, xz, xy) [1/cell]
+    of the nodes within BAND of the surface: P H P/|∇φ| of the fitted quadratic φ, P = 1 - n nᵀ; NaN where there is none."""
+    reach = int(WINDOW)
+    around = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 3, indexing="ij"), -1).reshape(-1, 3)
+    weight = 1.0 - np.sum((around / WINDOW) ** 2, axis=1)
+    around, weight = around[weight > 0.0], weight[weight > 0.0] ** 2
+    terms = np.prod(around[:, None] ** _TERMS, axis=2)
+    products = (terms[:, :, None] * terms[:, None]).reshape(len(terms), -1)
+    padded = np.pad(np.asarray(field, float), reach, constant_values=math.nan)
+    places = np.argwhere(np.abs(field) < BAND)
+    index, tensors = np.full(np.shape(field), -1), np.empty((len(places), 6))
+    index[tuple(places.T)] = np.arange(len(places))
+    for start in range(0, len(places), _FIT_AT_ONCE):
+        part = slice(start, start + _FIT_AT_ONCE)
+        values = padded[tuple(np.moveaxis(places[part, None] + around + reach, -1, 0))]
+        known = np.where(np.isfinite(values), weight, 0.0)
+        matrices = (known @ products).reshape(-1, 10, 10)
+        right = (known * np.nan_to_num(values, posinf=0.0, neginf=0.0)) @ terms
+        poor = np.linalg.eigvalsh(matrices)[:, 0] <= 1e-9
+        matrices[poor], right[poor] = np.eye(10), math.nan
+        _, z, zz, y, yz, yy, x, xz, xy, xx = np.linalg.solve(matrices, right[..., None])[..., 0].T
+        hessian = np.moveaxis(np.array([[2.0 * xx, xy, xz], [xy, 2.0 * yy, yz], [xz, yz, 2.0 * zz]]), -1, 0)
+        slope = np.stack([x, y, z], axis=1)
+        size = np.linalg.norm(slope, axis=1)[:, None]
+        across = np.eye(3) - (slope / size)[:, :, None] * (slope / size)[:, None]
+        curvature = across @ hessian @ across / size[..., None]
+        tensors[part] = curvature[:, [0, 1, 2, 1, 0, 0], [0, 1, 2, 2, 2, 1]]
     return index, tensors
 
 

@@ -4,7 +4,6 @@ import base64
 import json
 import math
 import tempfile
-import warnings
 import zlib
 from pathlib import Path
 from typing import NamedTuple
@@ -16,7 +15,7 @@ from demlaws.contact import Contact, Surface
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.unloading import GIVEN, RULES
-from demlaws.errors import DemlawsError, ValidityWarning, did_you_mean
+from demlaws.errors import DemlawsError, did_you_mean, quiet
 from demlaws.law import Law, Table
 from demlaws.laws.hertz import HertzShape
 from demlaws.laws.names import HERTZ
@@ -27,7 +26,6 @@ from demlaws.yade import layout as at
 from demlaws.yade.radii import Radii
 from demlaws.yade.shear import FRAME_WORDS, MODES, SLIP_RULES, SPRING_WORDS, SPRINGS
 
-_MAP = "height map"
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
@@ -75,23 +73,6 @@ def _surface(label, value):
         return Surface(**value)
     except TypeError as error:
         raise DemlawsError(f"surfaces[{label!r}] must be a demlaws.Surface, got {value!r} ({error})") from None
-
-
-def _plain(value):
-    """An option of a law for JSON: a measured map as its heights."""
-    if not hasattr(value, "heights"):
-        return value
-    heights = base64.b64encode(zlib.compress(value.heights.astype("<f8").tobytes())).decode()
-    return {_MAP: [heights, list(value.shape), value.pixel_x, value.pixel_y, value.form_order]}
-
-
-def _from_plain(value):
-    if not isinstance(value, dict) or set(value) != {_MAP}:
-        return value
-    from demlaws.surface import HeightMap
-
-    heights, shape, *rest = value[_MAP]
-    return HeightMap(np.frombuffer(zlib.decompress(base64.b64decode(heights)), "<f8").reshape(shape), *rest)
 
 
 class Source:
@@ -191,7 +172,7 @@ class Source:
         if unloading == GIVEN and self.table.unloading != GIVEN:
             raise DemlawsError(f"unloading {GIVEN!r} needs a curve: the table of {self.name!r} has none")
         contact = self.table.contact
-        if surface.roughness == 0.0 and self.table.loading_shape.length_over_roughness:
+        if surface.roughness == 0.0 and self.table.curve.shape.length_over_roughness:
             return None
         own = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
         table = self.table.joined(unloading) if own and unloading != self.table.unloading else self.table
@@ -216,7 +197,7 @@ class Source:
     def as_dict(self):
         """Plain content for a saved scene."""
         if self.table is None:
-            content = {"law": self.name, "options": {name: _plain(value) for name, value in self.options.items()}}
+            content = {"law": self.name, "options": self.options}
             return content if self.curve is None else {**content, "curve": self.curve.as_dict(), "ratios": self.ratios}
         with tempfile.TemporaryDirectory() as folder:
             text = self.table.save(Path(folder) / "table.txt").read_bytes()
@@ -231,7 +212,7 @@ class Source:
                     f"the scene was saved with law {content['law']!r}, which is not registered in this process: register it "
                     "as it was (dl.register, or DEMLAWS_LAWS=FILE.py) before O.load"
                 )
-            source = cls(content["law"], {name: _from_plain(value) for name, value in content["options"].items()})
+            source = cls(content["law"], content["options"])
             if "curve" in content:
                 source.curve, source.ratios = cls.from_dict(content["curve"]), tuple(content["ratios"])
                 source.unloading = GIVEN
@@ -445,8 +426,7 @@ class Pairs:
         if self.shapes[number] is None:
             source = Source(HERTZ, {})
         dimension = 2.0 if surface.fractal_dimension is None and surface.roughness == 0.0 else surface.fractal_dimension
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)  # of the roughness
+        with quiet():  # of the roughness
             contact = Contact(radius, modulus, surface.roughness, dimension, surface.hardness)
         return source.definition.limits(contact, **source.options)
 

@@ -104,7 +104,7 @@ def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
                     table = law.tabulate(rtol, 2.0 * LOADS[1])
                 except DemlawsError:
                     continue
-                bits = table.rows.bits
+                bits = table.curve.rows.bits
                 if bits not in seen:
                     seen.add(bits)
                     made[name, rule, "table", f"{bits} bits"] = table

@@ -17,7 +17,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.batch import in_threads
-from demlaws.core.loops import evaluate_loop, leaves, map_leaves
+from demlaws.core.loops import FINITE, UNBOUNDED, batch_loop, leaves, map_leaves
 from demlaws.laws.registry import registry
 from demlaws.make import example
 
@@ -94,7 +94,7 @@ def arrays_read(law, overlap, states):
             law.params,
         )
         result = [np.empty_like(overlap), np.empty_like(overlap), *(s.copy() for s in states)]
-        evaluate_loop(law.rule, params, overlap, tuple(result[2:]), result[0], result[1])
+        batch_loop(law.rule, params, overlap, tuple(result[2:]), UNBOUNDED, FINITE, result[0], result[1])
         return np.concatenate(result)
 
     normal = run(None)

@@ -216,7 +216,7 @@ def test_old_tables_are_written_again_as_the_same_table(tmp_path):
             pairs.append((old.unloading_law, again.unloading_law))
         for one, other in pairs:
             assert all(np.array_equal(a, b) for a, b in zip(one.nodes, other.nodes, strict=True))
-            assert one.loading_shape.grid.seat == other.loading_shape.grid.seat
+            assert one.curve.shape.grid.seat == other.curve.shape.grid.seat
 
 
 def test_a_curve_of_one_contact_is_not_lent(reader):
