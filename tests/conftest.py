@@ -51,8 +51,7 @@ def _under(path, folder):
 
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(items):
-    """The engines first, then the longest files: what takes longest must not be begun last. A slow test is taken for as long
-    as 10 kB of others."""
+    """Engines first, then the longest files, so that no long file is begun last. A slow test counts as 10 kB."""
     weight = {path: path.stat().st_size for path in {item.path for item in items}}
     for item in items:
         weight[item.path] += 10_000 * bool(item.get_closest_marker("slow"))

@@ -73,10 +73,9 @@ def pairs(with_curves=("pohrt-popov", "yip-venart")):
 
 
 def telling(pair):
-    """Whether a (law, rule) pair compiles something that no other shows: each law with the last rule that it takes but for
-    "table", which says most, and every rule with pohrt-popov. What the product of all laws and rules is: no closed path that
-    returns work, and the curve of unloading, is for `make test-all` (core/test_unloading, studies/test_stability); loops,
-    drivers, copies and shear, which take a law as it comes, are tried with these."""
+    """Whether a (law, rule) pair compiles code that no other pair does: each law with the last rule that it takes except
+    "table", and every rule with pohrt-popov. Loops, drivers, copies and shear, which use any law alike, are tested with these;
+    closed paths and unloading curves with every pair in `make test-all` (core/test_unloading)."""
     name = pair[0]
     return name == "pohrt-popov" or pair == [p for p in pairs(with_curves=()) if p[0] == name][-1]
 

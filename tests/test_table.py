@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs
+from examples import CONTACTS, GRANITE, SMOOTHER, SOFT, make, options_of, pairs, shared, telling
 
 import demlaws as dl
 from demlaws.core.loops import leaves
@@ -23,7 +23,7 @@ SMOOTHER_ALIKE = SMOOTHER.with_values(fractal_dimension=GRANITE.fractal_dimensio
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 LAWS = dl.laws()
-PAIRS = pairs()
+every_pair = pytest.mark.parametrize(("name", "unloading"), shared(pairs(), telling))
 every_law = pytest.mark.parametrize("name", LAWS)
 
 
@@ -50,8 +50,7 @@ def between(table, rng, count=20000):
 
 
 @every_law
-@pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize("rtol", [1e-3, 1e-5])
+@pytest.mark.parametrize(("contact", "rtol"), [("granite", 1e-3), *((contact, 1e-5) for contact in CONTACTS)])
 def test_certificate_holds_at_other_points(name, contact, rtol, rng):
     table, law = table_of(name, "elastic", rtol, contact), make(name, contact=contact)
     assert 0.0 < table.force_error <= rtol or name == "hertz"
@@ -92,7 +91,7 @@ def test_tolerance_sets_the_size(name):
 # --- a table is a law
 
 
-@pytest.mark.parametrize(("name", "unloading"), PAIRS)
+@every_pair
 def test_a_table_does_what_its_law_does(name, unloading, rng):
     table, law = table_of(name, unloading), make(name, unloading)
     assert isinstance(table, dl.Law)
@@ -199,7 +198,7 @@ def test_a_surface_of_another_form_is_refused():
 # --- files
 
 
-@pytest.mark.parametrize(("name", "unloading"), PAIRS)
+@every_pair
 def test_a_saved_table_comes_back_bit_for_bit(name, unloading, tmp_path, rng):
     table = table_of(name, unloading)
     path = table.save(tmp_path / "sub" / "law.tbl")

@@ -204,7 +204,7 @@ def test_entry_points(tmp_path):
 # --- machine code follows the file
 
 
-@pytest.mark.parametrize("plain", ["", "1"])
+@pytest.mark.parametrize("plain", ["", pytest.param("1", marks=pytest.mark.slow)])
 def test_machine_code_follows_an_edited_file(tmp_path, plain):
     """The file itself, a module that it takes a function from, a number of it; without numba's internals it is not kept."""
     write(tmp_path, "def factor():\n    return 3.0\n\nPLAIN = 1.0\n", "helper.py")
