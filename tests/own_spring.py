@@ -1,4 +1,4 @@
-"""A file of a user's own law with a rule for unloading of its own, outside the package; tests of several engines write it."""
+"""A file with a user-defined law and unloading rule, outside the package; tests of several engines write it."""
 
 import contextlib
 import os

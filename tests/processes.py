@@ -55,7 +55,7 @@ def python(code, folder=PACKAGE.parent, **changes):
 
 
 def parted(line, program, folder, rank=1):
-    """A command line of mpirun of which one rank stands in a folder of its own, where none of the files are."""
+    """A command line of mpirun of which one rank is in another folder, where none of the files are."""
     (folder / "elsewhere").mkdir()
     script = folder / "start.sh"
     script.write_text(f'#!/bin/sh\n[ "${{PMI_RANK:-$OMPI_COMM_WORLD_RANK}}" = {rank} ] && cd elsewhere\nexec "$@"\n')

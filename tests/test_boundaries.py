@@ -113,7 +113,7 @@ LAYERS = (
 )
 """Layers of the package, the lowest first: a module imports from its own layer and those below."""
 UPWARD = {
-    ("criterion.py", "solvers"): "a curve of the criterion is Greenwood & Tripp's solution, solved when it is asked for",
+    ("criterion.py", "solvers"): "a curve of the criterion is Greenwood & Tripp's solution, solved on demand",
     ("response.py", "plots"): "the method plot of laws",
     ("path.py", "plots"): "the method plot of paths",
     ("curves/saved.py", "__init__"): "the version",

@@ -1,4 +1,4 @@
-"""What the papers say, held against the laws: the counts, and what a verdict is about."""
+"""Claims of the papers compared with the laws: the counts, and what a verdict is about."""
 
 from collections import Counter
 

@@ -1,4 +1,4 @@
-"""Tables of any function and of measured points: exact to their certificate, and everything that is no curve refused."""
+"""Tables of any function and of measured points: exact to their certificate, and everything else refused."""
 
 import math
 

@@ -106,7 +106,7 @@ LEFT_OUT = {
     "driver",
     "swaps",
     "box_correction",
-    "published_contact",  # makes a large map; what is given goes to self_affine and RoughContact
+    "published_contact",  # makes a large map; its arguments go to self_affine and RoughContact
 }
 JUNK = {
     "none": None,

@@ -193,7 +193,7 @@ def test_float32_storage_with_double_arithmetic(name, unloading):
     for array in state.arrays:
         assert array.dtype == np.float32
     single, double = two_steps(law, np.float32), two_steps(law)
-    # unloading goes by δ - δp, whose rounding in storage costs its share of δ
+    # unloading depends on δ - δp, whose rounding in storage costs its share of δ
     for a, b in zip(single[:4], double[:4], strict=True):
         np.testing.assert_allclose(a[1:], b[1:], rtol=2e-5)
 
@@ -291,7 +291,7 @@ def test_beyond_the_end_of_a_table_the_history_stays():
 
 
 def test_overlaps_beyond_a_tenth_of_the_radius_warn_once_and_beyond_the_radius_are_refused():
-    """Before: law.force(1.0) on R = 4.35 mm gave 2.8e9 N without a word."""
+    """Before: law.force(1.0) on R = 4.35 mm gave 2.8e9 N silently."""
 
     def fresh(**changes):
         return dl.law("hertz", dl.Contact(4.35e-3, 32e9).with_values(**changes))
@@ -341,7 +341,7 @@ def test_parallel_works_in_a_child_made_by_fork():
 
 
 def test_setting_a_quantity_of_a_state_sets_it():
-    """Before: `state.maximum_overlap = saved` was ignored without a word."""
+    """Before: `state.maximum_overlap = saved` was ignored silently."""
     law = make("pohrt-popov", "hertz")
     state = law.new_state(3)
     array = state.maximum_overlap

@@ -184,7 +184,7 @@ def test_a_curve_of_one_contact_is_not_lent(name):
 
 
 def test_a_surface_of_another_form_is_refused():
-    """The curve of Df = 2.22 was taken for that of 2.6 without a word; an unloading curve keeps the surface it was made for."""
+    """The curve of Df = 2.22 was silently taken for that of 2.6; an unloading curve keeps the surface it was made for."""
     table = table_of("pohrt-popov")
     with pytest.raises(dl.DemlawsError):
         table.bound_to(GRANITE.with_values(fractal_dimension=2.6))
@@ -226,7 +226,7 @@ def small_file():
 
 
 def sealed(lines):
-    """The file of these lines (without their check marks), marked anew: what a program that edits tables would write."""
+    """The file of these lines (without their check marks), with new marks, as a program that edits tables would write it."""
     data = (lines[0] + "\n").encode()
     for line in lines[1:]:
         data += line.encode()
@@ -415,7 +415,7 @@ def test_more_kinks_than_a_table_holds_are_refused():
 
 @pytest.mark.parametrize("exponent", [0.6, 0.75])
 def test_a_flat_power_law_is_no_seating_load(exponent, tmp_path):
-    """P ∝ δ^0.6 has no force at overlap 0 although its exponent is that of a law with a seat: what the law declares counts."""
+    """P ∝ δ^0.6 has no force at overlap 0 although its exponent is that of a law with a seat: the law's declaration decides."""
     law = made_up_law(GRANITE, exponent)
     table = law.tabulate(rtol=1e-3, max_force=50.0)
     loaded = dl.Table.load(table.save(tmp_path / "flat.tbl"))

@@ -119,7 +119,7 @@ def copy_kernel(parameters, states):
 def times(law, extreme, n, rounds, parallel=False):
     """Seconds of law and copy, timed in turn round after round; the state is put back before each.
 
-    Of one thread the processor's time counts, of which other processes take nothing; of one thread a core, the clock.
+    Of one thread the processor's time counts, which other processes do not change; with one thread per core, wall-clock time.
     """
     overlap, before = overlaps(extreme, n)
     state = law.new_state(n)

@@ -100,7 +100,7 @@ def test_unloading_curve_and_reload(name, unloading):
         elastic = np.maximum(down - plastic, 0.0)
         if unloading == "table":
             curve, tangent = law.unloading_law.force(elastic), law.unloading_law.stiffness(elastic)
-        elif registry()[name].rule(unloading).curve == "law":  # its closed form stands in tests/laws
+        elif registry()[name].rule(unloading).curve == "law":  # its closed form is tested in tests/laws
             curve, tangent = path.force, path.stiffness
         else:
             coefficient = law.params.hertz_coefficient

@@ -4,8 +4,8 @@
 //     contact MODULUS RADIUS ROUGHNESS   -> "served 0" or "served 1" by the table, or "refused MESSAGE"
 //     virgin                             another virgin contact, no answer
 //     overlap X                       -> force, stiffness, three values of state, stored, dissipated, outside (0 or 1)
-//     shears                             names of what K_t may go by
-//     shear X                         -> the stiffnesses that K_t may go by at X: only looked at, then after a step to
+//     shears                             names of the stiffnesses for K_t
+//     shear X                         -> the stiffnesses for K_t at X: without a step, then after a step to
 //     X
 #include "demlaws_table.h"
 #include <iostream>
@@ -54,7 +54,7 @@ int main() {
       demlaws::stored_and_dissipated(pair, radius, overlap, &state.maximum_overlap, stored, dissipated);
       printf("%.17g %.17g %.17g %.17g %.17g %.17g %.17g %d\n", now.force, now.stiffness, state.maximum_overlap,
              state.plastic_overlap, state.radius_ratio, stored, dissipated, (int)now.outside);
-    } else if (word == "shear") { // as engines ask: in a step, and of a contact that is only looked at
+    } else if (word == "shear") { // as engines ask: in a step, and of a contact without a step
       double overlap;
       std::cin >> overlap;
       double *const own = &state.maximum_overlap;

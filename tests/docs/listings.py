@@ -1,6 +1,6 @@
 """Listings of a Markdown page, taken out and run as a reader would: files written, commands run, what they print compared.
 
-A page says what a listing is by a comment on the line above it:
+A comment in a page gives the kind of a listing on the line above it:
 
     <!-- file: NAME -->             the listing is written into this file
     <!-- run -->                    a console listing: lines after `$ ` are run in order, those below each are what it prints
@@ -90,7 +90,7 @@ def _inside(folder):
 
 
 def run(path, folder, environment=None):
-    """Do what the page says in `folder`; returns what did not come out as shown: (command, printed)."""
+    """Run the listings of the page in `folder`; returns what did not come out as shown: (command, printed)."""
     wrong, names = [], {"__name__": "page"}
     for listing in listings(path):
         word, _, rest = listing.mark.partition(":")

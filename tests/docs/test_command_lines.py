@@ -46,7 +46,7 @@ def spoken(text):
 
 def refused(words, whole):
     """Why the command line does not take these words, "" if it does; of words with holes or names in place of values, and where
-    they are not the whole line, only commands and options are looked at."""
+    they are not the whole line, only commands and options are checked."""
     parser, rest = build_parser(tuple(COMMANDS)), list(words)
     while rest and rest[0][:1] != "-":
         below = next((a for a in parser._actions if isinstance(a, argparse._SubParsersAction)), None)

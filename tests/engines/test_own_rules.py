@@ -44,7 +44,7 @@ def test_a_rule_of_ones_own(tmp_path, engine, ranks):
 
 @pytest.mark.parametrize("engine, ranks", shared([("liggghts", 1), ("lammps", 1), ("lammps", 2)], ("lammps", 1).__eq__))
 def test_a_rule_of_ones_own_goes_on_after_a_restart(engine, tmp_path, ranks):
-    """Half way back a restart file is written; new processes, on as many ranks and on one, go on to the last bit."""
+    """During unloading a restart file is written; new processes, on as many ranks and on one, go on to the last bit."""
     with registered(tmp_path):
         law = dl.law("spring", CONTACT, lost=0.3)
         law.tabulate(1e-6).save(tmp_path / "law.tbl")

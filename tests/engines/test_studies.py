@@ -1,6 +1,7 @@
 """What the studies ask of YADE, LIGGGHTS and LAMMPS, in small: the trade's scene and costs, the extremes, kept places."""
 
 import pytest
+from examples import shared
 
 from demlaws.lammps.run import command
 from studies.extremes import extremes, report
@@ -17,7 +18,7 @@ each = pytest.mark.parametrize("engine", NATIVE)
 plugins = pytest.mark.parametrize("engine", ["liggghts", "lammps"])
 
 
-@pytest.mark.parametrize("engine", [pytest.param("yade", marks=pytest.mark.slow), "liggghts", "lammps"])
+@pytest.mark.parametrize("engine", shared(NATIVE, "liggghts".__eq__))
 def test_scene_of_the_trade(engine):
     by_label = {way.label: way for way in candidates.ways(engine)}
     wanted = [by_label[n] for n in (candidates.RICHEST.label, "the same, shaken", "hertz", NATIVE[engine])]

@@ -96,7 +96,7 @@ def tried(python, archive, files, scratch):
 
 
 def main():
-    """Build, look inside, try; exit status 1 if anything is not as it must be."""
+    """Build, look inside, try; exit status 1 if a check failed."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--python", action="append", help="version to try on, such as 3.12 (may be repeated)")
     versions = dict.fromkeys(parser.parse_args().python or [OLDEST, newest()])

@@ -1,4 +1,4 @@
-"""The oedometer of glass beads: what is read from a curve, and the kept runs."""
+"""The oedometer of glass beads: the values read from a curve, and the kept runs."""
 
 import numpy as np
 import pytest

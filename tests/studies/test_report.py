@@ -1,4 +1,4 @@
-"""The validation report: its rows pass, its page says what they are, and a wrong coefficient is noticed."""
+"""The validation report: its rows pass, its page lists them, and a wrong coefficient is noticed."""
 
 import pytest
 from examples import shared
@@ -22,7 +22,7 @@ def test_every_published_answer(group):
 def test_the_places_that_lammps_keeps_tell_a_thousandth_of_a_per_cent_in_stiffness_apart(monkeypatch):
     monkeypatch.setattr(published, "KEPT", tuple(one._replace(modulus=1.00001 * one.modulus) for one in published.KEPT))
     verdicts = [row.verdict for row in published.lammps_impacts()]
-    assert verdicts == ["pass", "FAIL", "FAIL"] * 2  # before they touch nothing is told
+    assert verdicts == ["pass", "FAIL", "FAIL"] * 2  # before contact nothing differs
 
 
 def test_every_law_has_its_line_and_its_rows():

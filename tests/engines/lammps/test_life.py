@@ -112,7 +112,7 @@ def doctored(folder, monkeypatch):
     ],
 )
 def test_a_lammps_that_does_not_fit_is_left_alone(folder, doctored, file, old, new, why):
-    """A plugin with another idea of LAMMPS's classes: it says why, stock models run as before, ours are not known."""
+    """A plugin with another idea of LAMMPS's classes: it reports the reason, stock models run as before, ours are not known."""
     doctored(file, old, new)
     stock, beside = (simulate(folder, two_spheres(STOCK, LOAD_UNLOAD[:2]), plugin=loaded) for loaded in (False, True))
     assert np.array_equal(stock["force"], beside["force"])
@@ -213,7 +213,7 @@ def test_other_ways_in(folder, law, way):
     "what, old, new",
     [
         ("sorting", "atom_modify     map array", "atom_modify     map array sort 1 0.005"),
-        ("lists anew at every step", "neigh_modify    delay 0", "neigh_modify    every 1 delay 0 check no"),
+        ("new lists at every step", "neigh_modify    delay 0", "neigh_modify    every 1 delay 0 check no"),
         ("a global cut-off", "pair_style      granular", "pair_style      granular 0.03"),
         ("several neighbour ways", "neighbor        1e-4 bin", "neighbor        1e-3 nsq"),
     ],

@@ -99,6 +99,7 @@ def test_plugin_loads_the_mpi_of_liggghts_and_no_other():
     assert loaded(lg.build()) == loaded(run_module.executable()) != set()
 
 
+@pytest.mark.slow
 def test_our_sources_compile_without_a_warning(tmp_path):
     """-Wall -Wextra as errors; LIGGGHTS's own headers are system headers. Stock code inlined into ours is not ours."""
     strict = ["-Wall", "-Wextra", "-Werror", "-Wno-maybe-uninitialized", "-fsyntax-only"]

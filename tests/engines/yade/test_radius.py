@@ -183,7 +183,7 @@ CHOICES = {"body": "body", "curvature": "curvature", "edge": 3e-3}
 
 
 def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5, bridge="native"):
-    """A cube with rounded edges that stands on a corner on a wall: (state, distance from its centre to the contact)."""
+    """A cube with rounded edges, on a corner on a wall: (state, distance from its centre to the contact)."""
     omega.reset()
     stone = material()
     omega.bodies.append(yade.utils.wall((0, 0, 0), 2, material=stone))
@@ -420,7 +420,7 @@ RADIUS_OF_CONTACT = math.sqrt(R * CLUMP_OVERLAP)
 
 
 def standing(omega, apart, radius=None):
-    """Force on a clump of two equal spheres, `apart` from each other, that stands on a wall with both, over one sphere's."""
+    """Force on a clump of two equal spheres, `apart` from each other, both on a wall, over one sphere's."""
     omega.reset()
     stone = material()
     omega.bodies.append(yade.utils.wall((0, 0, 0), 2, material=stone))

@@ -1,4 +1,4 @@
-"""A law of a user's own file, and a table of a user's function, inside YADE: the force that was applied against both."""
+"""A law of a user's file, and a table of a user-defined function, inside YADE: the force that was applied against both."""
 
 import json
 import os

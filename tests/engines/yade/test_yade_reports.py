@@ -1,4 +1,4 @@
-"""What the YADE user is told: limits of laws, inadmissible input, engines that are not served, energies."""
+"""Reports to the YADE user: limits of laws, inadmissible input, engines that are not served, energies."""
 
 import warnings
 

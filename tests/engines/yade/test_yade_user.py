@@ -89,7 +89,7 @@ def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
 
 
 def test_the_guard_rests(omega):
-    """It runs at the first two steps, then every hundred: what a step of Python costs is spent on one in a hundred."""
+    """It runs at the first two steps, then every hundred: the cost of a step of Python occurs in one of a hundred."""
     law = functor(bridge="native")
     still(law)
     omega.run(1001, True)
@@ -404,7 +404,7 @@ def test_a_stepper_without_a_bound_is_warned_of(omega):
 
 
 def test_true_restitution(omega):
-    """`en` is an elastic Hertz contact's; what a dissipating law gives with it can be asked for, and had."""
+    """`en` is an elastic Hertz contact's; the restitution of a dissipating law with it can be computed, and prescribed."""
     stone = material()
     omega.bodies.append([sphere((0, 0, z), 0.01, material=stone) for z in (0, 0.05)])
     first, second = omega.bodies
@@ -575,7 +575,7 @@ def test_numpy_of_the_systems_packages(tmp_path, monkeypatch, version, major):
 
 @pytest.mark.slow
 def test_run_keeps_the_interpreter(tmp_path):
-    """As yade does: what is typed after the script sees its variables; -x leaves; options and arguments go through."""
+    """As yade does: input after the script sees its variables; -x leaves; options and arguments go through."""
     script = tmp_path / "script.py"
     script.write_text("import sys, yade\nanswer = 6 * 7\nprint('arguments', sys.argv[1:], 'threads', yade.O.numThreads)\n")
     command = [sys.executable, "-m", "demlaws", "yade", "run"]
