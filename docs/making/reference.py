@@ -37,7 +37,7 @@ def command_pages(folder):
     from demlaws.cli import COMMANDS, build_parser
 
     folder.mkdir(parents=True, exist_ok=True)
-    os.environ["COLUMNS"] = "100"
+    os.environ["COLUMNS"] = "92"
     for name, (_, line) in COMMANDS.items():
         choices = next(a for a in build_parser((name,))._actions if isinstance(a, argparse._SubParsersAction)).choices
         text = [f"# demlaws {name}\n", f"{line[:1].upper()}{line[1:]}.\n"]
