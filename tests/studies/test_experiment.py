@@ -50,7 +50,7 @@ def test_what_the_page_claims():
 
 
 def test_what_the_page_claims_of_rolling():
-    """It brings K0 to the measured one, takes 5 to 15 % of the strain, and its stiffness, not its limit, decides."""
+    """It brings K0 to the measured one, takes 5 to 15 % of the strain, and both fall further with its stiffness."""
     rows, measured = oedometer.read(), numbers(oedometer.measured())
     found = {label: values.mean(axis=0) for label, values in outcomes(rows, 1000).items()}
     free = (oedometer.CASES[0].label, oedometer.CASES[2].label, oedometer.CASES[5].label)
