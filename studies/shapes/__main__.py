@@ -26,6 +26,9 @@ SETUP = {
     "windows": WINDOWS,
     "ends": (20e3, 100e3),  # vertical stress in a cycle [Pa]
     "cycles": 25,
+    "pressures": (20e3, 40e3, 80e3),  # at which a small change of the height is tried
+    "strain": 1e-5,
+    "repeats": 3,
 }
 RATES = {"sphere": 2e-6, "clump": 2e-6, "levelset": 6e-6}  # strain per step in a cycle: some 200 steps per half cycle
 ROUGH = {"roughness": 5e-6, "fractal_dimension": 2.2, "hardness": 6.266e9}
@@ -36,16 +39,21 @@ RUNS += [("levelset", law, radius) for law in ("rough", "hertz") for radius in (
 FIELDS = ("shape", "law", "radius", "median_radius", "solid", "stiffness", "contacts", "heights", "steps", "seconds")
 
 
-def run(case, folder, progress):
-    """The row of one run as text; the packing of its shape is made when it is missing."""
+def run(case, folder, progress, task="measure"):
+    """Result of a task for one run; the packing of its shape is made when it is missing."""
     shape, law, radius = case
     packing = Path(folder) / f"{shape}.yade.gz"
     packing.parent.mkdir(parents=True, exist_ok=True)
     given = {**SETUP, "shape": shape, "rate": RATES[shape], "packing": str(packing.resolve())}
     if not packing.exists():
-        under_yade("shapes/yade_bed.py", {**given, "prepare": True}, progress)
-    given.update(zip(("law", "unloading", "surface"), LAWS[law], strict=True), radius=RADII[radius], prepare=False)
-    found = under_yade("shapes/yade_bed.py", given, progress)
+        under_yade("shapes/yade_bed.py", {**given, "task": "prepare"}, progress)
+    given.update(zip(("law", "unloading", "surface"), LAWS[law], strict=True), radius=RADII[radius], task=task)
+    return under_yade("shapes/yade_bed.py", given, progress)
+
+
+def row_of(case, found):
+    """The row of a measured run as text."""
+    shape, law, radius = case
     row = {"shape": shape, "law": law, "radius": radius, "median_radius": found.pop("radius"), **found}
     return {
         name: " ".join(f"{v:.7g}" for v in value)
@@ -55,6 +63,17 @@ def run(case, folder, progress):
         else f"{value:.5g}"
         for name, value in row.items()
     }
+
+
+def small_strain(cases, folder, path, progress):
+    """Add missing runs to a file. Its table: stress [kPa], modulus, its deviation [MPa], contacts per grain, noise [Pa]."""
+    rows = list(csv.reader(path.read_text().splitlines())) if path.exists() else []
+    for case in cases:
+        if list(case) not in [row[:3] for row in rows]:
+            found = np.array(run(case, folder, progress, "small")["rows"]) / (1e3, 1e6, 1e6, SETUP["count"], 1.0)
+            rows += [[*case, *(f"{value:.3g}" for value in row)] for row in found]
+            path.write_text("".join(f"{','.join(row)}\n" for row in rows))
+    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
 
 
 def read(path):
@@ -137,16 +156,25 @@ def main(arguments=None):
     parser.add_argument("--results", default=str(HERE / "angular.csv"), help="file of runs: missing ones are added")
     parser.add_argument("--packings", default="results/shapes", help="folder of the packings")
     parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="runs whose name has all of these words")
+    parser.add_argument("--small", action="store_true", help="instead: moduli at small strain")
     parser.add_argument("--report", action="store_true", help="only table and picture")
     parser.add_argument("--figure", default="results/angular.png", help="file of the picture")
     options = parser.parse_args(arguments)
     path = Path(options.results)
+
+    def progress(text):
+        print(text, flush=True)
+
+    if options.small:
+        cases = [case for case in RUNS if set(options.only) <= set(case)]
+        print(small_strain(cases, options.packings, path.with_name("small_strain.csv"), progress))
+        return 0
     done = read(path) if path.exists() else []
     known = {(row["shape"], row["law"], row["radius"]) for row in done}
     missing = [] if options.report else [case for case in RUNS if case not in known and set(options.only) <= set(case)]
     try:
         for case in missing:
-            row = run(case, options.packings, lambda text: print(text, flush=True))
+            row = row_of(case, run(case, options.packings, progress))
             fresh = not path.exists()
             with open(path, "a", newline="") as file:
                 writer = csv.DictWriter(file, FIELDS)

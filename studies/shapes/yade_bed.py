@@ -131,6 +131,30 @@ class Box:
             self.run(500)
         return np.array(self.track), self.turns[: 2 * count]
 
+    def probe(self, strain, repeats):
+        """Constrained moduli [Pa] from small changes of the height without sliding, and the change of the stress at rest [Pa].
+
+        Each modulus compares the stress after a change with the mean of those before it and after the next change, which
+        cancels a steady drift. Stresses are means of 20 readings after a rest.
+        """
+
+        def rested():
+            self.run(400)
+            return self.run(20 * EVERY)[2]
+
+        still, steps = [rested() for _ in range(4)], 50
+        stress, sense = [still[-1]], 1
+        utils.setContactFriction(math.radians(89.9))
+        for _ in range(2 * repeats):
+            self.move((0, 0, sense * strain / steps))
+            self.run(steps)
+            self.move((0, 0, 0))
+            stress.append(rested())
+            sense = -sense
+        utils.setContactFriction(ROUGH)
+        bends = np.diff(stress, 2) * (-1.0) ** np.arange(1, 2 * repeats)
+        return bends / (2 * strain), float(np.abs(np.diff(still)).mean())
+
     def state(self):
         """Stresses, contacts, largest overlap, kinetic energy and time of a step as text."""
         depths = [i.geom.penetrationDepth for i in O.interactions if i.isReal]
@@ -174,8 +198,8 @@ def prepare(given):
     return {}
 
 
-def measure(given):
-    """Moduli and heights in cycles under one law, from the saved packing."""
+def loaded(given):
+    """A box with the saved packing under one law, and the law."""
     O.load(given["packing"])
     for material in O.materials:
         material.young = given["young"]
@@ -186,6 +210,25 @@ def measure(given):
     box = Box()
     box.use(law, given["timestep"])
     O.materials["grains"].frictionAngle = ROUGH
+    return box, law
+
+
+def small(given):
+    """Small-strain moduli [Pa] at rising pressure, their standard deviation and the stress's change at rest."""
+    box, _ = loaded(given)
+    rows = []
+    for pressure in given["pressures"]:
+        box.compress(pressure, 3e-6, 6)
+        found, noise = box.probe(given["strain"], given["repeats"])
+        contacts = sum(i.isReal for i in O.interactions)
+        rows.append([float(box.stresses()[2]), float(found.mean()), float(found.std(ddof=1)), contacts, noise])
+        report(f"{rows[-1]} {box.state()}")
+    return {"rows": rows}
+
+
+def measure(given):
+    """Moduli and heights in cycles under one law, from the saved packing."""
+    box, law = loaded(given)
     mass = sum(b.state.mass for b in O.bodies if (b.isStandalone and b.id > 5) or b.isClump)
     box.compress(given["ends"][0], 3e-6, 6)
     report(box.state())
@@ -216,4 +259,4 @@ def moduli(track, turns, windows):
     return found
 
 
-serve(lambda given: prepare(given) if given["prepare"] else measure(given))
+serve(lambda given: {"prepare": prepare, "small": small, "measure": measure}[given["task"]](given))

@@ -38,3 +38,23 @@ def test_the_kept_runs_are_those_of_the_study():
     kept = shapes.read(shapes.HERE / "angular.csv")
     assert {(row["shape"], row["law"], row["radius"]) for row in kept} <= set(shapes.RUNS)
     assert all(row["heights"].size == 2 * shapes.SETUP["cycles"] + 1 for row in kept)
+
+
+def test_small_strain_moduli_are_kept(tmp_path, monkeypatch):
+    """A missing run is added in kPa and MPa; a kept one is not repeated. Of the kept moduli the edge radius has the lowest."""
+    calls = []
+
+    def run(case, folder, progress, task):
+        calls.append((*case, task))
+        return {"rows": [[2e4, 8e7, 1e6, 150, 5.0]]}
+
+    monkeypatch.setattr(shapes, "run", run)
+    path = tmp_path / "small.csv"
+    for _ in range(2):
+        table = shapes.small_strain(shapes.RUNS[:1], tmp_path, path, print)
+        assert table == "| sphere | hertz | body | 20 | 80 | 1 | 2.5 | 5 |"
+    assert calls == [("sphere", "hertz", "body", "small")]
+    kept = list(csv.reader((shapes.HERE / "small_strain.csv").read_text().splitlines()))
+    modulus = {(row[0], row[2]): [float(r[4]) for r in kept if (r[0], r[2]) == (row[0], row[2])] for row in kept}
+    assert all(np.array(modulus["levelset", "edge"]) < 0.6 * np.array(modulus["levelset", "body"]))
+    assert all(np.diff(modulus["clump", "body"][:3]) > 0)
