@@ -104,7 +104,7 @@ accuracy. [Accuracy and cost](../trade.md) has the conclusions.
 PAGES = {
     "claims": ("Statements of the granite paper, tested", [*DEMLAWS, "granite", "--out", "{out}"], [], claims),
     "report": (
-        "Published and third-party results, and ours",
+        "Comparison with published and third-party results",
         [*STUDY, "studies.validation", "--out", "{out}"],
         ["--quick", "--no-engines"],
         report,

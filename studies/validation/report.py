@@ -32,39 +32,39 @@ def _number(row):
 
 
 IMPACTS = "Agrees with the peak forces of Chung & Ooi and with the positions that LAMMPS keeps, in Python and in every engine"
-EVALUATED = "Our code gives what the equations of the paper give; no third-party number was found"
+EVALUATED = "Reproduces the equations of the paper; no third-party number was found"
 CONCLUSIONS = {
     # law → rows that concern it (in "group: what"), and what they show
     "hertz": (
         r"^Hertz impacts|^LAMMPS's own(?!.*hooke)|^Oblique|peak force|\bhertz(?! unloading)|K_t of|Hertz at",
-        f"{IMPACTS}. With partial slip it follows measured oblique impacts and finite elements; without, as engines "
-        "usually have it, it does not. A packing of smooth grains stiffens less with pressure than sand.",
+        f"{IMPACTS}. With partial slip it follows measured oblique impacts and finite elements; without it, the default "
+        "of engines, it does not. A packing of smooth grains stiffens less with pressure than sand.",
     ),
     "rms": (r"\brms:", "Agrees with a second program on four granite contacts; no points of these tests are public"),
     "pohrt-popov": (
         r"pohrt-popov",
-        "Follows elastic boundary elements within 15 % where the longest wave of the roughness fits into the contact, within "
-        "30 % where it does not. A packing of rough grains stiffens with pressure as sand does.",
+        "Follows elastic boundary elements within 15 % if the longest wavelength of the roughness is below the contact "
+        "size, otherwise within 30 %. A packing of rough grains stiffens with pressure like sand.",
     ),
     "goddard": (r"goddard", "Gives the force of Sneddon's cone at small overlap; no third-party number was found"),
     "rough-plastic": (
         r"^Restitution of|restitution at V/V_y|rough-plastic",
-        "Rebounds as Thornton & Ning's equation has it. One limit pressure does not follow the finite elements of a yielding "
-        "sphere: at best within 18 %.",
+        "The rebound agrees with Thornton & Ning's equation. One limit pressure does not reproduce the finite elements of a "
+        "yielding sphere: at best within 18 %.",
     ),
     "bahrami": (
         r"\bbahrami:",
         "Agrees with a second program on four granite contacts; the paper's equations need two corrections",
     ),
-    "yip-venart": (r"yip-venart|^Plastic asperities", "Agrees with a second program; the paper prints figures only"),
+    "yip-venart": (r"yip-venart|^Plastic asperities", "Agrees with a second program; the paper contains figures only"),
     "greenwood-tripp": (
         r"^Elastic rough|^Central pressure",
-        "Agrees with the public code of another author within 0.1 %, and with what Jamari & Schipper read from the paper",
+        "Agrees with the public code of another author within 0.1 %, and with the values that Jamari & Schipper took from the paper",
     ),
     "asperity": (
         r"asperity model",
-        "Exact on a smooth ball. On rough maps its load is 50 to 135 % of that of boundary elements, as asperities do not feel "
-        "each other.",
+        "Exact on a smooth ball. On rough maps its load is 50 to 135 % of that of boundary elements, because asperities do not "
+        "interact.",
     ),
     "thornton-ning": (r"thornton-ning", EVALUATED),
     "jackson-green": (r"jackson-green:", f"{EVALUATED}. These equations are fits to the finite elements of Jackson & Green"),
@@ -87,7 +87,7 @@ def evidence(groups, pattern):
 
 def conclusions(groups):
     """Lines of the table with one line per law."""
-    yield "| law | what the comparisons show | rows: passed of those that ran, by whose answer it is |"
+    yield "| law | result of the comparisons | rows passed, by type of reference |"
     yield "|---|---|---|"
     for law, (pattern, sentence) in CONCLUSIONS.items():
         counts = []
@@ -116,7 +116,7 @@ def page(groups):
     lines = [
         f"# Validation of demlaws {__version__}",
         "",
-        "Published and third-party results, compared with ours. Made by `make validation`.",
+        "Every row compares a result of demlaws with a published or third-party result. `make validation` generates this page.",
         "",
         f"**{count['pass']} pass, {count['FAIL']} fail, {count['not run']} not run.**",
         "",
