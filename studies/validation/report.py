@@ -59,7 +59,8 @@ CONCLUSIONS = {
     "yip-venart": (r"yip-venart|^Plastic asperities", "Agrees with a second program; the paper contains figures only"),
     "greenwood-tripp": (
         r"^Elastic rough|^Central pressure",
-        "Agrees with the public code of another author within 0.1 %, and with the values that Jamari & Schipper took from the paper",
+        "Agrees with the public code of another author within 0.1 %, and with the values that Jamari & Schipper took from "
+        "the paper",
     ),
     "asperity": (
         r"asperity model",
