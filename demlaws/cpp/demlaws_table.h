@@ -160,12 +160,7 @@ public:
   double energy(double u) const {
     if (!(u > 0.)) return u > 0. || u <= 0. ? 0. : u;
     if (u < u_first_) return energy_below(u);
-    size_t low = 0, high = nodes_.size() - 1;
-    while (high - low > 1) {
-      const size_t middle = (low + high) / 2;
-      if (nodes_[middle] <= u) low = middle;
-      else high = middle;
-    }
+    const size_t low = std::upper_bound(nodes_.begin() + 1, nodes_.end() - 1, u) - nodes_.begin() - 1;
     return work_[low] + gauss(nodes_[low], u);
   }
 
@@ -329,9 +324,6 @@ public:
   inline bool look_up(double u, double &s, double &slope) const { return loading_.look_up(u, s, slope); }
   bool outside(double u, double &s, double &slope) const { return loading_.outside(u, s, slope); }
   inline bool evaluate(double u, double &s, double &slope) const { return loading_.evaluate(u, s, slope); }
-
-  // ds/du of first loading where it reaches s: a search, for what is asked below a largest overlap only.
-  double slope_where(double s) const { return loading_.slope_where(s); }
 
   // u where first loading reaches s, likewise.
   double overlap_where(double s) const { return loading_.where(s); }
@@ -1051,7 +1043,7 @@ inline double shear_stiffness(Shear shear, const Pair &pair, double radius, doub
   }
   if (loads) return now.stiffness;
   const double length = pair.length_of(radius), root = cbrt(0.75 * now.force / (pair.modulus * sqrt(radius)));
-  return 2. * pair.modulus * sqrt(radius) * root * pair.table->slope_where(root * root / length);
+  return 2. * pair.modulus * sqrt(radius) * root * pair.table->loading_curve().slope_where(root * root / length);
 }
 
 inline double shear_stiffness(Shear shear, const Pair &pair, double radius, double overlap, const Force &now,
