@@ -3,7 +3,6 @@
 import dataclasses
 import functools
 import os
-import warnings
 from collections.abc import Callable
 from pathlib import Path as File
 from typing import TYPE_CHECKING, Any
@@ -15,7 +14,7 @@ from demlaws.contact import Contact, as_contact
 from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
-from demlaws.errors import DemlawsError, warn
+from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_own
 from demlaws.response import Response, as_given
@@ -360,9 +359,10 @@ class Table(Law):
         pathlib.Path
             The file.
         """
+        from demlaws.curves.saved import name_what_is_lost
         from demlaws.files import as_path, write_atomically, write_together
 
-        _name_what_is_lost(as_path(path), self)
+        name_what_is_lost(as_path(path), self)
         data = self._compose()[0]
         if self._native_rule is None:
             return write_atomically(path, data)
@@ -528,19 +528,3 @@ class Table(Law):
         law = join(contact, curve, cls(contact, unloading))
         along = law.unloads.curve.with_errors_of(unloading)
         return cls(contact, curve, law.unloads._replace(curve=along))
-
-
-def _name_what_is_lost(path, table):
-    """Warn where a file that is to be replaced is not a table of this law and contact."""
-    if not path.is_file():
-        return
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            old = Table.load(path)
-    except DemlawsError:
-        warn(f"{path} was not a readable table and is replaced by a table of law {table.name!r}", UserWarning)
-        return
-    if (old.name, old.unloading, old.contact) != (table.name, table.unloading, table.contact):
-        held = f"law {old.name!r}, {old.unloading} unloading, {old.contact}"
-        warn(f"{path} held a table of {held}; it is replaced by law {table.name!r}, {table.unloading} unloading", UserWarning)

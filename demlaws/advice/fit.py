@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.contact import Contact
 from demlaws.core import cache, loops
+from demlaws.core.history import history as forces_history
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, quiet
 from demlaws.law import Law
@@ -116,7 +117,7 @@ class Ranking(Tabular, list):
 
 def history(law, force):
     """Overlap [m] and tangent stiffness [N/m] at each force > 0 [N] of a history that starts with first loading."""
-    return loops.history(law.unloads.rule, law.params, np.array(force, float))
+    return forces_history(law.unloads.rule, law.params, np.array(force, float))
 
 
 # --- one law
@@ -179,7 +180,7 @@ class _Model:
         """Overlap [m] and tangent stiffness [N/m] at each force."""
         contact, options = self.inputs(x)
         params = loops.bind_params(self.shape(contact, options), contact)
-        overlap, stiffness = loops.history(self.rule, params, self.force)
+        overlap, stiffness = forces_history(self.rule, params, self.force)
         # outside the range of a curve: far away, not NaN
         return np.where(np.isfinite(overlap), overlap, 1e3 * contact.radius), stiffness
 

@@ -3,6 +3,7 @@
 import json
 import math
 import os
+import warnings
 import zlib
 from typing import Any
 
@@ -16,7 +17,7 @@ from demlaws.curves import text
 from demlaws.curves.points import Knots
 from demlaws.curves.table import Certificate, TableCurve
 from demlaws.curves.text import UNLOADING
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, warn
 from demlaws.files import as_path
 from demlaws.laws.definition import Definition, no_limits
 from demlaws.laws.registry import find, mark, registry
@@ -190,3 +191,19 @@ def _knots(line, path):
         return None if line is None else Knots.from_text(line)
     except (ValueError, KeyError, TypeError):
         raise DemlawsError(f"{path}: the line 'points' does not contain the points of a table") from None
+
+
+def name_what_is_lost(path, table):
+    """Warn where a file that is to be replaced is not a table of this law and contact."""
+    if not path.is_file():
+        return
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            old = table.load(path)
+    except DemlawsError:
+        warn(f"{path} was not a readable table and is replaced by a table of law {table.name!r}", UserWarning)
+        return
+    if (old.name, old.unloading, old.contact) != (table.name, table.unloading, table.contact):
+        held = f"law {old.name!r}, {old.unloading} unloading, {old.contact}"
+        warn(f"{path} held a table of {held}; it is replaced by law {table.name!r}, {table.unloading} unloading", UserWarning)
