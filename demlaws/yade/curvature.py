@@ -51,7 +51,7 @@ _FIT_AT_ONCE = 4096  # nodes
 
 def fit(field):
     """Curvature of a level set in cells: number of each node's tensor or -1, and tensors (xx, yy, zz, yz, xz, xy) [1/cell]
-    of the nodes within BAND of the surface: P H P/|∇φ| of the fitted quadratic φ, P = 1 - n nᵀ; NaN where there is none."""
+    of the nodes within BAND of the surface: P H P/|∇φ| of the fitted quadratic φ, P = 1 - n nᵀ; NaN if undefined."""
     reach = int(WINDOW)
     around = np.stack(np.meshgrid(*[np.arange(-reach, reach + 1)] * 3, indexing="ij"), -1).reshape(-1, 3)
     weight = 1.0 - np.sum((around / WINDOW) ** 2, axis=1)
