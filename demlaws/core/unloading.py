@@ -20,11 +20,11 @@ from demlaws.core.numba_compat import INLINED, kernel
 
 
 class Elastic(NamedTuple):
-    """Back along the loading curve: no state."""
+    """Unloads along the loading curve; no history."""
 
 
 class Hertz(NamedTuple):
-    """Back along the Hertz curve of the original radius through (δmax, Pmax): P = (4/3) E* √R (δ - δp)^1.5.
+    """Unloads along the Hertz curve of the original radius through (δmax, Pmax): P = (4/3) E* √R (δ - δp)^1.5.
 
     δp = δmax - δ_H(Pmax) is the plastic overlap. Reloading follows the same curve to (δmax, Pmax), then first loading.
     For 0 < δ < δp the bodies overlap and carry no force. Source: Tolomeo & McDowell after Altuhafi et al. 2023.
@@ -32,14 +32,14 @@ class Hertz(NamedTuple):
 
 
 class Thornton(NamedTuple):
-    """As `Hertz`, with the larger radius R_p = (4 E*/(3 Pmax)) a_max³ that yielding left (Thornton 1997).
+    """As `Hertz`, with the larger radius R_p = (4 E*/(3 Pmax)) a_max³ after yielding (Thornton 1997).
 
-    Where the bulk has not yielded a_max is the Hertz radius, R_p = R, and the rule is `Hertz`.
+    If the bulk has not yielded, a_max is the Hertz radius, R_p = R, and the rule is `Hertz`.
     """
 
 
 class Given(NamedTuple):
-    """Back along a given elastic curve U, moved so that it goes through (δmax, Pmax): P = U(δ - δp), δp = δmax - U⁻¹(Pmax).
+    """Unloads along a given elastic curve U, shifted through (δmax, Pmax): P = U(δ - δp), δp = δmax - U⁻¹(Pmax).
 
     U is the first loading of another law, or a table. Reloading follows the same curve to (δmax, Pmax), then first
     loading; for 0 < δ < δp the bodies overlap and carry no force. `Hertz` is U = Hertz. Along first loading
@@ -69,10 +69,17 @@ _OVERLAPS = ("maximum_overlap", "plastic_overlap")
 RULES = {
     rule.name: rule
     for rule in (
-        Rule("elastic", Elastic(), (), "own", 0, "back along the curve of first loading"),
-        Rule("hertz", Hertz(), _OVERLAPS, "hertz", 1, "back along Hertz's curve of the contact's radius"),
-        Rule("thornton", Thornton(), (*_OVERLAPS, "radius_ratio"), "hertz", 2, "the same of the radius that yielding left"),
-        Rule(GIVEN, Given(), _OVERLAPS, "given", 3, "back along the curve of another law or of a table"),
+        Rule("elastic", Elastic(), (), "own", 0, "unloads along the curve of first loading"),
+        Rule("hertz", Hertz(), _OVERLAPS, "hertz", 1, "unloads along Hertz's curve of the contact's radius"),
+        Rule(
+            "thornton",
+            Thornton(),
+            (*_OVERLAPS, "radius_ratio"),
+            "hertz",
+            2,
+            "as hertz, with the larger radius of curvature after yielding",
+        ),
+        Rule(GIVEN, Given(), _OVERLAPS, "given", 3, "unloads along the curve of another law or of a table"),
     )
 }
 """Name → the rules that any law may take."""

@@ -62,7 +62,7 @@ bind(EepaParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 class Eepa(NamedTuple):
-    """Back along k2 (δ^1.5 - δp^1.5), δp = (1 - k1/k2)^(2/3) δmax; reloading likewise, then first loading."""
+    """Unloads along k2 (δ^1.5 - δp^1.5), δp = (1 - k1/k2)^(2/3) δmax; reloads along the same curve, then first loading."""
 
 
 @kernel

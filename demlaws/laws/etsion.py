@@ -14,7 +14,7 @@ from demlaws.core.unloading import Rule, own_rule, thornton_step, thornton_store
 
 
 class Etsion(NamedTuple):
-    """Back along Hertz's curve of R_p = 4 E* a_max³/(3 Pmax) from δp = δmax - 3 Pmax/(4 E* a_max); reloading likewise.
+    """Unloads along Hertz's curve of R_p = 4 E* a_max³/(3 Pmax) from δp = δmax - 3 Pmax/(4 E* a_max); reloading likewise.
 
     The formula is Thornton's; the contact radius a is the law's own function of the overlap, not that of a limit pressure.
     """

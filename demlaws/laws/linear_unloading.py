@@ -49,7 +49,7 @@ bind(LinearParams, virgin=_virgin, inverse=_inverse, energy=_energy)
 
 
 class Linear(NamedTuple):
-    """Back along P = k2 (δ - δp), δp = δmax - Pmax/k2, k2 = k2(δmax) of the law; reloading likewise, then first loading."""
+    """Unloads along P = k2 (δ - δp), δp = δmax - Pmax/k2, k2 = k2(δmax) of the law; reloads likewise."""
 
 
 @kernel

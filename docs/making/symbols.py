@@ -43,7 +43,7 @@ SYMBOLS = {
     "H_G": ("hardness of the deformed shape", "Pa"),
     "S_y": ("yield strength", "Pa"),
     "C": ("constant of Poisson's ratio: p0 = C S_y at first yield", ""),
-    "R_p": ("radius of the surface that yielding left", "m"),
+    "R_p": ("radius of curvature after yielding", "m"),
     "s": ("gap of the mean planes over σ", ""),
     "d": ("gap in the middle", ""),
     "r": ("distance from the middle", ""),

@@ -165,14 +165,14 @@ def cautions(definition, law):
     if definition.advice.smooth:
         sentences.append("It neglects roughness: a rough contact is far softer at low load.")
     if definition.needs:
-        sentences.append(f"It cannot be made without the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")
+        sentences.append(f"It needs the contact's {', '.join(f'`{n}`' for n in definition.needs)}.")
     if definition.needs_map:
         sentences.append("It needs a measured height map; with a roughness alone, use another law.")
     if definition.implicit:
         sentences.append("Its force is the root of an equation, solved at each call: for many contacts use its table.")
     if definition.solved:
         sentences.append(
-            "Its curve comes from a solver and is a table from the start: the first use at a new contact costs seconds."
+            "Its curve is a numerical solution, stored as a table: the first use for a new contact takes some seconds."
         )
     if not definition.collapses:
         sentences.append("One dimensionless curve does not serve all contacts: an engine needs a table for each radius.")
@@ -305,9 +305,9 @@ def rule_page(rule, shown_by, folder):
             ),
             f"```python\nlaw = dl.law({call(shown_by, law)}, {spelled})\n```\n",
             f"![Force against overlap, rule {rule.name}]({picture})\n",
-            f"*{shown_by}, loaded to 50 N, released, loaded to 100 N, released; {SHOWN}.*\n",
+            f"*{shown_by}, loaded to 50 N, unloaded, loaded to 100 N, unloaded; {SHOWN}.*\n",
             "The rule is refused for a law that is anywhere stiffer than the unloading curve, because the pair would create "
-            "energy. A contact is virgin again after separation.\n",
+            "energy. The history is lost when the bodies separate.\n",
         ]
     )
 
