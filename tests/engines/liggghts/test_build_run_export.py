@@ -135,7 +135,7 @@ def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
     broken.write_text("#!/bin/sh\necho error while loading shared libraries: libliggghts.so >&2; exit 127\n")
     broken.chmod(0o755)
     monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(broken))
-    with pytest.raises(DemlawsError, match=r"does not start: .*libliggghts\.so"):
+    with pytest.raises(DemlawsError, match=r"cannot be started: .*libliggghts\.so"):
         versions()
 
 

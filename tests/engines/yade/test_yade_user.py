@@ -163,7 +163,7 @@ def test_a_law_in_two_scenes_stops_the_first(omega):
     acting(law)
     assert force() == expected()
     omega.switchToScene(first)
-    with pytest.raises(RuntimeError, match="acts in another scene"):
+    with pytest.raises(RuntimeError, match="used in another scene"):
         omega.run(1, True)
     omega.reset()
     acting(law)
