@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.loops import energies_loop, energy_loop, first_loading, loading_part, unloaded_loop
+from demlaws.core.loops import energies_loop, energy_loop, first_loading, inverse_loop, loading_part, unloaded_loop
 from demlaws.errors import quiet
 
 QUANTITIES = {
@@ -46,6 +46,8 @@ class Loaded:
 
     def unloaded(self, state, force):
         """Overlap at `force` after the peak."""
+        if not state.arrays:
+            return inverse_loop(self.law.params, force)
         return unloaded_loop(self.law.rule, self.law.params, force, state.arrays)
 
     def again(self, overlap, state):

@@ -183,6 +183,17 @@ def bind_params(shape, contact):
         one = isinstance(value, np.ndarray) and value.ndim == 1 and np.all(value == value[0])
         return float(value[0]) if one else value
 
+    if contact.size <= 10_000:
+        kinds, kind = np.unique(columns, axis=1, return_inverse=True)
+        if kinds.shape[1] <= 100:  # to compile a loop over them would take longer
+            params = [scale_one(shape, *map(float, one)) for one in kinds.T]
+            each = zip(*map(leaves, params), strict=True)
+            rows = [np.array(values)[kind.ravel()] if isinstance(values[0], float) else values[0] for values in each]
+            arrays = map(shared, rows)
+            return map_leaves(lambda _: next(arrays), params[0])
+    first = scale_one(shape, *(float(c[0]) for c in columns))
+    arrays = map_leaves(lambda v: np.empty(contact.size) if isinstance(v, float) else v, first)
+    scale_loop(shape, *columns, arrays)
     return map_leaves(shared, arrays)
 
 
