@@ -19,6 +19,7 @@ from demlaws.advice.errors import error_of
 from demlaws.advice.kept import kept
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
+from demlaws.core import cache
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
 from demlaws.law import Law, Table
@@ -423,25 +424,29 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     if find(reference.name).before_yield is not None:  # the reference yields: what leaving that out costs is computed
         one = scene.contacts(scene.effective_radii()[1])[0]
         known.update(limit.reason for limit in bulk_yield(one))
-    for plan in progress(plans(scene, reference)):
+
+    def judge_plan(plan):
+        """The plan and its table with their errors, or why they are ruled out."""
         label = _label(plan)
         try:
-            law = judge.laws(plan)[0]
-            problem = _range_problem(law, judge.smallest, judge.largest, known)
+            problem = _range_problem(judge.laws(plan)[0], judge.smallest, judge.largest, known)
             if problem and plan != reference:
                 ruled_out[label] = problem
-                continue
+                return
             judged[plan] = judge.error(plan)
         except DemlawsError as error:
             ruled_out[label] = str(error)
-            continue
+            return
         try:
             table = _table_for(judge, plan, judged[plan][0]) if tables else None
         except DemlawsError as error:
             ruled_out[_label(plan._replace(evaluation="table"))] = str(error)
-            continue
+            return
         if table is not None:
             judged[table[0]] = table[1]
+
+    for plan in cache.shared(plans(scene, reference), lambda plan: (judge_plan(plan), judge.step(plan)), progress):
+        judge_plan(plan)
     judged = {plan: error for plan, error in judged.items() if _runs_in(plan, scene.engine)}
     none_meets = all(error > scene.tolerance for error, _ in judged.values())
     if not judged or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
