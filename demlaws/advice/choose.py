@@ -5,6 +5,7 @@ candidate's error over the scene's contacts and loads, and ranks those within th
 Errors are those against the reference; use `demlaws fit` to compare laws with measurements.
 """
 
+import contextlib
 import inspect
 import math
 import os
@@ -426,27 +427,24 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
         known.update(limit.reason for limit in bulk_yield(one))
 
     def judge_plan(plan):
-        """The plan and its table with their errors, or why they are ruled out."""
-        label = _label(plan)
+        """The plan and its table with their errors, and why they are ruled out."""
+        found, label = {}, _label(plan)
         try:
             problem = _range_problem(judge.laws(plan)[0], judge.smallest, judge.largest, known)
             if problem and plan != reference:
-                ruled_out[label] = problem
-                return
-            judged[plan] = judge.error(plan)
+                return {}, {label: problem}
+            found[plan] = judge.error(plan)
+            label = _label(plan._replace(evaluation="table"))
+            table = _table_for(judge, plan, found[plan][0]) if tables else None
         except DemlawsError as error:
-            ruled_out[label] = str(error)
-            return
-        try:
-            table = _table_for(judge, plan, judged[plan][0]) if tables else None
-        except DemlawsError as error:
-            ruled_out[_label(plan._replace(evaluation="table"))] = str(error)
-            return
-        if table is not None:
-            judged[table[0]] = table[1]
+            return found, {label: str(error)}
+        with contextlib.suppress(DemlawsError):  # below it is an error; here it is compiled
+            judge.step(plan)
+        return (found if table is None else {**found, table[0]: table[1]}), {}
 
-    for plan in cache.shared(plans(scene, reference), lambda plan: (judge_plan(plan), judge.step(plan)), progress):
-        judge_plan(plan)
+    for found, why in cache.shared(plans(scene, reference), judge_plan, progress):
+        judged.update(found)
+        ruled_out.update(why)
     judged = {plan: error for plan, error in judged.items() if _runs_in(plan, scene.engine)}
     none_meets = all(error > scene.tolerance for error, _ in judged.values())
     if not judged or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):

@@ -498,16 +498,22 @@ def fit(
 
     def run(job):
         name, rule, varied = job
-        own = options.get(name, {})
-        model = _Model(name, rule, varied, contact, own, displacement, force, displacement_noise)
+        model = _Model(name, rule, varied, contact, options.get(name, {}), displacement, force, displacement_noise)
         return _fit_law(model, displacement_noise, force_noise)
 
-    fits, failed = [], {}
-    for job in cache.shared(jobs, run, progress):
+    def fit_or_reason(job):
         try:
-            fits.append(run(job))
+            return run(job)
         except DemlawsError as error:
-            failed[job[0] if job[1] == "elastic" else f"{job[0]}, {job[1]} unloading"] = str(error)
+            return str(error)
+
+    found = list(cache.shared(jobs, fit_or_reason, progress))
+    fits = [one for one in found if isinstance(one, Fit)]
+    failed = {
+        name if rule == "elastic" else f"{name}, {rule} unloading": one
+        for (name, rule, _), one in zip(jobs, found, strict=True)
+        if not isinstance(one, Fit)
+    }
     if not fits:
         raise DemlawsError("no law could be fitted: " + "; ".join(f"{k}: {v}" for k, v in failed.items()))
     fits.sort(key=lambda f: f.aicc)

@@ -293,7 +293,9 @@ class _Solver:
             here = self.history[-1].log_force if self.history else log_force
             # the rim of a flattening core is the one feature sharper than the lattice
             flattening = self.history and self.model.flat(self.history[-1].separation[0]) > -3
-            pieces = max(1, math.ceil((log_force - here) / (_STEP / 3 if flattening else _STEP) - 1e-9))
+            # twice as far where the bulk is nearly rigid or the layer nearly thin: the errors at the nodes between are the same
+            widest = _STEP / 3 if flattening else _STEP if -9.0 <= here < 7.0 else 2.0 * _STEP
+            pieces = max(1, math.ceil((log_force - here) / widest - 1e-9))
             step = (log_force - here) / pieces
             for _ in range(12):
                 result = self._newton(here + step, *self._guess(here + step))
