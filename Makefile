@@ -120,7 +120,7 @@ NUMPY = $$({ $(PYTHON) -Ic 'import numpy; print(numpy.__version__)' || $(PACKAGE
 	sed -n '1{s/^[0-9]*://;s/^\([0-9][0-9]*\)\..*/numpy==\1.*/p}')
 comma := ,
 INSTALL = @numpy=$(NUMPY); echo "installing into $(VENV): demlaws[$(1)] $$numpy"; \
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check $$numpy -e '.[$(1)]'
+	$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check $$numpy -e '.[$(1)]'
 
 $(VENV)/.plots: pyproject.toml | $(VENV)/bin/python
 	$(call INSTALL,plots)

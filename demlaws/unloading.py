@@ -7,7 +7,7 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.curve import TableParams
-from demlaws.core.loops import first_loading, first_loading_of_one, inverse_loop, loading_part, one_of
+from demlaws.core.loops import first_loading, inverse_loop, loading_part, one_of
 from demlaws.core.unloading import RULES, JoinedParams, JoinedShape, Rule
 from demlaws.errors import DemlawsError, NotPassive
 

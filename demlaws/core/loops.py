@@ -175,9 +175,6 @@ def bind_params(shape, contact):
     columns = [np.array(np.broadcast_to(v, contact.size), float) for v in (contact.radius, contact.modulus, roughness)]
     if contact.size == 0:
         raise DemlawsError("the contact's arrays are empty: give at least one contact")
-    first = scale_contact(shape, *(float(c[0]) for c in columns))
-    arrays = map_leaves(lambda v: np.empty(contact.size) if isinstance(v, float) else v, first)
-    scale_loop(shape, *columns, arrays)
 
     def shared(value):
         one = isinstance(value, np.ndarray) and value.ndim == 1 and np.all(value == value[0])
@@ -186,12 +183,12 @@ def bind_params(shape, contact):
     if contact.size <= 10_000:
         kinds, kind = np.unique(columns, axis=1, return_inverse=True)
         if kinds.shape[1] <= 100:  # to compile a loop over them would take longer
-            params = [scale_one(shape, *map(float, one)) for one in kinds.T]
+            params = [scale_contact(shape, *map(float, one)) for one in kinds.T]
             each = zip(*map(leaves, params), strict=True)
             rows = [np.array(values)[kind.ravel()] if isinstance(values[0], float) else values[0] for values in each]
             arrays = map(shared, rows)
             return map_leaves(lambda _: next(arrays), params[0])
-    first = scale_one(shape, *(float(c[0]) for c in columns))
+    first = scale_contact(shape, *(float(c[0]) for c in columns))
     arrays = map_leaves(lambda v: np.empty(contact.size) if isinstance(v, float) else v, first)
     scale_loop(shape, *columns, arrays)
     return map_leaves(shared, arrays)

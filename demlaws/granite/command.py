@@ -5,6 +5,7 @@ import shutil
 import textwrap
 
 from demlaws import granite, plots
+from demlaws.core import cache
 from demlaws.errors import quiet
 from demlaws.files import save_csv
 from demlaws.granite import claims
@@ -30,13 +31,15 @@ def run(arguments):
     tests = granite.TESTS if arguments.test is None else (granite.find_test(arguments.test),)
     names = granite.laws_for_tests() if arguments.law is None else [find(arguments.law).name]
     jobs = [(test, name) for test in tests for name in names]
+    results = cache.shared(
+        jobs,
+        lambda job: granite.run_test(job[1], job[0]),
+        lambda jobs: tqdm(jobs, desc="granite", unit="run", leave=False, disable=None),
+    )
     runs, notes = {}, {}
-    with tqdm(jobs, desc="granite", unit="run", leave=False, disable=None) as progress:
-        for test, name in progress:
-            progress.set_postfix_str(f"{test.name} {name}")
-            result, messages = granite.run_test(name, test)
-            runs.setdefault(test.name, []).append(result)
-            notes[test.name, name] = messages
+    for (test, name), (result, messages) in zip(jobs, results, strict=True):
+        runs.setdefault(test.name, []).append(result)
+        notes[test.name, name] = messages
     print_tables(tests, runs, notes)
     chosen = None if arguments.test is None else [tests[0].name]
     found = [] if arguments.law else claims.granite_claims(chosen)
@@ -134,10 +137,7 @@ def draw(out, tests, runs, whole):
     if not plots.available():
         print("no figures: matplotlib is missing (pip install 'demlaws[plots]')")
         return []
-    files = []
-
-    def keep(name, figure):
-        files.append(plots.save(figure, out / f"{name}.png"))
+    figures = []  # name, function that draws, its arguments
 
     def run_of(test, law):
         return (
@@ -145,16 +145,20 @@ def draw(out, tests, runs, whole):
         )
 
     for test in tests:
-        keep(f"force-{test.key}", pictures.force(test, runs[test.name]))
+        figures.append((f"force-{test.key}", pictures.force, test, runs[test.name]))
         for result in runs[test.name]:
             if test.cyclic and result.law.definition.before_yield is not None:
-                keep(f"cycles-{test.key}", pictures.cycling(result))
+                figures.append((f"cycles-{test.key}", pictures.cycling, result))
     if "SS(12-18)" in runs:
-        keep("unloading-ss-12-18", pictures.unloading(run_of("SS(12-18)", POHRT_POPOV)))
+        figures.append(("unloading-ss-12-18", pictures.unloading, run_of("SS(12-18)", POHRT_POPOV)))
     if whole:
-        keep("stiffness", pictures.stiffness())
-        keep("crossover-ss-18-18", pictures.crossover())
-        keep("roughness", pictures.roughness())
-        keep("plastic-overlap", pictures.plastic(run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)))
-        keep("effective-radius", pictures.radius())
-    return files
+        figures += [(name, getattr(pictures, name)) for name in ("stiffness", "roughness")]
+        figures.append(("crossover-ss-18-18", pictures.crossover))
+        figures.append(("plastic-overlap", pictures.plastic, run_of("RFC10", ROUGH_PLASTIC), run_of("FC5", ROUGH_PLASTIC)))
+        figures.append(("effective-radius", pictures.radius))
+
+    def save(figure):
+        name, picture, *arguments = figure
+        return plots.save(picture(*arguments), out / f"{name}.png")
+
+    return list(cache.shared(figures, save))
