@@ -93,26 +93,26 @@ inline std::string thin_box(int axis, double length, double enough, const char *
 // What an engine does with the findings on one contact.
 class Findings {
 public:
-  // keeps: this step is counted; first, second: numbers of the particles, second -1: a wall.
-  Findings(Counts &counts, bool keeps, long first, long second) : counts_(counts), keeps_(keeps) {
-    contact_.steps = 1.;
-    contact_.first = first;
-    contact_.second = second;
-  }
+  Findings(Counts &counts, bool keeps) : counts_(counts), keeps_(keeps) {} // keeps: this step is counted
   virtual ~Findings() {}
   // Counts an excess by this factor; whether its text, which `reason` identifies, is still to be reported.
   bool counts(Excess excess, double factor, const std::string &reason) {
-    contact_.worst = factor;
-    if (keeps_) counts_.of[excess].add(contact_);
+    Count &sum = counts_.of[excess];
+    sum.steps += keeps_;
+    if (keeps_ && factor > sum.worst) {
+      sum.worst = factor;
+      sum.first = body(0);
+      sum.second = body(1);
+    }
     return counts_.reasons[excess].insert(reason).second;
   }
+  virtual long body(int which) const = 0; // number of the first or second particle, -1: a wall
   virtual void warn(const std::string &text) = 0;
   virtual void refuse(const std::string &text) = 0;
 
 private:
   Counts &counts_;
   const bool keeps_;
-  Count contact_;
 };
 
 inline std::string other_radius(const Pair &pair, double radius, double tolerance) {

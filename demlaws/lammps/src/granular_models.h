@@ -230,8 +230,8 @@ template <bool LATE> struct Granular {
     // Reports what is wrong with one contact.
     struct Report : demlaws::Findings {
       const Table &table;
-      explicit Report(const Table &t)
-          : Findings(Range::of(t.of.lmp).counts, t.gm->history_update, t.body(0), t.body(1)), table(t) {}
+      explicit Report(const Table &t) : Findings(Range::of(t.of.lmp).counts, t.gm->history_update), table(t) {}
+      long body(int which) const { return table.body(which); }
       void warn(const std::string &text) {
         Range::warn(table.of.lmp, *table.of.error,
                     table.who() + text + " (reported once, counted at the end of the run)");
@@ -370,8 +370,9 @@ template <bool LATE> struct Granular {
     }
 
   private:
-    // The work of shear is booked; what of it the contact stores is not lost.
-    __attribute__((noinline, cold)) void account(const demlaws::ShearStep &step) {
+    // The work of shear is booked; what of it the contact stores is not lost. The step is copied: else its energies
+    // would be computed where nobody asks for them.
+    __attribute__((noinline, cold)) void account(demlaws::ShearStep step) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;
         ledger_.pending -= step.before;

@@ -346,8 +346,8 @@ private:
     const NormalModel &model;
     const SurfacesCloseData &data;
     Report(const NormalModel &m, const SurfacesCloseData &d, bool keeps)
-        : Findings(m.instance_->counts, keeps, m.atom->tag[d.i], d.is_wall ? -1 : m.atom->tag[d.j]), model(m), data(d) {
-    }
+        : Findings(m.instance_->counts, keeps), model(m), data(d) {}
+    long body(int which) const { return which && data.is_wall ? -1 : model.atom->tag[which ? data.j : data.i]; }
     void warn(const std::string &text) {
       const std::string what = model.who(data) + text + " (reported once, counted at the end of the run)";
       model.error->warning(FLERR, what.c_str());
