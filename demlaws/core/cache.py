@@ -245,7 +245,10 @@ def shared(jobs, work, progress=iter):
                     place[8:] = len(jobs).to_bytes(8, "little")
                     helper = _fork(jobs, work, place, Path(folder))
                 result = Path(folder, str(number))
+                limit = 2.0 * time.monotonic() - begin  # a lock of a thread that is not in the helper would stop it for good
                 while helper and number >= int.from_bytes(place[8:], "little") and not result.exists():
+                    if time.monotonic() > limit:
+                        break
                     time.sleep(1e-3)
                     if os.waitpid(helper, os.WNOHANG)[0]:
                         helper = 0
