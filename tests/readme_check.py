@@ -174,11 +174,11 @@ def deviation(mark, values):
     """What is wrong with a mark, in words; empty if nothing is."""
     stated = mark.stated[-len(values) :]
     if len(stated) < len(values):
-        return f"{len(values)} numbers are wanted before the mark, {len(stated)} stand there"
+        return f"{len(values)} numbers are needed before the mark, the text has {len(stated)}"
     for number, value in zip(stated, values, strict=True):
         width = float(mark.tolerance.rstrip("%")) * (abs(number) / 100.0 if mark.tolerance.endswith("%") else 1.0)
         if not abs(number - value) <= width * (1.0 + 1e-9):
-            return f"the text says {number:g}, the run gives {value:.6g} (tolerance {mark.tolerance})"
+            return f"the text has {number:g}, the run gives {value:.6g} (tolerance {mark.tolerance})"
     return ""
 
 

@@ -107,7 +107,7 @@ ROW = re.compile(r"^\| (?P<feature>[^|]+) \| `(?P<files>[^|]+)` \| *\d+ \| *\d+ 
 
 
 def by_feature():
-    """CONTRIBUTING with the lines of each feature counted anew. SystemExit where a file belongs to no feature."""
+    """CONTRIBUTING with the lines of each feature counted again. SystemExit if a file belongs to no feature."""
     every = set(files("demlaws/*.py", "demlaws/*.cpp", "demlaws/*.h"))
     left = set(every)
 

@@ -5,7 +5,7 @@ import os
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
-from demlaws.cli.output import output
+from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import USUAL
 
@@ -76,6 +76,7 @@ def register(add):
 
         out = arguments.out or output(arguments.input + ".demlaws")
         out, converted = convert_file(arguments.input, name, arguments.table, out)
+        record(file=out, notes=converted.notes)
         print("\n".join([*converted.report(arguments.input), f"wrote {out}"]))
         return 0 if all(note.served for note in converted.notes) else 1
 

@@ -1,5 +1,7 @@
 """The command `demlaws yade`."""
 
+import subprocess
+
 from demlaws.cli import Parser
 from demlaws.errors import DemlawsError
 
@@ -79,7 +81,10 @@ def register(add):
 def _check(arguments):
     from demlaws.yade.run import run
 
-    return run(_file("check.py"), arguments.extent or []).returncode
+    captured = {"stdout": subprocess.PIPE, "text": True} if arguments.json else {}
+    ended = run(_file("check.py"), arguments.extent or [], **captured)
+    print(ended.stdout or "", end="")
+    return ended.returncode
 
 
 def _run(arguments):

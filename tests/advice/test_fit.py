@@ -110,8 +110,8 @@ def test_points_without_noise(name):
         assert best.parameters["roughness"].value == pytest.approx(2.4e-6, rel=1e-4)
 
 
-def test_a_compliance_that_is_left_out_is_said():
-    """Before: 0.01 µm/N made the modulus 14 % too small without a word."""
+def test_a_compliance_that_is_left_out_is_reported():
+    """Before: 0.01 µm/N made the modulus 14 % too small, and no warning was issued."""
     case = next(case for case in bench_fit.CASES if case.name == "compliance")
     data = bench_fit.made(case, 1)
     silent = dl.fit(data, PAIR, laws="hertz").best

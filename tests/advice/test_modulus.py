@@ -146,7 +146,7 @@ def test_the_step_of_softer_grains_is_stable_at_their_own_density(kind):
 
 
 def test_each_process_has_its_own_advice():
-    """Pressed to a stress softer grains save nothing; in a pour and in shear they do. A rate that the scene allows bounds I."""
+    """Softer grains save nothing in compression to a stress, but do in a pour and in shear. The scene's rate bounds I."""
     pressed = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3))
     assert pressed.factor == 1.0 and pressed.part == STEP_SAFETY and 0.0 < pressed.unbalanced < 0.02
     slow = modulus.advise(scene_of(study.Run("yade", "cycles"), process="oedometer", tolerance=0.3, rate=0.05))

@@ -1,12 +1,12 @@
 """Scaling of a step under MPI, memory of a rank and restart files, in blocks of touching spheres (those of bench_engines.py).
 
-    python tests/benchmarks/bench_scale.py lammps                  strong: 97,336 spheres; weak: 97,336 a rank; ranks 1 2 4
+    python tests/benchmarks/bench_scale.py lammps                  strong: 97,336 spheres; weak: 97,336 per rank; ranks 1 2 4
     python tests/benchmarks/bench_scale.py liggghts --sides 100 --ranks 2 --rounds 1        a million spheres
 
-Columns: µs a step (fastest round); over the stock step; efficiency, spheres moved per core and second over those of the table's
-first row (ranks beyond the cores share them); peak memory of the largest rank; restart file; the step over the time in which
-this machine's copy bandwidth, on as many cores, moves once what a step must read and write (spheres: place, velocity, spin,
-size, mass, force, torque; contacts: index, history there and back).
+Columns: µs per step (fastest round); over the stock step; efficiency, spheres moved per core and second over those of the
+table's first row (ranks beyond the cores share them); peak memory of the largest rank; restart file; the step over the time in
+which this machine's copy bandwidth, on as many cores, moves once the data that a step must read and write (spheres: place,
+velocity, spin, size, mass, force, torque; contacts: index, history read and written).
 """
 
 import argparse
@@ -24,7 +24,7 @@ from bench_engines import STOCK, prepare, variables, write_block
 
 LAWS = (STOCK, "pohrt-popov, hertz unloading")
 CORES = len(os.sched_getaffinity(0))
-HISTORY = {  # bytes a contact, as `python -m studies.shear --bytes` prints them
+HISTORY = {  # bytes per contact, as `python -m studies.shear --bytes` prints them
     ("liggghts", STOCK): 32,
     ("liggghts", LAWS[1]): 56,
     ("lammps", STOCK): 32,

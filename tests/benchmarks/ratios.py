@@ -11,7 +11,7 @@ kernels   `law.evaluate` over a copy kernel on the same arrays (batch.py): virgi
           each law and rule
 cores     the same on all cores over one core, law and copy kernel: what memory allows
 start     `import demlaws` over `import numba`; `demlaws --help` over an argparse program's help; user and system time
-waits     seconds, no ratios: what a user waits for in a new process with an empty cache of machine code, then with a full one
+waits     seconds, not ratios: a user's waiting time in a new process, with an empty cache of machine code, then a full one
 liggghts, lammps, yade    a step (in YADE the interaction loop) over that with the engine's own Hertz law and shear
 surfaces  a load step of a measured map over scipy.ndimage.label of the same map
 """

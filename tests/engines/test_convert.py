@@ -1,6 +1,7 @@
 """Inputs of the engines with demlaws/table in place of their contact model."""
 
 import importlib.util
+import json
 import os
 import shutil
 from pathlib import Path
@@ -76,6 +77,8 @@ def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
     text = (tmp_path / "in.case.demlaws").read_text()
     for word in ("multicontact", "tan_luding", "washino", "jkr", "hertz 1e5", "gran/hertz/history"):
         assert (word in line) == (word in text)
+    assert cli.main([*arguments, "--json", "--force"]) == 1
+    assert any(note["line"] == 1 and not note["served"] for note in json.loads(capsys.readouterr().out)["notes"])
 
 
 def test_nothing_to_convert_is_an_error(tmp_path, capsys):

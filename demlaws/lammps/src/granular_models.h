@@ -370,8 +370,8 @@ template <bool LATE> struct Granular {
     }
 
   private:
-    // The work of shear is booked; what of it the contact stores is not lost. The step is copied: else its energies
-    // would be computed where nobody asks for them.
+    // Records the work of shear; the part that the contact stores is not lost. The step is passed as a copy: otherwise
+    // its energies would be computed in every step, also where no compute needs them.
     __attribute__((noinline, cold)) void account(demlaws::ShearStep step) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;

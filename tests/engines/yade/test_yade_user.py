@@ -1,6 +1,7 @@
 """What surrounds the law, as a user of YADE meets it: engine lists, scenes, labels, loading, markers, the time step."""
 
 import copy
+import json
 import pickle
 import subprocess
 import sys
@@ -617,6 +618,8 @@ def test_quick_check(tmp_path):
     assert done.returncode == 0, done.stdout + done.stderr
     lines = done.stdout.splitlines()
     assert "native bridge: available" in done.stdout and sum(line.startswith(tuple(dl.laws())) for line in lines) == 2
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=3000)
+    assert done.returncode == 0 and any("native bridge: available" in line for line in json.loads(done.stdout)["text"])
 
 
 def test_plain_yade(tmp_path):
