@@ -75,35 +75,35 @@ def judge(**quantities: float) -> list[Finding]:
     >>> print(judge(young=60.6, poisson=0.25)[0].text)
     young = 60.6 Pa: Young's modulus of a grain is above 2000 Pa; did you mean GPa (1 GPa = 1e9 Pa)?
     """
-    found = []
+    findings = []
     for name, value in quantities.items():
         if outside(name, value):
-            found.append(Finding(False, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {RANGES[name].remedy}"))
-    if found:
-        return found
+            findings.append(Finding(False, f"{name} = {value:g} {RANGES[name].unit}".rstrip() + f": {RANGES[name].remedy}"))
+    if findings:
+        return findings
     radius, roughness = quantities.get("radius", 0.0), quantities.get("roughness", 0.0)
     if radius > LARGE_RADIUS:
-        found.append(Finding(True, f"radius = {radius:g} m is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?"))
+        findings.append(Finding(True, f"radius = {radius:g} m is above {LARGE_RADIUS:g} m; did you mean mm (1 mm = 0.001 m)?"))
     if radius and roughness > LARGE_ROUGHNESS * radius:
         admissible = roughness <= LARGEST_ROUGHNESS * radius
         limit = LARGE_ROUGHNESS if admissible else LARGEST_ROUGHNESS
-        found.append(
+        findings.append(
             Finding(
                 admissible,
                 f"roughness = {roughness:g} m is {roughness / radius:.3g} of the radius {radius:g} m, above {limit:g}: the "
                 "laws take roughness for small beside the radius; did you mean µm (1 µm = 1e-6 m)?",
             )
         )
-    return found
+    return findings
 
 
 def refuse(**quantities: float) -> list[str]:
     """Texts of the warnings that `judge` finds; DemlawsError where a value is not admissible."""
-    found = judge(**quantities)
-    for one in found:
+    findings = judge(**quantities)
+    for one in findings:
         if not one.admissible:
             raise DemlawsError(one.text)
-    return [one.text for one in found]
+    return [one.text for one in findings]
 
 
 def refuse_plain_radius(name: str, value: object) -> None:

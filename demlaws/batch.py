@@ -114,5 +114,5 @@ def in_threads(part, n):
         return results
 
     others = [_pool.submit(work) for _ in range(workers - 1)]
-    own = work()
-    return [*own, *(result for other in others for result in other.result())]
+    thread_results = work()
+    return [*thread_results, *(result for other in others for result in other.result())]

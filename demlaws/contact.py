@@ -281,8 +281,8 @@ class Contact:
                 raise DemlawsError(f"{name} must be a demlaws.Material, got {material!r:.60}")
         refuse_plain_radius("radius1", radius1)
         refuse_plain_radius("radius2", radius2)
-        given = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
-        values = {name: real(value, name, "m", array=True) for name, value in given.items()}
+        lengths = {"radius1": radius1, "radius2": radius2, "roughness1": roughness1, "roughness2": roughness2}
+        values = {name: real(value, name, "m", array=True) for name, value in lengths.items()}
         for name, value in values.items():
             if name.startswith("radius") and not np.all(value > 0):
                 raise DemlawsError(f"{name} = {value} m: a radius must be positive (inf for a flat)")

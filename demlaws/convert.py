@@ -44,12 +44,12 @@ def convert(text, engine, table):
     for number, line in _whole_lines(text):
         code, mark, comment = line.partition("#")
         words = re.sub(r"&[ \t]*\n", " ", code).split()
-        found = []
+        texts = []
         commands.update(words[:1])
         if words[:1] == ["units"] and words[1:2] and words[1] not in _UNITS[engine]:
-            found.append((f"units {words[1]}: tables are in SI; write the input in units {' or '.join(_UNITS[engine])}", False))
-        new = change(words, str(table), lambda text, served=True, into=found: into.append((text, served)))
-        notes += [Note(number, *entry) for entry in found]
+            texts.append((f"units {words[1]}: tables are in SI; write the input in units {' or '.join(_UNITS[engine])}", False))
+        new = change(words, str(table), lambda text, served=True, into=texts: into.append((text, served)))
+        notes += [Note(number, *entry) for entry in texts]
         lines.append(line if new is None else " ".join(new) + (f" {mark}{comment}" if mark else ""))
     if engine == "lammps" and not commands & {"units", "include", "read_restart"}:
         notes.insert(0, Note(1, "no units line, so that LAMMPS takes units lj: write the input in units si", False))

@@ -57,9 +57,9 @@ def central_pressure(roughness_parameter, mu):
         raise DemlawsError(f"roughness_parameter = {roughness_parameter!r:.60}: α is 0 or more")
     force = 4.0 / 3.0 * np.maximum(alpha, 1e-4) ** -1.5  # at α = 1e-4 the ratio is 1 within 1e-3
     order = np.argsort(force)
-    found = np.empty(alpha.size)
-    found[order] = solve(ELASTIC_LAYER, number(mu, "mu"), force.ravel()[order]).central_pressure
-    return _plain(found.reshape(np.shape(roughness_parameter)))
+    pressure = np.empty(alpha.size)
+    pressure[order] = solve(ELASTIC_LAYER, number(mu, "mu"), force.ravel()[order]).central_pressure
+    return _plain(pressure.reshape(np.shape(roughness_parameter)))
 
 
 def pressure_ratio(contact, load, mu=None):

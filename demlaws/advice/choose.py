@@ -105,8 +105,8 @@ class Choice:
         from demlaws.liggghts.export import export as to_liggghts
 
         engine, export = ("lammps", to_lammps) if self.scene.engine == "lammps" else ("liggghts", to_liggghts)
-        own = self.evaluation != "table"  # a law that the engine has itself
-        options = {"stock": find(self.name).advice.native[engine]} if own else {"rtol": self.plan.rtol}
+        native = self.evaluation != "table"  # a law that the engine has itself
+        options = {"stock": find(self.name).advice.native[engine]} if native else {"rtol": self.plan.rtol}
         return export(
             folder,
             self.name,
@@ -247,10 +247,10 @@ def reference_plan(scene):
         definition = find(scene.reference)
     else:
         rough = contact.with_values(roughness=max(c.roughness for c in scene.contacts(scene.effective_radii()[0])))
-        ranked = [d for d in _determined(rough) if d.advice.rank]
-        for definition in ranked:
+        candidates = [d for d in _determined(rough) if d.advice.rank]
+        for definition in candidates:
             reached = _reaches(definition, scene, {})
-            if reached is not None or definition is ranked[-1]:
+            if reached is not None or definition is candidates[-1]:
                 break
         options = {**(reached or {}), **options}
         if scene.yield_pressure is not None:
@@ -279,13 +279,13 @@ def plans(scene, reference):
     for definition in _determined(scene.contacts(scene.effective_radii()[0])[0]):
         if definition.advice.candidate:
             candidates.append((definition, ()))
-    found = [reference]
+    alternatives = [reference]
     for definition, options in candidates:
         rules = definition.unloading if scene.unloads else definition.unloading[:1]
-        found += [Plan(definition.name, options, rule, "closed form") for rule in rules]
+        alternatives += [Plan(definition.name, options, rule, "closed form") for rule in rules]
         if reference.curve is not None and not definition.advice.smooth:
-            found.append(Plan(definition.name, options, GIVEN, "closed form", curve=reference.curve))
-    return list(dict.fromkeys(found))
+            alternatives.append(Plan(definition.name, options, GIVEN, "closed form", curve=reference.curve))
+    return list(dict.fromkeys(alternatives))
 
 
 def _range_problem(law, smallest, largest, known):
@@ -356,8 +356,8 @@ def _left_out(judge, plan):
 
     if (before := _before_yield(reference)) is not None and _before_yield(plan) is None:
         definition, options = before
-        kept = reference.curve is not None or reference.unloading in definition.unloading
-        rule = reference.unloading if kept else definition.unloading[-1]
+        same_rule = reference.curve is not None or reference.unloading in definition.unloading
+        rule = reference.unloading if same_rule else definition.unloading[-1]
         stage("bulk yield", name=definition.name, options=options, unloading=rule)
     now = stages[-1][1] if stages else reference
     if now.unloading != plan.unloading and plan.unloading != "elastic":
@@ -415,7 +415,7 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
     reference = reference_plan(scene)
     judge = _Judge(scene, reference)
-    ruled_out, notes, judged = {}, [], {}
+    ruled_out, notes, errors = {}, [], {}
     with quiet():
         known = set()
         for law in judge.exact:
@@ -428,34 +428,34 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
 
     def judge_plan(plan):
         """The plan and its table with their errors, and why they are ruled out."""
-        found, label = {}, _label(plan)
+        entries, label = {}, _label(plan)
         try:
             problem = _range_problem(judge.laws(plan)[0], judge.smallest, judge.largest, known)
             if problem and plan != reference:
                 return {}, {label: problem}
-            found[plan] = judge.error(plan)
+            entries[plan] = judge.error(plan)
             label = _label(plan._replace(evaluation="table"))
-            table = _table_for(judge, plan, found[plan][0]) if tables else None
+            table = _table_for(judge, plan, entries[plan][0]) if tables else None
         except DemlawsError as error:
-            return found, {label: str(error)}
+            return entries, {label: str(error)}
         with contextlib.suppress(DemlawsError):  # below it is an error; here it is compiled
             judge.step(plan)
-        return (found if table is None else {**found, table[0]: table[1]}), {}
+        return (entries if table is None else {**entries, table[0]: table[1]}), {}
 
-    for found, why in cache.shared(plans(scene, reference), judge_plan, progress):
-        judged.update(found)
+    for entries, why in cache.shared(plans(scene, reference), judge_plan, progress):
+        errors.update(entries)
         ruled_out.update(why)
-    judged = {plan: error for plan, error in judged.items() if _runs_in(plan, scene.engine)}
-    none_meets = all(error > scene.tolerance for error, _ in judged.values())
-    if not judged or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
-        named = {}
+    errors = {plan: error for plan, error in errors.items() if _runs_in(plan, scene.engine)}
+    none_meets = all(error > scene.tolerance for error, _ in errors.values())
+    if not errors or (none_meets and any(_NO_TABLE in why for why in ruled_out.values())):
+        groups = {}
         for label, why in ruled_out.items():
-            named.setdefault(why, []).append(label.split(",")[0])
-        reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in named.items())
+            groups.setdefault(why, []).append(label.split(",")[0])
+        reasons = "; ".join(f"{', '.join(dict.fromkeys(labels))}: {why}" for why, labels in groups.items())
         raise DemlawsError(f"no law can serve this scene: {reasons}")
     base = judge.step(reference)
     choices = []
-    for plan, (error, mean) in judged.items():
+    for plan, (error, mean) in errors.items():
         step = judge.step(plan)
         law = judge.laws(plan)[0]
         choices.append(
@@ -496,11 +496,11 @@ def _table_for(judge, plan, closed_error):
     for rtol in _TABLE_STEPS:
         table = plan._replace(evaluation="table", rtol=rtol)
         try:
-            found = judge.error(table)
+            result = judge.error(table)
         except (NeedsClasses, NotPassive):
             raise
         except DemlawsError:  # out of this table's reach
             continue
-        if found[0] <= target:
-            return table, found
+        if result[0] <= target:
+            return table, result
     return None

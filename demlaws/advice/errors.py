@@ -69,8 +69,8 @@ class Loaded:
         params = self.law.params
         overlap = np.maximum(self.top.astype(float), 1e-9 * np.asarray(self.law.contact.radius))
         for _ in range(60):
-            found, (force, _) = energy_loop(loading_part(params), overlap), first_loading(params, overlap)
-            step = np.log(work / found) * found / (force * overlap)
+            energy, (force, _) = energy_loop(loading_part(params), overlap), first_loading(params, overlap)
+            step = np.log(work / energy) * energy / (force * overlap)
             step = np.where(np.isfinite(step), np.clip(step, -2.0, 2.0), -0.7)  # beyond a table's end: half of it
             overlap *= np.exp(step)
             if np.all(np.abs(step) < 1e-13):
@@ -81,55 +81,55 @@ class Loaded:
 def error_of(law, reference, sample, quantity, unloads):
     """Error of `law` against `reference` for each contact of `sample`, as `QUANTITIES` define it."""
     with quiet(), np.errstate(all="ignore"):
-        exact, given = Loaded(reference, sample), Loaded(law, sample)
-        return _MEASURES[quantity](exact, given, sample, unloads)
+        exact, candidate = Loaded(reference, sample), Loaded(law, sample)
+        return _MEASURES[quantity](exact, candidate, sample, unloads)
 
 
-def _force_error(exact, given, sample, unloads):
+def _force_error(exact, candidate, sample, unloads):
     state, _, _ = exact.state_at(exact.top)
-    other, force, _ = given.state_at(exact.top)
+    other, force, _ = candidate.state_at(exact.top)
     worst = np.abs(force - sample.peak) / sample.peak
     for fraction in FRACTIONS if unloads else ():
         overlap = exact.unloaded(state, fraction * sample.peak)
         true, _ = exact.again(overlap, state)  # below a seating load no overlap carries that force
-        force, _ = given.again(overlap, other)
+        force, _ = candidate.again(overlap, other)
         worst = np.maximum(worst, np.abs(force - true) / sample.peak)
     return worst
 
 
-def _stiffness_error(exact, given, sample, unloads):
+def _stiffness_error(exact, candidate, sample, unloads):
     state, _, stiffness = exact.state_at(exact.top)
-    other, _, found = given.state_at(given.top)
-    worst = np.abs(found / stiffness - 1.0)
+    other, _, other_stiffness = candidate.state_at(candidate.top)
+    worst = np.abs(other_stiffness / stiffness - 1.0)
     for fraction in FRACTIONS if unloads else ():
         force = fraction * sample.peak
         stiffness = exact.again(exact.unloaded(state, force), state)[1]
-        found = given.again(given.unloaded(other, force), other)[1]
-        worst = np.maximum(worst, np.where(stiffness > 0.0, np.abs(found / stiffness - 1.0), 0.0))
+        other_stiffness = candidate.again(candidate.unloaded(other, force), other)[1]
+        worst = np.maximum(worst, np.where(stiffness > 0.0, np.abs(other_stiffness / stiffness - 1.0), 0.0))
     return worst
 
 
-def _overlap_error(exact, given, sample, unloads):
+def _overlap_error(exact, candidate, sample, unloads):
     state, _, _ = exact.state_at(exact.top)
-    other, _, _ = given.state_at(given.top)
-    worst = np.abs(given.top / exact.top - 1.0)
+    other, _, _ = candidate.state_at(candidate.top)
+    worst = np.abs(candidate.top / exact.top - 1.0)
     for fraction in (0.0, *FRACTIONS) if unloads else ():
         force = fraction * sample.peak
-        worst = np.maximum(worst, np.abs(given.unloaded(other, force) - exact.unloaded(state, force)) / exact.top)
+        worst = np.maximum(worst, np.abs(candidate.unloaded(other, force) - exact.unloaded(state, force)) / exact.top)
     return worst
 
 
-def _energy_error(exact, given, sample, unloads):
-    work, lost = exact.energies(exact.top)
-    found, found_lost = given.energies(given.top)
-    worst = np.abs(found / work - 1.0)
-    return np.maximum(worst, np.abs(found_lost - lost) / work) if unloads else worst
+def _energy_error(exact, candidate, sample, unloads):
+    work, loss = exact.energies(exact.top)
+    other_work, other_loss = candidate.energies(candidate.top)
+    worst = np.abs(other_work / work - 1.0)
+    return np.maximum(worst, np.abs(other_loss - loss) / work) if unloads else worst
 
 
-def _restitution_error(exact, given, sample, unloads):
-    work, lost = exact.energies(exact.top)
-    found, found_lost = given.energies(given.overlap_of_work(work))
-    return np.abs(np.sqrt(np.maximum(1.0 - found_lost / found, 0.0)) - np.sqrt(np.maximum(1.0 - lost / work, 0.0)))
+def _restitution_error(exact, candidate, sample, unloads):
+    work, loss = exact.energies(exact.top)
+    other_work, other_loss = candidate.energies(candidate.overlap_of_work(work))
+    return np.abs(np.sqrt(np.maximum(1.0 - other_loss / other_work, 0.0)) - np.sqrt(np.maximum(1.0 - loss / work, 0.0)))
 
 
 _MEASURES = {

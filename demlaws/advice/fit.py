@@ -43,8 +43,8 @@ _FAMILY_PART = 0.7  # of ln(roughness), for which one family of solved curves is
 
 def parameters():
     """Name → `Parameter` of every quantity that a fit of some law may vary."""
-    own = [definition.fitting.parameters for definition in registry().values()]
-    return {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **{n: one for known in own for n, one in known.items()}}
+    tables = [definition.fitting.parameters for definition in registry().values()]
+    return {**OF_CONTACT, COMPLIANCE: _COMPLIANCE, **{n: one for quantities in tables for n, one in quantities.items()}}
 
 
 def __getattr__(name):
@@ -312,8 +312,8 @@ def _noise_ratio(model, x, stiffness):
 
     jacobian, residual = model.jacobian(x) * model.sigma[:, None], model.residual(x) * model.sigma
     size = np.linalg.norm(jacobian, axis=0)
-    seen = size > 1e-10 * size[-1]
-    jacobian = jacobian[:, seen] / size[seen]
+    sensitive = size > 1e-10 * size[-1]
+    jacobian = jacobian[:, sensitive] / size[sensitive]
 
     def cost(exponent):
         weights = np.hypot(1.0, math.exp(exponent) / stiffness)
@@ -351,16 +351,16 @@ def _report(model, x, squares, absolute, notes):
     width = np.where(np.isfinite(high), high - low, 1.0)
     at_bound = np.minimum(x - low, high - x) < 1e-6 * width
     idle = size <= 1e-10 * max(size[-1], 1e-300)
-    used = ~(at_bound | idle)
-    weak = used & (np.linalg.cond(jacobian[:, used] / size[used]) >= 1e7)
+    active = ~(at_bound | idle)
+    weak = active & (np.linalg.cond(jacobian[:, active] / size[active]) >= 1e7)
     widening, correlation = (1.0, 0.0) if absolute else _drift(residual, k)
     if correlation > 0.5:
         cause = f"the misfit is systematic or drifts (correlation of neighbours {correlation:.2f}), it is not scatter"
         notes.append(f"{cause}: intervals are {widening:.1f} times as wide as for scatter; they do not hold for a wrong law")
     covariance = np.full((k, k), np.nan)
     if not np.any(weak):
-        inverse = np.linalg.pinv(jacobian[:, used] / size[used]) / size[used, None]
-        covariance[np.ix_(used, used)] = variance * widening**2 * inverse @ inverse.T
+        inverse = np.linalg.pinv(jacobian[:, active] / size[active]) / size[active, None]
+        covariance[np.ix_(active, active)] = variance * widening**2 * inverse @ inverse.T
     half = 0.5 + 0.5 * _CONFIDENCE
     quantile = float(special.ndtri(half) if absolute else special.stdtrit(n - k, half))
     errors = np.sqrt(np.diag(covariance))
@@ -497,8 +497,8 @@ def fit(
     jobs = list(_jobs(names, rules, free, force))
 
     def run(job):
-        name, rule, varied = job
-        model = _Model(name, rule, varied, contact, options.get(name, {}), displacement, force, displacement_noise)
+        name, rule, variables = job
+        model = _Model(name, rule, variables, contact, options.get(name, {}), displacement, force, displacement_noise)
         return _fit_law(model, displacement_noise, force_noise)
 
     def fit_or_reason(job):
@@ -507,11 +507,11 @@ def fit(
         except DemlawsError as error:
             return str(error)
 
-    found = list(cache.shared(jobs, fit_or_reason, progress))
-    fits = [one for one in found if isinstance(one, Fit)]
+    outcomes = list(cache.shared(jobs, fit_or_reason, progress))
+    fits = [one for one in outcomes if isinstance(one, Fit)]
     failed = {
         name if rule == "elastic" else f"{name}, {rule} unloading": one
-        for (name, rule, _), one in zip(jobs, found, strict=True)
+        for (name, rule, _), one in zip(jobs, outcomes, strict=True)
         if not isinstance(one, Fit)
     }
     if not fits:
@@ -519,27 +519,29 @@ def fit(
     fits.sort(key=lambda f: f.aicc)
     fits[0] = fits[0]._replace(notes=(*fits[0].notes, *_suspicions(fits[0], run, contact, displacement)))
     relative = [math.exp(-0.5 * (f.aicc - fits[0].aicc)) for f in fits]
-    ranked = [f._replace(delta=f.aicc - fits[0].aicc, weight=w / sum(relative)) for f, w in zip(fits, relative, strict=True)]
-    return Ranking(ranked, failed | skipped, (displacement, force))
+    ranking = [f._replace(delta=f.aicc - fits[0].aicc, weight=w / sum(relative)) for f, w in zip(fits, relative, strict=True)]
+    return Ranking(ranking, failed | skipped, (displacement, force))
 
 
 def _jobs(names, rules, free, force):
     """(law, rule, free quantities) of each fit."""
     # the curve of rule "table" has no parameters of the law
-    offered = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
-    if unknown := [rule for rule in rules or () if rule not in offered]:
-        raise DemlawsError(f"unknown unloading rule {unknown[0]!r}: the rules that a fit takes are {', '.join(offered)}")
+    available = [rule for rule in dict.fromkeys(r for name in names for r in find(name).offered()) if rule != GIVEN]
+    if unknown := [rule for rule in rules or () if rule not in available]:
+        raise DemlawsError(f"unknown unloading rule {unknown[0]!r}: the rules that a fit takes are {', '.join(available)}")
     unloads = np.any(force < 0.98 * np.maximum.accumulate(force)) if force.size else False
     for name in names:
         definition = find(name)
-        own = definition.fitting.parameters
-        varied = [n for n in (definition.fitting.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in own]
-        if force.size < len(varied) + 4:
+        fields = definition.fitting.parameters
+        variables = [
+            n for n in (definition.fitting.free if free is None else free) if n in ("modulus", COMPLIANCE) or n in fields
+        ]
+        if force.size < len(variables) + 4:
             few = f"{force.size} points with a force above 0 (compression)"
-            raise DemlawsError(f"{few}: at least {len(varied) + 4} are needed for {name}")
+            raise DemlawsError(f"{few}: at least {len(variables) + 4} are needed for {name}")
         for rule in rules or (definition.unloading if unloads else ("elastic",)):
             # first loading alone does not show a quantity of the unloading curve
-            yield name, rule, [n for n in varied if rule != "elastic" or n not in own or not own[n].unloading]
+            yield name, rule, [n for n in variables if rule != "elastic" or n not in fields or not fields[n].unloading]
 
 
 def _texts(value, name):
@@ -559,21 +561,21 @@ def _checked_options(options):
 
 def _suspicions(best, run, contact, displacement):
     """Notes on fixed quantities that explain a pattern of the misfit: E*, and the compliance of the apparatus."""
-    left = displacement - best.displacement
-    spread = float(np.sum(left**2))
-    if best.law.definition.solved or not float(np.sum(left[1:] * left[:-1])) > 1.7 / math.sqrt(left.size) * spread > 0.0:
+    misfit = displacement - best.displacement
+    spread = float(np.sum(misfit**2))
+    if best.law.definition.solved or not float(np.sum(misfit[1:] * misfit[:-1])) > 1.7 / math.sqrt(misfit.size) * spread > 0.0:
         return
-    varied = [name for name in best.coordinates if name != ZERO]
+    variables = [name for name in best.coordinates if name != ZERO]
     wrong = f"speaks against the given E* = {contact.modulus * 1e-9:.4g} GPa"
     hints = {
         "modulus": (1e-9, "GPa", wrong, "fit the modulus, too"),
         COMPLIANCE: (1e6, "µm/N", "a compliant apparatus makes", "measure the compliance and give it, or fit it, too"),
     }
     for name, (unit, symbol, meaning, remedy) in hints.items():
-        if name in varied:
+        if name in variables:
             continue
         try:
-            other = run((best.name, best.unloading, [*varied, name]))
+            other = run((best.name, best.unloading, [*variables, name]))
         except DemlawsError:
             continue
         value, low, high = (other.parameters[name][n] * unit for n in (0, 2, 3))

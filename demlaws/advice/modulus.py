@@ -107,11 +107,11 @@ class Curves(NamedTuple):
 @functools.cache
 def curves(process: str, quantity: str, unloads: bool) -> Curves:
     """`Curves` of a quantity in a process, as `make trade` fitted them to runs in YADE."""
-    found = kept()["curves"][process]
-    own = found["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
-    points = {"unbalanced": found["unbalanced"], **own}
-    known = {name: Curve(*np.array(points[name])) for name in Curves._fields if name != "chance" and name in points}
-    return Curves(**known, chance=own["chance"])
+    data = kept()["curves"][process]
+    entries = data["+".join(n for n in MEASURED[process][quantity] if unloads or n != "unloading")]
+    points = {"unbalanced": data["unbalanced"], **entries}
+    fits = {name: Curve(*np.array(points[name])) for name in Curves._fields if name != "chance" and name in points}
+    return Curves(**fits, chance=entries["chance"])
 
 
 def numbers_of(scene: Scene, name: str, options: dict, factor: float, inertial: float) -> Numbers:
@@ -215,10 +215,10 @@ def _errors(scene, factor, inertial, part, here):
     if scene.quantity not in MEASURED[process]:
         names = ("geometry", "waves", "coarse", "error", "left_alone", "unbalanced")
         return {**dict.fromkeys(names, math.nan), "what": scene.quantity}
-    found = curves(process, scene.quantity, scene.unloads)
+    fits = curves(process, scene.quantity, scene.unloads)
     place = here.waves if process == "oedometer" else inertial
-    geometry = 0.0 if factor == 1.0 else MARGIN * found.geometry.at(here.depth)
-    rates = found.rate if factor == 1.0 else found.soft_rate
+    geometry = 0.0 if factor == 1.0 else MARGIN * fits.geometry.at(here.depth)
+    rates = fits.rate if factor == 1.0 else fits.soft_rate
     if rates is None or (factor != 1.0 and inertial <= STEADY):  # what it costs there is part of geometry's curve
         waves = 0.0
     else:
@@ -226,15 +226,15 @@ def _errors(scene, factor, inertial, part, here):
     if part <= STANDARD * (1.0 + 1e-9):  # the study's own step, than which none is taken to be better
         coarse = 0.0
     else:
-        coarse = math.inf if found.step is None else MARGIN * found.step.at(part / STUDY_STEP)
-    error = (1.0 + geometry) * (1.0 + waves) * (1.0 + coarse) - 1.0 + 2.0 * found.chance
+        coarse = math.inf if fits.step is None else MARGIN * fits.step.at(part / STUDY_STEP)
+    error = (1.0 + geometry) * (1.0 + waves) * (1.0 + coarse) - 1.0 + 2.0 * fits.chance
     return {
         "geometry": geometry,
         "waves": waves,
         "coarse": coarse,
         "error": error,
         "left_alone": (1.0 + error) * (1.0 + here.branch) - 1.0,
-        "unbalanced": math.nan if process == "pour" else found.unbalanced.at(place),
+        "unbalanced": math.nan if process == "pour" else fits.unbalanced.at(place),
         "what": NAMES[MEASURED[process][scene.quantity][0]],
     }
 

@@ -118,10 +118,10 @@ class Scene:
         if not radii:
             raise DemlawsError("radii is empty: give one radius in m, or the smallest and the largest")
         if len(radii) > 2 and not classes:
-            given = ", ".join(f"{r:g}" for r in radii)
+            sizes = ", ".join(f"{r:g}" for r in radii)
             raise DemlawsError(
-                f"radii = {given} m: give the smallest and the largest of a range; "
-                f"grains of these sizes alone are classes=[{given}]"
+                f"radii = {sizes} m: give the smallest and the largest of a range; "
+                f"grains of these sizes alone are classes=[{sizes}]"
             )
         for label in ("cyclic", "walls"):
             if not isinstance(getattr(self, label), bool | np.bool_):
@@ -185,14 +185,14 @@ class Scene:
         kinds = list(zip(self.materials, self.surfaces, strict=True))
         pairs = []
         for (m1, s1), (m2, s2) in itertools.combinations_with_replacement(kinds, 2):
-            joined = s1.combined(s2)
-            hardness = [h for h in (m1.hardness, m2.hardness, joined.hardness) if h is not None]
+            surface = s1.combined(s2)
+            hardness = [h for h in (m1.hardness, m2.hardness, surface.hardness) if h is not None]
             pairs.append(
                 Contact(
                     radius,
                     1.0 / (1.0 / m1.plane_modulus + 1.0 / m2.plane_modulus),
-                    joined.roughness,
-                    joined.fractal_dimension,
+                    surface.roughness,
+                    surface.fractal_dimension,
                     min(hardness) if hardness else None,
                 )
             )
@@ -246,9 +246,9 @@ class Scene:
         return np.min([r[0] for r in ranges], axis=0), np.max([r[1] for r in ranges], axis=0)
 
 
-def _all_of(given, kind, label):
+def _all_of(value, kind, label):
     """One or several Materials or Surfaces, as a tuple."""
-    several = given if isinstance(given, list | tuple) else (given,)
+    several = value if isinstance(value, list | tuple) else (value,)
     for one in several:
         if not isinstance(one, kind):
             raise DemlawsError(f"{label} must be one demlaws.{kind.__name__}, or a list of them, got {one!r:.60}")
@@ -283,11 +283,11 @@ def _from_toml(path):
         for key, kind in (("material", Material), ("surface", Surface)):
             if key in text and f"{key}s" in text:
                 raise DemlawsError(f"[{key}] and [[{key}s]] are equivalent: give one of them")
-            given = text.pop(f"{key}s", text.pop(key, None))
-            if given is not None:
-                entries = [given] if isinstance(given, dict) else given
+            section = text.pop(f"{key}s", text.pop(key, None))
+            if section is not None:
+                entries = [section] if isinstance(section, dict) else section
                 if not all(isinstance(entry, dict) for entry in entries):
-                    raise DemlawsError(f"{key} must be a table of the file, [{key}], got {given!r:.60}")
+                    raise DemlawsError(f"{key} must be a table of the file, [{key}], got {section!r:.60}")
                 values[f"{key}s"] = [kind(**entry) for entry in entries]
         reference = text.pop("reference", None)
         if isinstance(reference, dict):

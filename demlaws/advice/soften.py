@@ -134,9 +134,9 @@ class Softening:
         else:
             inner = {}
         known = definition.options
-        own = {n: softened_option(law, n, known[n], v, self.factor) for n, v in options.items() if n in known}
+        outer = {n: softened_option(law, n, known[n], v, self.factor) for n, v in options.items() if n in known}
         unknown = {n: v for n, v in options.items() if n not in known and n not in inner}  # the law itself refuses them
-        return {**unknown, **inner, **own}
+        return {**unknown, **inner, **outer}
 
     def _scaled(self, thing, exponents):
         changes = {}
@@ -212,9 +212,9 @@ class Softening:
         law.single_params()
         with quiet():
             softened = self.of(law)
-            left = bind_law(law.name, law.contact.with_values(modulus=law.contact.modulus / self.factor), **law.options)
+            modulus_only = bind_law(law.name, law.contact.with_values(modulus=law.contact.modulus / self.factor), **law.options)
             rows = []
-            for one in (law, softened, left):
+            for one in (law, softened, modulus_only):
                 overlap = float(one.overlap(force))
                 rows.append(At(overlap, float(one.stiffness(overlap)), overlap / float(one.contact.radius)))
         return Report(self, force, softened, *rows)

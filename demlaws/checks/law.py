@@ -72,8 +72,8 @@ def returned_work(law: Law, paths: int = 2000) -> tuple[int, float]:
     for _ in range(paths):
         at, excursions = _random_path(random, 1e-25 * law.contact.radius, highest)
         work = law.follow(at).work
-        gained = [work[-1], *(work[end] - work[begin] for begin, end in excursions)]
-        least = float(np.min(gained)) / float(np.max(work))
+        net_work = [work[-1], *(work[end] - work[begin] for begin, end in excursions)]
+        least = float(np.min(net_work)) / float(np.max(work))
         count += not least >= -1e-11
         worst = min(worst, least)
     return count, -worst
@@ -164,7 +164,7 @@ def _rule_checks(law, contact, rules, paths, options):
     checks = []
     for rule in rules or law.definition.offered():
         try:
-            joined = example(law.name, contact, rule, **options)
+            trial = example(law.name, contact, rule, **options)
         except DemlawsError as error:
             # a rule that would return work is refused for every law: that is no fault of this one
             if isinstance(error, NotPassive) or rule not in law.definition.unloading:  # it does not say that it takes this rule
@@ -172,10 +172,10 @@ def _rule_checks(law, contact, rules, paths, options):
             else:
                 checks.append(Check(f"{rule} unloading: refused, though its definition names it", 1, 0, note=str(error)))
             continue
-        count, most = returned_work(joined, paths)
+        count, most = returned_work(trial, paths)
         note = f"most {most:.1e} of the energy held" if count else ""
         checks.append(Check(f"{rule} unloading: paths of {paths} that return work", count, 0, note=note))
-        checks.append(batch_against_path(joined, rule))
+        checks.append(batch_against_path(trial, rule))
     return checks
 
 
@@ -188,8 +188,8 @@ def batch_against_path(law: Law, rule: str) -> Check:
     state = law.new_state(3) if law.state_size else None
     errors = []
     for n, overlap in enumerate(steps):
-        found = law.evaluate(np.full(3, overlap), state)
-        pairs = zip(found, (path.force[n], path.stiffness[n]), strict=True)
+        response = law.evaluate(np.full(3, overlap), state)
+        pairs = zip(response, (path.force[n], path.stiffness[n]), strict=True)
         errors.append(max(float(np.max(np.abs(a - b)) / b) if b > 0.0 else float(np.max(np.abs(a))) for a, b in pairs))
     return largest_of(f"{rule} unloading: batch against path, relative", np.array(errors), steps, 1e-13)
 

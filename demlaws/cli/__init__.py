@@ -80,10 +80,10 @@ class Parser(argparse.ArgumentParser):
         if unknown:
             parser.error(f"unrecognized argument {unknown[0]!r}{similar(unknown[0], parser._option_string_actions)}")
         namespace.json = getattr(namespace, "json", False)
-        given = [
+        outputs = [
             (action.type, getattr(namespace, action.dest)) for action in parser._actions if isinstance(action.type, Output)
         ]
-        namespace.outputs = [(kind, path) for kind, path in given if path is not None]
+        namespace.outputs = [(kind, path) for kind, path in outputs if path is not None]
         return namespace
 
     def _check_value(self, action, value):

@@ -110,7 +110,7 @@ def run(arguments):
         print(f"wrote {path}")
 
 
-def _advice(scene, wanted):
+def _advice(scene, mandatory):
     """Recommended stiffness reduction and rate, or None if none is known; an error if it is required."""
     from demlaws.advice import modulus
     from demlaws.advice.choose import reference_plan
@@ -118,12 +118,12 @@ def _advice(scene, wanted):
     problem = None
     try:
         plan = reference_plan(scene)
-        found = modulus.advise(scene, plan.name, dict(plan.options))
+        advice = modulus.advise(scene, plan.name, dict(plan.options))
     except DemlawsError as error:
-        found, problem = None, error
-    if wanted and found is None:
+        advice, problem = None, error
+    if mandatory and advice is None:
         raise problem or DemlawsError(
             f"tolerance = {scene.tolerance:g}: no softening and no rate are known whose error is within it; ask for a larger "
             "one, or keep the modulus and load more slowly"
         )
-    return found
+    return advice

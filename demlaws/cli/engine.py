@@ -168,8 +168,8 @@ def _grain_arguments(export):
         "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one per particle type"
     )
     for name, kind, default, text in PROPERTIES:
-        shown = "" if default == [None] else f" (default {default[0]:g})"
-        export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{shown}")
+        suffix = "" if default == [None] else f" (default {default[0]:g})"
+        export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
     export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
     export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)s)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")

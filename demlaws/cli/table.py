@@ -68,7 +68,7 @@ def measured_table(arguments):
         raise DemlawsError("--points replaces --law, --option and --max-force: give one or the other")
     test = read_points(arguments.points)
     first = test.first_loading()
-    shown = [(test.displacement[first] - arguments.zero, test.force[first])]
+    curves = [(test.displacement[first] - arguments.zero, test.force[first])]
     unloading = "elastic" if arguments.unloading is None else arguments.unloading
     if arguments.unloading_law is not None:
         raise DemlawsError("--unloading-law goes with --law: with --points give --unloading FILE, a table or points")
@@ -78,9 +78,9 @@ def measured_table(arguments):
         peak = int(np.argmax(back.force))
         end = peak + int(np.argmin(back.force[peak:])) + 1
         unloading = (back.displacement[peak:end] - arguments.zero, back.force[peak:end])
-        shown.append(unloading)
+        curves.append(unloading)
     table = Table.from_points(
-        *shown[0],
+        *curves[0],
         contact_from(arguments),
         unloading=unloading,
         uncertainty=arguments.force_noise,
@@ -88,15 +88,15 @@ def measured_table(arguments):
         rtol=1e-3 if arguments.rtol is None else arguments.rtol,
         description=f"points of {arguments.points.name}",
     )
-    left = int(test.force.size - np.count_nonzero(first))
+    rest = int(test.force.size - np.count_nonzero(first))
     knots = table.knots
     print(
         f"{arguments.points}: {knots.points} points of first loading; smoothing: {knots.smoothing}; the points lie up to "
         f"{knots.departure:.3g} N from the curve"
     )
-    if left and len(shown) == 1:
+    if rest and len(curves) == 1:
         print(
-            f"{left} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them"
+            f"{rest} points of unloading and reloading are not used: give --unloading {arguments.points} to unload along them"
         )
     if not np.isnan(knots.uncertainty).all():
         k = int(np.nanargmax(knots.uncertainty / knots.force))
@@ -104,16 +104,16 @@ def measured_table(arguments):
             f"standard uncertainty of the force: at most {100 * knots.uncertainty[k] / knots.force[k]:.2g} % "
             f"(at {knots.force[k]:.3g} N)"
         )
-    return table, shown
+    return table, curves
 
 
 def run(arguments):
     """Do what the command's arguments ask."""
     from demlaws import plots
 
-    shown = law = None
+    curves = law = None
     if arguments.points is not None:
-        table, shown = measured_table(arguments)
+        table, curves = measured_table(arguments)
     elif arguments.law is None:
         raise DemlawsError("give --law NAME, or measured points with --points FILE")
     else:
@@ -136,5 +136,5 @@ def run(arguments):
     if not table.collapses:
         print(f"the curve of {table.name!r} has no single dimensionless form: this table holds for this contact only")
     if arguments.figure is not None:
-        picture = plots.table_figure(table, law) if shown is None else plots.points_figure(table, shown)
+        picture = plots.table_figure(table, law) if curves is None else plots.points_figure(table, curves)
         print(plots.save(picture, arguments.figure))

@@ -90,16 +90,16 @@ def _from_yade(arguments):
     script = Path(__file__).parent.parent / "yade" / "snapshot.py"
     with tempfile.TemporaryDirectory() as scratch:
         result = Path(scratch) / "contacts.json"
-        ended = run_in_yade(
+        process = run_in_yade(
             script, [arguments.snapshot.absolute(), result], capture_output=True, text=True, stdin=subprocess.DEVNULL
         )
         if not result.is_file():
-            raise DemlawsError(f"YADE cannot load {arguments.snapshot}: {(ended.stdout + ended.stderr).strip()[-300:]}")
-        found = json.loads(result.read_text())
-    if "error" in found:
-        raise DemlawsError(f"{arguments.snapshot}: {found['error']}")
-    arrays = [np.array(found[name]) for name in ("pairs", "normals", "springs", "masses")]
-    return *arrays, found["rayleigh"], found["dt"]
+            raise DemlawsError(f"YADE cannot load {arguments.snapshot}: {(process.stdout + process.stderr).strip()[-300:]}")
+        data = json.loads(result.read_text())
+    if "error" in data:
+        raise DemlawsError(f"{arguments.snapshot}: {data['error']}")
+    arrays = [np.array(data[name]) for name in ("pairs", "normals", "springs", "masses")]
+    return *arrays, data["rayleigh"], data["dt"]
 
 
 def _frame(path, what):

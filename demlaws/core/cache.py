@@ -101,17 +101,17 @@ def is_ours(module):
     return module in _OURS or (module or "").startswith(tuple(f"{name}." for name in _OURS))
 
 
-def _meaning(thing, seen):
+def _meaning(thing, ids):
     """Text that identifies a function or a global for compiled code; None if it cannot be identified."""
     if isinstance(thing, (bool, int, float, complex, str, bytes, type(None), np.generic)):
         return repr(thing)
     if isinstance(thing, np.ndarray):
         return None if thing.dtype.hasobject else _digest(str(thing.dtype), thing.shape, np.ascontiguousarray(thing).tobytes())
     if isinstance(thing, tuple | list):
-        parts = [_meaning(part, seen) for part in thing]
+        parts = [_meaning(part, ids) for part in thing]
         return None if None in parts else f"{type(thing).__qualname__}({','.join(parts)})"
     if isinstance(thing, dict):
-        return _meaning([*thing, *thing.values()], seen)
+        return _meaning([*thing, *thing.values()], ids)
     if isinstance(thing, types.Type):
         return repr(thing)
     function = getattr(thing, "py_func", None) or getattr(thing, "_defn", None) or thing  # of a dispatcher, an intrinsic
@@ -124,21 +124,21 @@ def _meaning(thing, seen):
     code = getattr(function, "__code__", None)
     if code is None:
         return None
-    if id(function) in seen:
+    if id(function) in ids:
         return "itself"
-    seen.add(id(function))
+    ids.add(id(function))
     # the whole file as well: the code of a numba stub does not identify its implementation
-    parts = [_code_digest(code), _file_digest(code.co_filename) or "no file", _meaning(function.__defaults__, seen)]
-    parts += [_meaning(cell.cell_contents, seen) for cell in closure]
+    parts = [_code_digest(code), _file_digest(code.co_filename) or "no file", _meaning(function.__defaults__, ids)]
+    parts += [_meaning(cell.cell_contents, ids) for cell in closure]
     names = sorted(_names(code))
     for name in names:
         if name in function.__globals__:
             value = function.__globals__[name]
             if isinstance(value, type(sys)):
                 ours = is_ours(value.__name__)
-                parts += [] if ours else [_meaning(getattr(value, n), seen) for n in names if hasattr(value, n)]
+                parts += [] if ours else [_meaning(getattr(value, n), ids) for n in names if hasattr(value, n)]
             else:
-                parts.append(_meaning(value, seen))
+                parts.append(_meaning(value, ids))
     meaning = None if None in parts else _digest(*parts)
     if function is not thing and hasattr(thing, "recompile"):  # a user's helper whose globals may have changed
         if getattr(thing, "demlaws_meaning", meaning) != meaning:
@@ -182,15 +182,15 @@ def classes(kinds):
 @functools.cache
 def _files_behind(name):
     """Files of the package, other than core and laws, from which a module takes functions or constants, directly or not."""
-    found, todo = set(), [name]
+    files, todo = set(), [name]
     while todo:
         module = sys.modules.get(todo.pop())
         file = getattr(module, "__file__", None)
-        if module is None or not module.__name__.startswith("demlaws.") or module.__name__.startswith(_OURS) or file in found:
+        if module is None or not module.__name__.startswith("demlaws.") or module.__name__.startswith(_OURS) or file in files:
             continue
-        found.add(file)
+        files.add(file)
         todo += {getattr(value, "__module__", None) or getattr(value, "__name__", None) for value in vars(module).values()}
-    return frozenset(found)
+    return frozenset(files)
 
 
 def place(function, key, arguments, constants):
@@ -202,13 +202,13 @@ def place(function, key, arguments, constants):
     what a loop inlines.
     """
     code = function.__code__
-    found = [*classes(arguments), *classes(constants.values())]
-    names = [(cls.__module__, cls.__qualname__, cls.__name__) for cls in found]
-    for cls in found:
+    kinds = [*classes(arguments), *classes(constants.values())]
+    names = [(cls.__module__, cls.__qualname__, cls.__name__) for cls in kinds]
+    for cls in kinds:
         if cls not in _SOURCES:  # part of a law's params, bound to nothing itself
             follow(cls)
-    own = {*map(source_digest, _files_behind(function.__module__)), source_digest(code.co_filename)}
-    sources = sorted(own.union(*(_SOURCES[cls] for cls in found)), key=str)
+    digests = {*map(source_digest, _files_behind(function.__module__)), source_digest(code.co_filename)}
+    sources = sorted(digests.union(*(_SOURCES[cls] for cls in kinds)), key=str)
     closure = _meaning([cell.cell_contents for cell in function.__closure__ or ()], set())
     if None in (closure, *sources):
         return None

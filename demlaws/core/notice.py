@@ -9,9 +9,9 @@ timers = []
 
 def _tell():
     global say
-    told, say = say, None
-    if told is not None:
-        told()
+    callback, say = say, None
+    if callback is not None:
+        callback()
 
 
 def begin():

@@ -94,20 +94,20 @@ def _plain_kernel(function):
 def _plain_loop(function):
     """A function that calls one of two dispatchers. numba's cache does not notice that a law has changed; the name of its
     folder stands for our own laws, while loops over the types of others are compiled in every process."""
-    fresh = kept = numba.njit(**_OPTIONS)(function)
+    fresh = persistent = numba.njit(**_OPTIONS)(function)
     if cache.FOLDER:
         before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(cache.FOLDER)
         try:
-            kept = numba.njit(cache=True, **_OPTIONS)(function)
+            persistent = numba.njit(cache=True, **_OPTIONS)(function)
         except RuntimeError:  # a function without a file
-            kept = fresh
+            persistent = fresh
         finally:
             numba.config.CACHE_DIR = before
 
     @functools.wraps(function)
     def call(*arguments):
         ours = all(cache.is_ours(cls.__module__) for cls in cache.classes(map(numba.typeof, arguments)))
-        return (kept if ours else fresh)(*arguments)
+        return (persistent if ours else fresh)(*arguments)
 
     call.py_func = function
     overload(call, jit_options=_OPTIONS, strict=False)(lambda *arguments: function)
@@ -129,12 +129,12 @@ if not PLAIN:
         """Type inference of a function in whose place a kernel is called. The function that numba's `overload` would compile
         around each kernel took a sixth of the time that compiling a loop takes."""
 
-        def generic(self, arguments, named):
+        def generic(self, arguments, keywords):
             """Signature of the kernel for these types."""
             if arguments not in self.kernels:
                 self.kernels[arguments] = self.choose(*arguments)
             if self.kernels[arguments] is not None:
-                return types.Dispatcher(self.kernels[arguments]).get_call_type(self.context, arguments, named)
+                return types.Dispatcher(self.kernels[arguments]).get_call_type(self.context, arguments, keywords)
 
         def get_impl_key(self, signature):
             """What numba's code generator finds the kernel by."""
@@ -186,7 +186,7 @@ if not PLAIN:
             self.targetctx.insert_user_function(result.library, result.fndesc, [result.library])
             self.overloads[tuple(result.signature.args)] = result
 
-        def _compile_for_args(self, *arguments, **named):
+        def _compile_for_args(self, *arguments, **keywords):
             return self._whole()
 
         def get_compile_result(self, signature):

@@ -49,14 +49,14 @@ def one_spring_loop(choice, rule, p, overlap, along, across, ratio, friction, st
     choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: may be infinite. results:
     (6, points) for normal force, that stiffness, both shear forces, work and stored energy of shear.
     """
-    u, v, held, work = 0.0, 0.0, 0.0, 0.0
+    u, v, previous, work = 0.0, 0.0, 0.0, 0.0
     for n in range(overlap.size):
         force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
         top = shear_stiffness(choice, rule, p, overlap[n], force, tangent, new) if overlap[n] > 0.0 else 0.0
-        if top > held:
-            u, v = u * (held / top), v * (held / top)
-        held = top
+        if top > previous:
+            u, v = u * (previous / top), v * (previous / top)
+        previous = top
         stiffness = ratio * top
         limit = friction * force / stiffness if stiffness > 0.0 else 0.0
         du = along[n] - along[n - 1] if n > 0 else 0.0
@@ -86,7 +86,7 @@ def read_unloading_curve(rule, p, overlap, state, top, curve):
 @kernel
 def compress(curve, share, top, compression):
     """Fill `compression` [m] with the mean of each spring in contact. Returns the force [N] that they carry."""
-    count, carried, j = 0, 0.0, 0
+    count, spring_force, j = 0, 0.0, 0
     while count < compression.size and count * share < top:
         low, high = count * share, min((count + 1) * share, top)
         width, total = high - low, 0.0
@@ -101,22 +101,22 @@ def compress(curve, share, top, compression):
             if low < high:
                 j += 1
         compression[count] = max(total / width, 0.0)  # of a sliver, rounding could be negative
-        carried += total
+        spring_force += total
         count += 1
-    return carried
+    return spring_force
 
 
 @kernel
-def slip_step(top, held, share, force, ratio, friction, du, dv, compression, carried, stretch):
+def slip_step(top, previous, share, force, ratio, friction, du, dv, compression, spring_force, stretch):
     """A step of a row of springs: both shear forces [N], and work and stored energy [J].
 
-    top, held: stiffness [N/m] with which the contact would unload, now and before the step; share: that of one spring;
-    du, dv: displacement [m]; compression, carried: from `compress`; stretch: (2, springs), updated.
+    top, previous: stiffness [N/m] with which the contact would unload, now and before the step; share: that of one spring;
+    du, dv: displacement [m]; compression, spring_force: from `compress`; stretch: (2, springs), updated.
     """
     first, second, work, stored = 0.0, 0.0, 0.0, 0.0
-    scale = force / carried if carried > 0.0 else 0.0
+    scale = force / spring_force if spring_force > 0.0 else 0.0
     for k in range(stretch.shape[1]):
-        part, part_before = min(max(top / share - k, 0.0), 1.0), min(max(held / share - k, 0.0), 1.0)
+        part, part_before = min(max(top / share - k, 0.0), 1.0), min(max(previous / share - k, 0.0), 1.0)
         if k * share >= top or part == 0.0:  # the first as in `compress`: rounding may let the second pass
             stretch[0, k] = stretch[1, k] = 0.0
             continue
@@ -141,21 +141,23 @@ def slip_loop(rule, p, overlap, along, across, ratio, friction, largest, state, 
     (2, springs) zeros. curve: (2, SAMPLES) for the unloading curve.
     """
     share = largest / stretch.shape[1]
-    held, work = 0.0, 0.0
+    previous, work = 0.0, 0.0
     compression = np.empty(stretch.shape[1])
     for n in range(overlap.size):
         force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
         scatter(state, 0, new)
         top = max(unloading_stiffness(rule, p, overlap[n], force, tangent, new), 0.0) if overlap[n] > 0.0 else 0.0
-        carried = 0.0
+        spring_force = 0.0
         if top > 0.0:
             read_unloading_curve(rule, p, overlap[n], new, top, curve)
-            carried = compress(curve, share, top, compression)
+            spring_force = compress(curve, share, top, compression)
         du = along[n] - along[n - 1] if n > 0 else 0.0
         dv = across[n] - across[n - 1] if n > 0 else 0.0
-        first, second, done, stored = slip_step(top, held, share, force, ratio, friction, du, dv, compression, carried, stretch)
-        held = top
-        work += done
+        first, second, step_work, stored = slip_step(
+            top, previous, share, force, ratio, friction, du, dv, compression, spring_force, stretch
+        )
+        previous = top
+        work += step_work
         results[0, n], results[1, n] = force, top
         results[2, n], results[3, n] = first, second
         results[4, n], results[5, n] = work, stored

@@ -261,9 +261,9 @@ def _balance(p, coefficient, overlap, state):
     """
     if state[0] <= 0.0:
         return 0.0, 0.0
-    lost = _hertz_energy(coefficient, -state[1])
-    stored = _hertz_energy(coefficient, overlap - state[1]) - lost if overlap > 0.0 else 0.0
-    return max(stored, 0.0), energy(p, state[0]) - (_hertz_energy(coefficient, state[0] - state[1]) - lost)
+    loss = _hertz_energy(coefficient, -state[1])
+    stored = _hertz_energy(coefficient, overlap - state[1]) - loss if overlap > 0.0 else 0.0
+    return max(stored, 0.0), energy(p, state[0]) - (_hertz_energy(coefficient, state[0] - state[1]) - loss)
 
 
 @kernel
@@ -333,8 +333,8 @@ def _given_step(rule, p, overlap, state):
     if loads:
         # in δ_H, which is straighter than the force: dδ_H/dδ = K δ_H/(1.5 P)
         rise = tangent * equivalent
-        found = elastic - (1.5 * back * (equivalent - sought) / rise if elastic > 0.0 and rise > 0.0 else 0.0)
-        plastic = overlap - (0.0 if found <= 0.0 else found)
+        estimate = elastic - (1.5 * back * (equivalent - sought) / rise if elastic > 0.0 and rise > 0.0 else 0.0)
+        plastic = overlap - (0.0 if estimate <= 0.0 else estimate)
     else:
         force = 0.0 if elastic <= 0.0 else back
         force = force if overlap == overlap else math.nan  # a law may give a number for an overlap that is none
@@ -350,12 +350,12 @@ def _given_stored_and_dissipated(rule, p, overlap, state):
     if state[0] <= 0.0:
         return 0.0, 0.0
     # as in `_balance`: the energy of the curve below δ = 0 is never returned
-    lost = energy(curve, -state[1]) if state[1] < 0.0 else 0.0
+    loss = energy(curve, -state[1]) if state[1] < 0.0 else 0.0
     elastic = overlap - state[1]
-    stored = energy(curve, elastic) - lost if overlap > 0.0 and elastic > 0.0 else 0.0
+    stored = energy(curve, elastic) - loss if overlap > 0.0 and elastic > 0.0 else 0.0
     whole = state[0] - state[1]
-    held = energy(curve, whole) if whole > 0.0 else 0.0
-    return max(stored, 0.0), energy(loading, state[0]) - (held - lost)
+    whole_energy = energy(curve, whole) if whole > 0.0 else 0.0
+    return max(stored, 0.0), energy(loading, state[0]) - (whole_energy - loss)
 
 
 @kernel

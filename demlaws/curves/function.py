@@ -138,15 +138,15 @@ class GivenCurve:
             flagged = np.flatnonzero(np.abs(two - one) > 1e-6 * np.abs(one))
             if not flagged.size:
                 return
-            found = []
+            kinks = []
             for group in np.split(flagged, np.flatnonzero(np.diff(flagged) > 1) + 1):
                 a, b = scan[max(group[0] - 1, 0)], scan[min(group[-1] + 1, scan.size - 1)]
                 kink = self._located(a, b)
-                if all(abs(kink / k - 1.0) > 1e-6 for k in (*self.kinks, *found, self.largest)):
-                    found.append(kink)
-            if not found:
+                if all(abs(kink / k - 1.0) > 1e-6 for k in (*self.kinks, *kinks, self.largest)):
+                    kinks.append(kink)
+            if not kinks:
                 return
-            self.kinks = sorted([*self.kinks, *found])
+            self.kinks = sorted([*self.kinks, *kinks])
             if len(self.kinks) > _MOST_KINKS:
                 raise DemlawsError(
                     f"the force function has more than {_MOST_KINKS} kinks, or noise, between overlap {self.kinks[0]:.6g} m "

@@ -33,8 +33,8 @@ def from_function(
     table = tabulate_given(GivenCurve(force, end, stiffness, kinks), definition, contact, rtol)
     _warn_of_other_units(table, contact, end)
     if callable(unloading):
-        called = Called(unloading, "unloading", "N", np.array([end]))
-        reach = _overlap_of(lambda d: called(np.array([d]))[0], _REACH * _largest_force(table, contact), end)
+        force_of = Called(unloading, "unloading", "N", np.array([end]))
+        reach = _overlap_of(lambda d: force_of(np.array([d]))[0], _REACH * _largest_force(table, contact), end)
         unloading = _unloading_table(GivenCurve(unloading, reach), table, contact)
     return contact, table, unloading
 
@@ -51,11 +51,11 @@ def from_points(
     if isinstance(unloading, tuple | list) and len(unloading) == 2:
         past, back, foot = residual_overlap(unloading[0], unloading[1], residual)
         other = MeasuredCurve(past, back, None, "unloading")
-        top, reached = float(past.max() + foot), float(back.max())
+        top, peak = float(past.max() + foot), float(back.max())
         expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
-        if abs(reached / expected - 1.0) > MeasuredCurve.MOST:
+        if abs(peak / expected - 1.0) > MeasuredCurve.MOST:
             raise DemlawsError(
-                f"unloading begins at overlap {top:.6g} m with {reached:.6g} N, where loading has {expected:.6g} N: "
+                f"unloading begins at overlap {top:.6g} m with {peak:.6g} N, where loading has {expected:.6g} N: "
                 "both must come from one test, with the same zero of the overlap"
             )
         most = _REACH * _largest_force(table, contact)

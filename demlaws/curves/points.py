@@ -169,20 +169,20 @@ def _smooth(x, y, counts, relative):
         data = vectors.T @ (y / error)
         best = None
         for smoothing in np.geomspace(1e-3 / stiffness[-1], 1e4 / stiffness[2], 240):
-            kept = 1.0 / (1.0 + smoothing * stiffness)
-            left = x.size - 1.4 * kept.sum()
-            score = np.sum(((1.0 - kept) * data) ** 2) / left**2 if left > 0.0 else math.inf
+            shrinkage = 1.0 / (1.0 + smoothing * stiffness)
+            freedom = x.size - 1.4 * shrinkage.sum()
+            score = np.sum(((1.0 - shrinkage) * data) ** 2) / freedom**2 if freedom > 0.0 else math.inf
             if best is not None and score >= best[0]:
                 continue
-            spline = CubicSpline(x, error * (vectors @ (kept * data)), bc_type="natural")
+            spline = CubicSpline(x, error * (vectors @ (shrinkage * data)), bc_type="natural")
             if np.all(spline(np.linspace(x[0], x[-1], 8 * x.size), 1) > 0.0):
-                best = score, kept, spline
+                best = score, shrinkage, spline
         if best is None:
             return None
-        _, kept, spline = best
+        _, shrinkage, spline = best
         values = spline(x)
-        scatter = np.sum(((y - values) / error) ** 2) / max(x.size - kept.sum(), 1.0)
-        certain = np.sqrt((1.0 if known else scatter) * (vectors**2 @ kept)) * error
+        scatter = np.sum(((y - values) / error) ** 2) / max(x.size - shrinkage.sum(), 1.0)
+        certain = np.sqrt((1.0 if known else scatter) * (vectors**2 @ shrinkage)) * error
         if not known:
             square = (np.exp(values) * (y - values)) ** 2 * counts
             model = np.column_stack([np.ones(x.size), np.exp(2.0 * values)])
@@ -190,7 +190,7 @@ def _smooth(x, y, counts, relative):
             (constant, share), _ = nnls(model * weight[:, None], square * weight)
             noise = math.sqrt(constant)
             error = np.sqrt((constant / force**2 + share + 1e-12) / counts)
-    return _Smoothed(values, spline, float(kept.sum()), noise, certain)
+    return _Smoothed(values, spline, float(shrinkage.sum()), noise, certain)
 
 
 def _equal_groups(overlap):
@@ -219,15 +219,15 @@ def _columns(overlap, force, uncertainty, what):
             raise DemlawsError(f"{what}: {name} of point {k} is {values[k]:g} {unit}: give finite values")
     sigma = np.full(force.size, np.nan)
     if uncertainty is not None:
-        given = real(
+        value = real(
             uncertainty if isinstance(uncertainty, np.ndarray | float | int | str) else list(uncertainty),
             "uncertainty",
             "N",
             array=True,
         )
-        if given.ndim and given.size != force.size:
-            raise DemlawsError(f"{given.size} uncertainties [N] for {force.size} points: one each, or one for all")
-        sigma = np.broadcast_to(given, force.shape).copy()
+        if value.ndim and value.size != force.size:
+            raise DemlawsError(f"{value.size} uncertainties [N] for {force.size} points: one each, or one for all")
+        sigma = np.broadcast_to(value, force.shape).copy()
         if not np.all(np.isfinite(sigma) & (sigma >= 0.0)):
             bad = float(sigma[int(np.argmin(np.isfinite(sigma) & (sigma >= 0.0)))])
             raise DemlawsError(f"uncertainty = {bad:g} N: a standard uncertainty is 0 or more")
@@ -271,9 +271,9 @@ def _monotone(x, y):
 def _uncertainty(sigma, departure, smoothed):
     """Standard uncertainty [N] of a knot: given, or from the scatter of the points that it is the mean of."""
     n = sigma.size
-    given = math.sqrt(float(np.sum(sigma**2))) / n
-    if given == given or not smoothed or n < 3:
-        return given
+    value = math.sqrt(float(np.sum(sigma**2))) / n
+    if value == value or not smoothed or n < 3:
+        return value
     return float(np.sqrt(np.mean(departure**2) / (n - 1)))
 
 

@@ -132,7 +132,7 @@ def _definition(file, rule, prefix, collapses):
     name, header = file.values[f"{prefix}law"], file.header
     if "rule" in file.values:
         return find(name)
-    own = (rule,) if rule.curve == "law" else ()
+    rules = (rule,) if rule.curve == "law" else ()
     try:
         definition = find(name)
     except DemlawsError:
@@ -142,9 +142,9 @@ def _definition(file, rule, prefix, collapses):
             header.get(f"{prefix}description", ""),
             "radius" if file.values["length_over_radius"] > 0.0 else "roughness",
             collapses,
-            rules=own,
+            rules=rules,
         )
-    return definition if rule.name in definition.offered() else definition._replace(rules=own, refused={})
+    return definition if rule.name in definition.offered() else definition._replace(rules=rules, refused={})
 
 
 def definition_of_table(name: str, source: str, description: str, length: str, collapses: bool, **facts: Any) -> Definition:
@@ -205,5 +205,5 @@ def name_what_is_lost(path, table):
         warn(f"{path} was not a readable table and is replaced by a table of law {table.name!r}", UserWarning)
         return
     if (old.name, old.unloading, old.contact) != (table.name, table.unloading, table.contact):
-        held = f"law {old.name!r}, {old.unloading} unloading, {old.contact}"
-        warn(f"{path} held a table of {held}; it is replaced by law {table.name!r}, {table.unloading} unloading", UserWarning)
+        text = f"law {old.name!r}, {old.unloading} unloading, {old.contact}"
+        warn(f"{path} held a table of {text}; it is replaced by law {table.name!r}, {table.unloading} unloading", UserWarning)

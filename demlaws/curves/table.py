@@ -115,14 +115,14 @@ class TableCurve:
         if self.shape.length_over_roughness and np.any(np.asarray(contact.roughness) == 0.0):
             raise DemlawsError("roughness = 0 m: this table scales with roughness; use law 'hertz' for a smooth contact")
         for name in ("fractal_dimension", "hardness"):  # what the curve's form depends on
-            made_for, wanted = getattr(self.made_for, name), getattr(contact, name)
+            made_for, value = getattr(self.made_for, name), getattr(contact, name)
             if not surface_matters:
                 contact = contact.with_values(**{name: made_for})
                 continue
             if made_for is None or name not in self.definition.needed(**self.options):
                 continue
-            if wanted is not None and not math.isclose(wanted, made_for, rel_tol=1e-6):
-                raise DemlawsError(f"the table is for {name} = {made_for:g}, the contact has {wanted:g}: make one for that")
+            if value is not None and not math.isclose(value, made_for, rel_tol=1e-6):
+                raise DemlawsError(f"the table is for {name} = {made_for:g}, the contact has {value:g}: make one for that")
             contact = contact.with_values(**{name: made_for})
         return contact
 

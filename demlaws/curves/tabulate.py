@@ -147,11 +147,11 @@ def rescaled(table: TableCurve, contact: Contact, unloading: Unloading) -> Table
     curve = unloading.curve
     _refuse_too_fine(curve.definition, table.rtol)
     index, one = _one_contact(contact)
-    joined = joined_shape(table.shape, contact, unloading)
-    params = bind_params(joined, one)
+    pair_shape = joined_shape(table.shape, contact, unloading)
+    params = bind_params(pair_shape, one)
     length, coefficient = params.loading.length, params.hertz_coefficient
-    own = one_of(bind_params(curve.shape, unloading.contact), index)
-    kinks = [k / length for k in curve.kinks(own)]
+    curve_params = one_of(bind_params(curve.shape, unloading.contact), index)
+    kinks = [k / length for k in curve.kinks(curve_params)]
     source = Source(functools.partial(first_loading, params.unloading), length, coefficient, kinks, curve.definition.solved)
     end = 0.75 * coefficient * length**1.5 * table.nodes.force[-1]
 

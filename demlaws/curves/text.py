@@ -83,8 +83,8 @@ def _one_of(*words):
 
 def rules():
     """Name → the rules that a file may name: the general ones, and those of single laws that readers in C++ have, too."""
-    own = (rule for definition in registry().values() for rule in definition.rules if rule.number is not None)
-    return RULES | {rule.name: rule for rule in own}
+    special = (rule for definition in registry().values() for rule in definition.rules if rule.number is not None)
+    return RULES | {rule.name: rule for rule in special}
 
 
 def rule_named(name):
@@ -226,10 +226,10 @@ def parse(data, name):
         lines.pop()
     version = _version(lines[0].decode(errors="replace"), refuse)
     check = zlib.crc32(lines[0] + b"\n")
-    header, places, rows, first_row, ended = {}, {}, {}, {}, False
+    header, places, rows, first_row, complete = {}, {}, {}, {}, False
     reading = None
     for place, raw in enumerate(lines[1:], start=2):
-        if ended:
+        if complete:
             refuse(place, "text after the last line ('end: ...')")
         body, separator, mark = raw.rpartition(b" ")
         check = zlib.crc32(body, check)
@@ -239,7 +239,7 @@ def parse(data, name):
         fingerprint, check = check, zlib.crc32(b" " + mark + b"\n", check)
         line = body.decode(errors="replace")
         if line.startswith("end: "):
-            ended = True
+            complete = True
             places["end"] = place
             count = sum(map(len, rows.values()))
             if line != f"end: {count} rows":
@@ -263,7 +263,7 @@ def parse(data, name):
             if key in header:
                 refuse(place, f"key {key!r} occurs twice")
             header[key], places[key] = value, place
-    if not ended:
+    if not complete:
         refuse(len(lines) + whole, "the file ends without its 'end:' line: it was cut short")
 
     of_curve = [key for key in CURVE if key.version <= version <= key.last_version]
@@ -308,10 +308,10 @@ def parse(data, name):
         refuse(places["unloading"], f"unloading {values['unloading']!r} {what}")
 
     def curve(prefix):
-        given, promised, bits = rows.get(prefix, []), values[f"{prefix}rows"], values[f"{prefix}bits"]
-        if len(given) != promised:
-            refuse(places[f"{prefix}rows"], f"{len(given)} rows were read, the header states {promised}")
-        nodes = Nodes(*np.array(given).T)
+        points, promised, bits = rows.get(prefix, []), values[f"{prefix}rows"], values[f"{prefix}bits"]
+        if len(points) != promised:
+            refuse(places[f"{prefix}rows"], f"{len(points)} rows were read, the header states {promised}")
+        nodes = Nodes(*np.array(points).T)
         wrong = _off_grid(nodes.u, bits)
         if wrong is not None:
             refuse(first_row[prefix] + wrong[0], wrong[1])
