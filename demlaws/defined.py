@@ -87,36 +87,34 @@ def define(
             raise DemlawsError(
                 f"law {name!r:.60}: {what} must be a Python function of a contact and a number, got {function!r:.60}"
             )
-    described = {n: _described(name, n, value) for n, value in dict(options or {}).items()}
+    entries = {n: _described(name, n, value) for n, value in dict(options or {}).items()}
     needs = tuple(facts.get("needs", ()))
-    clash = [n for n in described if n in (*_CONTACT, *_OF_CONTACT, "contact") or not n.isidentifier() or keyword.iskeyword(n)]
-    if clash or any(n.startswith("_") for n in described):
-        raise DemlawsError(
-            f"law {name!r}: options {', '.join(map(repr, described))}: {clash or 'one of them'} cannot be a name"
-        )
+    clash = [n for n in entries if n in (*_CONTACT, *_OF_CONTACT, "contact") or not n.isidentifier() or keyword.iskeyword(n)]
+    if clash or any(n.startswith("_") for n in entries):
+        raise DemlawsError(f"law {name!r}: options {', '.join(map(repr, entries))}: {clash or 'one of them'} cannot be a name")
     facts = _grouped(facts)
     if unknown := sorted(facts.keys() - set(Definition._fields) | ({"prepare", "options"} & facts.keys())):
         raise DemlawsError(f"law {name!r}: a Definition has no field {', '.join(unknown)} to be given here")
-    extra = (*[n for n in needs if n in _OF_CONTACT], *described)
+    extra = (*[n for n in needs if n in _OF_CONTACT], *entries)
     shape_type = _types(name, (force, stiffness, overlap, energy), extra)
-    defaults = {n: default for n, (default, _) in described.items()}
+    defaults = {n: default for n, (default, _) in entries.items()}
 
-    def prepare(contact: Contact, **given: Any) -> Any:
-        values = {n: getattr(contact, n) for n in extra if n not in described}
+    def prepare(contact: Contact, **keywords: Any) -> Any:
+        values = {n: getattr(contact, n) for n in extra if n not in entries}
         for n, default in defaults.items():
-            value = given.get(n, default)
+            value = keywords.get(n, default)
             if value is None:
-                raise DemlawsError(f"law {name!r} needs {n}: {described[n][1].meaning or 'an option'}; give {n}=...")
-            values[n] = number(value, n, described[n][1].unit, -math.inf)
+                raise DemlawsError(f"law {name!r} needs {n}: {entries[n][1].meaning or 'an option'}; give {n}=...")
+            values[n] = number(value, n, entries[n][1].unit, -math.inf)
         return shape_type(*(math.nan if values[n] is None else float(values[n]) for n in extra))
 
-    own = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d) for n, d in defaults.items()]
+    parameters = [inspect.Parameter(n, inspect.Parameter.KEYWORD_ONLY, default=d) for n, d in defaults.items()]
     prepare.mark = shape_type.__qualname__  # type: ignore[attr-defined]
     first = inspect.Parameter("contact", inspect.Parameter.POSITIONAL_OR_KEYWORD)
-    prepare.__signature__ = inspect.Signature([first, *own])  # type: ignore[attr-defined]
+    prepare.__signature__ = inspect.Signature([first, *parameters])  # type: ignore[attr-defined]
     fallback = {"equation": "", "source": "", "description": "user-defined law", "collapses": False, "length": "radius"}
-    defined = {n: option for n, (_, option) in described.items()}
-    return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=defined)
+    records = {n: option for n, (_, option) in entries.items()}
+    return Definition(name=name, prepare=prepare, **{**fallback, **facts}, options=records)
 
 
 def _grouped(facts: dict[str, Any]) -> dict[str, Any]:

@@ -130,7 +130,7 @@ def impact_loop(rule, p, state, mass, speed, dt, phase, limit, record):
     overlap = -phase * dt * speed
     velocity = speed
     force = 0.0
-    taken = 0
+    count = 0
     dissipated = 0.0
     peak = 0.0
     s = gather(state, 0)
@@ -146,10 +146,10 @@ def impact_loop(rule, p, state, mass, speed, dt, phase, limit, record):
             record[i, 0] = overlap
             record[i, 1] = velocity
             record[i, 2] = force
-        taken = i + 1
+        count = i + 1
         if overlap <= 0.0 and velocity <= 0.0:
             break
-    return taken, overlap, velocity, dissipated, peak
+    return count, overlap, velocity, dissipated, peak
 
 
 class Impact(NamedTuple):
@@ -214,14 +214,14 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
     # a plastic contact may leave more slowly than it came: room for a hundred times the elastic duration
     limit = int(100 * count)
     room = np.empty((min(limit, int(4 * count) + 16), 3))
-    taken, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, room)
+    steps, overlap, velocity, dissipated, _ = impact_loop(law.rule, p, state, mass, speed, dt, 0.0, limit, room)
     if not math.isfinite(velocity):
         raise DemlawsError(law._out_of_range(peak))
     if overlap > 0.0:
         raise DemlawsError(
             f"speed = {speed:g} m/s: no separation within {limit} steps; is the law's plastic overlap that large?"
         )
-    record = room[:taken]
+    record = room[:steps]
     path = law.follow(record[:, 0])
     after = 0.5 * mass * velocity**2
     return Impact(
@@ -230,7 +230,7 @@ def impact(law: Law, mass: float, speed: float, steps_per_contact: int = 1000) -
         peak_force=float(record[:, 2].max()),
         peak_overlap=float(record[:, 0].max()),
         plastic_overlap=float(path.plastic_overlap.max(initial=0.0)),
-        duration=taken * dt,
+        duration=steps * dt,
         kinetic_before=kinetic,
         kinetic_after=after,
         dissipated=dissipated,

@@ -25,9 +25,9 @@ SHARED = Path(__file__).parent / "cpp"
 
 def cache_folder():
     """Where plugins are kept: $DEMLAWS_CACHE, else $XDG_CACHE_HOME/demlaws, else ~/.cache/demlaws; always an absolute path."""
-    named = os.environ.get("DEMLAWS_CACHE")
-    if named:
-        return Path(named).absolute()  # an engine is started in the input's folder
+    setting = os.environ.get("DEMLAWS_CACHE")
+    if setting:
+        return Path(setting).absolute()  # an engine is started in the input's folder
     try:
         return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache").absolute() / "demlaws"
     except RuntimeError:  # neither HOME nor an entry of the user's, as in containers
@@ -103,12 +103,12 @@ class Plugin:
 
     def compile_command(self, portable=False):
         """The compiler's command without its output; DemlawsError where something is missing."""
-        found = compiler()
-        if not found:
+        program = compiler()
+        if not program:
             raise DemlawsError(f"compiler {os.environ.get('CXX', 'g++')!r} not found: {self.packages}")
         architecture = [] if portable else ["-march=native"]
         includes = [f"-I{self.sources}", f"-I{SHARED}", *self.includes()]
-        return [found, *self.flags, *architecture, *includes, str(self.sources / self.source), *self.links()]
+        return [program, *self.flags, *architecture, *includes, str(self.sources / self.source), *self.links()]
 
     def source_digest(self):
         """Digest of our sources and flags."""
@@ -129,8 +129,8 @@ class Plugin:
         return cache_folder() / f"{self._runs_on(portable)}-{_digest(parts)}" / self.file
 
     def _compiled_elsewhere(self, portable):
-        found = cache_folder().glob(f"{self._runs_on(portable)}-*/{self.file}")
-        return max((f for f in found if os.access(f, os.R_OK)), key=lambda file: file.stat().st_mtime_ns, default=None)
+        paths = cache_folder().glob(f"{self._runs_on(portable)}-*/{self.file}")
+        return max((f for f in paths if os.access(f, os.R_OK)), key=lambda file: file.stat().st_mtime_ns, default=None)
 
     def build(self, portable=False, force=False):
         """Path of the plugin's shared object; compiled (seconds to a minute) unless the cache has it.
@@ -149,9 +149,9 @@ class Plugin:
         try:
             library, command = self.library_path(portable), self.compile_command(portable)
         except DemlawsError as missing:
-            found = None if force else self._compiled_elsewhere(portable)
-            if found:
-                return found
+            substitute = None if force else self._compiled_elsewhere(portable)
+            if substitute:
+                return substitute
             raise DemlawsError(
                 f"{missing}; nor does the cache {cache_folder()} hold a plugin for this processor and engine: where there is a "
                 f"compiler, run `demlaws {self.engine} build --portable` with the same DEMLAWS_CACHE, and here use --portable"
@@ -271,11 +271,11 @@ class Engine:
         if not (Path(folder) / script).is_file():
             raise DemlawsError(f"input {Path(folder) / script} does not exist; `demlaws {self.name.lower()} export` writes one")
         line, environment = self.command(script, ranks, variables, log, plugin, portable, arguments)
-        written = Path(folder) / log
-        before = _stamp(written)  # a log of an earlier run is not read
+        log_path = Path(folder) / log
+        before = _stamp(log_path)  # a log of an earlier run is not read
         status, lines = _run(line, folder, environment, echo, timeout)
-        if not any(text.startswith(f"{self.name} (") for text in lines) and _stamp(written) != before:  # -screen none
-            lines += log_lines(written)
+        if not any(text.startswith(f"{self.name} (") for text in lines) and _stamp(log_path) != before:  # -screen none
+            lines += log_lines(log_path)
         if status:
             raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, lines, script)}")
         return thermo(lines, self.begins, self.column)  # not of the log file: the input may have named another
@@ -287,10 +287,10 @@ class Engine:
         only the rows after the last change are returned. In LAMMPS a column of a variable, compute or fix has its name
         without v_, c_ or f_.
         """
-        found = thermo(log_lines(path), self.begins, self.column)
-        if not found:
+        tables = thermo(log_lines(path), self.begins, self.column)
+        if not tables:
             raise DemlawsError(f"{path} holds no thermo output")
-        return found
+        return tables
 
     def timings(self, path):
         """(loop seconds, pair seconds) of the last run in a log."""
@@ -339,10 +339,10 @@ def _run(command, folder, environment, echo=False, timeout=None):
 def _stamp(path):
     """What changes when a file is written: None for an absent file."""
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except OSError:
         return None
-    return found.st_ino, found.st_size, found.st_mtime_ns
+    return status.st_ino, status.st_size, status.st_mtime_ns
 
 
 def _reason(status, lines, script):
@@ -433,10 +433,10 @@ def thermo(lines, begins, column=str):
 
     def put(words, row):
         nonlocal names, rows
-        found = [column(word) for word in words]
-        if found != names:
-            names, rows = found, []
-        step = found.index("Step") if "Step" in found else None
+        titles = [column(word) for word in words]
+        if titles != names:
+            names, rows = titles, []
+        step = titles.index("Step") if "Step" in titles else None
         if step is None or not rows or row[step] > rows[-1][step]:
             rows.append(row)
 

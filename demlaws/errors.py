@@ -75,14 +75,14 @@ def refuses_unknown_keywords(cls: type[T]) -> type[T]:
     init = cls.__init__
 
     @functools.wraps(init)
-    def checked(self, *values, **named):
+    def checked(self, *values, **quantities):
         known = [field.name for field in dataclasses.fields(cls)]
-        for name in named:
+        for name in quantities:
             if name not in known:
                 raise DemlawsError(
                     f"{cls.__name__} has no {name!r}{did_you_mean(name, known)} Its quantities are {', '.join(known)}"
                 )
-        init(self, *values, **named)
+        init(self, *values, **quantities)
 
     cls.__init__ = checked  # type: ignore[method-assign]
     return cls

@@ -43,20 +43,20 @@ def write_together(*files):
 
     They are renamed in the order given, so that the one that names the others comes last.
     """
-    named = [(_target(path), content.encode() if isinstance(content, str) else content) for path, content in files]
-    waiting, done = [], []
-    path = named[0][0]
+    contents = [(_target(path), content.encode() if isinstance(content, str) else content) for path, content in files]
+    temporary_files, backups = [], []
+    path = contents[0][0]
     try:
-        for path, data in named:
-            waiting.append(_waiting(path, data))
-        for (path, _), temporary in zip(named, waiting, strict=True):
-            before = path.read_bytes() if len(named) > 1 and path.is_file() else None
+        for path, data in contents:
+            temporary_files.append(_waiting(path, data))
+        for (path, _), temporary in zip(contents, temporary_files, strict=True):
+            before = path.read_bytes() if len(contents) > 1 and path.is_file() else None
             os.replace(temporary, path)
-            done.append((path, before))
+            backups.append((path, before))
     except OSError as error:
-        for temporary in waiting[len(done) :]:
+        for temporary in temporary_files[len(backups) :]:
             os.unlink(temporary)
-        for name, before in done:
+        for name, before in backups:
             if before is None:
                 name.unlink()
             else:

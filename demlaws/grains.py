@@ -30,7 +30,7 @@ class Grain:
 
     def contact(self, other, wall=False):
         """Contact of this grain with another, or with a plane wall of the other's material and surface (`wall`)."""
-        joined = self.surface.combined(other.surface)
+        surface = self.surface.combined(other.surface)
         return Contact.between(
             self.material,
             other.material,
@@ -38,8 +38,8 @@ class Grain:
             radius2=math.inf if wall else other.radius,
             roughness1=self.surface.roughness,
             roughness2=other.surface.roughness,
-            fractal_dimension=joined.fractal_dimension,
-            hardness=joined.hardness,
+            fractal_dimension=surface.fractal_dimension,
+            hardness=surface.hardness,
         )
 
     @property

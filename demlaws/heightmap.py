@@ -233,8 +233,8 @@ class HeightMap:
         count = np.bincount(index, weights, minlength=bins + 2)[1:-1]
         total_q = np.bincount(index, weights * q.ravel(), minlength=bins + 2)[1:-1]
         total = np.bincount(index, weights * power.ravel(), minlength=bins + 2)[1:-1]
-        held = count > 0
-        return total_q[held] / count[held], total[held] / count[held], count[held]
+        nonempty = count > 0
+        return total_q[nonempty] / count[nonempty], total[nonempty] / count[nonempty], count[nonempty]
 
     def fractal_dimension_by_spectrum(self, wavelengths=None):
         """Df = 3 - H from C(q) ∝ q^(-2-2H), fitted between two wavelengths [m].
@@ -309,14 +309,14 @@ class HeightMap:
         return Surface(roughness=self.sq, fractal_dimension=dimension, hardness=hardness)
 
 
-def _wavelengths(given, shortest, longest):
+def _wavelengths(value, shortest, longest):
     """(shortest, longest) wavelength [m] that a user gave, or the default."""
-    if given is None:
+    if value is None:
         return shortest, longest
     try:
-        low, high = given
+        low, high = value
     except (TypeError, ValueError):
-        raise DemlawsError(f"wavelengths = {given!r:.60}: give the shortest and the longest in m") from None
+        raise DemlawsError(f"wavelengths = {value!r:.60}: give the shortest and the longest in m") from None
     low, high = float(units.real(low, "wavelengths", "m")), float(units.real(high, "wavelengths", "m"))
     if not 0.0 <= low < high:
         raise DemlawsError(f"wavelengths from {low:g} to {high:g} m: give the shortest and the longest, from 0 on")

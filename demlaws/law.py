@@ -329,8 +329,8 @@ class Table(Law):
             )
         at, shape = self._shaped(overlap, "overlap", "m")
         with np.errstate(divide="ignore", invalid="ignore"):
-            found = np.interp(np.log(at), np.log(self.knots.overlap), self.knots.uncertainty)
-        return as_given(found.reshape(shape))
+            sigma = np.interp(np.log(at), np.log(self.knots.overlap), self.knots.uncertainty)
+        return as_given(sigma.reshape(shape))
 
     def _out_of_range(self, overlap):
         return (

@@ -55,8 +55,8 @@ def law(name: str, contact: Contact, unloading: str | os.PathLike | Law | None =
     for field in definition.needs:
         if getattr(contact, field) is None:
             raise DemlawsError(f"law {name!r} needs the contact's {field}: give Contact(..., {field}=...)")
-    chosen = definition.default_unloading if unloading is None else unloading
-    return join(contact, ClosedForm(definition, contact, options), chosen)
+    rule = definition.default_unloading if unloading is None else unloading
+    return join(contact, ClosedForm(definition, contact, options), rule)
 
 
 def rule_and_curve(unloading: Any) -> tuple[str, Law | None]:
@@ -86,8 +86,8 @@ def rebound(unloading, contact):
 
 def unloading_of_case(name):
     """Default rule of an engine's case: that of the law if it has one, else Hertz's."""
-    own = find(name).default_unloading
-    return "hertz" if own == "elastic" else own
+    rule = find(name).default_unloading
+    return "hertz" if rule == "elastic" else rule
 
 
 def example_curve(name, contact, **options):

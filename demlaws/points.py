@@ -80,21 +80,21 @@ def _split(line, mark):
 def _find(titles, column):
     """Places of the titles that name the column; a title without further words ("force (N)") stands for all."""
     words = _COLUMNS[column][0]
-    found = [i for i, title in enumerate(titles) if any(word in title.lower() for word in words)]
-    alone = [i for i in found if _UNIT.sub("", titles[i].strip()).strip(' /"').lower() in words]
-    return alone or found
+    matches = [i for i, title in enumerate(titles) if any(word in title.lower() for word in words)]
+    alone = [i for i in matches if _UNIT.sub("", titles[i].strip()).strip(' /"').lower() in words]
+    return alone or matches
 
 
 def _place(titles, column, where):
     """Place and factor to SI of a column."""
-    found, units = _find(titles, column), {}
-    for place in found:
+    places, units = _find(titles, column), {}
+    for place in places:
         with contextlib.suppress(DemlawsError):  # a rate, or a time under load
             units[place] = _unit(titles[place], column, where)
     if len(units) == 1:
         return next(iter(units.items()))
     if not units:
-        return found[0], _unit(titles[found[0]], column, where)
+        return places[0], _unit(titles[places[0]], column, where)
     several = " and ".join(repr(titles[place].strip()) for place in units)
     raise DemlawsError(f"{where}: {several} may be the {column}: remove all but one, or name it {column!r} with its unit alone")
 
@@ -113,8 +113,8 @@ def _header(lines, path):
         if all(_find(titles, column) for column in _COLUMNS) and len(titles) > 1:
             return number, titles, mark
         if comment is None:
-            wanted = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
-            raise DemlawsError(f"{path}, line {number + 1}: {wanted}; got {text[:60]!r}")
+            need = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
+            raise DemlawsError(f"{path}, line {number + 1}: {need}; got {text[:60]!r}")
     raise DemlawsError(f"{path}, line 1: two columns are needed, displacement and force with units; the file has no header")
 
 
@@ -133,7 +133,7 @@ def read_points(path):
     path = Path(path)
     lines = read_text(path, "points ").splitlines()
     first, titles, mark = _header(lines, path)
-    found = {column: _place(titles, column, f"{path}, line {first + 1}") for column in _COLUMNS}
+    columns = {column: _place(titles, column, f"{path}, line {first + 1}") for column in _COLUMNS}
     values, marks = [], set()
     for number, line in enumerate(lines[first + 1 :], start=first + 2):
         if not line.strip() or line.strip().startswith(_COMMENTS):
@@ -141,14 +141,14 @@ def read_points(path):
         where = f"{path}, line {number}"
         try:
             row = _split(line, mark)
-            pair = [_number(row[place], mark) * unit for place, unit in found.values()]
+            pair = [_number(row[place], mark) * unit for place, unit in columns.values()]
         except (ValueError, IndexError, csv.Error):
             raise DemlawsError(f"{where}: two numbers are needed, got {line.strip()[:60]!r}") from None
         if any(cell.strip() for cell in row[len(titles) :]):
             remedy = "split columns by ; if commas are decimal"
             raise DemlawsError(f"{where}: {len(row)} columns, but the header has {len(titles)}; {remedy}")
         marks.update(
-            "." if "." in row[k] else "," for k, _ in found.values() if "." in row[k] or _THOUSANDS.match(row[k].strip())
+            "." if "." in row[k] else "," for k, _ in columns.values() if "." in row[k] or _THOUSANDS.match(row[k].strip())
         )
         if len(marks) > 1:
             raise DemlawsError(f"{where}: {line.strip()[:60]!r}: is , before thousands and . before decimals? Leave the , out")

@@ -331,8 +331,8 @@ class Response:
             raise DemlawsError(f"state must be what law.new_state({n}) returns, got {state!r}")
         names = () if state is None else state.names
         if names != self.state_names:
-            given = "" if state is None else f"; this one has {', '.join(names) or 'no quantities'}"
-            raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns{given}")
+            suffix = "" if state is None else f"; this one has {', '.join(names) or 'no quantities'}"
+            raise DemlawsError(f"{self.unloading} unloading needs the state that law.new_state({n}) returns{suffix}")
         arrays = () if state is None else state.arrays
         if any(array.size != n for array in arrays):
             raise DemlawsError(f"the state holds {arrays[0].size} contacts, overlap has {n}")
@@ -438,13 +438,13 @@ class Response:
     def breaches(self, smallest: float, largest: float) -> list[Breach]:
         """Limits of the law exceeded by forces from `smallest` to `largest` [N], the largest excess first."""
         smallest, largest = float(real(smallest, "smallest", "N")), float(real(largest, "largest", "N"))
-        found = []
+        pairs = []
         for limit in self.limits():
             if largest > limit.maximum_force:
-                found.append((largest / max(limit.maximum_force, 1e-300), Breach(largest, limit.maximum_force, limit.reason)))
+                pairs.append((largest / max(limit.maximum_force, 1e-300), Breach(largest, limit.maximum_force, limit.reason)))
             elif smallest < limit.minimum_force:
-                found.append((limit.minimum_force / max(smallest, 1e-300), Breach(smallest, limit.minimum_force, limit.reason)))
-        return [breach for _, breach in sorted(found, key=lambda one: -one[0])]
+                pairs.append((limit.minimum_force / max(smallest, 1e-300), Breach(smallest, limit.minimum_force, limit.reason)))
+        return [breach for _, breach in sorted(pairs, key=lambda one: -one[0])]
 
     def _advise(self, force):
         touching = force[force > 0.0] if np.ndim(force) else force

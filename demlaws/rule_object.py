@@ -141,9 +141,9 @@ def _linked(objects):
         exports.write_text(f"{{ global: {'; '.join(objects)}; local: *; }};\n")
         library = Path(folder, "rule.so")
         line = [compiler, "-shared", "-s", "-Wl,--build-id=none", f"-Wl,--version-script={exports}", "-Wl,--no-undefined"]
-        done = subprocess.run([*line, "-o", str(library), *map(str, files), "-lm"], capture_output=True, text=True)
-        if done.returncode:
-            lines = [text for text in done.stderr.splitlines() if "undefined reference" in text] or done.stderr.splitlines()
+        result = subprocess.run([*line, "-o", str(library), *map(str, files), "-lm"], capture_output=True, text=True)
+        if result.returncode:
+            lines = [text for text in result.stderr.splitlines() if "undefined reference" in text] or result.stderr.splitlines()
             raise DemlawsError(
                 f"the rule cannot be linked without Python: {lines[0].strip() if lines else 'the linker failed'}; it "
                 "must not raise, print, make arrays or call Python"
@@ -154,4 +154,4 @@ def _linked(objects):
 def rule_object(rule, shape) -> bytes:
     """The shared object of a law's own rule: the law's Shape (its options) is part of it. Raises DemlawsError."""
     functions = _functions(shape, rule.tag, len(rule.state))
-    return _linked({name: _object(name, *given) for name, given in functions.items()})
+    return _linked({name: _object(name, *parts) for name, parts in functions.items()})

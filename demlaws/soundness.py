@@ -42,10 +42,10 @@ _NEEDED = {"Shape": ("scale",), "Params": ("virgin", "inverse", "energy")}
 @loop
 def curve_loop(p, overlap):
     """All that `virgin` says of one contact, a row each."""
-    found = np.empty((4, overlap.size))
+    values = np.empty((4, overlap.size))
     for i in range(overlap.size):
-        found[0, i], found[1, i], found[2, i], found[3, i] = virgin(p, overlap[i])
-    return found
+        values[0, i], values[1, i], values[2, i], values[3, i] = virgin(p, overlap[i])
+    return values
 
 
 @loop
@@ -236,16 +236,16 @@ def _return_checks(params, overlap, known, solved):
         off = _relative(back, at) / (EPS * (16.0 + 64.0 / slope))
     yield largest_of("overlap of the force of an overlap (1: rounding)", off, at, 10.0 if solved else 1.0)
 
-    gained, fault = np.diff(work), None
-    wrong = ~(np.abs(gained - expected) <= ENERGY * expected)
+    increments, fault = np.diff(work), None
+    wrong = ~(np.abs(increments - expected) <= ENERGY * expected)
     if np.any(wrong):
         k = int(np.argmax(wrong))
         a, b = overlap[k], overlap[k + 1]
-        fault = f"from overlap {a:.6g} m to {b:.6g} m the energy grows by {gained[k]:.6g} J, ∫P dδ by {expected[k]:.6g} J"
+        fault = f"from overlap {a:.6g} m to {b:.6g} m the energy grows by {increments[k]:.6g} J, ∫P dδ by {expected[k]:.6g} J"
     elif not 0.0 <= work[0] <= force[0] * overlap[0] * (1.0 + 1e-9):
         at = overlap[0]
         fault = f"at overlap {at:.6g} m the energy is {work[0]:.6g} J, the force {force[0]:.6g} N: ∫P dδ cannot be that"
-    errors = _panel_errors(gained, expected)
+    errors = _panel_errors(increments, expected)
     yield largest_of("energy against ∫P dδ, relative", errors, overlap, 1e-8 if solved else 1e-10, fault)
 
 
@@ -266,8 +266,8 @@ def refuse_unsound(definition, shape, contact, options) -> None:
             checks = curve_checks(one, radius)
             text = next((check.fault for check in (checks if fully else [next(checks)]) if check.fault), None)
             if text is not None:
-                given = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
-                raise DemlawsError(f"{name} cannot be used (R = {radius:g} m{given}): {text}")
+                arguments = "".join(f", {n} = {v!r:.40}" for n, v in options.items())
+                raise DemlawsError(f"{name} cannot be used (R = {radius:g} m{arguments}): {text}")
         _refuse_array(name, params, contact)
         _passed[definition.name] += 1
     except Exception as error:
@@ -312,40 +312,40 @@ def _fault_of_rule(rule, params, top, steps=400):
     path = top * np.concatenate([rise, [1.0 - 1e-9], back, back[::-1], [1.0], off, [-1e-3], rise])
     state = tuple(np.zeros(1) for _ in rule.state)
     history = tuple(np.zeros(path.size) for _ in rule.state)
-    force, stiffness, stored, lost = (np.empty(path.size) for _ in range(4))
-    follow_loop(rule.tag, params, path, state, history, force, stiffness, stored, lost)
+    force, stiffness, stored, loss = (np.empty(path.size) for _ in range(4))
+    follow_loop(rule.tag, params, path, state, history, force, stiffness, stored, loss)
     for what, unit, values in (("force", "N", force), ("stiffness", "N/m", stiffness), ("stored energy", "J", stored)):
         bad = np.flatnonzero(~np.isfinite(values) | (values < -1e-12 * np.nanmax(np.abs(values))))
         if bad.size:
             return f"at overlap {path[bad[0]]:.6g} m the {what} is {values[bad[0]]:.6g} {unit} (point {bad[0]} of its path)"
     first = values_of(params, path[:steps]).force
     again = slice(path.size - steps, None)
-    for where, found in (("on first loading", force[:steps]), ("on loading a contact that had parted", force[again])):
-        wrong = np.abs(found - first) > 1e-9 * first + 1e-12 * first[-1]
+    for where, branch in (("on first loading", force[:steps]), ("on loading a contact that had parted", force[again])):
+        wrong = np.abs(branch - first) > 1e-9 * first + 1e-12 * first[-1]
         if np.any(wrong):
             k = int(np.argmax(wrong))
-            return f"{where}, at overlap {path[k]:.6g} m, the rule gives {found[k]:.6g} N, the law {first[k]:.6g} N"
+            return f"{where}, at overlap {path[k]:.6g} m, the rule gives {branch[k]:.6g} N, the law {first[k]:.6g} N"
     if abs(force[steps] - force[steps - 1]) > 1e-6 * force[steps - 1]:
         before, after = force[steps - 1], force[steps]
         return f"where loading turns, at overlap {top:.6g} m, the force jumps from {before:.6g} N to {after:.6g} N"
-    parted = path.size - steps - 1
-    last = {name: float(values[parted]) for name, values in zip(rule.state, history, strict=True)}
-    kept = [f"{name} = {value:.6g}" for name, value in last.items() if value != 0.0]
-    if kept:
-        return f"at overlap {path[parted]:.6g} m, after the bodies have parted, it remembers {', '.join(kept)}: all must be 0"
+    apart = path.size - steps - 1
+    last = {name: float(values[apart]) for name, values in zip(rule.state, history, strict=True)}
+    rest = [f"{name} = {value:.6g}" for name, value in last.items() if value != 0.0]
+    if rest:
+        return f"at overlap {path[apart]:.6g} m, after the bodies have parted, it remembers {', '.join(rest)}: all must be 0"
     pieces = 0.5 * np.diff(path, prepend=0.0) * (force + np.concatenate([[0.0], force[:-1]]))
-    work = np.cumsum(pieces)[:parted]
-    held = float(work[steps - 1])
-    for begin, end, what in ((steps, 3 * steps + 1, "half unloaded and reloaded"), (0, parted - 1, "up and back to 0")):
-        gained = float(work[end] - (work[begin] if begin else 0.0))
-        if gained < -_RETURN * held:
-            return f"loaded to overlap {top:.6g} m and {what}, it returns {-gained:.6g} J more than it took ({held:.6g} J)"
-    total = (stored + lost)[:parted]
-    wrong = np.abs(total - work) > 5.0 * _RETURN * held
+    work = np.cumsum(pieces)[:apart]
+    peak_work = float(work[steps - 1])
+    for begin, end, what in ((steps, 3 * steps + 1, "half unloaded and reloaded"), (0, apart - 1, "up and back to 0")):
+        gain = float(work[end] - (work[begin] if begin else 0.0))
+        if gain < -_RETURN * peak_work:
+            return f"loaded to overlap {top:.6g} m and {what}, it returns {-gain:.6g} J more than it took ({peak_work:.6g} J)"
+    total = (stored + loss)[:apart]
+    wrong = np.abs(total - work) > 5.0 * _RETURN * peak_work
     if np.any(wrong):
         k = int(np.argmax(wrong))
         return (
-            f"at overlap {path[k]:.6g} m (point {k} of its path) the rule gives {stored[k]:.6g} J stored and {lost[k]:.6g} J "
+            f"at overlap {path[k]:.6g} m (point {k} of its path) the rule gives {stored[k]:.6g} J stored and {loss[k]:.6g} J "
             f"dissipated, ∫P dδ is {work[k]:.6g} J"
         )
     return None
@@ -366,8 +366,8 @@ def _first_line(error):
     """The line of numba's message that states the fault, without colours."""
     text = re.sub(r"\x1b\[\d*m", "", str(error))
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    telling = [line for line in lines if line.startswith(_TELLING)]
-    text = (telling[-1:] or lines or [type(error).__name__])[0][:200]
+    informative = [line for line in lines if line.startswith(_TELLING)]
+    text = (informative[-1:] or lines or [type(error).__name__])[0][:200]
     if helper := re.match(r"Untyped global name '(\w+)': .*<class 'function'>", text):
         return f"{helper[1]} is a plain Python function: put @numba.njit before it"
     return text
@@ -387,16 +387,16 @@ def refuse_unless_collapses(law, contact) -> None:
         params = bind_params(definition.shape(other, **law.options), other)
         return values_of(params, u * scale).force / (params.hertz_coefficient * scale**1.5)
 
-    own = curve(contact)
+    base = curve(contact)
     factors = {"radius": 2.0, "modulus": 3.0, "roughness": 1.7}
     for changes in ({name: factor * getattr(contact, name)} for name, factor in factors.items()):
         other = curve(contact.with_values(**changes))
-        off = np.abs(other / own - 1.0)
+        off = np.abs(other / base - 1.0)
         k = int(np.nanargmax(off)) if not np.all(np.isnan(off)) else 0
         if not off[k] <= 1e-9:
             what = ", ".join(f"{name} = {value:g}" for name, value in changes.items())
             raise DemlawsError(
                 f"law {definition.name!r} declares one curve for all contacts (collapses=True), but with {what} the force that "
-                f"this contact has at overlap {u[k] * length:.6g} m, made dimensionless, is {other[k] / own[k]:.6g} times as "
+                f"this contact has at overlap {u[k] * length:.6g} m, made dimensionless, is {other[k] / base[k]:.6g} times as "
                 "large: give its Definition collapses=False"
             )

@@ -120,10 +120,10 @@ def _read_text(path):
     heights = np.array(rows)
     if len(ends) == 1 and ends.pop() == "" and heights.shape[1] > 1:
         heights = heights[:, :-1]  # every line ends in a separator
-    for name, written, held in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
-        if written in esri and units.real(esri[written], f"{path}: {written}") != held:
+    for name, entry, count in zip(("columns", "rows"), ("ncols", "nrows"), heights.shape[::-1], strict=True):
+        if entry in esri and units.real(esri[entry], f"{path}: {entry}") != count:
             raise DemlawsError(
-                f"{path}: its header states {esri[written]} {name}, but there are {held}, one row per line: is it truncated?"
+                f"{path}: its header states {esri[entry]} {name}, but there are {count}, one row per line: is it truncated?"
             )
     if "nodata_value" in esri:
         heights[heights == float(units.real(esri["nodata_value"], f"{path}: NODATA_value"))] = np.nan

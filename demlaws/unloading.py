@@ -35,13 +35,13 @@ def _ratios(contact, other):
     """R, E* and σ of the unloading curve's contact over those of the law's, each one number for all contacts."""
     ratios = []
     for name in ("radius", "modulus", "roughness"):
-        own, others = np.asarray(getattr(contact, name), float), np.asarray(getattr(other, name), float)
+        values, others = np.asarray(getattr(contact, name), float), np.asarray(getattr(other, name), float)
         with np.errstate(divide="ignore", invalid="ignore"):
             try:
-                ratio = others / own
+                ratio = others / values
             except ValueError:
                 raise DemlawsError(f"the law has {contact.size} contacts, its unloading curve {other.size}") from None
-        if np.all(own == others):  # smooth contacts, too
+        if np.all(values == others):  # smooth contacts, too
             ratio = np.ones(1)
         low, high = float(np.nanmin(ratio)), float(np.nanmax(ratio))
         if not (math.isfinite(high) and high - low <= 1e-9 * high):

@@ -111,9 +111,9 @@ def options_for(name, test):
 def bind(name, test, unloading=None):
     """A law on a test's contact; unloading: the law's own way if it has one, else Hertz's where it takes it, else elastic."""
     options = options_for(name, test)
-    own = registry()[name].default_unloading
-    if unloading is None and own != "elastic":
-        unloading = own
+    rule = registry()[name].default_unloading
+    if unloading is None and rule != "elastic":
+        unloading = rule
     if unloading is not None:
         return law(name, test.contact, unloading, **options)
     try:
@@ -202,9 +202,9 @@ def table_of(test, runs, notes):
     rows = []
     for run in runs:
         with quiet():
-            gained = displacement_gained(run.law, low, high) / MICRO
+            displacement = displacement_gained(run.law, low, high) / MICRO
             stiffness = tuple(stiffness_at(run.law, load) / 1e3 for load in loads)
-        rows.append(Row(run.law.name, gained, stiffness, "; ".join(notes.get((test.name, run.law.name), []))))
+        rows.append(Row(run.law.name, displacement, stiffness, "; ".join(notes.get((test.name, run.law.name), []))))
     return rows
 
 

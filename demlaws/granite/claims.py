@@ -49,8 +49,8 @@ def granite_claims(tests=None):
     """Every claim of Altuhafi, Baudet & Coop 2023 that can be compared with a run; tests: those that concern one of these."""
     with quiet():
         get = functools.cache(lambda name, test: bind(name, find_test(test)))
-        found = [claim for group in (_sphere_claims, _law_claims, _cone_claims) for claim in group(get)]
-    return found if tests is None else [c for c in found if any(name in _concerned(c) for name in tests)]
+        claims = [claim for group in (_sphere_claims, _law_claims, _cone_claims) for claim in group(get)]
+    return claims if tests is None else [c for c in claims if any(name in _concerned(c) for name in tests)]
 
 
 def _concerned(claim):
@@ -80,14 +80,14 @@ def _sphere_claims(get):
         f"RMS {rms:.3f} at 10 N",
         _verdict(min(ratio[2.0], ratio[10.0], rms) > 0.9),
     )
-    gained = {
+    displacements = {
         name: [displacement_gained(get(name, t)) / MICRO for t in ("RS(18-18)", "SS(18-18)", "VS(18-18)")]
         for name in (POHRT_POPOV, RMS, YIP_VENART)
     }
     yield Claim(
         "RS(18-18), SS(18-18), VS(18-18)",
         "softness in the order RS(18-18) > SS(18-18) > VS(18-18)",
-        "µm gained to 100 N: " + "; ".join(f"{n} {' > '.join(f'{v:.1f}' for v in row)}" for n, row in gained.items()),
+        "µm gained to 100 N: " + "; ".join(f"{n} {' > '.join(f'{v:.1f}' for v in row)}" for n, row in displacements.items()),
         BUILT_IN,  # every law is softer for a larger σ
     )
     softer = {t: displacement_gained(get(POHRT_POPOV, t)) / displacement_gained(get(HERTZ, t)) for t in ROUGH_SPHERES}
@@ -206,12 +206,12 @@ def _law_claims(get):
 def _nearest_goddard(reference, contact):
     """(slope, largest relative difference of stiffness from 1 to 100 N) of the Goddard law nearest to `reference`."""
     load = np.geomspace(1.0, 100.0, 30)
-    wanted = reference.stiffness(reference.overlap(load))
-    found = []
+    target = reference.stiffness(reference.overlap(load))
+    differences = []
     for slope in np.geomspace(0.005, 0.2, 60):
         one = law(GODDARD, contact, slope=float(slope))
-        found.append((float(np.max(np.abs(one.stiffness(one.overlap(load)) / wanted - 1.0))), float(slope)))
-    error, slope = min(found)
+        differences.append((float(np.max(np.abs(one.stiffness(one.overlap(load)) / target - 1.0))), float(slope)))
+    error, slope = min(differences)
     return slope, error
 
 
@@ -301,7 +301,7 @@ def cone_sensitivity():
         for radius in (0.31e-3, 0.35e-3, 0.62e-3):
             for dimension in (2.10, 2.22, 2.35):
                 one = law(POHRT_POPOV, base.contact.with_values(radius=radius, fractal_dimension=dimension))
-                gained, stiffness = displacement_gained(one, 0.1, 7.0), stiffness_at(one, 7.0)
+                displacement, stiffness = displacement_gained(one, 0.1, 7.0), stiffness_at(one, 7.0)
                 threshold = float(one.force(1.0 / one.params.inverse_threshold))
-                rows.append(Sensitivity(radius, dimension, gained, stiffness, threshold))
+                rows.append(Sensitivity(radius, dimension, displacement, stiffness, threshold))
     return rows

@@ -41,14 +41,14 @@ def run(arguments):
         runs.setdefault(test.name, []).append(result)
         notes[test.name, name] = messages
     print_tables(tests, runs, notes)
-    chosen = None if arguments.test is None else [tests[0].name]
-    found = [] if arguments.law else claims.granite_claims(chosen)
-    if found:
-        print_claims(found)
+    test_names = None if arguments.test is None else [tests[0].name]
+    verdicts = [] if arguments.law else claims.granite_claims(test_names)
+    if verdicts:
+        print_claims(verdicts)
     if any(test.name == "FC5" for test in tests):
         print_sensitivity(claims.cone_sensitivity())
     with quiet():  # the notes have been printed with the tables
-        files = write_csv(arguments.out, tests, runs, notes, found)
+        files = write_csv(arguments.out, tests, runs, notes, verdicts)
         files += draw(arguments.out, tests, runs, whole=not (arguments.test or arguments.law))
     print(f"\n{len(files)} files written to {arguments.out}/")
 
@@ -97,20 +97,20 @@ def print_stages(result):
         print(f"    {result.beyond}")
 
 
-def print_claims(found):
+def print_claims(verdicts):
     """Print each claim, what the runs give, the verdict, and how many of each."""
     width = max(80, min(150, shutil.get_terminal_size((120, 24)).columns))
     print("\nClaims of the paper against the runs")
-    for claim in found:
+    for claim in verdicts:
         print(f"  {claim.test}: {claim.claim}")
         for line in textwrap.wrap(claim.gives, width - 8):
             print(f"      {line}")
         print(f"      → {claim.verdict}")
-    counts = {verdict: sum(c.verdict == verdict for c in found) for verdict in dict.fromkeys(c.verdict for c in found)}
+    counts = {verdict: sum(c.verdict == verdict for c in verdicts) for verdict in dict.fromkeys(c.verdict for c in verdicts)}
     print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))
 
 
-def write_csv(out, tests, runs, notes, found):
+def write_csv(out, tests, runs, notes, verdicts):
     """Write paths, cycles, summary and claims as CSV; returns the files."""
     files, summary = [], []
     for test in tests:
@@ -127,8 +127,8 @@ def write_csv(out, tests, runs, notes, found):
                 files.append(save_csv(path, STAGE_TITLES, granite.stages_of(result)))
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
     files.append(save_csv(out / "summary.csv", titles, summary))
-    if found:
-        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], found))
+    if verdicts:
+        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], verdicts))
     return files
 
 

@@ -131,8 +131,8 @@ def unloading(run):
     top = max(test.stages[0])
     load = np.linspace(0.05, top, 300)
     for law in (_law(name, test.name) for name in COMPARED):
-        gained = (law.overlap(load) - law.overlap(top)) * MICRO
-        draw_line(ax, gained, load, law.name, label=f"{law.name}, elastic", lw=1.3)
+        displacement = (law.overlap(load) - law.overlap(top)) * MICRO
+        draw_line(ax, displacement, load, law.name, label=f"{law.name}, elastic", lw=1.3)
     path = run.paths[0]
     back = slice(int(np.argmax(path.force)), None)
     left = (path.overlap[back] - path.overlap[back][0]) * MICRO

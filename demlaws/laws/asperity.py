@@ -111,15 +111,15 @@ def sample(rough, start, max_force):
         forces.append(force)
         overlap *= 2.0 ** (1 / _SAMPLES)
     forces = np.array(forces)
-    used = forces > 0
-    if used.sum() < 3 * _SAMPLES:
+    loaded = forces > 0
+    if loaded.sum() < 3 * _SAMPLES:
         raise DemlawsError(
-            f"only {int(used.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger max_force "
+            f"only {int(loaded.sum())} overlaps of this map carry load below {limit:.3g} N: give a larger max_force "
             "or a larger map"
         )
     if max_force is not None and edge:
         rough.advise(rough.at(start + overlaps[-1]))
-    return np.array(overlaps)[used], forces[used]
+    return np.array(overlaps)[loaded], forces[loaded]
 
 
 def _limit_force(rough):

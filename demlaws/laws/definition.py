@@ -254,8 +254,8 @@ class Definition(NamedTuple):
         try:
             return self.prepare(contact, **options)
         except TypeError as error:  # a list or None where a number or a word belongs
-            given = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
-            raise DemlawsError(f"law {self.name!r} cannot use {given}: {error}") from error
+            text = ", ".join(f"{name}={value!r:.60}" for name, value in options.items())
+            raise DemlawsError(f"law {self.name!r} cannot use {text}: {error}") from error
 
     def offered(self) -> dict[str, Rule]:
         """Name → rule: the general ones but those that the law refuses, then its own."""
@@ -264,12 +264,12 @@ class Definition(NamedTuple):
 
     def rule(self, name: str) -> Rule:
         """The rule of this name; DemlawsError where the law does not take it."""
-        offered = self.offered()
-        if isinstance(name, str) and name in offered:
-            return offered[name]
+        available = self.offered()
+        if isinstance(name, str) and name in available:
+            return available[name]
         if isinstance(name, str) and name in self.refused:
             raise DemlawsError(f"law {self.name!r} does not take {name!r} unloading: {self.refused[name]}")
-        rules = f"{did_you_mean(name, offered)} The rules are {', '.join(offered)} (law {self.name!r})"
+        rules = f"{did_you_mean(name, available)} The rules are {', '.join(available)} (law {self.name!r})"
         raise DemlawsError(f"unknown unloading rule {name!r}{rules}")
 
     def option_lines(self) -> Iterator[str]:
@@ -278,9 +278,9 @@ class Definition(NamedTuple):
         for name, option in self.options.items():
             default = signature[name].default if name in signature else inspect.Parameter.empty
             needed = default in (None, inspect.Parameter.empty)
-            shown = "no default" if needed else f"default {default if isinstance(default, str) else format(default, '.10g')}"
+            text = "no default" if needed else f"default {default if isinstance(default, str) else format(default, '.10g')}"
             unit = f" [{option.unit}]" if option.unit else ""
-            yield f"{name}{unit}: {option.meaning}; {option.values}; {shown}"
+            yield f"{name}{unit}: {option.meaning}; {option.values}; {text}"
 
     def needed(self, **options: Any) -> tuple[str, ...]:
         """Names of Contact fields that must be given, those of the law before yield included."""

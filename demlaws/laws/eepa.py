@@ -67,13 +67,13 @@ class Eepa(NamedTuple):
 
 @kernel
 def _step(rule, p, overlap, state):
-    own = parts(p)[1]
-    k2 = own.unloading
+    params = parts(p)[1]
+    k2 = params.unloading
     positive = 0.0 if overlap <= 0.0 else overlap
     root = sqrt(positive)
     if overlap >= state[0]:
         force, stiffness, _, _ = virgin(p, positive)
-        maximum, plastic = overlap, own.plastic_ratio * overlap
+        maximum, plastic = overlap, params.plastic_ratio * overlap
     else:
         maximum, plastic = state
         elastic = root * positive - sqrt(plastic) * plastic

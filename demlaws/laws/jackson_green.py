@@ -56,14 +56,14 @@ def _plastic(p, w):
     bulk = exp2((5.0 / 12.0) * logarithm)
     deep = exp2((5.0 / 9.0) * logarithm)
     elastic = exp2(-0.25 * _LOG2_E * bulk) * w * sqrt(w)
-    left = exp2(-0.04 * _LOG2_E * deep)
+    share = exp2(-0.04 * _LOG2_E * deep)
     power = 0.5 + 0.5 * p.spread  # a/R ∝ w^power
     spread = exp2(-0.7 * (p.radius_logarithm + power * logarithm))
     flat = exp2(-0.82 * _LOG2_E * spread)
     hardness = p.hardness * (1.0 - flat)
-    force = elastic + hardness * (1.0 - left) * w
-    slope = elastic * (1.5 - (5.0 / 48.0) * bulk) / w + hardness * (1.0 - left + left * deep / 45.0)
-    slope -= p.hardness * flat * 0.574 * power * spread * (1.0 - left)
+    force = elastic + hardness * (1.0 - share) * w
+    slope = elastic * (1.5 - (5.0 / 48.0) * bulk) / w + hardness * (1.0 - share + share * deep / 45.0)
+    slope -= p.hardness * flat * 0.574 * power * spread * (1.0 - share)
     return force, slope
 
 

@@ -53,21 +53,21 @@ class Linear(NamedTuple):
 
 
 @kernel
-def _stiffness(own, maximum):
-    k2 = own.first_stiffness + own.stiffening * maximum
-    return k2 if k2 <= own.largest_stiffness else own.largest_stiffness
+def _stiffness(params, maximum):
+    k2 = params.first_stiffness + params.stiffening * maximum
+    return k2 if k2 <= params.largest_stiffness else params.largest_stiffness
 
 
 @kernel
 def _step(rule, p, overlap, state):
-    own = parts(p)[1]
+    params = parts(p)[1]
     positive = 0.0 if overlap <= 0.0 else overlap
     if overlap >= state[0]:
         force, stiffness, _, _ = virgin(p, positive)
-        maximum, plastic = overlap, overlap - force / _stiffness(own, overlap)
+        maximum, plastic = overlap, overlap - force / _stiffness(params, overlap)
     else:
         maximum, plastic = state
-        k2 = _stiffness(own, maximum)
+        k2 = _stiffness(params, maximum)
         elastic = positive - plastic
         force = k2 * (0.0 if elastic <= 0.0 else elastic)
         stiffness = 0.0 if elastic <= 0.0 else k2

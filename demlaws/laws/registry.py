@@ -134,10 +134,10 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
             "with replace=True"
         )
     others = (*map(_built_in, _BUILT_IN), *_own.values()) if definition.advice.rank else ()
-    taken = {d.advice.rank: d.name for d in others if d.advice.rank and d.name != name}
-    if definition.advice.rank in taken:
+    ranks = {d.advice.rank: d.name for d in others if d.advice.rank and d.name != name}
+    if definition.advice.rank in ranks:
         raise DemlawsError(
-            f"law {name!r}: rank {definition.advice.rank} is that of {taken[definition.advice.rank]!r}: give another, or 0"
+            f"law {name!r}: rank {definition.advice.rank} is that of {ranks[definition.advice.rank]!r}: give another, or 0"
         )
     if not definition.drawing.label:
         definition = definition._replace(drawing=definition.drawing._replace(label=name))
@@ -182,9 +182,9 @@ def _check(definition: Any) -> None:
         raise DemlawsError(f"law {name!r}: needs {', '.join(map(repr, wrong))}: a contact has {', '.join(known_fields)}")
     if not definition.unloading or definition.unloading[0] != "elastic":
         raise DemlawsError(f"law {name!r}: unloading = {definition.unloading!r:.60}: the first rule must be 'elastic'")
-    offered = definition.offered()
-    if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in offered]:
-        raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(offered)}")
+    available = definition.offered()
+    if wrong := [rule for rule in (*definition.unloading, definition.default_unloading) if rule not in available]:
+        raise DemlawsError(f"law {name!r}: unloading {wrong[0]!r:.40} is none of its rules, {', '.join(available)}")
     if wrong := sorted({*definition.fitting.free} - {"modulus", *definition.fitting.parameters}):
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
 
@@ -356,9 +356,9 @@ def _load_entry_points() -> None:
     """
     for point in importlib.metadata.entry_points(group=GROUP):
         try:
-            found = point.load()
-            found = _laws_of(found) if isinstance(found, ModuleType) else found
-            for definition in [found] if isinstance(found, Definition) or not isinstance(found, list | tuple) else found:
+            entry = point.load()
+            entry = _laws_of(entry) if isinstance(entry, ModuleType) else entry
+            for definition in [entry] if isinstance(entry, Definition) or not isinstance(entry, list | tuple) else entry:
                 _register(definition, _home(vars(sys.modules[point.module])))
         except Exception as error:
             warn(f"laws of the entry point {point.name} = {point.value} were not loaded: {error}", UserWarning)

@@ -21,9 +21,9 @@ def engine_library():
     """Path of the libliggghts that the binary loads; None where it is unknown: no binary, no ldd, a script that starts it."""
     binary = shutil.which(os.environ.get("DEMLAWS_LIGGGHTS", "liggghts"))
     libraries = output_of(["ldd", binary]) if binary else ""
-    found = re.search(r"(/\S*/libliggghts[^/\s]*) \(0x", libraries)
-    if found:
-        return Path(found.group(1))
+    match = re.search(r"(/\S*/libliggghts[^/\s]*) \(0x", libraries)
+    if match:
+        return Path(match.group(1))
     if "libliggghts" in libraries:
         raise DemlawsError(f"{binary} does not find its libliggghts: set LD_LIBRARY_PATH to the folder of that library")
     if libraries:
@@ -41,9 +41,9 @@ def packaged(library):
 
 def headers():
     """Folder of the headers of the LIGGGHTS in use: those of another one might not fit its memory."""
-    named, library = os.environ.get("DEMLAWS_LIGGGHTS_INCLUDE"), engine_library()
-    if named or packaged(library):
-        places = [Path(named or HEADERS)]
+    setting, library = os.environ.get("DEMLAWS_LIGGGHTS_INCLUDE"), engine_library()
+    if setting or packaged(library):
+        places = [Path(setting or HEADERS)]
     else:
         places = [library.parent.parent / "include", library.parent.parent / "include" / "liggghts"]
     for folder in places:
@@ -73,10 +73,10 @@ def linked_library():
 
 def mpi_libraries(library):
     """Paths of the MPI libraries that a libliggghts loads, directly or through others: no other may be in the process."""
-    found = re.findall(r"^\s*(\S*mpi\S*) => (/\S+)", output_of(["ldd", library]), re.M | re.I)
-    if not found:
+    matches = re.findall(r"^\s*(\S*mpi\S*) => (/\S+)", output_of(["ldd", library]), re.M | re.I)
+    if not matches:
         raise DemlawsError(f"{library} loads no MPI library that ldd finds: {PACKAGES}")
-    return [path for _, path in found]
+    return [path for _, path in matches]
 
 
 class _Plugin(Plugin):

@@ -29,10 +29,10 @@ ALONE = {"OMPI_MCA_ess_singleton_isolated": "1", "OMPI_MCA_pml": "ob1", "OMPI_MC
 def executable():
     """Path of the liggghts binary (DEMLAWS_LIGGGHTS or the first on PATH); else DemlawsError."""
     name = os.environ.get("DEMLAWS_LIGGGHTS", "liggghts")
-    found = shutil.which(name)
-    if not found:
+    path = shutil.which(name)
+    if not path:
         raise DemlawsError(f"{name!r} not found: {PACKAGES}, or set DEMLAWS_LIGGGHTS to the binary")
-    return os.path.abspath(found)  # it is started in the input's folder
+    return os.path.abspath(path)  # it is started in the input's folder
 
 
 @functools.lru_cache
@@ -41,13 +41,13 @@ def _version_of(binary):
     text = result.stdout
     if result.returncode and not text:  # a library that it does not find
         raise DemlawsError(f"{binary} cannot be started: {result.stderr.strip()[:300]}")
-    found = re.search(r"Version (LIGGGHTS\S*) (\S+?),", text)
-    if not found or found.group(2) != VERSION:
-        raise DemlawsError(f"the plugin is for LIGGGHTS {VERSION}, the binary is {found.group(0) if found else text[:80]!r}")
+    match = re.search(r"Version (LIGGGHTS\S*) (\S+?),", text)
+    if not match or match.group(2) != VERSION:
+        raise DemlawsError(f"the plugin is for LIGGGHTS {VERSION}, the binary is {match.group(0) if match else text[:80]!r}")
     styles = text.split("Atom styles", 1)[-1].split("* Integrate", 1)[0]
     if "superquadric" in styles or "convexhull" in styles:
         raise DemlawsError("this LIGGGHTS is a superquadric or convex build: its data differ; use Debian's package liggghts")
-    return f"{found.group(1)} {found.group(2)}"
+    return f"{match.group(1)} {match.group(2)}"
 
 
 def versions():

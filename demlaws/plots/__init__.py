@@ -143,10 +143,10 @@ def table_figure(table, law):
         curves.append((table.unloading_law, law.unloading_law, "unloading "))
         title += f"; unloading, {table.unloading_law.name}: {table.unloading_law.nodes.u.size}"
     for rows, exact, name in curves:
-        shown = rows.nodes.force <= end
-        left.loglog(rows.nodes.u[shown], rows.nodes.force[shown], ".", ms=3, label=f"{name or 'loading '}nodes")
+        visible = rows.nodes.force <= end
+        left.loglog(rows.nodes.u[visible], rows.nodes.force[visible], ".", ms=3, label=f"{name or 'loading '}nodes")
         reach = float(np.ravel(exact.contact.radius)[0]) / length  # a law is undefined beyond R
-        u = np.geomspace(rows.nodes.u[0], min(rows.nodes.u[shown][-1], reach) * (1 - 1e-12), 4000)
+        u = np.geomspace(rows.nodes.u[0], min(rows.nodes.u[visible][-1], reach) * (1 - 1e-12), 4000)
         for quantity in ("force", "stiffness"):
             with quiet():  # the table's end, not a load of the user's
                 error = getattr(rows, quantity)(u * length) / getattr(exact, quantity)(u * length) - 1

@@ -122,8 +122,8 @@ def contact_figure(contact, step):
     left.set_title(f"{step.load:.3g} N: {len(step.micro)} micro-contacts, {step.contact_area * 1e12:.4g} µm²", fontsize=10)
     micro = step.micro
     for state, (name, colour) in enumerate(zip(("elastic", "elastic-plastic", "plastic"), STATE_COLOURS, strict=True)):
-        chosen = micro.state == state
-        right.loglog(micro.area[chosen] * 1e12, micro.force[chosen], "o", color=colour, ms=5, label=f"{name}: {chosen.sum()}")
+        mask = micro.state == state
+        right.loglog(micro.area[mask] * 1e12, micro.force[mask], "o", color=colour, ms=5, label=f"{name}: {mask.sum()}")
     right.set(xlabel="contact area (µm²)", ylabel="force (N)", title="micro-contacts")
     right.title.set_fontsize(10)
     right.legend(fontsize=8)

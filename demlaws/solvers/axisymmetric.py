@@ -278,10 +278,10 @@ class _Solver:
         keep = np.concatenate([[True], np.diff(np.maximum.accumulate(drop)) > 0])
         drop, radii = drop[keep], r[keep]
         levels = np.array([-_FLANK, -_END])
-        found = np.interp(levels, drop, radii)
+        edge_radii = np.interp(levels, drop, radii)
         if drop[-1] < levels[1]:
-            found[1] = radii[-1] + (levels[1] - drop[-1]) * (radii[-1] - radii[-3]) / (drop[-1] - drop[-3])
-        return _State(log_force, approach, s, r, np.log(found)), point
+            edge_radii[1] = radii[-1] + (levels[1] - drop[-1]) * (radii[-1] - radii[-3]) / (drop[-1] - drop[-3])
+        return _State(log_force, approach, s, r, np.log(edge_radii)), point
 
     def reach(self, log_force):
         """March to log_force; all accepted points are appended to self.points. Stops short where the core is flat."""

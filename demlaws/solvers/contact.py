@@ -94,9 +94,9 @@ def _describe(p, stats, patches, pixel_x, pixel_y, remembers, out):
         out[n, 4], out[n, 5] = side * math.sqrt(aspect), side / math.sqrt(aspect)
         out[n, 6], out[n, 7] = angle, indentation
         out[n, 8], out[n, 9], out[n, 10] = force, area, state
-        kept = residual(p, mean, force, area, indentation, values[6], values[7], state)
+        remainder = residual(p, mean, force, area, indentation, values[6], values[7], state)
         if state != ELASTIC:
-            out[n, 11] = 1.0 - kept / indentation
+            out[n, 11] = 1.0 - remainder / indentation
             out[n, 12] = blunt * area / values[5]
             out[n, 13] = 1.5 * force / (area * p.hardness) * (1.0 + 1e-9)  # rounding is no yield
         else:
@@ -105,7 +105,7 @@ def _describe(p, stats, patches, pixel_x, pixel_y, remembers, out):
 
 
 @loop
-def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
+def _deform(h, cut, labels, patch_of, table, heights, spread, limit):
     """Shrink plastic patches towards the cut, together with the ring of pixels round them, and note what they remember.
 
     Scaling h - cut on both sides of the contour keeps the contour, and so the area, where it is. The pixels of the ring
@@ -115,11 +115,11 @@ def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
     for i in range(rows):
         for j in range(columns):
             label = labels[i, j]
-            chosen, carried = -1, 0.0
+            patch, yield_limit = -1, 0.0
             if label:
-                chosen = patch_of[label] - 1
-                if described[chosen, 10] != ELASTIC:
-                    carried = described[chosen, 13]
+                patch = patch_of[label] - 1
+                if table[patch, 10] != ELASTIC:
+                    yield_limit = table[patch, 13]
             elif h[i, j] == h[i, j]:
                 largest = -1.0
                 for di in range(-1, 2):
@@ -129,15 +129,15 @@ def _deform(h, cut, labels, patch_of, described, heights, spread, limit):
                         a, b = i + di, j + dj
                         if 0 <= a < rows and 0 <= b < columns and labels[a, b]:
                             n = patch_of[labels[a, b]] - 1
-                            if described[n, 11] > largest:
-                                largest, chosen = described[n, 11], n
-                            if described[n, 10] != ELASTIC:
-                                carried = max(carried, described[n, 13])
-            if carried > 0.0:
-                limit[i, j] = carried
-            if chosen >= 0 and described[chosen, 10] != ELASTIC:
-                heights[i, j] += (described[chosen, 11] - 1.0) * (h[i, j] - cut)
-                spread[i, j] = described[chosen, 12]
+                            if table[n, 11] > largest:
+                                largest, patch = table[n, 11], n
+                            if table[n, 10] != ELASTIC:
+                                yield_limit = max(yield_limit, table[n, 13])
+            if yield_limit > 0.0:
+                limit[i, j] = yield_limit
+            if patch >= 0 and table[patch, 10] != ELASTIC:
+                heights[i, j] += (table[patch, 11] - 1.0) * (h[i, j] - cut)
+                spread[i, j] = table[patch, 12]
 
 
 class MicroContacts:
@@ -282,20 +282,20 @@ class RoughContact:
         px, py = self.heights.pixel_x, self.heights.pixel_y
         remembers = self.spread is not None
         _describe(self.material, self._stats, patches, px, py, remembers, table)
-        held = table if labels is not None else table[table[:, 8] > 0]
-        micro = MicroContacts(held[held[:, 8] > 0])
+        rows = table if labels is not None else table[table[:, 8] > 0]
+        micro = MicroContacts(rows[rows[:, 8] > 0])
         step = LoadStep(
-            load=float(held[:, 8].sum()),
+            load=float(rows[:, 8].sum()),
             separation=cut - self.mean,
             overlap=overlap,
-            contact_area=float(held[:, 9].sum()),
-            cut_area=float(held[:, 2].sum()),
-            volume=float(held[:, 3].sum()),
+            contact_area=float(rows[:, 9].sum()),
+            cut_area=float(rows[:, 2].sum()),
+            volume=float(rows[:, 3].sum()),
             counts=tuple(int((micro.state == s).sum()) for s in range(3)),
             micro=micro,
             evaluations=evaluations,
             cut=cut,
-            touches_edge=bool(held[:, 14].any()),
+            touches_edge=bool(rows[:, 14].any()),
         )
         return (step, table) if labels is not None else step
 

@@ -181,18 +181,18 @@ class Binding:
         self.judge_validity()
         rows = self.rows(real_contacts())
         rows = rows[rows["tag"] > 0]
-        found, (banked, opened, lost) = self.pairs.energies(rows), self.account
-        shear = (float(rows["held"].sum()), float(rows["lost"].sum()) + lost) if self.attachment else ()
-        stored, dissipated = float(found["stored"].sum()), float(found["dissipated"].sum()) + banked
-        return Totals(stored, dissipated, max(opened - len(rows), 0), *shear)
+        energies, (past, open_count, loss) = self.pairs.energies(rows), self.account
+        shear = (float(rows["held"].sum()), float(rows["lost"].sum()) + loss) if self.attachment else ()
+        stored, dissipated = float(energies["stored"].sum()), float(energies["dissipated"].sum()) + past
+        return Totals(stored, dissipated, max(open_count - len(rows), 0), *shear)
 
     def contacts(self, interactions=None):
         """`ContactState` of all real contacts of the scene (or of the given ones); also while the simulation runs."""
 
         def read():
-            given = [interactions] if isinstance(interactions, yade.Interaction) else interactions
-            chosen = real_contacts() if given is None else [one for one in given if is_ours(one)]
-            return state_of(self.pairs, chosen, self.rows(chosen))
+            selection = [interactions] if isinstance(interactions, yade.Interaction) else interactions
+            contacts = real_contacts() if selection is None else [one for one in selection if is_ours(one)]
+            return state_of(self.pairs, contacts, self.rows(contacts))
 
         return self.between_engines(read)
 
@@ -415,8 +415,8 @@ class Binding:
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""
         surfaces = [self.pairs.surfaces.get(label, self.pairs.everywhere) for label in (first, second)]
         each = " and ".join("0 m" if surface is None else f"{surface.roughness:g} m" for surface in surfaces)
-        found = judge(radius=radius, roughness=self.pairs.roughnesses[self.pairs.number(first, second)])
-        return f"{found[0].text} (combined of Sq = {each}; R is that of the contact)" if found else None
+        findings = judge(radius=radius, roughness=self.pairs.roughnesses[self.pairs.number(first, second)])
+        return f"{findings[0].text} (combined of Sq = {each}; R is that of the contact)" if findings else None
 
     # --- validity
 
@@ -460,10 +460,10 @@ class Binding:
         largest = float(np.max(rows["radius"], initial=0.0))
         if largest > LARGE_RADIUS:
             self._warn_once("radius", judge(radius=largest)[0].text)
-        for reason, found in beyond.items():
-            count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in found)
+        for reason, entries in beyond.items():
+            count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in entries)
             if count and (number, reason) not in self._said:
-                group, excess, limit = max(found, key=lambda entry: entry[1].max())
+                group, excess, limit = max(entries, key=lambda entry: entry[1].max())
                 worst = group[int(np.argmax(excess))]
                 where = "above" if force[worst] > limit.maximum_force else "below"
                 bound = limit.maximum_force if where == "above" else limit.minimum_force

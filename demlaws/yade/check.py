@@ -14,10 +14,10 @@ def each_once():
 
     laws = registry()
     pairs = [(name, laws[name].default_unloading) for name in laws]
-    tested = {rule for _, rule in pairs}
+    rules = {rule for _, rule in pairs}
     for name in (USUAL, *laws):
-        pairs += [(name, rule) for rule in laws[name].offered() if rule not in tested]
-        tested.update(laws[name].offered())
+        pairs += [(name, rule) for rule in laws[name].offered() if rule not in rules]
+        rules.update(laws[name].offered())
     return pairs
 
 
@@ -28,9 +28,9 @@ def every_pair():
     return [(name, rule) for name, definition in registry().items() for rule in definition.offered()]
 
 
-def main(chosen=each_once):
+def main(select=each_once):
     """Print versions, the bridge, and self-tests of the chosen laws and rules; exit status 1 without the bridge."""
-    started = time.perf_counter()
+    start = time.perf_counter()
     import numba
     import numpy
     import yade
@@ -52,15 +52,15 @@ def main(chosen=each_once):
     print(f"native bridge: available; go is entry {index} of the table that the functor holds at byte {offset}")
     if layout.untested:
         print(layout.untested)
-    pairs = chosen()
+    pairs = select()
     print(f"{len(pairs)} laws with rules are tested, some 3 s each if this machine has not compiled them before", flush=True)
     failures = self_tests(dl, pairs)
     print(f"{'all self-tests passed' if not failures else f'{failures} self-tests FAILED'}", end=" ")
-    print(f"in {time.perf_counter() - started:.1f} s (a law's first use on a machine compiles, later ones read the cache)")
+    print(f"in {time.perf_counter() - start:.1f} s (a law's first use on a machine compiles, later ones read the cache)")
     return 1 if failures else 0
 
 
-def self_tests(dl, chosen):
+def self_tests(dl, pairs):
     """Print a self-test of each (law, rule); the number of failures."""
     from demlaws.core.unloading import GIVEN
     from demlaws.laws.registry import find
@@ -74,13 +74,13 @@ def self_tests(dl, chosen):
     contact = dl.Contact(4.35e-3, 32.32e9, 2.4e-6 * 2**0.5, 2.22, 6.266e9)
     spans = {("granite", "granite"): Span((4.35e-3, 4.35e-3), (32.32e9, 32.32e9))}
     failures = 0
-    for name, rule in chosen:
-        started = time.perf_counter()
+    for name, rule in pairs:
+        start = time.perf_counter()
         try:
-            given, options, unloading = name, find(name).example, rule
+            source, options, unloading = name, find(name).example, rule
             if rule == GIVEN:
-                given, options, unloading = example(name, contact, rule), {}, None
-            binding = Binding("check", Pairs(given, surfaces, unloading, options, spans), "native")
+                source, options, unloading = example(name, contact, rule), {}, None
+            binding = Binding("check", Pairs(source, surfaces, unloading, options, spans), "native")
         except dl.DemlawsError as error:
             print(f"{name:18}{rule:11}  not joined: {str(error).split(': ', 1)[-1][:90]}")
             continue
@@ -90,7 +90,7 @@ def self_tests(dl, chosen):
             failures += 1
             print(f"{name:18}{rule:11}  FAILED: {error}")
             continue
-        print(f"{name:18}{rule:11}{steps:6d}{error:20.1e}{time.perf_counter() - started:8.2f} s", flush=True)
+        print(f"{name:18}{rule:11}{steps:6d}{error:20.1e}{time.perf_counter() - start:8.2f} s", flush=True)
     return failures
 
 

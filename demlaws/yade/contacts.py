@@ -77,9 +77,9 @@ def with_overlaps(rows, contacts):
 
 def state_of(pairs, contacts, rows):
     """`ContactState` of contacts that a law has seen; rows: their histories."""
-    seen = rows["tag"] > 0
-    contacts = [contact for contact, keep in zip(contacts, seen, strict=True) if keep]
-    rows = rows[seen]
+    active = rows["tag"] > 0
+    contacts = [contact for contact, keep in zip(contacts, active, strict=True) if keep]
+    rows = rows[active]
     before = rows.copy()
     answer, _ = pairs.respond(rows)
     energies = pairs.energies(before)

@@ -215,7 +215,7 @@ class Shapes:
         place = address(shape)
         if place not in self._shapes:
             record = np.zeros(1, RECORD)
-            record["shape"], kept = place, [shape]
+            record["shape"], references = place, [shape]
             if isinstance(shape, yade.Facet | yade.Wall | yade.Box):
                 record["kind"] = PLANE
             elif type(shape) is yade.Sphere:
@@ -231,8 +231,8 @@ class Shapes:
                 record["n0"], record["n1"], record["n2"] = field.shape
                 record["low0"], record["low1"], record["low2"] = shape.lsGrid.min
                 record["index"], record["tensors"] = index.ctypes.data, tensors.ctypes.data
-                kept += [index, tensors]
-            self._shapes[place] = record, kept
+                references += [index, tensors]
+            self._shapes[place] = record, references
         return self._shapes[place][0]
 
     def refresh(self, context):

@@ -189,16 +189,16 @@ def _take_up(functor, bridge, stacklevel):
         )
 
 
-def _range(name, unit, given):
+def _range(name, unit, value):
     """(smallest, largest) given by a user, or None."""
-    if given is None:
+    if value is None:
         return None
     try:
-        low, high = map(float, given)
+        low, high = map(float, value)
     except (TypeError, ValueError):
         low = high = math.nan
     if not 0.0 < low <= high < math.inf:
-        raise DemlawsError(f"{name} must be (smallest, largest) in {unit}, got {given!r}")
+        raise DemlawsError(f"{name} must be (smallest, largest) in {unit}, got {value!r}")
     return low, high
 
 
@@ -217,13 +217,13 @@ def _spans(radii, moduli, flats):
             if compliance > 0.0:  # others are refused at their first contact
                 compliances.setdefault(label, set()).add(compliance)
 
-    def of(table, wanted):
+    def of(table, name):
         """Values of the bodies of a label; "" stands for all labels, so that unlisted ones are among them."""
-        return {value for label in table if label == wanted or not wanted for value in table[label]}
+        return {value for label in table if label == name or not name for value in table[label]}
 
     def reach(labels):
         """Effective radii at the ends of the range."""
-        first, second = (of(sizes, wanted) for wanted in labels)
+        first, second = (of(sizes, label) for label in labels)
         ends = [(pick(first), pick(second)) for pick in (min, max) if first and second]
         values = [r * q / (r + q) for r, q in ends]
         for spheres, other in ((first, labels[1]), (second, labels[0])):
@@ -234,7 +234,7 @@ def _spans(radii, moduli, flats):
 
     def span(labels):
         values, every = radii or reach(labels), of(sizes, "")
-        first, second = (of(compliances, wanted) for wanted in labels)
+        first, second = (of(compliances, label) for label in labels)
         meets = len(values) > 0
         if not meets and every:
             values = [0.5 * min(every), max(every)]

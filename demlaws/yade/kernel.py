@@ -219,13 +219,13 @@ def curvature_radius(context, geom, interaction, body1, body2, radius):
         store_word(context + 8 * at.SHAPES_STALE, 1)
         alarm(context)  # the guard reads the new shapes before the next step
         return radius
-    found = math.nan
+    result = math.nan
     if load_word(first + KIND_AT) != 0 and load_word(second + KIND_AT) != 0:
         state1 = load_word(body1 + word(context, at.BODY_STATE))
         state2 = load_word(body2 + word(context, at.BODY_STATE))
         position, orientation = word(context, at.POSITION), word(context, at.ORIENTATION)
         point, normal = geom + word(context, at.POINT), geom + word(context, at.NORMAL)
-        found = call_gap_radius(
+        result = call_gap_radius(
             word(context, at.GAP_RADIUS),
             first,
             state1 + position,
@@ -238,10 +238,10 @@ def curvature_radius(context, geom, interaction, body1, body2, radius):
             radius,
             from_bits(word(context, at.LARGEST_RADIUS)),
         )
-    if not found > 0.0:
-        fault(context, at.FLAT_GAP if found < 0.0 else at.NO_CURVATURE, interaction, radius)
+    if not result > 0.0:
+        fault(context, at.FLAT_GAP if result < 0.0 else at.NO_CURVATURE, interaction, radius)
         return radius
-    return found
+    return result
 
 
 @numba.njit(error_model="numpy", nogil=True)

@@ -99,10 +99,10 @@ def _one_place(cls, name, things, matches):
 def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e33), make=None, read=None):
     """Byte offset of a number: where `values` are found in three objects; a number written there reads back."""
     things = [make(value) if make else cls(**{name: value}) for value in values]
-    wanted = {id(thing): value for thing, value in zip(things, values, strict=True)}
+    value_of = {id(thing): value for thing, value in zip(things, values, strict=True)}
 
     def matches(start, size, thing):
-        return np.flatnonzero(read_memory(start, size, kind) == wanted[id(thing)]) * ctypes.sizeof(kind)
+        return np.flatnonzero(read_memory(start, size, kind) == value_of[id(thing)]) * ctypes.sizeof(kind)
 
     place = _one_place(cls, name, things, matches)
     kind.from_address(_window(things[-1])[0] + place).value = values[0]
@@ -172,10 +172,10 @@ class _SymbolInformation(ctypes.Structure):
 
 def _symbol_at(location):
     """Name of the exported symbol that begins at `location`, or None."""
-    found = _SymbolInformation()
-    if not _libc.dladdr(ctypes.c_void_p(location), ctypes.byref(found)) or found.location != location:
+    information = _SymbolInformation()
+    if not _libc.dladdr(ctypes.c_void_p(location), ctypes.byref(information)) or information.location != location:
         return None
-    return found.symbol.decode()
+    return information.symbol.decode()
 
 
 class Layout:
@@ -319,7 +319,7 @@ class Layout:
         words = read_memory(start, size, ctypes.c_uint64)
         if int(words[0]) != self.table + 16:
             raise BridgeUnavailable(f"{functor!r} is not an untouched {LAW}")
-        found = []
+        slots = []
         for offset in range(8, size - 7, 8):
             table = int(words[offset // 8])
             if not self.table < table < self.table + 4096:
@@ -329,10 +329,10 @@ class Layout:
             thunk = self._symbol(self.library, GO.replace("_ZN", f"_ZThn{offset}_N", 1))
             entries = read_memory(table, 8 * COPIED, ctypes.c_uint64) if table + 8 * COPIED <= self.table_end else []
             places = [n for n, entry in enumerate(entries[:16]) if int(entry) == thunk]
-            found += [(offset, n, thunk) for n in places]
-        if len(found) != 1:
-            raise BridgeUnavailable(f"the virtual function go of {LAW} was found at {len(found)} places, not one")
-        return found[0]
+            slots += [(offset, n, thunk) for n in places]
+        if len(slots) != 1:
+            raise BridgeUnavailable(f"the virtual function go of {LAW} was found at {len(slots)} places, not one")
+        return slots[0]
 
     @property
     def untested(self):
@@ -454,9 +454,9 @@ class Attachment:
     def rows_of(self, contacts):
         """The contacts' histories as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
         numbers = self._numbers(contacts)
-        found = self._history()[numbers].view(at.CONTACT)[:, 0]  # a copy
-        found["tag"][numbers < 0] = 0.0
-        return found
+        rows = self._history()[numbers].view(at.CONTACT)[:, 0]  # a copy
+        rows["tag"][numbers < 0] = 0.0
+        return rows
 
     def saved(self, contacts):
         """(id1, id2, then words of history and springs) of contacts that the law has seen: what `restore` takes."""
@@ -490,17 +490,17 @@ class Attachment:
         contacts: function of all contacts of the one scene in which the law has acted, or None.
         """
         words = self.context.words
-        used = int(words[at.ROWS_USED])
-        if words[at.FREE_TAKEN] < words[at.FREE_COUNT] or used < 2 * self._looked + FEW_ROWS:
+        count = int(words[at.ROWS_USED])
+        if words[at.FREE_TAKEN] < words[at.FREE_COUNT] or count < 2 * self._looked + FEW_ROWS:
             return
-        live = self._history()[:used].view(at.CONTACT)[:, 0]["tag"] != 0.0
-        if contacts is not None and 2 * live.sum() > used:
+        live = self._history()[:count].view(at.CONTACT)[:, 0]["tag"] != 0.0
+        if contacts is not None and 2 * live.sum() > count:
             mine = self._numbers(contacts())
-            live = np.isin(np.arange(used), mine)
-            self.rows[:used][~live] = 0
+            live = np.isin(np.arange(count), mine)
+            self.rows[:count][~live] = 0
         self._free = np.flatnonzero(~live)
         words[at.FREE], words[at.FREE_COUNT], words[at.FREE_TAKEN] = self._free.ctypes.data, len(self._free), 0
-        self._looked = max(int(live.sum()), used // 4)
+        self._looked = max(int(live.sum()), count // 4)
 
     def set_radius(self, contact, radius):
         """Give a contact that the law has seen another R, and its row what follows from it."""

@@ -82,26 +82,26 @@ class Source:
     holds its own.)
     """
 
-    def __init__(self, given, options):
+    def __init__(self, law, options):
         self.table, self.curve, self.ratios = None, None, (1.0, 1.0, 1.0)
-        if isinstance(given, Path) or (isinstance(given, str) and ("/" in given or "." in given)):
-            given = Table.load(given)
-        if isinstance(given, Table):
-            self.table, self.name, self.options = given, given.name, dict(given.options)
+        if isinstance(law, Path) or (isinstance(law, str) and ("/" in law or "." in law)):
+            law = Table.load(law)
+        if isinstance(law, Table):
+            self.table, self.name, self.options = law, law.name, dict(law.options)
             if options:
                 raise DemlawsError(f"a table takes no options, got {', '.join(options)}: give them when tabulating")
-            if given.contact.size is not None:
+            if law.contact.size is not None:
                 raise DemlawsError("this table is bound to an array of contacts: bind it to one, table.bound_to(contact)")
-        elif isinstance(given, Law):
-            self.name, self.options = given.name, {**given.options, **options}
-        elif isinstance(given, str):
-            self.name, self.options = find(given).name, dict(options)
+        elif isinstance(law, Law):
+            self.name, self.options = law.name, {**law.options, **options}
+        elif isinstance(law, str):
+            self.name, self.options = find(law).name, dict(options)
         else:
-            raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {given!r}")
-        self.definition = given.definition if isinstance(given, Law) else find(self.name)
-        self.unloading = getattr(given, "unloading", self.definition.default_unloading)
+            raise DemlawsError(f"law must be a law's name, a Law, a Table or the path of a table, got {law!r}")
+        self.definition = law.definition if isinstance(law, Law) else find(self.name)
+        self.unloading = getattr(law, "unloading", self.definition.default_unloading)
         if self.table is None and self.unloading == GIVEN:
-            self.curve, self.ratios = Source(given.unloading_law, {}), tuple(given.shape[2:])
+            self.curve, self.ratios = Source(law.unloading_law, {}), tuple(law.shape[2:])
 
     def unload_along(self, curve):
         """Unload along a law or a `Table`, on the contact's own surfaces."""
@@ -139,8 +139,8 @@ class Source:
             if self.curve is None:
                 raise DemlawsError(f"unloading {GIVEN!r} needs its curve: give a law or a table as `unloading`")
             changes = zip(("radius", "modulus", "roughness"), self.ratios, strict=True)
-            own = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
-            unloading = self.curve._bound(own, "elastic")
+            curve_contact = contact.with_values(**{name: ratio * getattr(contact, name) for name, ratio in changes})
+            unloading = self.curve._bound(curve_contact, "elastic")
         return law(self.name, contact, unloading, **self.options)
 
     def shape(self, surface, unloading, span):
@@ -174,15 +174,15 @@ class Source:
         contact = self.table.contact
         if surface.roughness == 0.0 and self.table.curve.shape.length_over_roughness:
             return None
-        own = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
-        table = self.table.joined(unloading) if own and unloading != self.table.unloading else self.table
+        law_curve = "law" in {self.definition.rule(rule).curve for rule in (unloading, self.table.unloading)}
+        table = self.table.joined(unloading) if law_curve and unloading != self.table.unloading else self.table
         for name, unit in (("fractal_dimension", ""), ("hardness", " Pa"), ("roughness", " m")):
-            wanted, made_for = getattr(surface, name), getattr(contact, name)
+            value, made_for = getattr(surface, name), getattr(contact, name)
             free = name == "roughness" and self.table.collapses
-            if free or wanted is None or made_for is None:
+            if free or value is None or made_for is None:
                 continue
-            if not math.isclose(wanted, made_for, rel_tol=1e-6):
-                raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {wanted:g}{unit}")
+            if not math.isclose(value, made_for, rel_tol=1e-6):
+                raise DemlawsError(f"the table is for {name} = {made_for:g}{unit}, the surfaces have {value:g}{unit}")
         return table.shape
 
     def only_for(self, span):
@@ -235,7 +235,7 @@ class Pairs:
     """
 
     def __init__(
-        self, given, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT, radius=None
+        self, law, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT, radius=None
     ):
         if not isinstance(shear, str) or shear not in MODES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, MODES))}, got {shear!r:.60}")
@@ -254,20 +254,20 @@ class Pairs:
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
-        listed = [self.everywhere or Surface(), *self.surfaces.values()]
-        self.radii = Radii(radius, [surface.edge_radius for surface in listed])
+        entries = [self.everywhere or Surface(), *self.surfaces.values()]
+        self.radii = Radii(radius, [surface.edge_radius for surface in entries])
         self._spans = spans if callable(spans) else (spans or {}).get if isinstance(spans, dict) else lambda pair: None
         self.spans = {}
-        if isinstance(given, dict):
-            if not given:
+        if isinstance(law, dict):
+            if not law:
                 raise DemlawsError("law: an empty dict names no law; give a law, or a dict (label, label) → law")
             self.default = None
-            self.special = {self._key(pair): self._source(one, options) for pair, one in given.items()}
+            self.special = {self._key(pair): self._source(one, options) for pair, one in law.items()}
             rules = {source.unloading for source in self.special.values()}
         else:
-            self.default, self.special = self._source(given, options), {}
+            self.default, self.special = self._source(law, options), {}
             rules = {self.default.unloading}
-            if isinstance(given, Law) and not (self.surfaces or self.everywhere or self.smooth):
+            if isinstance(law, Law) and not (self.surfaces or self.everywhere or self.smooth):
                 raise DemlawsError("give surfaces={label: demlaws.Surface(...)} for the materials that the law is for")
         if unloading is None and len(rules) > 1:
             raise DemlawsError(f"the laws have different unloading rules ({', '.join(sorted(rules))}): give unloading=…")
@@ -281,13 +281,13 @@ class Pairs:
         self.rule, self.state_names, self.rule_curve = rule.tag, rule.state, rule.curve
         if self.springs and rule.name not in SLIP_RULES:
             raise DemlawsError(f"shear={SLIP!r} needs unloading {', '.join(SLIP_RULES)}; the law has {rule.name!r}")
-        if not self._make_records(listed, False) and not self._make_records(listed, True):
+        if not self._make_records(entries, False) and not self._make_records(entries, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
         self.hashes = np.array([0] + [at.label_hash(label) for label in self.surfaces], np.int64)
 
     @staticmethod
-    def _source(given, options):
-        return given if isinstance(given, Source) else Source(given, options)
+    def _source(law, options):
+        return law if isinstance(law, Source) else Source(law, options)
 
     @property
     def _sources(self):
@@ -502,13 +502,13 @@ class Pairs:
     def from_text(cls, text):
         """Pairs from the text of a saved scene."""
         content = json.loads(text)
-        given = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
+        law = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:
-            given = Source.from_dict(content["default"])
+            law = Source.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
         options = {name: content[name] for name in ("smooth", "flats", "shear")}
         options["radius"] = Radii.from_portable(content.get("radius"))
-        pairs = cls(given, content["surfaces"], content["unloading"], {}, spans, **options)
+        pairs = cls(law, content["surfaces"], content["unloading"], {}, spans, **options)
         answers = content.get("answers")
         if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):
             raise DemlawsError(

@@ -37,8 +37,8 @@ class Held:
         """(id1, id2, then words of history) of contacts that the law has seen: what `restore` takes."""
         rows = self.rows_of(contacts)
         bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)
-        seen = rows["tag"] > 0
-        return np.hstack([bodies[seen], rows[seen].view(np.int64).reshape(-1, at.CONTACT.itemsize // 8)])
+        active = rows["tag"] > 0
+        return np.hstack([bodies[active], rows[active].view(np.int64).reshape(-1, at.CONTACT.itemsize // 8)])
 
     def restore(self, saved, contacts):
         """Hold the history that `saved` has of contacts of a scene that was loaded."""
@@ -76,11 +76,11 @@ def step(binding):
     binding.guards += 1
     if binding.guards % 50 == 0:
         binding.judge_validity()
-    held, pairs, context = binding.memory, binding.pairs, binding.context
-    held.take(binding)
-    rows = held.rows
+    memory, pairs, context = binding.memory, binding.pairs, binding.context
+    memory.take(binding)
+    rows = memory.rows
     if pairs.radii.mode == at.CURVATURE_RADIUS:
-        for (_, _, contact), row in zip(held.objects, rows, strict=True):
+        for (_, _, contact), row in zip(memory.objects, rows, strict=True):
             if row["modulus"] > 0.0 and row["overlap"] > 0.0:
                 follow(binding, contact, row)
     ending = rows[rows["overlap"] <= 0]
@@ -90,15 +90,15 @@ def step(binding):
         context.doubles[at.BANKED] += pairs.energies(at_rest)["dissipated"].sum()
     deep = (rows["overlap"] > SMALL_OVERLAP * rows["radius"]) & (rows["modulus"] > 0.0)
     for n in np.flatnonzero(deep & (rows["overlap"] > LARGEST_OVERLAP * rows["radius"])):
-        _stop(binding, held.keys[n], at.TOO_DEEP, rows["overlap"][n], rows["radius"][n])
+        _stop(binding, memory.keys[n], at.TOO_DEEP, rows["overlap"][n], rows["radius"][n])
     if deep.any() and not context.words[at.DEEP]:
         context.words[at.DEEP] = 2
         binding.warn_of_deep(rows)
     answer, bad = pairs.respond(rows)
     if bad >= 0:
-        _stop(binding, held.keys[bad], at.NOT_FINITE, rows["overlap"][bad])
+        _stop(binding, memory.keys[bad], at.NOT_FINITE, rows["overlap"][bad])
     reduced = isinstance(pairs.mode, Passive)
-    for (_, phys, _), row, (kno, kso, *_) in zip(held.objects, rows, answer.tolist(), strict=True):
+    for (_, phys, _), row, (kno, kso, *_) in zip(memory.objects, rows, answer.tolist(), strict=True):
         overlap = float(row["overlap"])
         stiffness = kso * math.sqrt(overlap) if overlap > 0.0 else 0.0
         if reduced:
@@ -108,7 +108,7 @@ def step(binding):
         if overlap > 0.0:
             phys.kno, phys.kso = kno, kso
         row["shear"] = stiffness
-    held.tangents = answer["tangent"].tolist()
+    memory.tangents = answer["tangent"].tolist()
     binding.warn_of_shapes()
 
 
@@ -176,13 +176,15 @@ def follow(binding, contact, row):
 
 def finish(binding, never_erase):
     """Leave the tangent where the time stepper looks for it; erase ended contacts, which LawDispatcher does not."""
-    held, ended = binding.held, []
-    for (_, phys, contact), overlap, tangent in zip(held.objects, held.rows["overlap"].tolist(), held.tangents, strict=True):
+    memory, separations = binding.held, []
+    for (_, phys, contact), overlap, tangent in zip(
+        memory.objects, memory.rows["overlap"].tolist(), memory.tangents, strict=True
+    ):
         if overlap > 0.0:
             phys.kn = tangent
         elif overlap < 0.0:
-            ended.append(contact)
-    if ended and not never_erase:
-        for contact in ended:
+            separations.append(contact)
+    if separations and not never_erase:
+        for contact in separations:
             yade.O.interactions.erase(contact.id1, contact.id2)
-        binding.context.words[at.OPEN] -= len(ended)
+        binding.context.words[at.OPEN] -= len(separations)

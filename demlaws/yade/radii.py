@@ -69,9 +69,9 @@ class Radii:
 
     def is_new(self, contact):
         """Whether a contact has not been seen by this method: true once."""
-        key, begun = (contact.id1, contact.id2), contact.iterMadeReal
-        new = self.known.get(key) != begun
-        self.known[key] = begun
+        key, start = (contact.id1, contact.id2), contact.iterMadeReal
+        new = self.known.get(key) != start
+        self.known[key] = start
         return new
 
     def call(self, contact):

@@ -45,8 +45,8 @@ def restitution(pairs, first, second, speed, en=None):
     if all(map(math.isinf, masses)):
         raise DemlawsError("two fixed bodies do not collide: give one that moves (a sphere without fixed=True)")
     home = O.thisScene
-    own = O.addScene()
-    O.switchToScene(own)
+    scratch = O.addScene()
+    O.switchToScene(scratch)
     try:
         return _bounce(Binding("impact", pairs, "native"), lower, upper, 1.0 / sum(1.0 / m for m in masses), speed, en)
     finally:
@@ -54,21 +54,20 @@ def restitution(pairs, first, second, speed, en=None):
         O.switchToScene(home)
 
 
-def en_for(pairs, first, second, speed, wanted):
-    """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys with which the rebound of these bodies is `wanted` times their speed."""
+def en_for(pairs, first, second, speed, ratio):
+    """The `en` of Ip2_FrictMat_FrictMat_MindlinPhys with which the rebound of these bodies is `ratio` times their speed."""
     most = restitution(pairs, first, second, speed)
-    if not (isinstance(wanted, Real) and 0.0 < wanted <= most):
+    if not (isinstance(ratio, Real) and 0.0 < ratio <= most):
         raise DemlawsError(
-            f"a restitution of {wanted!r} is not possible at {speed:g} m/s: the law itself dissipates energy, "
-            f"at most {most:.4f}"
+            f"a restitution of {ratio!r} is not possible at {speed:g} m/s: the law itself dissipates energy, at most {most:.4f}"
         )
 
     def excess(en):
-        return restitution(pairs, first, second, speed, en) - wanted
+        return restitution(pairs, first, second, speed, en) - ratio
 
     least = 1e-3
     if excess(least) > 0.0:
-        raise DemlawsError(f"a restitution of {wanted!r} is below that of en = {least:g}")
+        raise DemlawsError(f"a restitution of {ratio!r} is below that of en = {least:g}")
     return float(brentq(excess, least, 1.0, xtol=1e-4)) if excess(1.0) > 0.0 else 1.0
 
 

@@ -17,10 +17,10 @@ SCENES = tuple(name + packed for name in (".xml", ".yade", ".bin") for packed in
 
 def executable(name="yade"):
     """Path of the system's yade (or yade-batch); the environment variable YADE names another."""
-    chosen = os.environ.get("YADE") or "yade"
-    path = shutil.which(chosen)
+    command = os.environ.get("YADE") or "yade"
+    path = shutil.which(command)
     if path is None:
-        raise DemlawsError(f"no {chosen!r} command was found: {INSTALL}")
+        raise DemlawsError(f"no {command!r} command was found: {INSTALL}")
     if name != "yade":
         batch = shutil.which(f"{path}-batch")
         if batch is None:
@@ -41,14 +41,14 @@ def python_of(yade):
 
 def modules_of(yade):
     """Folder of YADE's Python modules that a yade start script puts on the path, or None where it does not say."""
-    found = re.search(r"^sys\.path\.insert\(\d+, *'([^']+)'\)", Path(yade).read_text(errors="replace"), re.M)
-    return Path(found.group(1)) if found else None
+    match = re.search(r"^sys\.path\.insert\(\d+, *'([^']+)'\)", Path(yade).read_text(errors="replace"), re.M)
+    return Path(match.group(1)) if match else None
 
 
 def numpy_built_for(folder="/usr/lib/python3/dist-packages"):
     """Major version of the numpy that the system's Python packages, YADE among them, are built for; None if there is none."""
-    found = [d.version for d in importlib.metadata.distributions(name="numpy", path=[folder])]
-    return int(found[0].split(".")[0]) if found else None
+    versions = [d.version for d in importlib.metadata.distributions(name="numpy", path=[folder])]
+    return int(versions[0].split(".")[0]) if versions else None
 
 
 def environment():
@@ -58,17 +58,17 @@ def environment():
 
     import demlaws
 
-    wanted = python_of(executable())
-    if wanted is not None and wanted != sys.version_info[:2]:
+    version = python_of(executable())
+    if version is not None and version != sys.version_info[:2]:
         raise DemlawsError(
-            f"YADE runs on Python {wanted[0]}.{wanted[1]}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
+            f"YADE runs on Python {version[0]}.{version[1]}, this is {sys.version_info[0]}.{sys.version_info[1]}: install "
             "demlaws in a venv of that Python (/usr/bin/python3 -m venv --system-site-packages)"
         )
-    built, major = numpy_built_for(), int(numpy.__version__.split(".")[0])
-    if built is not None and major > built:
+    system_major, major = numpy_built_for(), int(numpy.__version__.split(".")[0])
+    if system_major is not None and major > system_major:
         raise DemlawsError(
-            f"this system's YADE is built for numpy {built}, this is numpy {numpy.__version__}: "
-            f"pip install 'numpy<{built + 1}' in this venv"
+            f"this system's YADE is built for numpy {system_major}, this is numpy {numpy.__version__}: "
+            f"pip install 'numpy<{system_major + 1}' in this venv"
         )
     folders = []
     for module in (demlaws, numba, numpy):

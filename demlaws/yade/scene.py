@@ -85,15 +85,15 @@ def _runs(engine, command):
 
 def visible(engines):
     """An engine list without guards and the engines of the public way."""
-    shown, skip = [], 0
+    result, skip = [], 0
     for engine in engines:
         if skip:
             skip -= 1
         elif _runs(engine, PREPARE):
             skip = HIDDEN - 1
         elif not _runs(engine, GUARD_COMMAND):
-            shown.append(engine)
-    return shown
+            result.append(engine)
+    return result
 
 
 def get_visible():
@@ -135,7 +135,7 @@ def set_functors(dispatcher, functors):
         return
     if O.interactions.countReal():
         raise DemlawsError(_switch_text())
-    gone = [f for f in before if is_ours(f) and not any(f is other for other in functors)]
+    old = [f for f in before if is_ours(f) and not any(f is other for other in functors)]
     try:
         FUNCTORS.__set__(dispatcher, functors)
         set_visible(get_visible())
@@ -143,7 +143,7 @@ def set_functors(dispatcher, functors):
         FUNCTORS.__set__(dispatcher, before)
         set_visible(get_visible())
         raise
-    for functor in gone:
+    for functor in old:
         functor.binding.leave()
 
 
@@ -238,10 +238,10 @@ def _refuse_other_physics(engine):
     """YADE would end the process at the first contact of a loop that makes another law's physics."""
     if not isinstance(engine, yade.InteractionLoop) or not any(is_ours(f) for f in engine.lawDispatcher.functors):
         return
-    listed = [type(f).__name__ for f in engine.physDispatcher.functors]
-    if listed and not any("Mindlin" in name for name in listed):
+    names = [type(f).__name__ for f in engine.physDispatcher.functors]
+    if names and not any("Mindlin" in name for name in names):
         raise DemlawsError(
-            f"the law's contacts need Ip2_FrictMat_FrictMat_MindlinPhys, InteractionLoop has {', '.join(listed)}: put it there"
+            f"the law's contacts need Ip2_FrictMat_FrictMat_MindlinPhys, InteractionLoop has {', '.join(names)}: put it there"
         )
 
 
@@ -256,8 +256,8 @@ def _take_over(functor, old):
 def _refuse_switch(engines, before, laws, old):
     """YADE keeps the functor of each contact: only the same law may be assigned while contacts exist."""
 
-    def others(listed):
-        return {native.address(f) for _, _, f in law_functors(visible(listed)) if not is_ours(f) and not dummy_for(f)}
+    def others(engines):
+        return {native.address(f) for _, _, f in law_functors(visible(engines)) if not is_ours(f) and not dummy_for(f)}
 
     if not (laws or old) or O.interactions.countReal() == 0:
         return
@@ -341,16 +341,16 @@ class as_saved:
                 O.tags[HISTORY.format(label=functor.label)] = functor.binding.history()
                 self.kept.append((dispatcher, list(dispatcher.functors)))
         self.runners = [(engine, engine.nDone) for engine in get_engines() if _runs(engine, GUARD_COMMAND)]
-        for dispatcher, listed in self.kept:
-            FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_ours(f) else f for f in listed])
+        for dispatcher, functors in self.kept:
+            FUNCTORS.__set__(dispatcher, [_placeholder(label=f.label) if is_ours(f) else f for f in functors])
         for runner, _ in self.runners:
             runner.nDone = 0
 
     def __exit__(self, *error):
-        for dispatcher, listed in self.kept:
-            FUNCTORS.__set__(dispatcher, listed)
-        for runner, done in self.runners:
-            runner.nDone = done
+        for dispatcher, functors in self.kept:
+            FUNCTORS.__set__(dispatcher, functors)
+        for runner, count in self.runners:
+            runner.nDone = count
 
 
 _placeholder = yade.Law2_L3Geom_FrictPhys_ElPerfPl
@@ -392,8 +392,8 @@ def _attach_loaded():
 def _restored(label, known, text):
     content = json.loads(text)
     if known is not None:
-        own = json.loads(known.binding.as_text(content["attributes"]))
-        if own | {"account": None} == content | {"account": None}:
+        current = json.loads(known.binding.as_text(content["attributes"]))
+        if current | {"account": None} == content | {"account": None}:
             known.updateAttrs(content["attributes"])
             return known
     law = Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)

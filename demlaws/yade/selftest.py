@@ -22,15 +22,15 @@ def _overlaps(deepest):
     return deepest * path[1:]
 
 
-def _deepest(pairs, row, wanted):
+def _deepest(pairs, row, overlap):
     """The wanted overlap [m], halved until the law has a force there (a table ends)."""
-    while wanted > 0.0:
+    while overlap > 0.0:
         trial = row.copy()
-        trial["overlap"] = wanted
+        trial["overlap"] = overlap
         if pairs.respond(trial)[1] < 0:
             break
-        wanted *= 0.5
-    return wanted
+        overlap *= 0.5
+    return overlap
 
 
 def run(binding):
@@ -45,9 +45,9 @@ def run(binding):
             "law before O.run and let the PyRunner use it"
         )
     home = omega.thisScene
-    own = omega.addScene()  # a new one each time: O.reset() drops them, and switching to a dropped one does nothing
-    omega.switchToScene(own)
-    if omega.thisScene != own or own == home or len(omega.bodies) or get_engines():
+    scratch = omega.addScene()  # a new one each time: O.reset() drops them, and switching to a dropped one does nothing
+    omega.switchToScene(scratch)
+    if omega.thisScene != scratch or scratch == home or len(omega.bodies) or get_engines():
         omega.switchToScene(home)
         raise SelfTestFailed("YADE gave no scene of its own to the self-test")
     try:
@@ -91,10 +91,10 @@ def _compare(binding, omega):
         omega.step()
         contact = omega.interactions[0, 1] if omega.interactions.has(0, 1) else None
         touching = contact is not None and contact.isReal
-        reached = contact.geom.penetrationDepth if touching else min(overlap, 0.0)
-        row["overlap"] = reached
+        depth = contact.geom.penetrationDepth if touching else min(overlap, 0.0)
+        row["overlap"] = depth
         answer, _ = pairs.respond(row)
-        expected = answer["kno"][0] * reached * np.sqrt(reached) if reached > 0 else 0.0
+        expected = answer["kno"][0] * depth * np.sqrt(depth) if depth > 0 else 0.0
         force = omega.forces.f(1)[2]
         applied.append(force)
         largest, wrong, steps = max(largest, expected), max(wrong, abs(force - expected)), steps + 1

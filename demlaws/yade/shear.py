@@ -74,9 +74,9 @@ def probe(context, this, geom_pointer, phys_pointer, interaction, x, y, z):
     """Tangential displacement of this step, positive along the shear force that it makes [m], and the tangential vector
     (x, y, z) turned with the contact as the native law turns it. Nothing else is changed."""
     phys = load_word(phys_pointer)
-    block, kept = phys + word(context, at.BLOCK), scratch()
+    block, backup = phys + word(context, at.BLOCK), scratch()
     for n in range(word(context, at.BLOCK_WORDS)):
-        store_word(kept + 8 * n, load_word(block + 8 * n))
+        store_word(backup + 8 * n, load_word(block + 8 * n))
     number = at.PROBED
     while word(context, number) != 0:
         store_double(phys + word(context, number), 0.0)
@@ -86,7 +86,7 @@ def probe(context, this, geom_pointer, phys_pointer, interaction, x, y, z):
     call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
     step, turned = load_vector(displacement), load_vector(stretch)
     for n in range(word(context, at.BLOCK_WORDS)):
-        store_word(block + 8 * n, load_word(kept + 8 * n))
+        store_word(block + 8 * n, load_word(backup + 8 * n))
     return step, (turned[0] - step[0], turned[1] - step[1], turned[2] - step[2])
 
 
@@ -123,11 +123,11 @@ def _before(mode, context, phys, row, stiffness):
 
 
 @kernel
-def account(row, stiffness, held, lost):
+def account(row, stiffness, stored, loss):
     """Write K_t [N/m], the energy of shear that the contact stores and the energy that it has lost in this step [J]."""
     store_double(row + at.SHEAR_STIFFNESS, stiffness)
-    store_double(row + at.SHEAR_HELD, held)
-    store_double(row + at.SHEAR_LOST, load_double(row + at.SHEAR_LOST) + lost)
+    store_double(row + at.SHEAR_HELD, stored)
+    store_double(row + at.SHEAR_LOST, load_double(row + at.SHEAR_LOST) + loss)
 
 
 @kernel
@@ -135,20 +135,20 @@ def go_as_one_spring(context, this, geom_pointer, phys_pointer, interaction, row
     """Call the native law and account for the energy of shear."""
     phys = load_word(phys_pointer)
     place = phys + word(context, at.SHEAR_FORCE)
-    old, held = load_vector(place), load_double(row + at.SHEAR_HELD)
+    old, stored = load_vector(place), load_double(row + at.SHEAR_HELD)
     keep = call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
     if not stiffness > 0.0:
-        account(row, 0.0, 0.0, held)
+        account(row, 0.0, 0.0, stored)
         return keep
     compliance = 0.5 / stiffness
     new, normal = load_vector(place), load_vector(phys + word(context, at.NORMAL_FORCE))
     friction = load_double(phys + word(context, at.FRICTION)) * (1.0 - SLACK)
     first, last = compliance * dot(old, old), compliance * dot(new, new)
-    lost = held - first
+    loss = stored - first
     if first + last > 0.0 and dot(new, new) >= friction * friction * dot(normal, normal):  # it slides
         step, turned = probe(context, this, geom_pointer, phys_pointer, interaction, old[0], old[1], old[2])
-        lost += 0.5 * (dot(turned, step) + dot(new, step)) - (last - first)
-    account(row, stiffness, last, lost)
+        loss += 0.5 * (dot(turned, step) + dot(new, step)) - (last - first)
+    account(row, stiffness, last, loss)
     return keep
 
 

@@ -87,12 +87,12 @@ def _recoverable(rule, overlap, state):
 
 
 @kernel
-def join(springs, count, held, share):
-    """Join springs in pairs, with the mean of their stretches; held: stiffness [N/m] of the contact in the last step."""
+def join(springs, count, previous, share):
+    """Join springs in pairs, with the mean of their stretches; previous: stiffness [N/m] of the contact in the last step."""
     stretch = springs + 8 * (FRAME_WORDS + 2 * count)
     for k in range(count):
-        first = min(max(held / share - 2 * k, 0.0), 1.0) if 2 * k < count else 0.0
-        second = min(max(held / share - 2 * k - 1, 0.0), 1.0) if 2 * k + 1 < count else 0.0
+        first = min(max(previous / share - 2 * k, 0.0), 1.0) if 2 * k < count else 0.0
+        second = min(max(previous / share - 2 * k - 1, 0.0), 1.0) if 2 * k + 1 < count else 0.0
         for axis in range(2):
             row, mean = stretch + 8 * axis * count, 0.0
             if first > 0.0:
@@ -115,19 +115,19 @@ def _compress(mode, rule, p, context, row, overlap, force, stiffness, state):
         springs, count = row + word(context, at.SPRINGS), word(context, at.SPRING_COUNT)
         ends = springs + 8 * FRAME_WORDS
         share, ratio = load_double(springs + 48), load_double(row + at.RATIO_OF_ROW)
-        held = load_double(row + at.SHEAR_STIFFNESS) / ratio if ratio > 0.0 else 0.0
+        previous = load_double(row + at.SHEAR_STIFFNESS) / ratio if ratio > 0.0 else 0.0
         old = share
         if share == 0.0:
             share = stiffness / count
         while stiffness > count * share * (1.0 + 1e-12):
-            join(springs, count, held, share)
+            join(springs, count, previous, share)
             share *= 2.0
         if share != old:
             store_double(springs + 48, share)
             for k in range(count):
                 store_double(ends + 8 * k, -1.0)
         depth = recoverable(rule, overlap, state)
-        before, carried = 0.0, 0.0
+        before, total = 0.0, 0.0
         for k in range(count):
             low, high = k * share, (k + 1) * share
             if low >= stiffness:
@@ -138,9 +138,9 @@ def _compress(mode, rule, p, context, row, overlap, force, stiffness, state):
                 high, end = stiffness, stiffness * depth - force
             mean = max(depth - (end - before) / (high - low), 0.0) if high > low else 0.0
             store_double(ends + 8 * (count + k), mean)
-            carried += (high - low) * mean
+            total += (high - low) * mean
             before = end
-        store_double(springs + 56, force / carried if carried > 0.0 else 0.0)
+        store_double(springs + 56, force / total if total > 0.0 else 0.0)
 
     return write
 
@@ -186,13 +186,13 @@ def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row,
         old_first, old_second = first, cross(normal, first)
     second = cross(normal, first)
     share, ratio = load_double(springs + 48), load_double(row + at.RATIO_OF_ROW)
-    top, held = stiffness / ratio, load_double(row + at.SHEAR_STIFFNESS) / ratio
+    top, previous = stiffness / ratio, load_double(row + at.SHEAR_STIFFNESS) / ratio
     limit = load_double(phys + word(context, at.FRICTION)) * load_double(springs + 56) / ratio
     along, across, most, work, stored = 0.0, 0.0, 0.0, 0.0, 0.0
     du, dv = dot(step, first), dot(step, second)
     for k in range(count):  # as `slip_step`
         here = stretch + 8 * k
-        part, was = min(max(top / share - k, 0.0), 1.0), min(max(held / share - k, 0.0), 1.0)
+        part, was = min(max(top / share - k, 0.0), 1.0), min(max(previous / share - k, 0.0), 1.0)
         if part == 0.0 or k * share >= top:
             store_double(here, 0.0)
             store_double(here + 8 * count, 0.0)
