@@ -16,7 +16,7 @@ from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import is_own
+from demlaws.laws.registry import is_user_defined
 from demlaws.response import Response, as_given
 from demlaws.units import number
 from demlaws.unloading import ELASTIC, Unloading, joined_shape, refuse_unless_passive
@@ -51,7 +51,7 @@ class Law(Response):
         self.state_size = len(self.state_names)
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params = bind_params(self.shape, contact)
-        if unloading.rule.curve == "law" and unloading.beside is None and is_own(self.definition):
+        if unloading.rule.curve == "law" and unloading.beside is None and is_user_defined(self.definition):
             from demlaws.soundness import refuse_unsound_rule
 
             refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))

@@ -8,7 +8,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.curve import NO_YIELD, BulkYield, TableShape
 from demlaws.laws.definition import Definition
-from demlaws.laws.registry import is_own
+from demlaws.laws.registry import is_user_defined
 
 
 class ClosedForm:
@@ -66,14 +66,14 @@ class ClosedForm:
 
     def check(self, contact: Contact) -> None:
         """Raise DemlawsError where a user-defined law is inadmissible on this contact."""
-        if is_own(self.definition) and not isinstance(self.shape, TableShape):
+        if is_user_defined(self.definition) and not isinstance(self.shape, TableShape):
             from demlaws.soundness import refuse_unsound
 
             refuse_unsound(self.definition, self.shape, contact, self.options)
 
     def check_collapse(self, contact: Contact) -> None:
         """Raise DemlawsError where the curve of a user-defined law does not serve all contacts, as its definition states."""
-        if is_own(self.definition) and self.definition.collapses:
+        if is_user_defined(self.definition) and self.definition.collapses:
             from demlaws.soundness import refuse_unless_collapses
 
             refuse_unless_collapses(self, contact)

@@ -24,7 +24,7 @@ GROUP = "demlaws.laws"
 """Entry points of this group, of any installed package, bring laws."""
 VARIABLE = "DEMLAWS_LAWS"
 """Environment variable with files of laws, as PATH has folders: every process finds them, those that engines start too."""
-_own: dict[str, Definition] = {}
+_user_laws: dict[str, Definition] = {}
 _homes: dict[str, str] = {}  # law → file or module that registered it
 _marks: dict[str, str] = defaultdict(str)  # law → check value of that file when it registered
 _loaded: set[str] = set()  # files
@@ -55,7 +55,7 @@ def _registered() -> dict[str, Definition]:
         except BaseException:
             _looked[0] = False
             raise
-    return _own
+    return _user_laws
 
 
 def laws() -> list[str]:
@@ -71,15 +71,15 @@ def find(name: str) -> Definition:
     """The law of this name, or an error that lists the names."""
     if isinstance(name, str) and name in _BUILT_IN:
         return _built_in(name)
-    known = _registered()
-    if not isinstance(name, str) or name not in known:
+    user_laws = _registered()
+    if not isinstance(name, str) or name not in user_laws:
         raise DemlawsError(f"unknown law {name!r}{did_you_mean(name, laws())} The laws are {', '.join(laws())}")
-    return known[name]
+    return user_laws[name]
 
 
-def is_own(definition: Definition) -> bool:
+def is_user_defined(definition: Definition) -> bool:
     """Whether a user registered this definition."""
-    return _own.get(definition.name) is definition
+    return _user_laws.get(definition.name) is definition
 
 
 def home_of(name: str) -> str:
@@ -128,12 +128,12 @@ def register(definition: Definition, replace: bool = False) -> Definition:
 def _register(definition: Definition, home: str, replace: bool = False) -> Definition:
     _check(definition)
     name, home = definition.name, _twin(home)
-    if name in _own and _homes[name] != home and not replace:
+    if name in _user_laws and _homes[name] != home and not replace:
         raise DemlawsError(
             f"law {name!r} of {home} is already registered by {_homes[name]}: give one of them another name, or register "
             "with replace=True"
         )
-    others = (*map(_built_in, _BUILT_IN), *_own.values()) if definition.advice.rank else ()
+    others = (*map(_built_in, _BUILT_IN), *_user_laws.values()) if definition.advice.rank else ()
     ranks = {d.advice.rank: d.name for d in others if d.advice.rank and d.name != name}
     if definition.advice.rank in ranks:
         raise DemlawsError(
@@ -141,12 +141,12 @@ def _register(definition: Definition, home: str, replace: bool = False) -> Defin
         )
     if not definition.drawing.label:
         definition = definition._replace(drawing=definition.drawing._replace(label=name))
-    if _own.get(name) != definition:
-        _own[name] = definition
+    if _user_laws.get(name) != definition:
+        _user_laws[name] = definition
     _homes[name] = home
     with contextlib.suppress(OSError):
         _marks[name] = _check_value(Path(home).read_bytes())
-    return _own[name]
+    return _user_laws[name]
 
 
 def _home(names: dict[str, Any]) -> str:
@@ -191,7 +191,7 @@ def _check(definition: Any) -> None:
 
 def mark(definition: Definition) -> str:
     """Checksum of the functions or of the file of a definition, to distinguish edited versions."""
-    if not is_own(definition):
+    if not is_user_defined(definition):
         return ""
     return getattr(definition.prepare, "mark", None) or _marks[definition.name]
 
@@ -305,7 +305,7 @@ def _run(path: str) -> None:
     # stable, so that machine code is found again, and different for files of one name
     name = f"demlaws_own_{re.sub(r'[^A-Za-z0-9]', '_', Path(path).stem)}_{zlib.crc32(path.encode()):08x}"
     spec = importlib.util.spec_from_file_location(name, path)
-    before = dict(_own), dict(_homes)
+    before = dict(_user_laws), dict(_homes)
     if spec is None or spec.loader is None:
         raise DemlawsError(f"{path} is not a Python file: the name of a law file ends in .py")
     module = importlib.util.module_from_spec(spec)
@@ -320,9 +320,9 @@ def _run(path: str) -> None:
         raise
     except BaseException as error:
         sys.modules.pop(name, None)
-        for known in (_own, _homes):
+        for known in (_user_laws, _homes):
             known.clear()
-        _own.update(before[0])
+        _user_laws.update(before[0])
         _homes.update(before[1])
         raise DemlawsError(_format_load_error(path, error)) from error
     finally:

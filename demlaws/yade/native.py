@@ -517,8 +517,8 @@ class Attachment:
 
     def watch_itself(self):
         """Act without a guard, for a test: who calls this looks for faults."""
-        self._own = np.zeros(1, np.int64)
-        self.context.words[at.ALARM] = self._own.ctypes.data
+        self._alarm = np.zeros(1, np.int64)
+        self.context.words[at.ALARM] = self._alarm.ctypes.data
 
     def live(self):
         """Histories of the law's contacts in all scenes (`layout.CONTACT`), and the addresses of their interactions."""

@@ -471,7 +471,7 @@ class Pairs:
             "shear": self.shear_name,
             "radius": self.radii.portable(),
         }
-        if self._own():
+        if self._user_laws():
             content["answers"] = self._answers()
         if identity:
             del content["spans"], content["smooth"]
@@ -480,7 +480,7 @@ class Pairs:
         except (TypeError, AttributeError) as error:
             raise DemlawsError(f"the law's options cannot be saved with the simulation: {error}") from None
 
-    def _own(self):
+    def _user_laws(self):
         """Names of the laws that take part which are not the package's: a name says nothing of their functions."""
         return sorted({d.name for source in self._sources for d in source.definitions() if home_of(d.name) != home_of("hertz")})
 
@@ -512,7 +512,7 @@ class Pairs:
         answers = content.get("answers")
         if answers is not None and not np.allclose(answers, pairs._answers(), rtol=1e-8, atol=0.0, equal_nan=True):
             raise DemlawsError(
-                f"law {', '.join(map(repr, pairs._own()))} is registered, but gives other forces than when the scene was "
+                f"law {', '.join(map(repr, pairs._user_laws()))} is registered, but gives other forces than when the scene was "
                 "saved: the history of the contacts belongs to the former law. Register the law unchanged"
             )
         return pairs
