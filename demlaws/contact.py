@@ -348,9 +348,9 @@ class Contact:
         """
         unknown = changes.keys() - {field.name for field in fields(self)}
         if unknown:
-            known = ", ".join(field.name for field in fields(self))
+            names = ", ".join(field.name for field in fields(self))
             wrong = sorted(unknown)[0]
-            raise DemlawsError(f"a contact has no {wrong!r}{did_you_mean(wrong, known.split(', '))} Its fields are {known}")
+            raise DemlawsError(f"a contact has no {wrong!r}{did_you_mean(wrong, names.split(', '))} Its fields are {names}")
         return replace(self, **changes)
 
     def as_dict(self) -> dict:

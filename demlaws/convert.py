@@ -67,9 +67,9 @@ def convert_file(path, engine, table, out=None):
     out = path.with_name(path.name + ".demlaws") if out is None else Path(out)
     if not table.is_file():
         raise DemlawsError(f"table {table} does not exist; `demlaws table` writes one")
-    converted = convert(read_text(path), engine, os.path.relpath(table, out.parent))
-    write_atomically(out, converted.text)
-    return out, converted
+    conversion = convert(read_text(path), engine, os.path.relpath(table, out.parent))
+    write_atomically(out, conversion.text)
+    return out, conversion
 
 
 _UNITS = {"liggghts": ("si", "cgs", "micro", "nano"), "lammps": ("si",)}

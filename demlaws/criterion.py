@@ -83,7 +83,7 @@ def transition_load(contact, ratio=YIELD_RATIO, mu=None):
     """
     hardness, ratio = hardness_of(contact), number(ratio, "ratio")
     if mu is not None:
-        return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_one(contact), ratio))
+        return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_single_contact(contact), ratio))
     log = np.log(math.pi**3 * np.square(contact.radius) * (ratio * hardness) ** 3 / (6.0 * np.square(contact.modulus)))
     scale = contact.roughness_parameter(1.0)  # α = scale / P^(2/3)
     # Newton's method in ln P from the smooth contact: ln p(0) is concave, its slope 1/3 to 0.733, so that no step is too long
@@ -120,7 +120,7 @@ def transition_roughness(contact, load, ratio=YIELD_RATIO, mu=None):
 
     mu: see `central_pressure`; of one contact and one load, to 1e-5."""
     if mu is not None:
-        start = transition_roughness(_one(contact), float(checked_loads(load)), ratio)
+        start = transition_roughness(_single_contact(contact), float(checked_loads(load)), ratio)
         share, scale = ratio * hardness_of(contact) / hertz_pressure(contact, load), _roughness_scale(contact, load)
         # what differs from the smooth contact by less than the solution resolves needs no roughness either
         return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start) if share < 0.999 else 0.0
@@ -154,7 +154,7 @@ def _root(function, start):
     return math.exp(brentq(at, low, high, xtol=1e-6))
 
 
-def _one(contact):
+def _single_contact(contact):
     if contact.size is not None:
         raise DemlawsError("Greenwood & Tripp's solution needs one contact, got an array of contacts")
     return contact

@@ -76,11 +76,11 @@ def refuses_unknown_keywords(cls: type[T]) -> type[T]:
 
     @functools.wraps(init)
     def checked(self, *values, **quantities):
-        known = [field.name for field in dataclasses.fields(cls)]
+        names = [field.name for field in dataclasses.fields(cls)]
         for name in quantities:
-            if name not in known:
+            if name not in names:
                 raise DemlawsError(
-                    f"{cls.__name__} has no {name!r}{did_you_mean(name, known)} Its quantities are {', '.join(known)}"
+                    f"{cls.__name__} has no {name!r}{did_you_mean(name, names)} Its quantities are {', '.join(names)}"
                 )
         init(self, *values, **quantities)
 

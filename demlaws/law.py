@@ -463,7 +463,7 @@ class Table(Law):
         parts = from_function(
             force, contact, largest_overlap, stiffness, unloading, kinks, scales_with, rtol, name, description
         )
-        return cls._given(*parts)
+        return cls._from_parts(*parts)
 
     @classmethod
     def from_points(
@@ -516,10 +516,10 @@ class Table(Law):
         from demlaws.curves.given import from_points
 
         parts = from_points(overlap, force, contact, unloading, uncertainty, residual, scales_with, rtol, name, description)
-        return cls._given(*parts)
+        return cls._from_parts(*parts)
 
     @classmethod
-    def _given(cls, contact, curve, unloading):
+    def _from_parts(cls, contact, curve, unloading):
         """A table of a user's curve, and its unloading: a table of a second curve, or what `law` takes."""
         from demlaws.curves.table import TableCurve
 

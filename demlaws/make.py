@@ -66,9 +66,9 @@ def rule_and_curve(unloading: Any) -> tuple[str, Law | None]:
         return GIVEN, unloading
     if isinstance(unloading, str) and unloading in RULES and unloading != GIVEN:
         return unloading, None
-    known = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
-    if not isinstance(unloading, str) or unloading not in known or unloading == GIVEN:
-        why = f" is unknown{did_you_mean(unloading, known)} The rules are {', '.join(known)}"
+    rules = dict.fromkeys(rule for definition in registry().values() for rule in definition.offered())
+    if not isinstance(unloading, str) or unloading not in rules or unloading == GIVEN:
+        why = f" is unknown{did_you_mean(unloading, rules)} The rules are {', '.join(rules)}"
         why = " needs its curve: give a law or a table" if isinstance(unloading, str) and unloading == GIVEN else why
         raise DemlawsError(f"unloading rule {unloading!r:.60}{why}")
     return unloading, None

@@ -60,7 +60,7 @@ def _unit(title, column, where):
     unit = (match.group(1) if match else "").replace("µ", "u").replace("μ", "u")
     if unit in units:
         return units[unit]
-    similar = [known for known in units if known.lower() == unit.lower()]
+    similar = [name for name in units if name.lower() == unit.lower()]
     if len(similar) == 1:
         return units[similar[0]]
     if similar:

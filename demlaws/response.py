@@ -393,9 +393,9 @@ class Response:
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
         self._advise(force)
-        known = dict(zip(self.state_names, history, strict=True))
-        maximum = known.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
-        plastic = known.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
+        quantities = dict(zip(self.state_names, history, strict=True))
+        maximum = quantities.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
+        plastic = quantities.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
         from demlaws.path import Path
 
         return Path(values, force, stiffness, maximum, plastic, stored, dissipated)

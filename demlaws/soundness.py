@@ -178,15 +178,15 @@ def _panel_errors(rise, integral):
 def curve_checks(params: Any, radius: float, solved: bool = False) -> Iterator[Check]:
     """`Check`s of the curve of one contact's params, the cheapest first. solved: read from cells, whose edges are kinks."""
     overlap = radius * np.geomspace(LOWEST, HIGHEST, _POINTS)
-    known = values_of(params, overlap)
-    for at, values in ((overlap, known), (radius * np.geomspace(LOWEST, HIGHEST, _DENSE), None)):
+    sample = values_of(params, overlap)
+    for at, values in ((overlap, sample), (radius * np.geomspace(LOWEST, HIGHEST, _DENSE), None)):
         fault = fault_of_values(at, *(values or values_of(params, at))[:2])
         yield Check(f"force not finite, negative or falling, of {at.size}", float(fault is not None), 0.0, fault=fault)
 
     def curve(at):
         return values_of(params, at)[:2]
 
-    first, slope = known.force[0], known.stiffness[0]
+    first, slope = sample.force[0], sample.stiffness[0]
     fault = None
     if not solved and first > 0.0 and slope * overlap[0] < _SEATED * first:
         fault = (
@@ -196,30 +196,30 @@ def curve_checks(params: Any, radius: float, solved: bool = False) -> Iterator[C
     yield Check("force at overlap 0 is not 0", float(fault is not None), 0.0, fault=fault)
     fault = fault_of_slope(curve, overlap)
     yield Check("force jumps, or stiffness is not its derivative", float(fault is not None), 0.0, fault=fault)
-    errors = _panel_errors(np.diff(known.force), integrals(lambda at: curve(at)[1], overlap))
+    errors = _panel_errors(np.diff(sample.force), integrals(lambda at: curve(at)[1], overlap))
     yield largest_of("stiffness against derivative, relative", errors, overlap, 1e-5 if solved else 1e-11)
-    hertz = np.cbrt(known.force / params.hertz_coefficient) ** 2
+    hertz = np.cbrt(sample.force / params.hertz_coefficient) ** 2
     for name, values, off in (
-        ("Hertz-equivalent overlap", known.equivalent, _relative(known.equivalent, hertz)),
-        ("a²/R", known.area, np.where(known.area < math.inf, _relative(np.minimum(known.area, hertz), hertz), math.inf)),
+        ("Hertz-equivalent overlap", sample.equivalent, _relative(sample.equivalent, hertz)),
+        ("a²/R", sample.area, np.where(sample.area < math.inf, _relative(np.minimum(sample.area, hertz), hertz), math.inf)),
     ):
         fault, k = None, int(np.argmax(~(off <= EQUIVALENT)))
         if not off[k] <= EQUIVALENT:
             fault = (
-                f"at overlap {overlap[k]:.6g} m, where the force is {known.force[k]:.6g} N, the third or fourth value of its "
+                f"at overlap {overlap[k]:.6g} m, where the force is {sample.force[k]:.6g} N, the third or fourth value of its "
                 f"`virgin`, the {name}, is {values[k]:.6g} m; Hertz's overlap at that force is {hertz[k]:.6g} m"
             )
         yield largest_of(f"{name} against the force, relative", off, overlap, EQUIVALENT, fault)
-    yield from _return_checks(params, overlap, known, solved)
+    yield from _return_checks(params, overlap, sample, solved)
 
 
-def _return_checks(params, overlap, known, solved):
+def _return_checks(params, overlap, sample, solved):
     """`Check`s of the inverse and of the energy, of which a user's law may have to search and integrate for.
 
-    `known`: `Values` at `overlap`, of which one in `_THINNED` is taken.
+    `sample`: `Values` at `overlap`, of which one in `_THINNED` is taken.
     """
     expected = integrals(lambda at: values_of(params, at).force, overlap).reshape(-1, _THINNED).sum(axis=1)
-    overlap, force, stiffness = (values[::_THINNED] for values in (overlap, known.force, known.stiffness))
+    overlap, force, stiffness = (values[::_THINNED] for values in (overlap, sample.force, sample.stiffness))
     back, work = back_loop(params, overlap)
     carries = force > 0.0
     at, load, back = overlap[carries], force[carries], back[carries]

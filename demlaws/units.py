@@ -65,11 +65,11 @@ _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?(?:i
 def quantity(text, name, unit=""):
     """A number in the SI unit `unit` from text such as "3mm", "2.4 µm", "60GPa" or "6e10". Raises DemlawsError."""
     match = _QUANTITY.fullmatch(text)
-    known = UNITS.get(unit, {})
+    factors = UNITS.get(unit, {})
     symbol = match[2].replace("µ", "u").replace("μ", "u") if match else ""
-    if match and (not symbol or symbol in known):
-        return float(match[1]) * known.get(symbol, 1.0)
-    units = f" in {unit}, or with one of the units {', '.join(known)}" if known else f" in {unit}" if unit else ""
+    if match and (not symbol or symbol in factors):
+        return float(match[1]) * factors.get(symbol, 1.0)
+    units = f" in {unit}, or with one of the units {', '.join(factors)}" if factors else f" in {unit}" if unit else ""
     raise DemlawsError(f"{name} must be a number{units}, got {text!r:.60}")
 
 

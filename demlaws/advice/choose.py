@@ -209,12 +209,12 @@ class Choices(Tabular, list):
 
 def _determined(contact):
     """Laws that the contact's quantities determine and that choices are made of, the richest first."""
-    known = [
+    pool = [
         d
         for d in registry().values()
         if (d.advice.rank or d.advice.candidate) and (d.advice.smooth or not np.all(contact.is_smooth))
     ]
-    return sorted((d for d in known if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
+    return sorted((d for d in pool if all(getattr(contact, n) is not None for n in d.needs)), key=lambda d: -d.advice.rank)
 
 
 def _smallest_load(scene):
@@ -249,10 +249,10 @@ def reference_plan(scene):
         rough = contact.with_values(roughness=max(c.roughness for c in scene.contacts(scene.effective_radii()[0])))
         candidates = [d for d in _determined(rough) if d.advice.rank]
         for definition in candidates:
-            reached = _reaches(definition, scene, {})
-            if reached is not None or definition is candidates[-1]:
+            extra = _reaches(definition, scene, {})
+            if extra is not None or definition is candidates[-1]:
                 break
-        options = {**(reached or {}), **options}
+        options = {**(extra or {}), **options}
         if scene.yield_pressure is not None:
             options = {"yield_pressure": scene.yield_pressure, "loading": definition.name, **options}
             definition = next(d for d in registry().values() if d.before_yield is not None)
@@ -288,9 +288,9 @@ def plans(scene, reference):
     return list(dict.fromkeys(alternatives))
 
 
-def _range_problem(law, smallest, largest, known):
-    """Why the scene leaves the law's range, or None. known: reasons that hold for the reference as well."""
-    return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in known), None)
+def _range_problem(law, smallest, largest, reasons):
+    """Why the scene leaves the law's range, or None. reasons: those that hold for the reference as well."""
+    return next((f"loads of {b}" for b in law.breaches(smallest, largest) if b.reason not in reasons), None)
 
 
 _NO_TABLE = (
@@ -417,20 +417,20 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     judge = _Judge(scene, reference)
     ruled_out, notes, errors = {}, [], {}
     with quiet():
-        known = set()
+        breach_reasons = set()
         for law in judge.exact:
             for breach in law.breaches(judge.smallest, judge.largest):
-                known.add(breach.reason)
+                breach_reasons.add(breach.reason)
                 notes.append(f"the reference itself ({reference.name}) leaves its range: {breach}")
     if find(reference.name).before_yield is not None:  # the reference yields: what leaving that out costs is computed
         one = scene.contacts(scene.effective_radii()[1])[0]
-        known.update(limit.reason for limit in bulk_yield(one))
+        breach_reasons.update(limit.reason for limit in bulk_yield(one))
 
     def judge_plan(plan):
         """The plan and its table with their errors, and why they are ruled out."""
         entries, label = {}, _label(plan)
         try:
-            problem = _range_problem(judge.laws(plan)[0], judge.smallest, judge.largest, known)
+            problem = _range_problem(judge.laws(plan)[0], judge.smallest, judge.largest, breach_reasons)
             if problem and plan != reference:
                 return {}, {label: problem}
             entries[plan] = judge.error(plan)

@@ -253,16 +253,16 @@ class _Model:
 
         ends = []
         for bound in (self.low[index], self.high[index]):
-            known = {x[index]: (-limit, x)}
+            points = {x[index]: (-limit, x)}
 
-            def excess(place, known=known):
-                if place not in known:
-                    start = known[min(known, key=lambda other: abs(other - place))][1].copy()
+            def excess(place, points=points):
+                if place not in points:
+                    start = points[min(points, key=lambda other: abs(other - place))][1].copy()
                     start[index] = place
                     start, cost = self.solve(start, index, 1e-6, 40)
                     away = math.sqrt(max(cost - least, 0.0)) - limit
-                    known[place] = away if abs(away) > 0.005 * limit else 0.0, start
-                return known[place][0]
+                    points[place] = away if abs(away) > 0.005 * limit else 0.0, start
+                return points[place][0]
 
             near, place, width = x[index], x[index], math.copysign(step, bound - x[index])
             while place != bound and excess(place) < 0.0:
@@ -489,9 +489,9 @@ def fit(
     displacement = displacement - number(compliance, "compliance", "m/N", 0.0, 1e-3, allow_low=True) * force
     keep, skipped = in_contact(force, force_noise)
     displacement, force = displacement[keep], force[keep]
-    known = parameters()
-    if unknown := [n for n in free or () if n not in known]:
-        raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(known)}")
+    quantities = parameters()
+    if unknown := [n for n in free or () if n not in quantities]:
+        raise DemlawsError(f"cannot fit {', '.join(unknown)}: the quantities that a fit can vary are {', '.join(quantities)}")
     if force.size:
         refuse_other_units(displacement, force, contact, _COMPLIANCE.bounds(contact)[1] if COMPLIANCE in (free or ()) else 0.0)
     jobs = list(_jobs(names, rules, free, force))

@@ -205,8 +205,8 @@ def _check(scene):
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
     if scene.quantity == "restitution":
-        known = ", ".join(MEASURED["oedometer"])
-        raise DemlawsError(f"quantity = 'restitution': softening is advised for {known} of a packing")
+        quantities = ", ".join(MEASURED["oedometer"])
+        raise DemlawsError(f"quantity = 'restitution': softening is advised for {quantities} of a packing")
 
 
 def _errors(scene, factor, inertial, part, here):
@@ -291,17 +291,17 @@ def advise(scene: Scene, law: str = USUAL, options: dict | None = None, ways: tu
         highest = scene.rate * _inertial_of_rate(scene)
     if scene.quantity not in MEASURED[_process(scene)]:
         return predict(scene, 1.0, min(QUASISTATIC, highest), law, options)
-    known: dict[float, Numbers] = {}
+    numbers: dict[float, Numbers] = {}
     for factor, fastest, part in sorted(ways, key=lambda way: _steps(scene, way[0], min(way[1], highest), way[2])):
         inertial = min(fastest, highest)
         try:
-            if factor not in known:
-                known[factor] = numbers_of(scene, law, options, factor, 1.0)
+            if factor not in numbers:
+                numbers[factor] = numbers_of(scene, law, options, factor, 1.0)
         except DemlawsError:  # a law that cannot be softened, or not so far
             if factor == 1.0:
                 raise
             continue
-        here = known[factor]._replace(waves=inertial * known[factor].waves)
+        here = numbers[factor]._replace(waves=inertial * numbers[factor].waves)
         if _errors(scene, factor, inertial, part, here)["error"] <= scene.tolerance:
             return predict(scene, factor, inertial, law, options, part)
     return None

@@ -155,9 +155,9 @@ class Scene:
             object.__setattr__(self, "rate", number(self.rate, "rate", "1/s"))
         if self.yield_pressure is not None:
             object.__setattr__(self, "yield_pressure", number(self.yield_pressure, "yield_pressure", "Pa"))
-        for label, known in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
-            if not isinstance(getattr(self, label), str) or getattr(self, label) not in known:
-                raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, known))}")
+        for label, words in (("quantity", QUANTITIES), ("engine", ENGINES), ("process", ("", *PROCESSES))):
+            if not isinstance(getattr(self, label), str) or getattr(self, label) not in words:
+                raise DemlawsError(f"{label} = {getattr(self, label)!r}: choose one of {', '.join(filter(None, words))}")
         if self.unloading is not None:
             self._check_unloading()
 

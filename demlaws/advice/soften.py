@@ -133,9 +133,9 @@ class Softening:
             inner = self.options(before.name, rest)
         else:
             inner = {}
-        known = definition.options
-        outer = {n: softened_option(law, n, known[n], v, self.factor) for n, v in options.items() if n in known}
-        unknown = {n: v for n, v in options.items() if n not in known and n not in inner}  # the law itself refuses them
+        records = definition.options
+        outer = {n: softened_option(law, n, records[n], v, self.factor) for n, v in options.items() if n in records}
+        unknown = {n: v for n, v in options.items() if n not in records and n not in inner}  # the law itself refuses them
         return {**unknown, **inner, **outer}
 
     def _scaled(self, thing, exponents):

@@ -88,8 +88,8 @@ class Parser(argparse.ArgumentParser):
 
     def _check_value(self, action, value):
         if action.choices is not None and value not in action.choices:
-            known = list(map(str, action.choices))
-            hint = similar(str(value), known) or f": choose from {', '.join(known)}"
+            choices = list(map(str, action.choices))
+            hint = similar(str(value), choices) or f": choose from {', '.join(choices)}"
             raise argparse.ArgumentError(action, f"invalid choice {value!r:.60}{hint}")
 
     def error(self, message):

@@ -75,10 +75,10 @@ def register(add):
         from demlaws.convert import convert_file
 
         out = arguments.out or output(arguments.input + ".demlaws")
-        out, converted = convert_file(arguments.input, name, arguments.table, out)
-        record(file=out, notes=converted.notes)
-        print("\n".join([*converted.report(arguments.input), f"wrote {out}"]))
-        return 0 if all(note.served for note in converted.notes) else 1
+        out, conversion = convert_file(arguments.input, name, arguments.table, out)
+        record(file=out, notes=conversion.notes)
+        print("\n".join([*conversion.report(arguments.input), f"wrote {out}"]))
+        return 0 if all(note.served for note in conversion.notes) else 1
 
     def run(arguments):
         _refuse_mpirun(name)

@@ -62,8 +62,8 @@ def shown(name, estimate):
 
     if estimate.note.startswith("not determined"):
         return f"{name} {estimate.note}"
-    known = parameters()
-    unit, factor = UNITS.get(name, (known[name].unit if name in known else "m", 1.0))
+    quantities = parameters()
+    unit, factor = UNITS.get(name, (quantities[name].unit if name in quantities else "m", 1.0))
     text = f"{name} {estimate.value * factor:.5g}"
     if estimate.low == estimate.low:
         text += f" [{estimate.low * factor:.4g}, {estimate.high * factor:.4g}]"

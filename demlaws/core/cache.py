@@ -82,12 +82,12 @@ def follow(cls, *functions):
     Read now, not when a loop is compiled: the file may have been edited meanwhile, and a notebook has none. Code of the core
     and the laws is followed anyway. Returns a digest of all that, or None where something in it cannot be known again.
     """
-    known = _SOURCES.setdefault(cls, set())
+    digests = _SOURCES.setdefault(cls, set())
     if not is_ours(cls.__module__):
-        known.add(_file_digest(getattr(sys.modules.get(cls.__module__), "__file__", None)) or f"fields {cls._fields}")
+        digests.add(_file_digest(getattr(sys.modules.get(cls.__module__), "__file__", None)) or f"fields {cls._fields}")
     for function in functions:
-        known.add(_meaning(function, set()))
-    return None if None in known else _digest(*sorted(known))
+        digests.add(_meaning(function, set()))
+    return None if None in digests else _digest(*sorted(digests))
 
 
 def digest_of(*functions):

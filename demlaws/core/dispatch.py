@@ -54,9 +54,9 @@ def generic(otherwise=None):
 def bind(cls, **functions):
     """Make `functions` (name of a generic function → kernel) answer for arguments whose type is the NamedTuple `cls`."""
     if unknown := sorted(functions.keys() - _GENERIC):
-        known = ", ".join(sorted(_GENERIC))
+        names = ", ".join(sorted(_GENERIC))
         raise TypeError(
-            f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {known}"
+            f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {names}"
         )
     tag = follow(cls, *functions.values())
     if cls not in _KERNELS:

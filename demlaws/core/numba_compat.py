@@ -34,9 +34,9 @@ TESTED = (0, 68)
 
 
 def _is_plain():
-    forced = os.environ.get("DEMLAWS_PLAIN_NUMBA", "")
+    setting = os.environ.get("DEMLAWS_PLAIN_NUMBA", "")
     release = tuple(int(n) for n in re.findall(r"\d+", numba.__version__)[:2])
-    return forced != "0" if forced else release > TESTED
+    return setting != "0" if setting else release > TESTED
 
 
 PLAIN = _is_plain()

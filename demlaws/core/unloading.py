@@ -134,8 +134,8 @@ def _same(one, other):
 
 def rule_of(tag_type):
     """The rule whose tag is of this type."""
-    known = _OF_TAG.get(tag_type)
-    return known or next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
+    match = _OF_TAG.get(tag_type)
+    return match or next(rule for rule in RULES.values() if type(rule.tag) is tag_type)
 
 
 def rule_of_smooth_contact(rule):

@@ -26,17 +26,17 @@ class Called:
         if not callable(function):
             raise DemlawsError(f"{what} must be a function of the overlap in m, got {function!r:.60}")
         self.function, self.what, self.unit = function, what, unit
-        self.takes_arrays = self._tried(overlap)
+        self.takes_arrays = self._accepts_arrays(overlap)
 
-    def _tried(self, overlap):
+    def _accepts_arrays(self, overlap):
         try:
             values = np.asarray(self.function(overlap.copy()))
             if values.shape != overlap.shape or values.dtype.kind not in "fiu":
                 return False
-            some = [0, overlap.size // 2, overlap.size - 1]
+            indices = [0, overlap.size // 2, overlap.size - 1]
             return all(
-                values[k] == float(self.function(float(overlap[k]))) or values[k] != values[k] for k in some
-            ) or np.allclose(values[some], [float(self.function(float(overlap[k]))) for k in some], rtol=1e-12, atol=0.0)
+                values[k] == float(self.function(float(overlap[k]))) or values[k] != values[k] for k in indices
+            ) or np.allclose(values[indices], [float(self.function(float(overlap[k]))) for k in indices], rtol=1e-12, atol=0.0)
         except Exception:  # a user's function of numbers may raise anything for an array
             return False
 
@@ -47,9 +47,9 @@ class Called:
                 return np.array(self.function(overlap.copy()), dtype=float).reshape(overlap.shape)
             except Exception:  # as above; one number at a time then raises it again, with the overlap
                 self.takes_arrays = False
-        return np.array([self._one(float(x)) for x in overlap.ravel()]).reshape(overlap.shape)
+        return np.array([self._value_at(float(x)) for x in overlap.ravel()]).reshape(overlap.shape)
 
-    def _one(self, overlap):
+    def _value_at(self, overlap):
         try:
             value = self.function(overlap)
         except Exception as error:

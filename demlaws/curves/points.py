@@ -65,23 +65,23 @@ class MeasuredCurve:
         smooth, groups = np.unique(overlap).size >= FEWEST, _equal_groups(overlap)
         x = np.array([np.mean(np.log(overlap[g])) for g in groups])
         y = np.array([np.mean(np.log(force[g])) for g in groups])
-        fitted = None
+        fit = None
         if smooth:
             relative = np.array([math.sqrt(float(np.sum((sigma[g] / force[g]) ** 2))) / g.size for g in groups])
-            fitted = _smooth(x, y, np.array([g.size for g in groups]), relative)
+            fit = _smooth(x, y, np.array([g.size for g in groups]), relative)
         else:
             x, y, groups = _rising(x, y, groups)
-        if x.size < 2 or (smooth and fitted is None):
+        if x.size < 2 or (smooth and fit is None):
             raise DemlawsError(
                 f"{what}: the forces do not rise with the overlap (from {force[0]:.6g} N at {overlap[0]:.6g} m to "
                 f"{force[-1]:.6g} N at {overlap[-1]:.6g} m)"
             )
-        self.x, self._spline = x, _monotone(x, y) if fitted is None else fitted.spline
+        self.x, self._spline = x, _monotone(x, y) if fit is None else fit.spline
         self._slope = float(self._spline(x[0], 1))
         self.first = min(max(1.0, self._slope), 4.0)
         self.last = max(float(self._spline(x[-1], 1)), 1e-3)
         self.largest = float(overlap[-1])
-        noise = 0.0 if fitted is None else min(fitted.noise, self.LARGEST_NOISE * force.max())
+        noise = 0.0 if fit is None else min(fit.noise, self.LARGEST_NOISE * force.max())
         departure = np.abs(self.evaluate(overlap)[0] - force)
         allowed = np.maximum(self._allowed(force, sigma, force.max()), 6.0 * noise)
         self._check_touch((*without[:2], np.fmax(without[2], 1.5 * noise)), force.max(), what)
@@ -91,17 +91,17 @@ class MeasuredCurve:
                 f"{what}: at overlap {overlap[worst]:.6g} m the force is {force[worst]:.6g} N, {departure[worst]:.3g} N from "
                 f"a rising curve through the points: give points of {what} only, in m and N, or their uncertainty [N]"
             )
-        if fitted is not None:
+        if fit is not None:
             at = np.unique(np.linspace(0, x.size - 1, min(x.size, SHOWN)).round().astype(int))
-            force = np.exp(fitted.values)
-            text = f"spline by generalised cross-validation, {fitted.freedom:.1f} degrees of freedom"
-            known = fitted.relative_error * force
-            self.knots = Knots(np.exp(x[at]), force[at], known[at], int(overlap.size), float(departure.max()), text)
+            force = np.exp(fit.values)
+            text = f"spline by generalised cross-validation, {fit.freedom:.1f} degrees of freedom"
+            sigmas = fit.relative_error * force
+            self.knots = Knots(np.exp(x[at]), force[at], sigmas[at], int(overlap.size), float(departure.max()), text)
             return
         averaged = len(groups) < overlap.size
-        known = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
+        sigmas = np.array([_uncertainty(sigma[g], departure[g], averaged) for g in groups])
         text = f"{overlap.size} points averaged to {len(groups)} knots" if averaged else f"none: a knot a point, {len(groups)}"
-        self.knots = Knots(np.exp(x), np.exp(y), known, int(overlap.size), float(departure.max()), text)
+        self.knots = Knots(np.exp(x), np.exp(y), sigmas, int(overlap.size), float(departure.max()), text)
 
     def _allowed(self, force, sigma, largest):
         """How far points may lie from the curve [N]."""
@@ -161,9 +161,9 @@ def _smooth(x, y, counts, relative):
     second[rows, rows + 1] = -(1.0 / h[:-1] + 1.0 / h[1:])
     band = np.diag((h[:-1] + h[1:]) / 3.0) + np.diag(h[1:-1] / 6.0, 1) + np.diag(h[1:-1] / 6.0, -1)
     penalty = second.T @ np.linalg.solve(band, second)
-    force, known, noise = np.exp(y), bool(np.all(relative > 0.0)), 0.0
-    error = relative if known else np.max(force) / force / np.sqrt(counts)  # at first: the same at all forces
-    for _ in range(1 if known else 4):
+    force, absolute, noise = np.exp(y), bool(np.all(relative > 0.0)), 0.0
+    error = relative if absolute else np.max(force) / force / np.sqrt(counts)  # at first: the same at all forces
+    for _ in range(1 if absolute else 4):
         stiffness, vectors = np.linalg.eigh(penalty * error * error[:, None])
         stiffness[:2] = 0.0
         data = vectors.T @ (y / error)
@@ -182,8 +182,8 @@ def _smooth(x, y, counts, relative):
         _, shrinkage, spline = best
         values = spline(x)
         scatter = np.sum(((y - values) / error) ** 2) / max(x.size - shrinkage.sum(), 1.0)
-        certain = np.sqrt((1.0 if known else scatter) * (vectors**2 @ shrinkage)) * error
-        if not known:
+        certain = np.sqrt((1.0 if absolute else scatter) * (vectors**2 @ shrinkage)) * error
+        if not absolute:
             square = (np.exp(values) * (y - values)) ** 2 * counts
             model = np.column_stack([np.ones(x.size), np.exp(2.0 * values)])
             weight = 1.0 / (model @ [1e-6 * force.max() ** 2, 1e-4])

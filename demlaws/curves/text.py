@@ -308,9 +308,9 @@ def parse(data, name):
         refuse(places["unloading"], f"unloading {values['unloading']!r} {what}")
 
     def curve(prefix):
-        points, promised, bits = rows.get(prefix, []), values[f"{prefix}rows"], values[f"{prefix}bits"]
-        if len(points) != promised:
-            refuse(places[f"{prefix}rows"], f"{len(points)} rows were read, the header states {promised}")
+        points, count, bits = rows.get(prefix, []), values[f"{prefix}rows"], values[f"{prefix}bits"]
+        if len(points) != count:
+            refuse(places[f"{prefix}rows"], f"{len(points)} rows were read, the header states {count}")
         nodes = Nodes(*np.array(points).T)
         wrong = _off_grid(nodes.u, bits)
         if wrong is not None:
@@ -328,12 +328,12 @@ def parse(data, name):
 
 
 def _version(line, refuse):
-    known = f"this version of demlaws reads {', '.join(map(str, VERSIONS))}"
+    versions = f"this version of demlaws reads {', '.join(map(str, VERSIONS))}"
     words = line.rpartition(" ")
     if words[0] != FORMAT or not re.fullmatch("[1-9][0-9]{0,8}", words[2]):
         refuse(1, f"not a demlaws table (the first line must be '{FORMAT} {VERSIONS[0]}' or '... {VERSIONS[-1]}')")
     if int(words[2]) not in VERSIONS:
-        refuse(1, f"a table of format {words[2]}; {known}: install a newer one, or write the table again with this one")
+        refuse(1, f"a table of format {words[2]}; {versions}: install a newer one, or write the table again with this one")
     return int(words[2])
 
 
@@ -358,16 +358,16 @@ def _off_grid(u, bits_per_octave):
         return 0, "the first overlap is not on the grid of the header's bits"
     number, kinks = first + 1, 0  # the grid node that comes next
     for i in range(1, u.size):
-        coming = float(node(number, bits_per_octave))
+        grid_node = float(node(number, bits_per_octave))
         if u[i] == u[i - 1]:
             kinks += 1
             if i == 1 or i == u.size - 1 or u[i] == u[i - 2]:
                 return i, "a kink, an overlap in two rows, lies between other rows"
             if kinks > MOST_KINKS:
                 return i, f"more than {MOST_KINKS} kinks"
-        elif u[i] == coming:
+        elif u[i] == grid_node:
             number += 1
-        elif u[i] > coming:
+        elif u[i] > grid_node:
             return i, "a row is missing before this one"
         elif i == u.size - 1 or u[i + 1] != u[i]:
             return i, "the overlap is not on the grid of the header's bits"

@@ -69,8 +69,8 @@ def executable():
 def _environment(binary):
     environment = dict(os.environ)
     if binary.libraries:
-        known = environment.get("LD_LIBRARY_PATH")
-        environment["LD_LIBRARY_PATH"] = f"{binary.libraries}:{known}" if known else str(binary.libraries)
+        path = environment.get("LD_LIBRARY_PATH")
+        environment["LD_LIBRARY_PATH"] = f"{binary.libraries}:{path}" if path else str(binary.libraries)
     return environment
 
 

@@ -62,15 +62,15 @@ def _scale(shape, radius, modulus, roughness):
 
 @kernel
 def _virgin(p, overlap):
-    crushed = overlap - p.yield_overlap
-    ratio = 1.0 + p.growth * (0.0 if crushed <= 0.0 else crushed)  # R/R0
+    excess = overlap - p.yield_overlap
+    ratio = 1.0 + p.growth * (0.0 if excess <= 0.0 else excess)  # R/R0
     root = p.hertz_coefficient * sqrt(overlap)
     force = p.yield_force * ratio * ratio
     stiffness = 2.0 * p.yield_force * p.growth * ratio
     equivalent = hertz_overlap(p, force)
     # a² = u R = h R²: over R0
     area = p.yield_overlap * ratio * ratio
-    if crushed <= 0.0:
+    if excess <= 0.0:
         return root * overlap, 1.5 * root, overlap, overlap
     return force, stiffness, equivalent, area
 

@@ -249,8 +249,8 @@ class Definition(NamedTuple):
                     f"law {self.name!r} has no option {wrong[0]!r}{did_you_mean(wrong[0], self.options)} Its options are "
                     f"{', '.join(self.options)} (demlaws laws {self.name})"
                 ) from None
-            known = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
-            raise DemlawsError(f"law {self.name!r}: {error}; {known} (demlaws laws {self.name})") from None
+            hint = f"its options are {', '.join(self.options)}" if self.options else "it has no options"
+            raise DemlawsError(f"law {self.name!r}: {error}; {hint} (demlaws laws {self.name})") from None
         try:
             return self.prepare(contact, **options)
         except TypeError as error:  # a list or None where a number or a word belongs

@@ -85,7 +85,7 @@ def _step(rule, p, overlap, state):
 
 
 @kernel
-def _held(k2, overlap, plastic):
+def _recoverable_energy(k2, overlap, plastic):
     """∫ k2 (x^1.5 - δp^1.5) dx from δp to δ, without the difference of δ^2.5 and δp^2.5 where they are close."""
     if overlap <= plastic:
         return 0.0
@@ -99,8 +99,8 @@ def _stored_and_dissipated(rule, p, overlap, state):
     if state[0] <= 0.0:
         return 0.0, 0.0
     k2 = parts(p)[1].unloading
-    stored = _held(k2, overlap, state[1]) if overlap > 0.0 else 0.0
-    return stored, energy(p, state[0]) - _held(k2, state[0], state[1])
+    stored = _recoverable_energy(k2, overlap, state[1]) if overlap > 0.0 else 0.0
+    return stored, energy(p, state[0]) - _recoverable_energy(k2, state[0], state[1])
 
 
 @kernel

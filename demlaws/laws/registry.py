@@ -28,7 +28,7 @@ _user_laws: dict[str, Definition] = {}
 _homes: dict[str, str] = {}  # law → file or module that registered it
 _marks: dict[str, str] = defaultdict(str)  # law → check value of that file when it registered
 _loaded: set[str] = set()  # files
-_looked = [False]  # whether entry points and VARIABLE have been followed
+_search_done = [False]  # whether entry points and VARIABLE have been followed
 
 
 _BUILT_IN = {module.replace("_", "-"): module for module in MODULES}
@@ -46,14 +46,14 @@ def registry() -> dict[str, Definition]:
 
 def _registered() -> dict[str, Definition]:
     """Laws that users registered, those of files and of installed packages included."""
-    if not _looked[0]:
-        _looked[0] = True  # a file of laws that makes one of them comes by here, too
+    if not _search_done[0]:
+        _search_done[0] = True  # a file of laws that makes one of them comes by here, too
         try:
             for file in _files():
                 load_laws(file)
             _load_entry_points()
         except BaseException:
-            _looked[0] = False
+            _search_done[0] = False
             raise
     return _user_laws
 
@@ -163,9 +163,9 @@ def _check(definition: Any) -> None:
     if isinstance(name, str) and name in _BUILT_IN:
         raise DemlawsError(f"law {name!r} is a law of demlaws: use another name")
     if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*", name) or name in RULES:
-        known = f"no rule's ({', '.join(RULES)})"
+        hint = f"no rule's ({', '.join(RULES)})"
         raise DemlawsError(
-            f"law {name!r:.60}: a name consists of lower-case letters, digits and hyphens, begins with a letter, and is {known}"
+            f"law {name!r:.60}: a name consists of lower-case letters, digits and hyphens, begins with a letter, and is {hint}"
         )
     for field in ("equation", "source", "description"):
         text = getattr(definition, field)
@@ -203,9 +203,9 @@ def _reduced(definition: Definition) -> tuple:
     return Definition, tuple(definition)  # of a table whose law is not here
 
 
-def _of_name(name: str, marked: str = "") -> Definition:
+def _of_name(name: str, checksum: str = "") -> Definition:
     definition = find(name)
-    if mark(definition) != marked:
+    if mark(definition) != checksum:
         raise DemlawsError(f"law {name!r} differs from the law that was pickled: make it again")
     return definition
 
@@ -280,7 +280,7 @@ def _twin(path: str) -> str:
         return path  # `_run` says what is wrong with it
     if b"__file__" in content:
         return path
-    return next((_homes[law] for law, known in _marks.items() if known == _check_value(content)), path)
+    return next((_homes[law] for law, value in _marks.items() if value == _check_value(content)), path)
 
 
 def _check_value(content: bytes) -> str:
@@ -320,8 +320,8 @@ def _run(path: str) -> None:
         raise
     except BaseException as error:
         sys.modules.pop(name, None)
-        for known in (_user_laws, _homes):
-            known.clear()
+        for table in (_user_laws, _homes):
+            table.clear()
         _user_laws.update(before[0])
         _homes.update(before[1])
         raise DemlawsError(_format_load_error(path, error)) from error

@@ -84,12 +84,12 @@ def _scale(shape, radius, modulus, roughness):
 def _virgin(p, overlap):
     rough = overlap if overlap <= p.yield_overlap else p.yield_overlap
     force, stiffness, equivalent, area = virgin(p.loading, rough)
-    yielded = p.yield_force + p.yield_stiffness * (overlap - p.yield_overlap)
-    yielded_equivalent = hertz_overlap(p, yielded)
+    plastic_force = p.yield_force + p.yield_stiffness * (overlap - p.yield_overlap)
+    plastic_equivalent = hertz_overlap(p, plastic_force)
     if overlap <= p.yield_overlap:
         return force, stiffness, equivalent, area
     # [our derivation] a² = a_y² + (P - P_y)/(π p_K), with a_y the Hertz radius at yield: Thornton's a² for smooth spheres
-    return yielded, p.yield_stiffness, yielded_equivalent, p.yield_area + p.area_slope * (yielded - p.yield_force)
+    return plastic_force, p.yield_stiffness, plastic_equivalent, p.yield_area + p.area_slope * (plastic_force - p.yield_force)
 
 
 @kernel
@@ -122,7 +122,7 @@ def _loading_definition(loading):
     return definition
 
 
-def _one(contact, option, instead):
+def _refuse_arrays(contact, option, instead):
     """A measured quantity belongs to one contact: what it is for others the pressures say."""
     if contact.size is not None:
         raise DemlawsError(
@@ -148,7 +148,7 @@ def _prepare(
         raise DemlawsError(f"yield_at = {yield_at!r}: the bulk yields at 'stiffness' or at 'load'")
     load_pressure = 0.0
     if yield_load is not None:
-        _one(contact, "yield_load", "yield_pressure and yield_at='load'")
+        _refuse_arrays(contact, "yield_load", "yield_pressure and yield_at='load'")
         load_pressure = float(hertz_pressure(contact, number(yield_load, "yield_load", "N")))
         yield_pressure = load_pressure if yield_pressure is None else yield_pressure
     if yield_pressure is None:
@@ -162,7 +162,7 @@ def _prepare(
     if yield_stiffness is not None:
         if post_yield_pressure is not None:
             raise DemlawsError("yield_stiffness and post_yield_pressure say the same (K_y = π R p): give one of them")
-        _one(contact, "yield_stiffness", "post_yield_pressure")
+        _refuse_arrays(contact, "yield_stiffness", "post_yield_pressure")
         after = number(yield_stiffness, "yield_stiffness", "N/m") / (math.pi * contact.radius)
     elif post_yield_pressure is not None:
         after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")

@@ -192,11 +192,11 @@ def fit_figure(ranking, source=""):
     displacement, force = ranking.points
     fig, (left, right) = figure(columns=2, width=5.6)
     left.plot(displacement * 1e6, force, "k.", ms=4, label=f"measured {source}".strip())
-    drawn, widest = [], 0.0
+    names, widest = [], 0.0
     for fit in ranking:
-        if fit.name in drawn or len(drawn) == 5:
+        if fit.name in names or len(names) == 5:
             continue
-        drawn.append(fit.name)
+        names.append(fit.name)
         widest = max(widest, np.max(np.abs(displacement - fit.displacement)))
         rule = "" if fit.unloading == "elastic" else f", {fit.unloading}"
         label = f"{fit.name}{rule}: {fit.misfit * 1e6:.3g} µm"

@@ -99,9 +99,9 @@ def surface_figure(heights, wavelengths=None):
     pixel = np.sqrt(heights.pixel_x * heights.pixel_y)
     number = ranges / ranges[-1] * (sizes / sizes[-1]) ** -3.0
     boxes = heights.fractal_dimension_by_boxes(wavelengths)
-    missed = np.exp(box_correction(3.0 - boxes, sizes) - box_correction(3.0 - boxes, sizes[-1:]))
+    correction = np.exp(box_correction(3.0 - boxes, sizes) - box_correction(3.0 - boxes, sizes[-1:]))
     ax.loglog(sizes * pixel * MICRO, number, "o", mfc="none", ms=5, label="counted")
-    ax.loglog(sizes * pixel * MICRO, number / missed, "o", ms=5, label="corrected for pixel size")
+    ax.loglog(sizes * pixel * MICRO, number / correction, "o", ms=5, label="corrected for pixel size")
     fit = (sizes / sizes[-1]) ** -boxes
     ax.loglog(sizes * pixel * MICRO, fit, "k--", lw=1.2, label=f"N ∝ size$^{{-{boxes:.2f}}}$")
     ax.set(xlabel="box side (µm)", ylabel="boxes N / N(largest side)")

@@ -61,7 +61,7 @@ class Binding:
         self.context = at.Context() if self.attachment is None else self.attachment.context
         self.context.words[at.UNLISTED] = pairs.needs_no_judgement
         self.scene, self.left, self.guards, self.warned, self._scenes = None, None, 0, False, 0
-        self._said, self._limits = set(), {}
+        self._messages, self._limits = set(), {}
         self._requests = deque()
 
     @property
@@ -87,7 +87,7 @@ class Binding:
             self.account, self.held = account, None
             self._scenes += 1
         self.scene, self.left, self.guards, self.warned = scene, None, 0, False
-        self._said, self._limits = set(), {}
+        self._messages, self._limits = set(), {}
         self.context.forget()
 
     def leave(self):
@@ -261,8 +261,8 @@ class Binding:
         if bodies is None or self.context.words[at.UNLISTED]:
             return
         borne = {body.material.label for body in O.bodies if body.material is not None}
-        known = borne | {one.label for one in O.materials}  # bodies of it may come later
-        missing = [label for label in self.pairs.surfaces if label not in known]
+        labels_here = borne | {one.label for one in O.materials}  # bodies of it may come later
+        missing = [label for label in self.pairs.surfaces if label not in labels_here]
         if self.pairs.surfaces and not missing:
             self.context.words[at.UNLISTED] = 1
             return
@@ -462,7 +462,7 @@ class Binding:
             self._warn_once("radius", judge(radius=largest)[0].text)
         for reason, entries in beyond.items():
             count = sum(int(np.sum(excess > 1.0)) for _, excess, _ in entries)
-            if count and (number, reason) not in self._said:
+            if count and (number, reason) not in self._messages:
                 group, excess, limit = max(entries, key=lambda entry: entry[1].max())
                 worst = group[int(np.argmax(excess))]
                 where = "above" if force[worst] > limit.maximum_force else "below"
@@ -481,8 +481,8 @@ class Binding:
         return [O.bodies[number].material.label for number in self._bodies(contact)]
 
     def _warn_once(self, key, text):
-        if text is not None and key not in self._said:
-            self._said.add(key)
+        if text is not None and key not in self._messages:
+            self._messages.add(key)
             warn(f"law {self.label!r}: {text}")
 
     # --- the time step

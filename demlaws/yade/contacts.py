@@ -85,12 +85,12 @@ def state_of(pairs, contacts, rows):
     energies = pairs.energies(before)
     nothing = np.full(len(rows), np.nan)
     fields = dict(zip(pairs.state_names, ("state0", "state1", "state2"), strict=False))
-    known = {
+    columns = {
         name: before[fields[name]] if name in fields else nothing
         for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")
     }
     if not fields:
-        known["plastic_overlap"] = np.zeros(len(rows))
+        columns["plastic_overlap"] = np.zeros(len(rows))
     overlap = before["overlap"].copy()
     return ContactState(
         np.array([c.id1 for c in contacts], int),
@@ -101,8 +101,8 @@ def state_of(pairs, contacts, rows):
         before["radius"].copy(),
         before["modulus"].copy(),
         np.array(pairs.roughnesses)[before["tag"].astype(int) - 1] if len(rows) else np.zeros(0),
-        **known,
+        **columns,
         stored=energies["stored"].copy(),
         dissipated=energies["dissipated"].copy(),
-        branch=(overlap < known["maximum_overlap"]).astype(int),
+        branch=(overlap < columns["maximum_overlap"]).astype(int),
     )

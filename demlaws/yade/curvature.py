@@ -65,9 +65,9 @@ def fit(field):
     for start in range(0, len(places), _FIT_AT_ONCE):
         part = slice(start, start + _FIT_AT_ONCE)
         values = padded[tuple(np.moveaxis(places[part, None] + around + reach, -1, 0))]
-        known = np.where(np.isfinite(values), weight, 0.0)
-        matrices = (known @ products).reshape(-1, 10, 10)
-        right = (known * np.nan_to_num(values, posinf=0.0, neginf=0.0)) @ terms
+        weights = np.where(np.isfinite(values), weight, 0.0)
+        matrices = (weights @ products).reshape(-1, 10, 10)
+        right = (weights * np.nan_to_num(values, posinf=0.0, neginf=0.0)) @ terms
         poor = np.linalg.eigvalsh(matrices)[:, 0] <= 1e-9
         matrices[poor], right[poor] = np.eye(10), math.nan
         _, z, zz, y, yz, yy, x, xz, xy, xx = np.linalg.solve(matrices, right[..., None])[..., 0].T

@@ -417,7 +417,7 @@ class Attachment:
         words[at.EDGES] = pairs.radii.edges.ctypes.data
         words[at.GAP_RADIUS] = pairs.radii.gap_address()
         self.context.doubles[at.LARGEST_RADIUS] = pairs.radii.shapes.largest if pairs.radii.shapes else 0.0
-        self._looked = 0  # rows that were in use when `collect` last looked
+        self._rows_in_use = 0  # rows that were in use when `collect` last looked
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
         words[at.GENERATION] = 1 + int.from_bytes(os.urandom(3), "little")
         self.rows, self._free = _reserve(MOST_ROWS, pairs.row_words), np.zeros(0, np.int64)
@@ -467,11 +467,11 @@ class Attachment:
 
     def restore(self, saved, contacts):
         """Give contacts of a scene that was loaded the rows that `saved` has of them."""
-        known = {(int(row[0]), int(row[1])): row[2:] for row in saved}
+        words_of_pair = {(int(row[0]), int(row[1])): row[2:] for row in saved}
         history = at.CONTACT.itemsize // 8
         words = self.context.words
         for contact in contacts:
-            phys, words_of_row = contact.phys, known.get((contact.id1, contact.id2))
+            phys, words_of_row = contact.phys, words_of_pair.get((contact.id1, contact.id2))
             phys.prevU = yade.Vector3.Zero
             if words_of_row is None:
                 continue
@@ -491,7 +491,7 @@ class Attachment:
         """
         words = self.context.words
         count = int(words[at.ROWS_USED])
-        if words[at.FREE_TAKEN] < words[at.FREE_COUNT] or count < 2 * self._looked + FEW_ROWS:
+        if words[at.FREE_TAKEN] < words[at.FREE_COUNT] or count < 2 * self._rows_in_use + FEW_ROWS:
             return
         live = self._history()[:count].view(at.CONTACT)[:, 0]["tag"] != 0.0
         if contacts is not None and 2 * live.sum() > count:
@@ -500,7 +500,7 @@ class Attachment:
             self.rows[:count][~live] = 0
         self._free = np.flatnonzero(~live)
         words[at.FREE], words[at.FREE_COUNT], words[at.FREE_TAKEN] = self._free.ctypes.data, len(self._free), 0
-        self._looked = max(int(live.sum()), count // 4)
+        self._rows_in_use = max(int(live.sum()), count // 4)
 
     def set_radius(self, contact, radius):
         """Give a contact that the law has seen another R, and its row what follows from it."""
@@ -513,7 +513,7 @@ class Attachment:
     def forget_rows(self):
         """All contacts are gone."""
         self.context.words[[at.ROWS_USED, at.FREE_COUNT, at.FREE_TAKEN]] = 0
-        self._looked = 0
+        self._rows_in_use = 0
 
     def watch_itself(self):
         """Act without a guard, for a test: who calls this looks for faults."""

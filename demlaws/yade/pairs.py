@@ -298,9 +298,9 @@ class Pairs:
             raise DemlawsError(f"law: {pair!r} is not a pair of labels out of {self.labels}")
         for label in pair:
             if label not in self.labels:
-                known = ", ".join(map(repr, self.labels))
+                labels = ", ".join(map(repr, self.labels))
                 raise DemlawsError(
-                    f"law: unknown label {label!r} in {pair!r}{did_you_mean(label, self.labels)} Labels: {known}"
+                    f"law: unknown label {label!r} in {pair!r}{did_you_mean(label, self.labels)} Labels: {labels}"
                 )
         return tuple(sorted(pair))
 
@@ -361,11 +361,11 @@ class Pairs:
 
     def _pair(self, surface, labels, widened):
         source = self.special.get(tuple(sorted(labels)), self.default)
-        known = all(labels) or self.everywhere is not None or self.smooth
+        complete = all(labels) or self.everywhere is not None or self.smooth
         if source is None:
             if surface.roughness == 0.0:
                 return None, (0.0, 0.0)
-            if not known:
+            if not complete:
                 return None, (math.nan, math.nan)
             raise DemlawsError(f"law has no entry for the pair {labels!r}, which is rough")
         if len(self.labels) == 1:
@@ -374,7 +374,7 @@ class Pairs:
             names = " on ".join(repr(label) if label else "unlisted materials" for label in labels)
         span = self._spans(labels)
         if span is None:
-            if source.needs_span and surface.roughness > 0.0 and known:
+            if source.needs_span and surface.roughness > 0.0 and complete:
                 raise DemlawsError(
                     f"{names}: the curve of law {source.name!r} is solved for the contacts that occur: make the law "
                     "after materials and bodies, or give radii=(smallest, largest) in m and moduli=(smallest, largest) in Pa"
@@ -390,7 +390,7 @@ class Pairs:
             shape = source.shape(surface, self.unloading, span)
         except DemlawsError as error:
             text = f"{names}: {str(error).replace('Contact(', 'Surface(')}"
-            if not known and len(self.labels) > 1:
+            if not complete and len(self.labels) > 1:
                 return None, (math.nan, math.nan)  # such a contact, should it occur, stops the simulation
             raise DemlawsError(text) from None
         return shape, (0.0, 0.0) if shape is None else source.only_for(span)

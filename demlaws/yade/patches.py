@@ -19,13 +19,13 @@ def install():
     if _originals:
         return
     omega = yade.wrapper.Omega
-    _put(omega, "engines", property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines)))
+    _replace_attribute(omega, "engines", property(lambda o: scene.get_visible(), lambda o, engines: scene.set_visible(engines)))
     energy = omega.energy
-    _put(omega, "energy", property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset))
-    _put(yade.LawDispatcher, "functors", property(scene.FUNCTORS.__get__, scene.set_functors))
+    _replace_attribute(omega, "energy", property(lambda o: scene.with_energies(energy.__get__(o)), energy.fset))
+    _replace_attribute(yade.LawDispatcher, "functors", property(scene.FUNCTORS.__get__, scene.set_functors))
     for name in ("save", "saveTmp", "sceneToString"):
         native = getattr(omega, name)
-        _put(omega, name, functools.wraps(native)(_saving(native)))
+        _replace_attribute(omega, name, functools.wraps(native)(_saving(native)))
     scene.attach_saved()
 
 
@@ -35,7 +35,7 @@ def remove():
         setattr(*_originals.pop())
 
 
-def _put(cls, name, new):
+def _replace_attribute(cls, name, new):
     _originals.append((cls, name, getattr(cls, name)))
     setattr(cls, name, new)
 

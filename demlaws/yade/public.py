@@ -27,10 +27,10 @@ class Held:
 
     def rows_of(self, contacts):
         """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
-        known = dict(zip(self.keys, self.rows, strict=True))
+        row_of = dict(zip(self.keys, self.rows, strict=True))
         rows = np.zeros(len(contacts), at.CONTACT)
         for n, contact in enumerate(contacts):
-            rows[n] = known.get(_key(contact), rows[n])
+            rows[n] = row_of.get(_key(contact), rows[n])
         return rows
 
     def saved(self, contacts):
@@ -42,10 +42,10 @@ class Held:
 
     def restore(self, saved, contacts):
         """Hold the history that `saved` has of contacts of a scene that was loaded."""
-        known = {(int(row[0]), int(row[1])): np.array(row[2:]).view(at.CONTACT)[0] for row in saved}
-        mine = [contact for contact in contacts if (contact.id1, contact.id2) in known]
+        row_of = {(int(row[0]), int(row[1])): np.array(row[2:]).view(at.CONTACT)[0] for row in saved}
+        mine = [contact for contact in contacts if (contact.id1, contact.id2) in row_of]
         self.keys, self.objects = [_key(contact) for contact in mine], []
-        self.rows = np.array([known[contact.id1, contact.id2] for contact in mine], at.CONTACT)
+        self.rows = np.array([row_of[contact.id1, contact.id2] for contact in mine], at.CONTACT)
 
     def take(self, binding):
         """Read the contacts of this step."""
@@ -83,9 +83,9 @@ def step(binding):
         for (_, _, contact), row in zip(memory.objects, rows, strict=True):
             if row["modulus"] > 0.0 and row["overlap"] > 0.0:
                 follow(binding, contact, row)
-    ending = rows[rows["overlap"] <= 0]
-    if len(ending):
-        at_rest = ending.copy()
+    separations = rows[rows["overlap"] <= 0]
+    if len(separations):
+        at_rest = separations.copy()
         at_rest["overlap"] = 0.0
         context.doubles[at.BANKED] += pairs.energies(at_rest)["dissipated"].sum()
     deep = (rows["overlap"] > SMALL_OVERLAP * rows["radius"]) & (rows["modulus"] > 0.0)

@@ -208,11 +208,11 @@ def _refuse_rivals(dispatcher):
     if not takers:
         return
     active = dispatcher.dispFunctor(*(getattr(yade, name)() for name in CONTACT))
-    known = {native.address(f): f for f in (*takers, active)}
-    if len(known) > 1 and any(map(is_ours, known.values())):
+    functors = {native.address(f): f for f in (*takers, active)}
+    if len(functors) > 1 and any(map(is_ours, functors.values())):
         raise DemlawsError(
-            f"{type(dispatcher).__name__} was given {len(known)} functors for the same contacts "
-            f"({', '.join(map(str, known.values()))}), of which YADE calls one only, possibly without its scene: give one"
+            f"{type(dispatcher).__name__} was given {len(functors)} functors for the same contacts "
+            f"({', '.join(map(str, functors.values()))}), of which YADE calls one only, possibly without its scene: give one"
         )
 
 
@@ -266,8 +266,8 @@ def _refuse_switch(engines, before, laws, old):
         return
     same = set(laws) == set(old) and new_others == old_others
     for label, functor in laws.items() if same else ():
-        known = old[label]
-        same &= functor is known or (known.binding.same_as(functor.binding) and known.settings() == functor.settings())
+        former = old[label]
+        same &= functor is former or (former.binding.same_as(functor.binding) and former.settings() == functor.settings())
     if not same:
         raise DemlawsError(_switch_text())
 
@@ -363,16 +363,16 @@ _at_work = {}
 
 def attach_saved():
     """Replace placeholders by the laws that the scene's tags describe."""
-    waiting = [
+    placeholders = [
         (dispatcher, functor, _tag(LAW.format(label=functor.label)))
         for _, dispatcher, functor in law_functors(get_engines())
         if type(functor) is _placeholder
     ]
-    waiting = [(dispatcher, functor.label, text) for dispatcher, functor, text in waiting if text]
-    if not waiting:
+    placeholders = [(dispatcher, functor.label, text) for dispatcher, functor, text in placeholders if text]
+    if not placeholders:
         return
     token = O.tags[TOKEN] = uuid.uuid4().hex  # the one in the file may be that of another scene of this process
-    for dispatcher, label, text in waiting:
+    for dispatcher, label, text in placeholders:
         law = _restored(label, _at_work.get(O.thisScene, {}).get(label), text)
         FUNCTORS.__set__(dispatcher, [law if f.label == label else f for f in dispatcher.functors])
         law.binding.enter(token, json.loads(text)["account"])
@@ -389,13 +389,13 @@ def _attach_loaded():
         attach_saved()
 
 
-def _restored(label, known, text):
+def _restored(label, former, text):
     content = json.loads(text)
-    if known is not None:
-        current = json.loads(known.binding.as_text(content["attributes"]))
+    if former is not None:
+        current = json.loads(former.binding.as_text(content["attributes"]))
         if current | {"account": None} == content | {"account": None}:
-            known.updateAttrs(content["attributes"])
-            return known
+            former.updateAttrs(content["attributes"])
+            return former
     law = Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)
     if law.way != content["way"]:
         raise DemlawsError(
@@ -426,9 +426,9 @@ def at_work(label):
         attach_saved()
         functor = laws_here().get(label)
     if functor is None:
-        known = ", ".join(map(repr, laws_here())) or "none"
+        labels = ", ".join(map(repr, laws_here())) or "none"
         raise EngineStopped(
-            f"law {label!r} is not used in this scene, or its tag {LAW.format(label=label)!r} is missing: {known}"
+            f"law {label!r} is not used in this scene, or its tag {LAW.format(label=label)!r} is missing: {labels}"
         )
     if functor.binding.scene != token_here():
         raise EngineStopped(

@@ -85,7 +85,7 @@ def _compare(binding, omega):
     omega.dt = 1e-9
     row = np.zeros(1, at.CONTACT)
     row["ratio"], row["tag"], row["radius"], row["modulus"] = 1.0, number + 1.0, effective_radius, modulus
-    wrong, largest, applied, steps = 0.0, 0.0, [], 0
+    wrong, largest, forces, steps = 0.0, 0.0, [], 0
     for overlap in _overlaps(_deepest(pairs, row, 4e-3 * effective_radius)):
         omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
         omega.step()
@@ -96,14 +96,14 @@ def _compare(binding, omega):
         answer, _ = pairs.respond(row)
         expected = answer["kno"][0] * depth * np.sqrt(depth) if depth > 0 else 0.0
         force = omega.forces.f(1)[2]
-        applied.append(force)
+        forces.append(force)
         largest, wrong, steps = max(largest, expected), max(wrong, abs(force - expected)), steps + 1
         if touching and expected > 0:
             tangent = answer["tangent"][0]
             if not np.isclose(contact.phys.kn, tangent, rtol=1e-9):
                 raise SelfTestFailed(f"YADE has the tangent stiffness {contact.phys.kn:g} N/m, the law {tangent:g} N/m")
     if not largest > 0 or not wrong <= TOLERANCE * largest * 100:
-        raise SelfTestFailed(f"YADE applied up to {max(applied):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
+        raise SelfTestFailed(f"YADE applied up to {max(forces):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
     if binding.context.take_fault() is not None:
         raise SelfTestFailed("the native code received unknown contacts")
     binding.account = 0.0, 0, 0.0

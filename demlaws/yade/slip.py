@@ -63,11 +63,11 @@ def _spring_end(rule, p, place, reach, state, stiffness):
         )
 
     def cached(p, place, reach, stiffness):
-        known = load_double(place)
-        if known < 0.0:
-            known = max(legendre_of_curve(p, reach, stiffness), 0.0)
-            store_double(place, known)
-        return known
+        value = load_double(place)
+        if value < 0.0:
+            value = max(legendre_of_curve(p, reach, stiffness), 0.0)
+            store_double(place, value)
+        return value
 
     cached = kernel(cached)
     if kind is Given:
