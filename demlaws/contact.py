@@ -329,11 +329,6 @@ class Contact:
         order = np.argsort(np.broadcast_to(self.roughness, self.size) / self.radius)
         return sorted({int(order[0]), int(order[order.size // 2]), int(order[-1])})
 
-    def one(self, index: int) -> "Contact":
-        """The contact of this place in an array; a single one is at every place."""
-        values = {name: np.broadcast_to(getattr(self, name), self.size or index + 1)[index] for name in PER_CONTACT}
-        return replace(self, **values)
-
     def with_values(self, **changes: Any) -> "Contact":
         """A copy with some fields changed.
 
@@ -392,3 +387,9 @@ def as_contact(value: Any) -> Contact:
     if not isinstance(value, Contact):
         raise DemlawsError(f"contact must be a demlaws.Contact, got {value!r:.60}")
     return value
+
+
+def contact_at(contact: Contact, index: int) -> Contact:
+    """The contact at this place in an array; a single one is at every place."""
+    values = {name: np.broadcast_to(getattr(contact, name), contact.size or index + 1)[index] for name in PER_CONTACT}
+    return replace(contact, **values)

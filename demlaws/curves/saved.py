@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, contact_at
 from demlaws.core.curve import NO_YIELD, BulkYield
 from demlaws.core.grid import shape_from_nodes
 from demlaws.criterion import YIELD_RATIO
@@ -110,7 +110,7 @@ def read(path: str | os.PathLike) -> tuple[Contact, TableCurve, Unloading]:
 
 def _limits(curve, contact):
     """Header lines of the range of force that the law's source supports, over E* √R length^1.5; of an array: the first."""
-    one = contact.one(0)
+    one = contact_at(contact, 0)
     length = curve.shape.length_over_roughness * one.roughness + curve.shape.length_over_radius * one.radius
     scale, lines = one.modulus * math.sqrt(one.radius * length) * length, []
     for limit in curve.definition.limits(one, **curve.options):

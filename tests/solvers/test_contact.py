@@ -250,7 +250,7 @@ def test_bulk_yield_and_edge_are_warned_about():
     with warnings.catch_warnings(record=True) as seen:
         warnings.simplefilter("always")
         published.published_contact("isotropic").load(1.45)
-    assert any("bulk yields" in str(w.message) for w in seen)
+    assert any("bulk also yields" in str(w.message) for w in seen)
     small = HeightMap(np.zeros((21, 21)), 1e-6)
     with pytest.warns(dl.ValidityWarning, match="edge of the map"):
         RoughContact(small, dl.Contact(radius=1e-2, modulus=1e9)).load(6e-5)
