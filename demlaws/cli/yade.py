@@ -94,6 +94,8 @@ def _run(arguments):
         raise DemlawsError("no script was given: demlaws yade run [options] SCRIPT [its arguments]")
     if arguments.threads < 1:
         raise DemlawsError(f"--threads {arguments.threads}: at least 1")
+    if arguments.json:
+        raise DemlawsError("--json is not available for yade run: the script prints to the standard output itself")
     return run(
         arguments.script,
         arguments.arguments,

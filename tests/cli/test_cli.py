@@ -232,3 +232,8 @@ def test_results_as_json(words, key, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main([*words, "--json"]) == 0
     assert key in json.loads(capsys.readouterr().out)
+
+
+def test_yade_run_refuses_json(capsys):
+    assert main(["yade", "run", "--json", "script.py"]) == 2
+    assert "--json is not available" in capsys.readouterr().err
