@@ -1,7 +1,7 @@
 # make granite   set up and reproduce the granite tests (tables printed, figures in granite/)
-# make test      install the engines if missing, build the plugins, run the suite without what is marked slow: some minutes
-# make test-all  the same with everything, after lint; what continuous integration runs
-# make bench     measure speed, as ratios to peers in the same run, and compare with those kept (KEEP=1 keeps them)
+# make test      install the engines if missing, build the plugins, run the suite without slow tests: some minutes
+# make test-all  lint and all tests, as continuous integration runs them
+# make bench     measure speed, as ratios to peers in the same run, and compare with the stored ones (KEEP=1 stores them)
 # make bench-scale  scaling of a step under MPI, memory of a rank, restart files (some ten minutes)
 # make bench-shear  cost of a step in each engine with passive shear and with partial slip, over stock (some minutes)
 # make stability measure every law at the extremes: ten million load paths, and inside the engines (some 20 minutes)
@@ -55,9 +55,9 @@ lint: $(VENV)/.test
 	$(BIN)/mypy
 	$(BIN)/python -m pytest -q -n0 tests/docs/test_docstrings.py -k numpydoc
 	@files=$$(git ls-files '*.cpp' '*.h' 2>/dev/null); \
-	if [ ! -f .clang-format ]; then echo "lint: no .clang-format: C++ is not looked at"; \
+	if [ ! -f .clang-format ]; then echo "lint: no .clang-format: C++ is not checked"; \
 	elif command -v clang-format >/dev/null; then clang-format --dry-run -Werror $$files; \
-	else echo "lint: no clang-format (apt install clang-format): C++ is not looked at"; fi
+	else echo "lint: no clang-format (apt install clang-format): C++ is not checked"; fi
 
 # BENCH= for 200 sets of points a fit
 BENCH ?= --quick

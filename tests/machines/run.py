@@ -32,7 +32,7 @@ from pathlib import Path
 PROJECT = Path(__file__).resolve().parents[2]
 RELEASES = {"debian-12": "bookworm", "debian-13": "trixie", "debian-sid": "sid"}
 STEPS = ("granite", "checks", "tests")
-EVERY = (*STEPS, "make-test")  # what can be asked for; `make test` holds the engine tests and much else
+EVERY = (*STEPS, "make-test")  # the steps that `--do` accepts; `make test` contains the engine tests and much else
 NO_ROOT = 75  # EX_TEMPFAIL of sysexits.h
 GIGABYTES = 9  # that must be free before a root is made; with engines, venv and pip's cache it holds about 5
 DAYS = 7  # after which a kept root is made again
