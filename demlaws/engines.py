@@ -278,7 +278,12 @@ class Engine:
             lines += log_lines(log_path)
         if status:
             raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, lines, script)}")
-        return thermo(lines, self.begins, self.column)  # not of the log file: the input may have named another
+        printed = thermo(lines, self.begins, self.column)
+        # the output of another rank may have run into a row; the log is complete unless the input names another one
+        logged = thermo(log_lines(log_path), self.begins, self.column) if _stamp(log_path) != before else {}
+        rows = [len(next(iter(table.values()), ())) for table in (printed, logged)]
+        complete = list(logged) == list(printed) and rows[1] > rows[0]
+        return logged if complete else printed
 
     def read_log(self, path):
         """Thermo output of a log: dict column → array, the rows of all runs one after another.

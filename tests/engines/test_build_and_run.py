@@ -378,3 +378,26 @@ def test_import_needs_no_engine_no_numpy_and_no_numba(engine, tmp_path):
     (tmp_path / "in.case").write_text("")
     out = subprocess.run([sys.executable, "-c", code], env=environment, cwd=tmp_path, capture_output=True, text=True)
     assert out.stdout.startswith("[]\n") and "install" in out.stdout, out.stderr
+
+
+@both
+def test_a_row_that_another_rank_has_written_into_is_taken_from_the_log(engine, run, tmp_path, monkeypatch):
+    """Unless the log holds less, or other columns."""
+    begins = part(engine, "run").ENGINE.begins
+    name = part(engine, "run").ENGINE.name
+
+    def outputs(logged, head="Step Temp"):
+        rows = ["0 1", "10 2", "20 3"]
+
+        def answer(command, folder, *_):
+            (folder / f"log.{engine}").write_text("\n".join([begins, head, *logged, "Loop time of 1"]))
+            return 0, [f"{name} (1)", begins, "Step Temp", rows[0], "10 WARNING: 2", rows[2], "Loop time of 1"]
+
+        monkeypatch.setattr(engines, "_run", answer)
+        (tmp_path / f"log.{engine}").unlink(missing_ok=True)
+        (tmp_path / "in.case").touch()
+        return run(tmp_path / "in.case")["Step"].tolist()
+
+    assert outputs(["0 1", "10 2", "20 3"]) == [0, 10, 20]
+    assert outputs(["0 1"]) == [0, 20]
+    assert outputs(["0 1", "10 2", "20 3"], "Step Press") == [0, 20]
