@@ -274,16 +274,15 @@ class Engine:
         log_path = Path(folder) / log
         before = _stamp(log_path)  # a log of an earlier run is not read
         status, lines = _run(line, folder, environment, echo, timeout)
-        if not any(text.startswith(f"{self.name} (") for text in lines) and _stamp(log_path) != before:  # -screen none
-            lines += log_lines(log_path)
+        log_text = log_lines(log_path) if _stamp(log_path) != before else []
+        if not any(text.startswith(f"{self.name} (") for text in lines):  # -screen none
+            lines += log_text
         if status:
             raise EngineStopped(f"{self.name} stopped (exit {status}): {_reason(status, lines, script)}")
-        printed = thermo(lines, self.begins, self.column)
         # the output of another rank may have run into a row; the log is complete unless the input names another one
-        logged = thermo(log_lines(log_path), self.begins, self.column) if _stamp(log_path) != before else {}
+        printed, logged = (thermo(text, self.begins, self.column) for text in (lines, log_text))
         rows = [len(next(iter(table.values()), ())) for table in (printed, logged)]
-        complete = list(logged) == list(printed) and rows[1] > rows[0]
-        return logged if complete else printed
+        return logged if list(logged) == list(printed) and rows[1] > rows[0] else printed
 
     def read_log(self, path):
         """Thermo output of a log: dict column → array, the rows of all runs one after another.
