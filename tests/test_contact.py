@@ -1,7 +1,5 @@
 """Materials, surfaces and contacts: derived quantities and input checks."""
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -45,8 +43,6 @@ def test_surface_combined():
         (lambda: dl.Surface(roughnes=1e-6), "roughnes"),
         (lambda: dl.Material(60e9, poison=0.2), "poison"),
         (lambda: dl.Contact(1e-3, 1e9).with_values(radios=1e-3), "radios"),
-        (lambda: dl.Material(young=-1e9, poisson=0.2), "young"),
-        (lambda: dl.Material(young="hard", poisson=0.2), "young"),
         (lambda: dl.Material(young=1e9, poisson=0.6), "poisson"),
         # GPa for Pa, g/cm³ for kg/m³, mm for m
         (lambda: dl.Material(60.6, 0.25), "young = 60.6 Pa"),
@@ -55,27 +51,18 @@ def test_surface_combined():
         (lambda: dl.Contact(radius=[4e-3, 5e-3], modulus=32e9, roughness=3.4e-3), "roughness = 0.0034 m is 0.85"),
         (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=8.76, radius2=8.63e-3), "radius1 = 8.76 m"),
         (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=8.76e-3, radius2=np.array([8.63e-3, 8.63])), "radius2 = 8.63 m"),
-        (lambda: dl.Material(young=1e9, poisson=0.2, hardness=0), "hardness"),
-        (lambda: dl.Surface(roughness=-1e-6), "roughness"),
         (lambda: dl.Surface(1e-6, fractal_dimension=1.9), "fractal_dimension"),
-        (lambda: dl.Contact(radius=0, modulus=1e9), "radius"),
-        (lambda: dl.Contact(radius=math.inf, modulus=1e9), "radius"),
-        (lambda: dl.Contact(radius=math.nan, modulus=1e9), "radius"),
-        (lambda: dl.Contact(radius=1e-3, modulus=-5.0), "modulus"),
         (lambda: dl.Contact(radius=1e-3, modulus=1e9, roughness=2e-3), "roughness"),
         (lambda: dl.Contact(radius=[1e-3, -1e-3], modulus=1e9), "radius"),
         (lambda: dl.Contact(radius=[1e-3, 1e-3], modulus=[1e9] * 3), "modulus"),
-        (lambda: dl.Contact(radius=[[1e-3]], modulus=1e9), "radius"),
         (lambda: dl.Contact(radius=1e-3, modulus=1e9, hardness=[1e9, 2e9]), "hardness"),
         # Vickers number and GPa in place of Pa
         (lambda: dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=640.0), "hardness"),
         (lambda: dl.Contact(radius=1e-3, modulus=[1e9, 32e9], hardness=6.266), "hardness"),
-        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=math.inf), "radius1"),
-        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=-1e-3), "radius1"),
-        (lambda: dl.Contact.between(GRANITE, GRANITE, radius1=1e-3, roughness2=-1e-6), "roughness2"),
     ],
 )
 def test_bad_input_is_refused_by_field(make, field):
+    """Each field's own limits: test_junk.py."""
     with pytest.raises(dl.DemlawsError) as error:
         make()
     assert field in str(error.value)

@@ -142,12 +142,6 @@ def test_a_softened_scene_has_the_same_forces():
     assert np.tan(softened.reference_options["slope"]) == pytest.approx(2.0 * np.tan(0.035))
 
 
-@pytest.mark.parametrize("factor", [0.0, -10.0, float("nan"), float("inf"), "ten", None])
-def test_a_factor_that_is_none(factor):
-    with pytest.raises(dl.DemlawsError):
-        dl.soften(GRANITE, factor)
-
-
 def test_what_cannot_be_softened(monkeypatch):
     with pytest.raises(dl.DemlawsError):
         dl.soften(GRANITE, 1e6)
