@@ -114,7 +114,8 @@ public:
         if (__builtin_expect(!inserted.empty(), 0))
           for (size_t k = 0; k < inserted.size(); k++)
             inserted[k]->copy_history(i, j, all_history ? &all_history[i][size * jj] : NULL);
-        if (flags && __builtin_expect(!touching && (flags[jj] & MODELS), 0))
+        // a mask, since a branch on `touching` could not be predicted
+        if (flags && __builtin_expect(flags[jj] & MODELS & ((int)touching - 1), 0))
           opened(i, j, squared, &flags[jj], &all_history[i][size * jj]);
       }
     }
