@@ -19,7 +19,6 @@ import argparse
 import contextlib
 import fcntl
 import functools
-import json
 import os
 import re
 import shutil
@@ -31,13 +30,11 @@ from pathlib import Path
 
 PROJECT = Path(__file__).resolve().parents[2]
 RELEASES = {"debian-12": "bookworm", "debian-13": "trixie", "debian-sid": "sid"}
-STEPS = ("granite", "checks", "tests")
-EVERY = (*STEPS, "make-test")  # the steps that `--do` accepts; `make test` contains the engine tests and much else
+STEPS = ("granite", "make-test", "checks", "tests")  # in this order; `make test` contains the engine tests and much else
 NO_ROOT = 75  # EX_TEMPFAIL of sysexits.h
 GIGABYTES = 9  # that must be free before a root is made; with engines, venv and pip's cache it holds about 5
 DAYS = 7  # after which a kept root is made again
 TRIES = 3
-PREPARED = "engines and venv"
 LAMMPS = "/usr/bin/lmp"  # of the release's own package; Debian 12's is too old for granular models
 INSIDE = "/home/demlaws"  # the clone, as seen in the root
 BUNDLE = "/etc/ssl/certs/ca-certificates.crt"
@@ -46,6 +43,10 @@ CERTIFICATES = "/etc/host-certificates.crt"  # the host's, as seen in the root
 
 class NoRoot(Exception):
     """The root could not be made or completed, for a reason that lies outside the project."""
+
+
+class Failed(Exception):
+    """A step did not pass."""
 
 
 def say(text):
@@ -150,7 +151,7 @@ class Root:
     def __init__(self, release, folder, ends):
         self.suite = RELEASES[release]
         self.path = folder / release
-        self.mark = folder / f"{release}.json"  # a root without it is not ours to remove
+        self.mark = folder / f"{release}.json"  # a root without it is not ours to remove; {}: not yet whole
         self.scratch = folder / f"{release}.tmp"  # what mmdebstrap would leave in /tmp when it is interrupted
         self.ends = ends  # time.monotonic() at which everything must be done
 
@@ -158,9 +159,13 @@ class Root:
         """Exit status of a command in the root."""
         self.copy_network()
         mounts = [str(part) for pair in pip_mounts() for part in pair]
-        line = [*NAMESPACE, "sh", "-c", ENTER, "sh", str(self.path), folder, *mounts, "--", *command]
+        return self.start(["sh", "-c", ENTER, "sh", str(self.path), folder, *mounts, "--", *command], environment())
+
+    def start(self, command, environment):
+        """Exit status of a command in name spaces of its own, which is stopped when no time is left."""
         try:
-            return subprocess.run(line, env=environment(), stdin=subprocess.DEVNULL, timeout=self.left()).returncode
+            line = [*NAMESPACE, *command]
+            return subprocess.run(line, env=environment, stdin=subprocess.DEVNULL, timeout=self.left()).returncode
         except subprocess.TimeoutExpired:
             say(f"no time left: {' '.join(command)} was stopped")
             return 124
@@ -192,11 +197,8 @@ class Root:
 
     def usable(self):
         """Whether a kept root is there, whole and young."""
-        try:
-            made = json.loads(self.mark.read_text())["made"]
-        except (OSError, ValueError, KeyError):
-            return False
-        return self.path.is_dir() and time.time() - made < DAYS * 86400
+        whole = self.path.is_dir() and self.mark.is_file() and self.mark.read_text() != "{}"
+        return whole and time.time() - self.mark.stat().st_mtime < DAYS * 86400
 
     def make(self):
         """Make the bare system: mmdebstrap, then the one apt line of the README."""
@@ -218,30 +220,22 @@ class Root:
 
         def once():
             self.remove()
-            self.mark.write_text("{}")  # ours, not yet whole
+            self.mark.write_text("{}")
             self.scratch.mkdir()
-            own = {**os.environ, "TMPDIR": str(self.scratch)}
-            try:
-                return subprocess.run([*NAMESPACE, *line], env=own, stdin=subprocess.DEVNULL, timeout=self.left()).returncode
-            except subprocess.TimeoutExpired:
-                return 124
+            return self.start(line, {**os.environ, "TMPDIR": str(self.scratch)})
 
-        status = self.tries(once, f"{self.suite}: mmdebstrap")
-        if status:
+        if status := self.tries(once, f"{self.suite}: mmdebstrap"):
             self.remove()
             raise NoRoot(f"mmdebstrap failed (exit {status}); its last lines are above")
         self.fetch("apt-get", "update", "-qq")
         self.fetch("apt-get", "install", "-y", "-qq", "git", "make")
         shutil.rmtree(self.scratch)
-        self.mark.write_text(json.dumps({"suite": self.suite, "made": time.time()}))
+        self.mark.write_text(f'{{"suite": "{self.suite}"}}')
 
     def fetch(self, *command):
         """A command that needs nothing but the archive: where it fails, the network is to blame."""
         if self.tries(lambda: self.run(*command), " ".join(command)):
             raise NoRoot(f"{' '.join(command)} failed in the new root")
-
-    def reaches_archive(self):
-        return self.run("apt-get", "update", "-qq", "-o", "APT::Update::Error-Mode=any") == 0
 
     def clone(self):
         """The last commit of this repository."""
@@ -253,11 +247,7 @@ class Root:
         trust = {"GIT_CONFIG_COUNT": "1", "GIT_CONFIG_KEY_0": "safe.directory", "GIT_CONFIG_VALUE_0": "*"}
         line = ["git", "clone", "--quiet", "--no-hardlinks", "--depth=1", PROJECT.as_uri(), str(target)]
         subprocess.run(line, check=True, env={**os.environ, **trust})
-        head = _output("git", "-C", str(target), "log", "-1", "--format=%h %s").strip()
-        say(f"cloned {head}")
-
-    def size(self):
-        return _output("du", "-sh", "--one-file-system", str(self.path)).split("\t")[0]
+        say("cloned " + _output("git", "-C", str(target), "log", "-1", "--format=%h %s").strip())
 
     def remove(self):
         if self.path.is_dir():
@@ -274,15 +264,11 @@ class Root:
 # --- the steps
 
 
-class Failed(Exception):
-    """A step did not pass."""
-
-
 def make(root, target, fetched):
     """`make target`, again while the network may be what breaks it: until the file `fetched` is there."""
     fetched = root.path / fetched[1:]
     status = root.tries(lambda: root.run("make", target, folder=INSIDE), f"make {target}", fetched.exists)
-    if not fetched.exists() and not root.reaches_archive():
+    if not fetched.exists() and root.run("apt-get", "update", "-qq", "-o", "APT::Update::Error-Mode=any"):
         raise NoRoot(f"make {target} failed and the archive cannot be reached")
     if status or not fetched.exists():
         raise Failed(f"exit {status}")
@@ -298,29 +284,29 @@ def prepare(root):
     root.run("apt-get", "clean")
 
 
-def must(root, command):
+def must(root, *command):
     """A command that has to pass; the LAMMPS of the release, where it has one, goes before PyPI's."""
     own = ["env", f"DEMLAWS_LAMMPS={LAMMPS}"] if (root.path / LAMMPS[1:]).exists() else []
-    status = root.run(*own, *command, folder=INSIDE)
-    if status:
+    if status := root.run(*own, *command, folder=INSIDE):
         raise Failed(f"exit {status}")
 
 
-def steps(wanted, pytest_arguments):
-    """[(name, function of the root)] in order."""
-    tests = ["-m", "pytest", "-q", "-n", str(os.cpu_count()), *(pytest_arguments or ["tests/engines"])]
+def steps(root, wanted, pytest_arguments):
+    """[(name, function)] in order; a step whose name is in brackets is needed by those after it."""
     plan = []
     if "granite" in wanted:
-        plan.append(("make granite", lambda root: make(root, "granite", f"{INSIDE}/.venv/.plots")))
+        plan.append(("make granite", lambda: make(root, "granite", f"{INSIDE}/.venv/.plots")))
     if "make-test" in wanted:
-        plan.append(("make test", lambda root: make(root, "test", f"{INSIDE}/.venv/.test")))
+        plan.append(("make test", lambda: make(root, "test", f"{INSIDE}/.venv/.test")))
     if {"checks", "tests"} & set(wanted):
-        plan.append((PREPARED, prepare))
+        plan.append(("(engines and venv)", lambda: prepare(root)))
     if "checks" in wanted:
         for engine in ("yade", "liggghts", "lammps"):
-            plan.append((f"demlaws {engine} check", functools.partial(must, command=[".venv/bin/demlaws", engine, "check"])))
+            plan.append((f"demlaws {engine} check", functools.partial(must, root, ".venv/bin/demlaws", engine, "check")))
     if "tests" in wanted:
-        plan.append((f"pytest {' '.join(tests[5:])}", functools.partial(must, command=[".venv/bin/python", *tests])))
+        tests = pytest_arguments or ["tests/engines"]
+        line = (".venv/bin/python", "-m", "pytest", "-q", "-n", str(os.cpu_count()), *tests)
+        plan.append((f"pytest {' '.join(tests)}", functools.partial(must, root, *line)))
     return plan
 
 
@@ -336,73 +322,67 @@ def alone(folder, release):
         yield
 
 
-def default_folder():
-    cache = os.environ.get("XDG_CACHE_HOME")
-    return (Path(cache) if cache else Path.home() / ".cache") / "demlaws-machines"
-
-
 def arguments(argv):
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "demlaws-machines"
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("release", choices=RELEASES)
-    parser.add_argument(
-        "--do", nargs="+", choices=EVERY, default=list(STEPS), metavar="STEP", help=f"of {', '.join(EVERY)} (all but the last)"
-    )
-    parser.add_argument("--folder", type=Path, default=default_folder(), help="where roots stand (default %(default)s)")
+    usual = [step for step in STEPS if step != "make-test"]
+    parser.add_argument("--do", nargs="+", choices=STEPS, default=usual, help=f"steps (default: {' '.join(usual)})")
+    parser.add_argument("--folder", type=Path, default=folder, help="where roots stand (default %(default)s)")
     parser.add_argument("--keep", action="store_true", help=f"leave the root for later runs, which use it for {DAYS} days")
     parser.add_argument("--minutes", type=float, default=60.0, help="time for everything (default %(default)g)")
     parser.add_argument("pytest", nargs="*", metavar="-- PYTEST ARGUMENTS", help="default: tests/engines")
-    own, after = (argv[: argv.index("--")], argv[argv.index("--") + 1 :]) if "--" in argv else (argv, [])
-    given = parser.parse_args(own)
-    given.pytest = after
-    given.folder = given.folder.resolve()
+    end = argv.index("--") if "--" in argv else len(argv)
+    given = parser.parse_args(argv[:end])
+    given.folder, given.pytest = given.folder.resolve(), argv[end + 1 :]
     return given
+
+
+def work(root, given, told):
+    """Make the root or take the kept one, and run the steps; `told` gets a line for each step."""
+
+    def passed(name, function):
+        say(f"--- {name}")
+        start, result = time.monotonic(), "passed"
+        try:
+            function()
+        except Failed as error:
+            result = f"FAILED ({error})"
+        told.append(f"{name}: {result}, {time.monotonic() - start:.0f} s")
+        return result == "passed"
+
+    try:
+        if root.usable():
+            say(f"{root.path} is kept from an earlier run")
+            root.fetch("apt-get", "update", "-qq")
+        else:
+            passed("root", root.make)
+        root.clone()
+        for name, function in steps(root, given.do, given.pytest):
+            if not passed(name, function) and name.startswith("("):
+                break
+    finally:
+        if not given.keep or not root.usable():
+            root.remove()
 
 
 def main(argv=None):
     given = arguments(sys.argv[1:] if argv is None else argv)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that what is below is cleaned up
-    began = time.monotonic()
-    root = Root(given.release, given.folder, began + 60 * given.minutes)
-    told, failed, verdict, status = [], 0, "", 0
-
-    def step(name, function):
-        """Run one step and note how it went; whether it passed."""
-        nonlocal failed
-        say(f"--- {name}")
-        start, result = time.monotonic(), "passed"
-        try:
-            function(root)
-        except Failed as error:
-            result, failed = f"FAILED ({error})", failed + 1
-        told.append(f"{name}: {result}, {time.monotonic() - start:.0f} s")
-        return result == "passed"
-
+    began, told = time.monotonic(), []
+    verdict, status = "all passed", 0
     try:
         with alone(given.folder, given.release):
-            try:
-                if root.usable():
-                    say(f"{root.path} is kept from an earlier run")
-                    root.fetch("apt-get", "update", "-qq")
-                else:
-                    step("root", Root.make)
-                root.clone()
-                for name, function in steps(given.do, given.pytest):
-                    if not step(name, function) and name == PREPARED:
-                        break  # nothing after it can run
-            finally:
-                say(f"{root.path} holds {root.size() if root.path.is_dir() else 'nothing'}")
-                if not given.keep or not root.usable():
-                    root.remove()
-        verdict, status = ("all passed", 0) if not failed else (f"{failed} of {len(told)} steps FAILED", 1)
+            work(Root(given.release, given.folder, began + 60 * given.minutes), given, told)
     except NoRoot as error:
         verdict, status = f"NOT RUN: no root of {given.release}: {error}", NO_ROOT
-        if failed:  # that fault is the project's, whatever the network did later
-            verdict, status = f"{failed} steps FAILED, then no network: {error}", 1
     except KeyboardInterrupt:
         verdict, status = "interrupted", 128 + signal.SIGINT
-    for line in told:
+    failed = sum(": FAILED (" in line for line in told)
+    if failed:  # that fault is the project's, whatever the network did later
+        verdict, status = f"{failed} of {len(told)} steps FAILED" + ("" if status == 0 else f"; {verdict}"), 1
+    for line in [*told, f"{verdict}, {time.monotonic() - began:.0f} s in all"]:
         say(f"{given.release}: {line}")
-    say(f"{given.release}: {verdict}, {time.monotonic() - began:.0f} s in all")
     return status
 
 
