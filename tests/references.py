@@ -57,33 +57,34 @@ class Hertz(Reference):
         return mpf("0.4") * self.c * mpf(overlap) ** mpf("2.5")
 
 
-class Rms(Reference):
+class OfForce(Reference):
+    """A law whose equation gives the overlap of a force, from Hertz's overlap at that force."""
+
+    def overlap(self, force, near=None):
+        return self.of_hertz(self.hertz.overlap(force))
+
+    def force(self, overlap):
+        """By the secant method in logarithms, from below every root."""
+        overlap = mpf(overlap)
+        start = mpmath.log(overlap) - 5
+        root = mpmath.findroot(lambda x: mpmath.log(self.of_hertz(mpmath.exp(x)) / overlap), (start, start + 1))
+        return self.hertz.force(mpmath.exp(root))
+
+    def stiffness(self, overlap):
+        force = self.force(overlap)
+        with mp.workdps(80):
+            return 1 / mpmath.diff(self.overlap, force, h=force * mpf(10) ** -25)
+
+
+class Rms(OfForce):
     """a*/a_H = 2.4 - 2.8/(α + 2), δ = a*²/R."""
 
     def __init__(self, radius, modulus, roughness, **_):
         self.hertz = Hertz(radius, modulus)
         self.roughness = mpf(roughness)
 
-    def alpha(self, overlap):
-        """The root of u = (2.4α + 2)²/(α(α + 2)²) by Newton's method in logarithms."""
-        target = mpmath.log(mpf(overlap) / self.roughness)
-        x = -target
-        for _ in range(60):
-            a = mpmath.exp(x)
-            value = 2 * mpmath.log(mpf("2.4") * a + 2) - x - 2 * mpmath.log(a + 2) - target
-            slope = 2 * mpf("2.4") * a / (mpf("2.4") * a + 2) - 1 - 2 * a / (a + 2)
-            x -= value / slope
-            if abs(value) < mpf(10) ** -45:
-                return mpmath.exp(x)
-        raise AssertionError("Newton's method did not converge")
-
-    def force(self, overlap):
-        return self.hertz.force(self.roughness / self.alpha(overlap))
-
-    def overlap(self, force, near=None):
-        hertz = self.hertz.overlap(force)
-        a = self.roughness / hertz
-        return hertz * (mpf("2.4") - mpf("2.8") / (a + 2)) ** 2
+    def of_hertz(self, hertz):
+        return hertz * (mpf("2.4") - mpf("2.8") / (self.roughness / hertz + 2)) ** 2
 
 
 class PohrtPopov(Reference):
@@ -145,23 +146,19 @@ class RoughPlastic(Reference):
 
     def _solve(self):
         # all the rough laws end parallel to Hertz, whose load of that stiffness brackets the one sought from below
-        hertz = Hertz(self.radius, self.modulus)
-        low = mpmath.log((self.stiffness_at_yield / (mpf("1.5") * hertz.c)) ** 2) - 2
-        high = low + 60
-        for _ in range(170):
-            middle = (low + high) / 2
-            if self.rough.stiffness(mpmath.exp(middle)) < self.stiffness_at_yield:
-                low = middle
-            else:
-                high = middle
-        return mpmath.exp(low)
+        low = mpmath.log((self.stiffness_at_yield / (mpf("1.5") * Hertz(self.radius, self.modulus).c)) ** 2) - 2
+
+        def above(log_overlap):
+            return mpmath.log(self.rough.stiffness(mpmath.exp(log_overlap)) / self.stiffness_at_yield)
+
+        return mpmath.exp(mpmath.findroot(above, (low, low + 60), solver="anderson"))
 
     def force(self, overlap):
         more = mpf(overlap) - self.overlap_at_yield
         return self.rough.force(overlap) if more < 0 else self.force_at_yield + self.stiffness_at_yield * more
 
 
-class Bahrami(Reference):
+class Bahrami(OfForce):
     """δ/δ_H = a_L'²/2 + 8 p0' a_L'/(π² (4.79 - 3.17 p0'^3.13)), less its value at P → 0."""
 
     def __init__(self, radius, modulus, roughness, hardness, constant=None, **_):
@@ -173,35 +170,13 @@ class Bahrami(Reference):
         self.b = mpf("1.22") * kappa ** mpf("-0.16")
         self.initial = self.roughness * self.constant**2 * self.b / 2
         joint = self.roughness * self.b * mpf("0.47") / mpf("0.53")
-        self.overlap_at_joint = self._of_hertz(joint, mpf("0.47"))
+        self.overlap_at_joint = self.of_hertz(joint, mpf("0.47"))
         self.kinks = (self.overlap_at_joint,)
 
-    def _of_hertz(self, hertz, p=None):
+    def of_hertz(self, hertz, p=None):
         p = 1 / (1 + self.b * self.roughness / hertz) if p is None else p
         a = self.constant / mpmath.sqrt(p) if p <= mpf("0.47") else mpf("3.51") - mpf("2.51") * p
         return hertz * (a * a / 2 + 8 * p * a / (mp.pi**2 * (mpf("4.79") - mpf("3.17") * p ** mpf("3.13")))) - self.initial
-
-    def overlap(self, force, near=None):
-        return self._of_hertz(self.hertz.overlap(force))
-
-    def _hertz_overlap(self, overlap):
-        """Bisection in ln δ_H, then the secant method."""
-        overlap = mpf(overlap)
-        low, high = mpmath.log(overlap) - 5, mpmath.log(overlap + 4 * self.initial) + 2
-        for _ in range(30):
-            middle = (low + high) / 2
-            low, high = (middle, high) if self._of_hertz(mpmath.exp(middle)) < overlap else (low, middle)
-        x, y = low, high
-        fx, fy = (mpmath.log(self._of_hertz(mpmath.exp(t)) / overlap) for t in (x, y))
-        for _ in range(30):
-            if fx == fy or abs(fy) < mpf(10) ** -43:
-                break
-            x, y, fx = y, y - fy * (y - x) / (fy - fx), fy
-            fy = mpmath.log(self._of_hertz(mpmath.exp(y)) / overlap)
-        return mpmath.exp(y)
-
-    def force(self, overlap):
-        return self.hertz.force(self._hertz_overlap(overlap))
 
 
 class WaltonBraun(Reference):
@@ -310,7 +285,7 @@ class KogutEtsion(Reference):
     BRANCHES = ((mpf(1), mpf("1.5")), (mpf("1.03"), mpf("1.425")), (mpf("1.40"), mpf("1.263")))
 
     def __init__(self, radius, modulus, yield_strength, poisson=0.3, **_):
-        self.modulus = mpf(modulus)
+        self.radius, self.modulus = mpf(radius), mpf(modulus)
         k = mpf("0.454") + mpf("0.41") * mpf(poisson)
         self.critical = (mp.pi * k * mpf("2.8") * mpf(yield_strength) / (2 * mpf(modulus))) ** 2 * mpf(radius)
         self.hertz = Hertz(radius, modulus)
@@ -327,11 +302,7 @@ class KogutEtsion(Reference):
 
     def contact_radius(self, overlap):
         ratio = mpf(overlap) / self.critical
-        return mpmath.sqrt(self.hertz_radius * self.critical * max(ratio, mpf("0.94") * ratio ** mpf("1.146")))
-
-    @property
-    def hertz_radius(self):
-        return (self.hertz.c * 3 / 4 / self.modulus) ** 2
+        return mpmath.sqrt(self.radius * self.critical * max(ratio, mpf("0.94") * ratio ** mpf("1.146")))
 
     def unloading(self, maximum, overlap):
         """R_p = 4 E* a³/(3 F), δ_res = δmax - 3F/(4 E* a): Etsion, Kligerman & Kadin as Jackson et al. 2010 give them."""
@@ -351,7 +322,7 @@ class JacksonGreen(KogutEtsion):
     """P/P_c = exp(-ω^(5/12)/4) ω^1.5 + (4 H_G/(C S_y)) (1 - exp(-ω^(5/9)/25)) ω, where that is less than Hertz's ω^1.5."""
 
     def __init__(self, radius, modulus, yield_strength, poisson=0.3, **_):
-        self.modulus = mpf(modulus)
+        self.radius, self.modulus = mpf(radius), mpf(modulus)
         self.c = mpf("1.295") * mpmath.exp(mpf("0.736") * mpf(poisson))
         self.critical = (mp.pi * self.c * mpf(yield_strength) / (2 * self.modulus)) ** 2 * mpf(radius)
         self.hertz = Hertz(radius, modulus)
@@ -363,7 +334,7 @@ class JacksonGreen(KogutEtsion):
         self.kinks = (self.joint * self.critical,)
 
     def plastic(self, w):
-        a = mpmath.sqrt(self.critical / self.hertz_radius * w * (w / mpf("1.9")) ** self.b)
+        a = mpmath.sqrt(self.critical / self.radius * w * (w / mpf("1.9")) ** self.b)
         hardness = mpf("2.84") * (1 - mpmath.exp(mpf("-0.82") * a ** mpf("-0.7")))
         deep = 1 - mpmath.exp(-(w ** (mpf(5) / 9)) / 25)
         return mpmath.exp(-(w ** (mpf(5) / 12)) / 4) * w ** mpf("1.5") + 4 * hardness / self.c * deep * w
@@ -374,7 +345,7 @@ class JacksonGreen(KogutEtsion):
 
     def contact_radius(self, overlap):
         ratio = mpf(overlap) / self.critical
-        return mpmath.sqrt(self.hertz_radius * mpf(overlap) * max(mpf(1), ratio / mpf("1.9")) ** self.b)
+        return mpmath.sqrt(self.radius * mpf(overlap) * max(mpf(1), ratio / mpf("1.9")) ** self.b)
 
 
 REFERENCES = {
