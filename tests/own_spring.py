@@ -1,4 +1,4 @@
-"""A file with a user-defined law and unloading rule, outside the package; tests of several engines write it."""
+"""Files with a user-defined law, one of them with its own rule, outside the package; tests of several engines write that one."""
 
 import contextlib
 import os
@@ -10,6 +10,18 @@ import demlaws as dl
 from demlaws.core import unloading
 from demlaws.laws import registry
 
+POWER = """
+import demlaws as dl
+
+def force(p, overlap):
+    return p.factor * overlap**p.exponent
+
+def stiffness(p, overlap):
+    return p.factor * p.exponent * overlap**(p.exponent - 1)
+
+options = {"factor": 3e9, "exponent": (1.7, "", "of the overlap")}
+dl.register(dl.define("power", force, stiffness, options=options, description="power of the overlap"))
+"""
 SPRING = """
     from typing import NamedTuple
 

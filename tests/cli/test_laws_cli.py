@@ -4,18 +4,8 @@ import subprocess
 import sys
 
 import pytest
+from own_spring import POWER
 
-POWER = """
-import demlaws as dl
-
-def force(p, overlap):
-    return p.factor * overlap**1.7
-
-def stiffness(p, overlap):
-    return 1.7 * p.factor * overlap**0.7
-
-dl.register(dl.define("power", force, stiffness, options={"factor": 3e9}, description="power of the overlap"))
-"""
 CONTACT = ["--radius", "4mm", "--modulus", "30GPa"]
 
 

@@ -15,7 +15,6 @@ from demlaws.errors import NotPassive
 from demlaws.laws.definition import OF_CONTACT
 from demlaws.laws.registry import find, registry
 from demlaws.soundness import refuse_unless_collapses
-from studies.extremes.exact import EXACT
 
 
 @pytest.mark.parametrize(
@@ -62,18 +61,6 @@ def test_colours_and_ranks_differ():
     assert len({d.drawing.colour for d in definitions}) == len(definitions)
     ranks = [d.advice.rank for d in definitions if d.advice.rank]
     assert len(set(ranks)) == len(ranks) >= 4
-
-
-@pytest.mark.parametrize("name", EXACT)
-def test_kernels_follow_the_exact_equation(name):
-    """Force and stiffness against the law's equation in extended precision."""
-    definition, contact = find(name), GRANITE
-    overlap = contact.roughness * np.geomspace(1e-4, 30.0, 200)
-    law = dl.law(name, contact, **definition.example)
-    overlap = overlap[np.all([np.abs(overlap / k - 1) > 1e-6 for k in [*law.kinks(), 1.0]], axis=0)]
-    force, stiffness = EXACT[name](contact, overlap, **definition.example)
-    np.testing.assert_allclose(quiet(law.force, overlap), force.astype(float), rtol=1e-14)
-    np.testing.assert_allclose(quiet(law.stiffness, overlap), stiffness.astype(float), rtol=1e-13)
 
 
 @pytest.mark.parametrize("name", [n for n, d in registry().items() if d.before_yield is not None])

@@ -4,30 +4,19 @@ import importlib.util
 import math
 import pickle
 import sys
-import textwrap
+from textwrap import dedent
 
 import numba
 import numpy as np
 import pytest
 from examples import GRANITE, shared
+from own_spring import POWER
 from processes import PACKAGE, counted, python
 
 import demlaws as dl
 from demlaws.core.fastmath import sqrt
 from demlaws.laws import registry
 from demlaws.laws.definition import Advice, Fitting
-
-POWER = """
-import demlaws as dl
-
-def force(p, overlap):
-    return p.factor * overlap**p.exponent
-
-def stiffness(p, overlap):
-    return p.factor * p.exponent * overlap**(p.exponent - 1)
-
-dl.register(dl.define("power", force, stiffness, options={"factor": 3e9, "exponent": (1.7, "", "of the overlap")}))
-"""
 
 
 @pytest.fixture(autouse=True)
@@ -40,7 +29,7 @@ def whatever_a_test_registers_goes_with_it(registered_here):
 
 
 def write(folder, text=POWER, name="my_laws.py"):
-    (folder / name).write_text(textwrap.dedent(text))
+    (folder / name).write_text(dedent(text))
     return folder / name
 
 
@@ -204,8 +193,8 @@ def test_entry_points(tmp_path):
 # --- machine code follows the file
 
 
-@pytest.mark.parametrize("plain", ["", pytest.param("1", marks=pytest.mark.slow)])
-def test_machine_code_follows_an_edited_file(tmp_path, plain):
+@pytest.mark.parametrize(("plain", "edits"), shared([("", 1), ("", 3), ("1", 3)], ("", 1).__eq__))
+def test_machine_code_follows_an_edited_file(tmp_path, plain, edits):
     """The file itself, a module that it takes a function from, a number of it; without numba's internals it is not kept."""
     write(tmp_path, "def factor():\n    return 3.0\n\nPLAIN = 1.0\n", "helper.py")
     text = """
@@ -237,12 +226,14 @@ def test_machine_code_follows_an_edited_file(tmp_path, plain):
 
     assert run() == (3.0, True)
     assert plain or run() == (3.0, False)
-    write(tmp_path, "def factor():\n    return 5.0\n\nPLAIN = 1.0\n", "helper.py")
-    assert run()[0] == 5.0
-    write(tmp_path, "def factor():\n    return 5.0\n\nPLAIN = 2.0\n", "helper.py")
-    assert run()[0] == 20.0
-    write(tmp_path, text.replace("1e9", "2e9"))
-    assert run()[0] == 40.0
+    edited = [
+        ("def factor():\n    return 5.0\n\nPLAIN = 1.0\n", "helper.py", 5.0),
+        ("def factor():\n    return 5.0\n\nPLAIN = 2.0\n", "helper.py", 20.0),
+        (text.replace("1e9", "2e9"), "my_laws.py", 40.0),
+    ]
+    for text, name, expected in edited[:edits]:
+        write(tmp_path, text, name)
+        assert run()[0] == expected
 
 
 # --- definitions that are none
@@ -323,12 +314,10 @@ def test_definitions_that_are_refused(changes):
 @pytest.mark.parametrize(
     "call",
     [
-        *(lambda given=given: dl.register(given) for given in (None, "power", dl.define)),
         *(lambda name=name: law(power, options={name: 1.0}) for name in ("radius", "for")),
         lambda: law(power, options={"n": math.nan}),
         lambda: law(power, colours=3),
         lambda: law(power, prepare=1),
-        lambda: law(3.0),
     ],
 )
 def test_what_is_no_definition(call):
