@@ -1,4 +1,4 @@
-"""Files with a user-defined law, one of them with its own rule, outside the package; tests of several engines write that one."""
+"""Files with a user-defined law, one with a rule of its own, outside the package; tests of several engines write that one."""
 
 import contextlib
 import os

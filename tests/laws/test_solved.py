@@ -79,6 +79,7 @@ def solved(name, number, force):
         ("greenwood-tripp", 4.0, {"mu": 4.0}, 1000.0),
         ("greenwood-tripp", 17.0, {"mu": 17.0}, 1000.0),
     ],
+    ids=["yip-venart", "greenwood-tripp 4", "greenwood-tripp 17"],
 )
 def test_the_law_is_that_of_the_solver(name, number, options, largest):
     """The law reads a curve; solved afresh at loads between its nodes. The issue asks for 1e-4."""
