@@ -191,21 +191,11 @@ UNDER_YADE = (
 """Modules that import YADE when they are imported."""
 
 
-PLACES = (
-    "demlaws",
-    "studies",
-    "yade_scripts",
-    "liggghts_inputs",
-    "lammps_inputs",
-    "docs/making",
-    "tests/benchmarks",
-    "tests/machines",
-)
-
-
 def test_imported_names_exist():
     """Also in benchmarks, in scripts and inside functions, which few tests run."""
-    files = [path for place in PLACES for path in sorted((PROJECT / place).rglob("*.py"))]
+    inputs = ("yade_scripts", "liggghts_inputs", "lammps_inputs")
+    places = ("demlaws", "studies", *inputs, "docs/making", "tests/benchmarks", "tests/machines")
+    files = [path for place in places for path in sorted((PROJECT / place).rglob("*.py"))]
     assert not {str(path.relative_to(PROJECT)): names for path in files if (names := missing(path))}
 
 

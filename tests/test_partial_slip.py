@@ -1,12 +1,13 @@
-"""Shear of one contact: closed forms of partial slip, and passivity of every choice for every law and rule."""
+"""Shear of one contact: K_t of every choice; closed forms of partial slip; passivity for every law and rule."""
 
 import numpy as np
 import pytest
-from examples import GRANITE, each_law_and_rule, make, quiet
+from examples import GRANITE, each_law_and_rule, make, pairs, quiet, telling
 from hypothesis import given
 from hypothesis import strategies as st
 
 import demlaws as dl
+from demlaws.core.unloading import RULES
 from demlaws.shear import sheared
 from studies.shear.springs import mindlin
 
@@ -95,6 +96,25 @@ def test_the_force_falls_with_the_stiffness_and_is_kept_where_it_rises():
     np.testing.assert_allclose(path.stored[1:] / path.stored[1], [1.0, 0.5, 0.25], rtol=1e-12)
 
 
+# what is followed is the rule's force: every rule with one law, and those that laws have of their own
+every_pair = pytest.mark.parametrize(
+    ("name", "unloading"), [p for p in pairs() if telling(p) and (p[0] == "pohrt-popov" or p[1] not in RULES)]
+)
+DEEP = 5.0 * GRANITE.roughness
+BACK = np.array([0.4, 1.0, 1.0 - 1e-11, 0.999, 1.0, 1.0 + 1e-11, 1.1]) * DEEP
+
+
+@every_pair
+def test_what_each_choice_is(name, unloading):
+    """Against the law's own stiffnesses: just below the overlap, and of first loading at that force."""
+    law = make(name, unloading)
+    path = law.follow(BACK)
+    elastic, loading = (law.shear_stiffness(BACK, 0.5, choice) for choice in ("elastic", "loading"))
+    below = [law.follow([*BACK[: n + 1], BACK[n] * (1 - 1e-9)]).stiffness[-1] for n in range(BACK.size)]
+    np.testing.assert_allclose(elastic, 0.5 * np.array(below), rtol=1e-7)
+    np.testing.assert_allclose(loading, 0.5 * law.stiffness(law.overlap(path.force)), rtol=1e-7)
+
+
 @pytest.mark.parametrize(
     "call",
     [
@@ -104,6 +124,9 @@ def test_the_force_falls_with_the_stiffness_and_is_kept_where_it_rises():
         lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", 0.5, 0),
         lambda law: sheared(law, [1e-6], [0.0], 0.8, "sideways"),
         lambda law: sheared(law, [2.0 * GRANITE.radius], [0.0], 0.8),
+        lambda law: sheared(law, [DEEP] * 3, [0.0, 1e-7, 2e-7], 5.0),
+        lambda law: law.shear_stiffness(1e-6, 0.8, "tangent"),
+        lambda law: law.shear_stiffness(1.0, 0.8),
     ],
 )
 def test_bad_input(call):

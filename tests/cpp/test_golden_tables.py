@@ -7,12 +7,11 @@ with check marks that fit; bad.csv has the line.
 import csv
 import re
 import subprocess
-import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
-from examples import shared
+from examples import sealed, shared
 
 import demlaws as dl
 from demlaws.curves import text as table_file
@@ -120,15 +119,6 @@ def test_bad_tables_are_refused_alike(reader):
             if found is None or int(found[1]) != BAD[name]:
                 wrong[f"{name}, {which}: line {BAD[name]}"] = message
     assert wrong == {}
-
-
-def sealed(lines):
-    """The file of these lines, with check marks that fit."""
-    data = lines[0] + b"\n"
-    for line in lines[1:]:
-        data += line
-        data += b" %08x\n" % zlib.crc32(data)
-    return data
 
 
 WORDS = (b"", *b"0 -1 1e400 1e-400 nan +3 2. .5 0x1 1_0 007 none {} yes table".split())

@@ -22,21 +22,8 @@ def test_site(tmp_path):
         said = f"{', '.join(missing)} not installed: pip install -e '.[docs]'"
         assert not os.environ.get("CI"), said
         pytest.skip(said)
-    line = [
-        sys.executable,
-        "-m",
-        "sphinx",
-        "-W",
-        "--keep-going",
-        "-q",
-        "-d",
-        tmp_path / "doctrees",
-        "-b",
-        "html",
-        PROJECT / "docs",
-        tmp_path / "site",
-    ]
-    built = subprocess.run(line, capture_output=True, text=True, cwd=PROJECT)
+    line = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-d", tmp_path / "doctrees"]
+    built = subprocess.run([*line, PROJECT / "docs", tmp_path / "site"], capture_output=True, text=True, cwd=PROJECT)
     assert built.returncode == 0, built.stderr
     for name in registry():
         page = (tmp_path / "site" / "made" / "theory" / f"{name}.html").read_text()
