@@ -18,8 +18,6 @@ from demlaws import cli, engines
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.grains import Grain
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
 STEEL = dl.Material(200e9, 0.3)
 ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)

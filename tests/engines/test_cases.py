@@ -10,8 +10,6 @@ ROOT = Path(__file__).parents[2]
 CASES = [(path.parts[-3].split("_")[0], path.parent.name) for path in sorted(ROOT.glob("l*_inputs/*/run.py"))]
 LONG = ("ballast", "compression", "energy", "impact", "migration", "packing")
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 
 @pytest.fixture
 def common(engine, monkeypatch):

@@ -7,8 +7,6 @@ from spheres import DIAMETER, LAWS, SHEARED, both, gas, save_law, sheared_along,
 
 from studies.shear.gas import HEADS
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "slip springs 30"])
 @pytest.mark.parametrize("name", LAWS)

@@ -26,7 +26,6 @@ from spheres import DIAMETER, ROUGH, both, continued, spheres
 import demlaws as dl
 from demlaws.make import example
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 PRESS = [(-20, 0, 1000)]
 """1 mm in 50 µs, a quarter of the R = 4 mm of two spheres of 16 mm."""
 

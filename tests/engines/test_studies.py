@@ -11,7 +11,6 @@ from studies.validation import engines
 from studies.validation.jobs import kept_jobs
 from studies.validation.published import KEPT, kept_rows
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 NATIVE = {"yade": "YADE's Hertz-Mindlin", "liggghts": "LIGGGHTS's hertz", "lammps": "LAMMPS's hertz/material"}
 NAMES = {"yade": "YADE", "liggghts": "LIGGGHTS", "lammps": "LAMMPS"}
 each = pytest.mark.parametrize("engine", NATIVE)

@@ -10,8 +10,6 @@ from inputs_for_lammps import SHEAR, simulate
 import demlaws as dl
 from demlaws.lammps.run import HEAD
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 BOX = """\
 boundary        f f f
 newton          on

@@ -8,7 +8,6 @@ from spheres import ROUGH, SHEARED, save_law, sheared_along
 
 import demlaws as dl
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 TANGENTIAL = "tangential demlaws 0.0 0.5 damping velocity"
 
 

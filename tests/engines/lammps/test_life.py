@@ -21,8 +21,6 @@ from demlaws.lammps.build import PLUGIN
 from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import HEAD, command, executable
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 ROOT = Path(dl.__file__).parents[1]
 
 

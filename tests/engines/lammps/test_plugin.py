@@ -12,8 +12,6 @@ from demlaws.errors import DemlawsError
 from demlaws.lammps.check import WALL, follow
 from demlaws.make import example
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 RULES = ("elastic", "hertz", "thornton", "table")
 
 

@@ -7,8 +7,6 @@ from inputs_for_lammps import HEAD, STOCK, TABLE, continued, simulate, two_spher
 
 from demlaws.errors import DemlawsError
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 
 @pytest.mark.slow
 def test_cut_off_after_a_restart(folder, monkeypatch):

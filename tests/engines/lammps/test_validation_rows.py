@@ -47,7 +47,6 @@ ABSENT = [name for name in ("liggghts", "yade") if not shutil.which(name)]
 @pytest.mark.liggghts
 @pytest.mark.yade
 @pytest.mark.skipif(bool(ABSENT), reason=f"not installed: {', '.join(ABSENT)}")
-@pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 @pytest.mark.slow
 def test_peak_force_and_rebound_agree_in_all_four(monkeypatch):
     monkeypatch.syspath_prepend(str(INPUTS))

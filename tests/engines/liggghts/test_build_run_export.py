@@ -20,7 +20,6 @@ from demlaws.liggghts.run import executable
 build_module = importlib.import_module("demlaws.liggghts.build")
 run_module = importlib.import_module("demlaws.liggghts.run")
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
 ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)

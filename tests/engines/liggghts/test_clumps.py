@@ -3,14 +3,11 @@
 import shutil
 
 import numpy as np
-import pytest
 from inputs import modulus
 from inputs_for_liggghts import properties, simulate
 
 import demlaws as dl
 from demlaws.liggghts.run import HEAD
-
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 BOX = """\
 region          box block -0.1 0.1 -0.05 0.05 -0.001 0.08 units box

@@ -10,8 +10,6 @@ from inputs_for_liggghts import two_spheres
 import demlaws as dl
 from demlaws.liggghts import run
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 DENSITY = 3e6  # cohesion energy density [J/m³]
 PROPERTY = f"fix m8 all property/global cohesionEnergyDensity peratomtypepair 2 {' '.join([str(DENSITY)] * 4)}\n"
 CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)

@@ -9,8 +9,6 @@ import demlaws as dl
 from demlaws.errors import EngineStopped
 from demlaws.liggghts.run import HEAD
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 CONTACT = dl.Contact(radius=4e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22)
 # three spheres of 8 mm in a row along x that overlap, the first with a wall
 ROW = (

@@ -9,8 +9,6 @@ from demlaws.liggghts import run
 from studies.trade import peers
 from studies.trade.liggghts_oedometer import edinburgh_lines
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 
 def test_edinburgh_is_what_its_formula_says(tmp_path, granite_pair):
     """The force that `peers` puts on the picture against stock LIGGGHTS, loading, unloading and reloading."""

@@ -13,8 +13,6 @@ from demlaws.liggghts import run
 from demlaws.liggghts.run import HEAD
 from demlaws.shear import sheared
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 RADIUS = 4e-3
 CASE = (
     HEAD

@@ -10,8 +10,6 @@ from inputs_for_liggghts import again, properties, refused, simulate
 import demlaws as dl
 from demlaws.liggghts.run import HEAD
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
 GRAN = "pair_style gran model demlaws/table tangential history "
 WALL = "fix floor all wall/gran model demlaws/table tangential history primitive type 1 zplane 0.0 "
 PRESS = [(-0.2, 0, 3000), (0.2, 0, 2000)]

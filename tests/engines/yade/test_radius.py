@@ -13,7 +13,6 @@ from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import shape_factors
 
 R = 0.01
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 
 def law(radius=None, **options):

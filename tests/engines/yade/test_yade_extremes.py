@@ -1,10 +1,6 @@
 """The extremes inside YADE, in small (python -m studies.extremes --yade measures them in full)."""
 
-import pytest
-
 from studies.extremes import extremes, report
-
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 
 def test_numbers_that_are_none_stop_and_name_the_body(omega):

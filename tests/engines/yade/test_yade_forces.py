@@ -11,7 +11,6 @@ from demlaws.laws.registry import find
 from demlaws.make import example
 
 TOLERANCE = 1e-14
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 REFUSED = [("bahrami", rule) for rule in RULES if rule != "elastic"]
 SLOW = [("asperity", GIVEN)]  # to make, not to run
 COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if (name, rule) not in REFUSED + SLOW]

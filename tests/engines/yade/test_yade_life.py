@@ -11,7 +11,6 @@ from yade_scenes import GRANITE, MODULUS, cloud, functor, material, set_engines,
 import demlaws as dl
 from demlaws.yade.run import run
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 HERE = Path(__file__).parent
 ROUNDING = 1e-13
 """Positions [m] in a box of 0.1 m after 500 steps; loading changes the order in which forces are summed."""

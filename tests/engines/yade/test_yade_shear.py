@@ -14,7 +14,6 @@ from demlaws.make import example
 from demlaws.yade.shear import SPRINGS
 
 CHOICES = ("elastic", "loading")
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 RADIUS = 0.01
 MODULUS = YOUNG / (1 - POISSON**2) / 2
 PAIR = GRANITE.combined(GRANITE)

@@ -35,9 +35,6 @@ import demlaws as dl
 from demlaws import yade as dy
 from demlaws.yade import run
 
-pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
-
-
 # --- the engine list
 
 
