@@ -5,7 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
-from yade_scenes import GRANITE, MODULUS, functor, material, set_engines, yade
+from yade_scenes import GRANITE, MODULUS, advance, functor, material, set_engines, yade
 
 import demlaws as dl
 from demlaws import yade as dy
@@ -89,13 +89,13 @@ def principal_radii(axes, point):
     return 1 / np.delete(values, np.argmin(np.abs(values))), normal
 
 
-def twins(omega, axes, direction, spacing=R / 10, overlap=4e-4):
+def twins(omega, axes, direction, overlap=4e-4):
     """Two equal ellipsoids that touch at a point of the first one, each the other's mirror image in it; (state, closed R)."""
     omega.reset()
     material()
     point = np.array(direction) / np.linalg.norm(np.array(direction) / axes)
     radii, normal = principal_radii(axes, point)
-    omega.bodies.append(ellipsoid(axes, spacing=spacing, nodes=2502))
+    omega.bodies.append(ellipsoid(axes, nodes=2502))
     omega.bodies.append(ellipsoid((R, R, R), tuple(map(float, 2 * point - overlap * normal)), R / 2, nodes=102))
     omega.bodies[1].shape = omega.bodies[0].shape
     functor = law("curvature")
@@ -124,58 +124,21 @@ def test_ellipsoids_against_the_closed_form(omega, name):
     assert max(bodys) > 1.7
 
 
-@pytest.mark.slow
-def test_the_error_of_the_curvature_falls_with_the_spacing(omega):
-    errors = []
-    for spacing in (R / 5, R / 12):
-        pairs = [twins(omega, np.array(AXES["three axes"]), way, spacing=spacing) for way in WAYS]
-        errors.append([abs(math.sqrt(state.radius[0] / closed) - 1) for state, closed in pairs])
-    assert np.mean(errors[1]) < 0.6 * np.mean(errors[0])
-
-
-@pytest.mark.slow
-def test_an_impact_is_that_of_hertz_elliptical_contact(omega):
-    """Tips of two ellipsoids with three axes: peak force and deepest overlap from ½ m v² = ∫ F dδ; the rebound is elastic."""
-    axes, speed = np.array(AXES["three axes"]), 0.3
-    material()
-    omega.bodies.append(ellipsoid(axes))
-    omega.bodies.append(ellipsoid(axes, (0, 0, 2 * axes[2] + 1e-6), dynamic=True))
-    engines(law("curvature"), 2e-7)
-    moving = omega.bodies[1]
-    moving.state.vel = (0, 0, -speed)
-    peak = deepest = 0.0
-    while moving.state.vel[2] < 0 or omega.interactions.countReal():
-        omega.run(5, True)
-        for contact in omega.interactions:
-            peak, deepest = max(peak, contact.phys.normalForce.norm()), max(deepest, contact.geom.penetrationDepth)
-        assert omega.iter < 20000
-    exact = dl.law("hertz", dl.Contact(equivalent(axes[0] ** 2 / axes[2] / 2, axes[1] ** 2 / axes[2] / 2), MODULUS))
-    overlap = (15 * moving.state.mass * speed**2 / (16 * MODULUS * math.sqrt(exact.contact.radius))) ** 0.4
-    assert peak == pytest.approx(float(exact.force(overlap)), rel=0.03)
-    assert deepest == pytest.approx(overlap, rel=0.02)
-    assert moving.state.vel[2] == pytest.approx(speed, rel=2e-3)
-
-
-@pytest.mark.parametrize("radius", ["body", "curvature"])
-def test_a_contact_that_rotates(omega, radius):
-    """Pressed on a wall at the pole and rolled to the tip: R follows the curvature there, or stays the body's."""
+def test_a_contact_that_rotates(omega):
+    """Pressed on a wall at the pole and rolled to the tip: R follows the curvature there."""
     a, c, overlap = 2 * R, R, 4e-4
     stone = material()
     omega.bodies.append(yade.utils.wall((0, 0, 0), 2, material=stone))
     omega.bodies.append(ellipsoid((a, a, c), (0, 0, c - overlap), nodes=6402))
-    functor, found = law(radius), []
+    functor, found = law("curvature"), []
     engines(functor)
-    for angle in np.linspace(0, math.pi / 2, 60):
+    for angle in np.linspace(0, math.pi / 2, 15):
         height = math.hypot(a * math.sin(angle), c * math.cos(angle))
         omega.bodies[1].state.ori = yade.Quaternion(yade.Vector3(0, 1, 0), angle)
         omega.bodies[1].state.pos = (0, 0, height - overlap)
         omega.step()
         found.append(functor.contacts().radius[0])
-    assert len(found) == 60
-    if radius == "body":
-        assert max(found) == min(found)
-    else:
-        assert found[0] == pytest.approx(a * a / c, rel=0.1) and found[-1] == pytest.approx(equivalent(c * c / a, a), rel=0.1)
+    assert found[0] == pytest.approx(a * a / c, rel=0.1) and found[-1] == pytest.approx(equivalent(c * c / a, a), rel=0.1)
 
 
 CHOICES = {"body": "body", "curvature": "curvature", "edge": 3e-3}
@@ -210,29 +173,6 @@ def test_a_scanned_grain_with_rounded_edges(omega):
     assert reach / 3e-3 > 3.8
 
 
-@pytest.mark.slow
-def test_a_pair_of_scanned_grains(omega):
-    """Force against overlap of two crossed edges: with curvature R is that of crossed cylinders, the edge radius."""
-    edge, half = 3e-3, 8e-3
-    reach = math.sqrt(2) * (half - edge) + edge
-    for name, choice in CHOICES.items():
-        omega.reset()
-        material()
-        for z, axis in ((0, (0, 1, 0)), (2 * reach - 1e-6, (1, 0, 0))):
-            omega.bodies.append(shaped(rounded_cube(half, edge), half, 5e-4, (0, 0, z), 10002))
-            omega.bodies[-1].state.ori = yade.Quaternion(yade.Vector3(axis), math.pi / 4)
-        functor = law(choice)
-        engines(functor)
-        for overlap in (5e-5, 1e-4, 1.5e-4):
-            omega.bodies[1].state.pos = (0, 0, 2 * reach - overlap)
-            omega.step()
-            omega.step()
-            state = functor.contacts()
-            force = state.force[0] / dl.law("hertz", dl.Contact(edge, MODULUS)).force(state.overlap[0])
-            wanted, error = {"body": (math.sqrt(reach / 2 / edge), 0.02), "edge": (1, 1e-9)}.get(name, (1, 0.1))
-            assert force == pytest.approx(wanted, rel=error)
-
-
 # --- choices, refusals
 
 
@@ -262,7 +202,7 @@ def test_flat_on_flat_has_no_curvature(omega, bridge):
     material()
     bounded = law(dy.Curvature(largest=0.02), bridge=bridge)
     cubes(bounded, "level set")
-    omega.run(2, True)
+    advance(2)
     assert bounded.contacts().radius == pytest.approx([0.02], rel=1e-6)
 
 
@@ -279,7 +219,7 @@ def test_polyhedra_take_an_edge_radius_and_no_curvature(omega):
         material()
         chosen = make()
         cubes(chosen, "polyhedra")
-        omega.run(2, True)
+        advance(2)
         assert chosen.contacts().radius == pytest.approx([4e-4], rel=1e-12)
 
 
@@ -310,7 +250,7 @@ def test_without_a_choice_one_warning_names_shape_and_radius(omega, bridge):
     functor = law(bridge=bridge)
     cubes(functor, "level set")
     with pytest.warns(dy.ShapeWarning, match=r"LevelSet on LevelSet\) has R = 0.004 m") as caught:
-        omega.run(4, True)
+        advance(4)
     assert len([w for w in caught if w.category is dy.ShapeWarning]) == 1
     with warnings.catch_warnings():
         warnings.simplefilter("error", dy.ShapeWarning)
@@ -318,7 +258,7 @@ def test_without_a_choice_one_warning_names_shape_and_radius(omega, bridge):
             omega.reset()
             material()
             cubes(law(chosen, bridge=bridge), "level set")
-            omega.run(4, True)
+            advance(4)
 
 
 @pytest.mark.parametrize("bridge", ["native", "public"])
@@ -332,7 +272,7 @@ def test_a_function_of_the_contact(omega, bridge):
     material()
     functor = law(radius, bridge=bridge)
     cubes(functor, "level set")
-    omega.run(4, True)
+    advance(4)
     assert functor.contacts().radius == pytest.approx([2e-3], rel=1e-12) and seen == [(0, 1)]
     state = functor.contacts()
     assert state.force[0] == pytest.approx(float(dl.law("hertz", dl.Contact(2e-3, MODULUS)).force(state.overlap[0])), rel=1e-12)
@@ -380,7 +320,7 @@ def test_a_rough_contact_follows_the_curvature(omega):
     for height in (0.0, 2 * R - 2e-5):
         omega.bodies.append(ellipsoid((2 * R, 2 * R, R), (0, 0, height)))
     engines(rough)
-    omega.run(2, True)
+    advance(2)
     state, pair = rough.contacts(), GRANITE.combined(GRANITE)
     exact = dl.law("pohrt-popov", dl.Contact(state.radius[0], MODULUS, pair.roughness, pair.fractal_dimension, pair.hardness))
     assert omega.interactions[0, 1].phys.normalForce.norm() == pytest.approx(float(exact.force(state.overlap[0])), rel=1e-12)
@@ -428,7 +368,7 @@ def standing(omega, apart, radius=None):
     omega.bodies[clump].state.blockedDOFs = "xyzXYZ"
     functor = law(radius)
     set_engines(functor, 1e-9)
-    omega.run(3, True)
+    advance(3)
     one = float(dl.law("hertz", dl.Contact(R, MODULUS)).force(CLUMP_OVERLAP))
     return functor.contacts().force.sum() / one
 

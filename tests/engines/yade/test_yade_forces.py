@@ -3,7 +3,20 @@
 import numpy as np
 import pytest
 from examples import ALIKE, rules_of, shared, telling
-from yade_scenes import GRANITE, MODULUS, Recorder, cloud, fixed_pair, functor, material, set_engines, sphere, two_spheres, yade
+from yade_scenes import (
+    GRANITE,
+    MODULUS,
+    Recorder,
+    advance,
+    cloud,
+    fixed_pair,
+    functor,
+    material,
+    set_engines,
+    sphere,
+    two_spheres,
+    yade,
+)
 
 import demlaws as dl
 from demlaws.core.unloading import GIVEN, RULES
@@ -16,9 +29,13 @@ SLOW = [("asperity", GIVEN)]  # to make, not to run
 COMBINATIONS = [(name, rule) for name in dl.laws() for rule in rules_of(name) if (name, rule) not in REFUSED + SLOW]
 
 
-@pytest.mark.parametrize(("name", "rule"), shared(filter(telling, COMBINATIONS), lambda pair: pair[0] not in ALIKE))
-def test_two_spheres_every_law(omega, name, rule):
-    options = find(name).example
+EVERY_LAW = shared(((*pair, {}) for pair in COMBINATIONS if telling(pair)), lambda one: one[0] not in ALIKE)
+YIELDED = {"yield_at": "load", "post_yield_pressure": 1.2e9}
+
+
+@pytest.mark.parametrize(("name", "rule", "more"), [*EVERY_LAW, ("rough-plastic", "hertz", YIELDED)])
+def test_two_spheres_every_law(omega, name, rule, more):
+    wanted = options = find(name).example | more
     given = name, rule
     if rule == GIVEN:  # a law that has its curve with it, on surfaces a quarter as rough
         pair = GRANITE.combined(GRANITE)
@@ -30,13 +47,13 @@ def test_two_spheres_every_law(omega, name, rule):
     recorder.step(400)
     omega.bodies[1].state.vel = (0.0, 0, -0.5)  # again, deeper
     recorder.step(600)
-    assert recorder.exact(name, rule, **find(name).example) > 300
+    assert recorder.exact(name, rule, **wanted) > 300
 
 
 def test_periodic_packing(omega):
     law = functor(bridge="native")
     cloud(law, rate=-60)
-    omega.run(2500, True)
+    advance(2500)
     recorder = Recorder()
     recorder.lives.clear()
     born = omega.iter
@@ -108,7 +125,7 @@ def test_material_outside_the_scene_list(omega):
         stone = yade.FrictMat(young=60.6e9, poisson=0.25, density=2650, label=long_label)
         omega.bodies.append(sphere((0, 0, height), 0.01, fixed=True, material=stone))
     set_engines(law)
-    omega.run(2, True)
+    advance(2)
     assert law.contacts().roughness[0] == pytest.approx(2.4e-6 * 2**0.5)
 
 
@@ -150,9 +167,9 @@ def test_totals_count_contacts_that_were_erased(omega, tmp_path, way, erase):
     omega.bodies[clump].state.vel = (0, 0, -0.3)
     omega.bodies.append(fixed_pair(stone, x=0.1))
     set_engines(law)
-    omega.run(60, True)
+    advance(60)
     omega.bodies[omega.bodies[-1].id].state.pos = (0.1, 0, 0.03)  # this contact ends
-    omega.run(2, True)
+    advance(2)
     before = law.totals()
     assert before.stored > 0 and before.dissipated > 0 and before.unaccounted == 0 and "without" not in repr(before)
     {
@@ -228,7 +245,7 @@ def test_moments_are_those_of_native_mindlin(omega, damping):
         generator = np.random.default_rng(5)
         for body in omega.bodies:
             body.state.angVel = yade.Vector3(*generator.uniform(-300, 300, 3))
-        omega.run(1400, True)  # rounding grows tenfold every 300 steps, from collision to collision
+        advance(1400)  # rounding grows tenfold every 300 steps, from collision to collision
         touching = [i.phys for i in omega.interactions if i.isReal and i.phys.normalForce.norm() > 0]
         bend = [phys.momentBend.norm() / (phys.maxBendPl * phys.normalForce.norm()) for phys in touching]
         bodies = omega.bodies

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from yade_scenes import GRANITE, MODULUS, Recorder, functor, material, set_engines, sphere, two_spheres
+from yade_scenes import GRANITE, MODULUS, Recorder, advance, functor, material, set_engines, sphere, two_spheres
 
 import demlaws as dl
 
@@ -84,7 +84,7 @@ def test_a_law_changed_under_its_name_is_another(omega, tmp_path, registered_her
     omega.reset()
     register(1e9)
     omega.load(str(tmp_path / "scene.xml"))
-    omega.run(2, True)
+    advance(2)
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 import warnings
 
 import pytest
-from yade_scenes import functor, material, set_engines, sphere, yade
+from yade_scenes import advance, functor, material, set_engines, sphere, yade
 
 import demlaws as dl
 
@@ -30,18 +30,18 @@ def test_a_large_overlap_is_warned_of_once(omega, way, rule):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         warnings.filterwarnings("error", "law 'demlaws': overlap", dl.ValidityWarning)
-        omega.run(5, True)
+        advance(5)
     pressed(law, 0.6e-3)
     with pytest.warns(dl.ValidityWarning, match=r"law 'demlaws': overlap 0.0006 m is 0.12 of .* R = 0.005 m \(2 of 2 con"):
-        omega.run(2, True)
+        advance(2)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         warnings.filterwarnings("error", "law 'demlaws': overlap", dl.ValidityWarning)
-        omega.run(20, True)
+        advance(20)
     assert omega.interactions[0, 1].phys.normalForce.norm() > 0
     pressed(law, 0.6e-3)  # another scene: again
     with pytest.warns(dl.ValidityWarning, match="2 of 2"):
-        omega.run(2, True)
+        advance(2)
 
 
 @pytest.mark.parametrize("way", ["native", "public"])
@@ -63,6 +63,6 @@ def test_a_marker_has_no_force_anywhere(omega, way):
     pressed(law, 8e-3, young=0.0)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        omega.run(5, True)
+        advance(5)
     assert omega.interactions.countReal() == 2 and omega.forces.f(1).norm() == 0 and law.totals() == (0.0, 0.0)
     functor("yip-venart", "elastic", bridge=way, moduli=None, label="later")  # made after the marker

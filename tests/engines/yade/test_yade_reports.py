@@ -7,6 +7,7 @@ import pytest
 from yade_scenes import (
     GRANITE,
     SURFACES,
+    advance,
     fixed_pair,
     force,
     functor,
@@ -38,18 +39,18 @@ def test_a_limit_of_the_law_is_reported_once_with_the_worst_contact(omega, way):
     two_spheres(law, speed=-1.0)
     for x in (0.1, 0.2):
         omega.bodies.append(fixed_pair("granite", 3e-5 * x, x=x))
-    texts = issued(lambda: (omega.run(280, True), law.totals(), omega.run(20, True), law.contacts()))
+    texts = issued(lambda: (advance(280), law.totals(), advance(20), law.contacts()))
     (text,) = (text for text in texts if "0.6 H_m" in text)
     assert "1 of 3 contacts are above" in text and "0+1" in text and f"above {limit:.3g} N" in text
     omega.reset()
     two_spheres(functor(surfaces={"granite": soft}, bridge=way), speed=-0.05)
-    assert not issued(lambda: omega.run(300, True)) and force() < limit
+    assert not issued(lambda: advance(300)) and force() < limit
 
 
 def test_roughness_beside_the_radius(omega):
     """Both the combined value and what was typed are shown."""
     two_spheres(functor(surfaces={"granite": dl.Surface(5e-4, 2.22)}, bridge="native"), speed=-0.3)
-    (text,) = issued(lambda: omega.run(200, True))
+    (text,) = issued(lambda: advance(200))
     assert "0.141 of the radius 0.005 m" in text and "Sq = 0.0005 m and 0.0005 m" in text
     omega.reset()
     two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}, bridge="native"), speed=-0.3)
@@ -57,7 +58,7 @@ def test_roughness_beside_the_radius(omega):
         omega.run(200, True)
     omega.reset()  # rocks
     two_spheres(functor(surfaces={"granite": dl.Surface(5e-3, 2.22)}, bridge="native"), speed=-10.0, radius=1.0)
-    assert not [text for text in issued(lambda: omega.run(200, True)) if "of the radius" in text] and force() > 0
+    assert not [text for text in issued(lambda: advance(200)) if "of the radius" in text] and force() > 0
 
 
 def test_numbers_in_other_units_are_named(omega):
@@ -66,7 +67,7 @@ def test_numbers_in_other_units_are_named(omega):
     omega.bodies.append([yade.utils.sphere((0, 0, z), 10.0, fixed=True, material=stone) for z in (0, 19.999)])
     set_engines(law, 1e-9)
     with pytest.warns(dl.ValidityWarning) as seen:
-        omega.run(20, True)
+        advance(20)
     for words in ("did you mean mm", "frictionAngle = 30 rad"):
         assert sum(words in str(one.message) for one in seen) == 1
     omega.reset()
@@ -103,7 +104,7 @@ def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
     law = functor(bridge=way)
     two_spheres(yade.Law2_ScGeom_MindlinPhys_Mindlin())
     omega.engines[2].lawDispatcher.functors = [law]
-    omega.run(300, True)
+    advance(300)
     assert law.contacts().force[0] == pytest.approx(force(), rel=1e-12) and law.totals().dissipated > 0
     with pytest.raises(dl.DemlawsError, match="switched"):
         omega.engines[2].lawDispatcher.functors = [yade.Law2_ScGeom_MindlinPhys_Mindlin()]
@@ -124,7 +125,7 @@ def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
     omega.step()
     start = omega.energy.total()
     for _ in range(3):
-        omega.run(800, True)
+        advance(800)
         assert omega.energy.total() == pytest.approx(start, rel=2e-3)
     totals, energy = law.totals(), dict(omega.energy.items())
     assert energy["demlawsElastic"] == totals.stored and energy["demlawsShearLost"] == totals.shear_dissipated
@@ -133,7 +134,7 @@ def test_energies_of_an_oblique_impact(omega, tmp_path, shear):
     for again in (False, True):
         if again:
             omega.load(str(tmp_path / "scene.xml"))
-        omega.run(9000, True)
+        advance(9000)
         first.append((*omega.bodies[1].state.vel, *omega.bodies[1].state.angVel, law.totals().shear_dissipated))
     assert first[0] == pytest.approx(first[1], rel=1e-9)
     assert not omega.interactions.countReal() and omega.energy.total() == pytest.approx(start, rel=2e-3)

@@ -16,6 +16,7 @@ from yade_scenes import (
     MODULUS,
     OVERLAP,
     acting,
+    advance,
     assert_guarded,
     engine_list,
     expected,
@@ -57,7 +58,7 @@ def test_engines_are_what_the_user_wrote(omega, way, hidden):
         engine.dead = isinstance(engine, yade.PyRunner)
     omega.bodies.append(fixed_pair(material()))
     omega.dt = 1e-9
-    omega.run(3, True)
+    advance(3)
     assert force() == expected()
     if way == "native":  # by the public way YADE's own assertion ends the process at a NaN
         assert_guarded()
@@ -77,11 +78,11 @@ def test_engines_assigned_and_saved_while_it_runs(omega, tmp_path):
     __main__.done = done
     once = yade.PyRunner(command="done()", iterPeriod=1, nDo=1, initRun=True)
     omega.engines = [*omega.engines[:3], once, *omega.engines[3:]]
-    omega.run(5, True)
+    advance(5)
     assert [type(e).__name__ for e in omega.engines[2:]] == ["InteractionLoop", "NewtonIntegrator"]
     assert len(omega._currEngines) == 5 and force() == expected()
     omega.load(str(tmp_path / "x.yade"))
-    omega.run(5, True)
+    advance(5)
     assert len(omega._currEngines) == 5 and force() == expected()
     assert_guarded()
 
@@ -90,7 +91,7 @@ def test_the_guard_rests(omega):
     """It runs at the first two steps, then every hundred: the cost of a step of Python occurs in one of a hundred."""
     law = functor(bridge="native")
     still(law)
-    omega.run(1001, True)
+    advance(1001)
     assert law.binding.guards <= 13
 
 
@@ -100,11 +101,11 @@ def test_parallel_engine(omega, tmp_path):
     omega.engines = engine_list(yade.ParallelEngine([[interaction_loop(law)]]))
     assert len(omega._currEngines) == 5 and len(omega.engines) == 4
     omega.dt = 1e-9
-    omega.run(3, True)
+    advance(3)
     assert force() == expected()
     omega.save(str(tmp_path / "x.yade"))
     omega.load(str(tmp_path / "x.yade"))
-    omega.run(3, True)
+    advance(3)
     assert law.binding.guards >= 2 and force() == expected()
     assert_guarded()
 
@@ -140,13 +141,13 @@ def test_scenes_keep_apart(omega, tmp_path):
         acting(second)
         assert force() == expected(1e-5)
         omega.switchScene()
-        omega.run(3, True)
+        advance(3)
         omega.save(str(tmp_path / "a.yade"))
         omega.load(str(tmp_path / "a.yade"))
-        omega.run(3, True)
+        advance(3)
         assert force() == expected()
         omega.switchScene()
-        omega.run(3, True)
+        advance(3)
         assert force() == expected(1e-5)
         assert_guarded()
     finally:
@@ -196,10 +197,10 @@ def test_a_surface_for_bodies_that_come_later(omega, way):
     law = functor(surfaces={"granite": GRANITE, "later": dl.Surface(1e-6, 2.3)}, bridge=way)
     still(law)
     omega.bodies.append(sphere((0, 0, -0.02 + OVERLAP), 0.01, fixed=True, material=floor))
-    omega.run(4, True)
+    advance(4)
     assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.4e-6 * 2**0.5])
     omega.bodies.append(sphere((0, 0, 0.04 - 2 * OVERLAP), 0.01, fixed=True, material=later))
-    omega.run(3, True)
+    advance(3)
     assert sorted(law.contacts().roughness) == pytest.approx([2.4e-6, 2.6e-6, 2.4e-6 * 2**0.5])
 
 
@@ -214,7 +215,7 @@ def test_one_surface_for_all_materials(omega):
     assert force() == expected()
     omega.saveTmp()
     omega.loadTmp()
-    omega.run(3, True)
+    advance(3)
     assert force() == expected()
 
 
@@ -240,7 +241,7 @@ def test_scaled_stiffness_is_no_alarm(omega):
     law = acting(functor(bridge="native"))
     omega.interactions[0, 1].phys.kn *= 1.5
     law.binding.verify()
-    omega.run(3, True)
+    advance(3)
     assert force() == expected()
 
 
@@ -265,7 +266,7 @@ def test_one_functor_for_a_kind_of_contact(omega, way):
     dead.dead = True
     still(law)
     omega.engines = engine_list(interaction_loop(law, law), dead)
-    omega.run(3, True)
+    advance(3)
     assert omega.forces.f(1)[2] == expected()
 
 
@@ -301,18 +302,18 @@ def test_right_at_once_after_loading(omega, tmp_path):
 
     law = acting(functor(bridge="native"))
     omega.bodies[1].state.pos = (0, 0, 0.02 - 0.5 * OVERLAP)
-    omega.run(3, True)
+    advance(3)
     totals, state = law.totals(), law.contacts()
     assert state.branch.tolist() == [1] and totals.dissipated > 0
     omega.save(str(tmp_path / "x.yade"))
-    omega.run(2, True)
+    advance(2)
     omega.load(str(tmp_path / "x.yade"))
     assert law.totals() == totals
     assert law.contacts().force == pytest.approx(state.force, rel=1e-14)
     assert builtins.demlaws is law and type(omega.engines[2].lawDispatcher.functors[0]) is type(law)
     again = functor(bridge="native")
     set_engines(again, 1e-9)  # load, then define the engines: YADE's standard way
-    omega.run(3, True)
+    advance(3)
     assert again.totals() == pytest.approx(totals, rel=1e-12) and law.totals() == again.totals()
     assert again.contacts().maximum_overlap[0] == pytest.approx(OVERLAP, rel=1e-9)
     with pytest.raises(dl.DemlawsError):
@@ -338,7 +339,7 @@ def test_a_sphere_on_a_flat_has_its_own_radius(omega, flat, way):
         omega.reset()
         on_flat(flat)
         set_engines(functor(bridge=way, flats=flats), 1e-9)
-        omega.run(3, True)
+        advance(3)
         assert force() == expected(radius=0.01 * share)
 
 
@@ -350,7 +351,7 @@ def test_hertzian_flats_are_understood(omega, flat):
     for flats in ("plane", "yade"):
         law = functor("yip-venart", "elastic", bridge="native", flats=flats)
         set_engines(law, 1e-9, geometries=geometries)
-        omega.run(3, True)
+        advance(3)
         assert law.contacts().radius[0] == pytest.approx(0.01, rel=1e-7) and law.contacts().force[0] > 0
         omega.interactions.clear()
 
@@ -377,7 +378,7 @@ def test_the_stepper_is_bounded(omega, share):
     omega.dt = 1e-7
     start = utils.kineticEnergy()
     for _ in range(20):
-        omega.run(500, True)
+        advance(500)
         assert utils.kineticEnergy() <= 1.01 * start, omega.dt
     assert omega.dt <= share * 4 * utils.PWaveTimeStep() * (1 + 1e-12)
 
@@ -471,7 +472,7 @@ def test_contacts_of_a_list_with_potential_ones(omega):
     law = functor(bridge="native")
     still(law)
     omega.bodies.append(sphere((0, 0, 0.0401), 0.01, fixed=True, material=omega.bodies[0].material))
-    omega.run(3, True)
+    advance(3)
     assert len(omega.interactions.all()) > omega.interactions.countReal() == 1
     assert law.contacts(omega.interactions.all()).force == law.contacts(omega.interactions[0, 1]).force == law.contacts().force
 
@@ -609,20 +610,10 @@ def test_command_lines(tmp_path, monkeypatch):
     assert run.command(tmp_path / "scene.yade.bz2")[-1].endswith("scene.yade.bz2")
 
 
-def test_quick_check(tmp_path):
-    command = [sys.executable, "-m", "demlaws", "yade", "check", "--quick"]
+def test_quick_check():
+    command = [sys.executable, "-m", "demlaws", "yade", "check", "--quick", "--json"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=3000)
     assert done.returncode == 0, done.stdout + done.stderr
-    lines = done.stdout.splitlines()
-    assert "native bridge: available" in done.stdout and sum(line.startswith(tuple(dl.laws())) for line in lines) == 2
-    done = subprocess.run([*command, "--json"], capture_output=True, text=True, timeout=3000)
-    assert done.returncode == 0 and any("native bridge: available" in line for line in json.loads(done.stdout)["text"])
-
-
-def test_plain_yade(tmp_path):
-    """`yade script.py`, the package being installed for that Python (here: on its path)."""
-    script = tmp_path / "script.py"
-    script.write_text("import demlaws.yade\nprint(demlaws.yade.Law2_ScGeom_MindlinPhys_Demlaws('hertz').way)\n")
-    options = {"env": run.environment(), "capture_output": True, "text": True, "timeout": 2000}
-    done = subprocess.run([run.executable(), "-n", "-x", str(script)], **options)
-    assert done.returncode == 0 and "native" in done.stdout.splitlines()
+    lines = json.loads(done.stdout)["text"]
+    assert any("native bridge: available" in line for line in lines)
+    assert sum(line.startswith(tuple(dl.laws())) for line in lines) == 2

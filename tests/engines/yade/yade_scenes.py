@@ -65,6 +65,12 @@ def engine_list(*loops, bounds=(), damping=0.0):
     return [yade.ForceResetter(), collider, *loops, yade.NewtonIntegrator(damping=damping)]
 
 
+def advance(steps):
+    """As O.run, which waits 40 ms for its thread."""
+    for _ in range(steps):
+        yade.O.step()
+
+
 def fixed_pair(stone, overlap=OVERLAP, radius=0.01, x=0.0):
     """Two fixed spheres that overlap."""
     return [yade.utils.sphere((x, 0, z), radius, fixed=True, material=stone) for z in (0, 2 * radius - overlap)]
@@ -77,8 +83,7 @@ def two_spheres(law, speed=-0.3, gap=1e-6, radius=0.01, sideways=0.0, steps=0):
     yade.O.bodies.append(sphere((0, 0, 2 * radius + gap), radius, material=stone))
     yade.O.bodies[1].state.vel = (sideways, 0, speed)
     set_engines(law)
-    if steps:
-        yade.O.run(steps, True)
+    advance(steps)
     return law
 
 
@@ -91,7 +96,7 @@ def still(law, label="granite", **stone):
 def acting(law, label="granite", **stone):
     """The law, in the scene of `still` after three steps."""
     still(law, label, **stone)
-    yade.O.run(3, True)
+    advance(3)
     return law
 
 
