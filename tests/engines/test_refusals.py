@@ -11,7 +11,7 @@ import demlaws as dl
 PRESS = [(-0.2, 0, 1000)]
 GRAN = "model demlaws/table tangential history"
 WALL = f"fix floor all wall/gran {GRAN} primitive type 1 zplane -0.01 "
-SCENE = "model demlaws/table tangential demlaws"
+DEMLAWS = "model demlaws/table tangential demlaws surfaceRoughness on table"
 TWICE, ORDER = "two tables", "wrong keyword order"
 MODELS = "works with tangential off, no_history, history, demlaws"
 
@@ -20,64 +20,39 @@ MODELS = "works with tangential off, no_history, history, demlaws"
 def folder(tmp_path):
     save_law(tmp_path, "rough")
     (tmp_path / "other.tbl").write_text((tmp_path / "law.tbl").read_text())
+    dl.law("hertz", ROUGH).tabulate(max_force=100.0).save(tmp_path / "hertz.tbl")
     return tmp_path
 
 
-def of_liggghts(style, *changes, wall=""):
-    text = two_spheres(f"pair_style gran {style}", PRESS, more=wall)
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    return text
+LIGGGHTS = [  # pair style, line of a wall or (old, new) of the text, words of the message
+    (GRAN, "", "table FILE"),
+    (f"{GRAN} pairtable 1 1 law.tbl", "", "types 1 and 2"),
+    (f"{GRAN} table law.tbl pairtable 1 3 law.tbl", "", "type 3"),
+    (f"{GRAN} table law.tbl bogus on", "", "bogus"),
+    (f"{GRAN} cohesion washino/capillary/viscous table law.tbl", "", MODELS),
+    (f"{GRAN} rolling_friction epsd3 table law.tbl", "", MODELS),
+    (f"{GRAN} surface multicontact table law.tbl", "", MODELS),
+    ("model demlaws/table tangential tan_luding table law.tbl", "", MODELS),
+    (f"{GRAN} table law.tbl table other.tbl", "", TWICE),
+    (f"{GRAN} table law.tbl pairtable 1 2 law.tbl pairtable 2 1 other.tbl", "", TWICE),
+    ("model demlaws/table table law.tbl tangential history", "", ORDER),
+    (f"{GRAN} table law.tbl", f"{WALL} table law.tbl table other.tbl", TWICE),
+    (f"{GRAN} table law.tbl", WALL.replace("primitive", "table law.tbl primitive"), ORDER),
+    (f"{DEMLAWS} law.tbl", ("units           si", "units lj"), "units lj"),
+    (f"{DEMLAWS} law.tbl", ("1e-6 2e-6", "2.4 2e-6"), "did you mean µm"),
+    (f"{DEMLAWS} law.tbl", ("2 0.5 0.5 0.5 0.5", "2 0.5 -0.5 -0.5 0.5"), "coefficientFriction"),
+    (f"{DEMLAWS} hertz.tbl", ("create_atoms    2 single", "create_atoms 2 single 0.014 0 0 units box #"), "move them apart"),
+]
 
 
-@pytest.mark.parametrize(
-    "style, named",
-    [
-        (GRAN, "table FILE"),
-        (f"{GRAN} pairtable 1 1 law.tbl", "types 1 and 2"),
-        (f"{GRAN} table law.tbl pairtable 1 3 law.tbl", "type 3"),
-        (f"{GRAN} table law.tbl bogus on", "bogus"),
-        (f"{GRAN} cohesion washino/capillary/viscous table law.tbl", MODELS),
-        (f"{GRAN} rolling_friction epsd3 table law.tbl", MODELS),
-        (f"{GRAN} surface multicontact table law.tbl", MODELS),
-        ("model demlaws/table tangential tan_luding table law.tbl", MODELS),
-        (f"{GRAN} table law.tbl table other.tbl", TWICE),
-        (f"{GRAN} table law.tbl pairtable 1 2 law.tbl pairtable 2 1 other.tbl", TWICE),
-        ("model demlaws/table table law.tbl tangential history", ORDER),
-    ],
-)
+@pytest.mark.parametrize(("style", "change", "named"), LIGGGHTS)
 @pytest.mark.parametrize("engine", ["liggghts"])
-def test_words_of_liggghts(engine, folder, style, named):
-    assert named in refused(engine, folder, of_liggghts(style))
-
-
-@pytest.mark.parametrize(
-    "words, named",
-    [
-        (f"{WALL} table law.tbl table other.tbl", TWICE),
-        (WALL.replace("primitive", "table law.tbl primitive"), ORDER),
-    ],
-)
-@pytest.mark.parametrize("engine", ["liggghts"])
-def test_words_of_a_wall_of_liggghts(engine, folder, words, named):
-    assert named in refused(engine, folder, of_liggghts(f"{GRAN} table law.tbl", wall=words))
-
-
-@pytest.mark.parametrize(
-    "change, named",
-    [
-        (("units           si", "units lj"), "units lj"),
-        (("1e-6 2e-6", "2.4 2e-6"), "did you mean µm"),
-        (("2 0.5 0.5 0.5 0.5", "2 0.5 -0.5 -0.5 0.5"), "coefficientFriction"),
-        (("create_atoms    2 single", "create_atoms    2 single 0.014 0 0 units box #"), "move them apart"),
-    ],
-)
-@pytest.mark.parametrize("engine", ["liggghts"])
-def test_scenes_of_liggghts(engine, folder, change, named):
-    dl.law("hertz", ROUGH).tabulate(max_force=100.0).save(folder / "hertz.tbl")
-    table = "hertz" if "apart" in named else "law"
-    message = refused(engine, folder, of_liggghts(f"{SCENE} table {table}.tbl surfaceRoughness on", change))
+def test_liggghts(engine, folder, style, change, named):
+    text = two_spheres(f"pair_style gran {style}", PRESS, more=change if isinstance(change, str) else "")
+    if isinstance(change, tuple):
+        assert change[0] in text
+        text = text.replace(*change)
+    message = refused(engine, folder, text)
     assert named in message and ("apart" not in named or "time step" not in message)
 
 
@@ -106,31 +81,29 @@ SLIP = "demlaws/table law.tbl 60.6e9 1.0 0.25 shear slip "
         (SLIP + "tangential demlaws 0.0", "needs XT MU"),
         (SLIP + "tangential demlaws 0.0 high", "friction of tangential demlaws is 'high'"),
         (SLIP + "tangential demlaws 0.0 -1 damping velocity", "must not be negative"),
+        (f"{LAMMPS}\ncompute e all demlaws/energy more", "compute demlaws/energy"),
+        (f"{LAMMPS}\nunits lj", "metres"),
     ],
 )
 @pytest.mark.parametrize("engine", ["lammps"])
-def test_words_of_lammps(engine, folder, words, named):
-    assert named in refused(engine, folder, inputs_for_lammps.two_spheres(words, PRESS))
+def test_lammps(engine, folder, words, named):
+    text = inputs_for_lammps.two_spheres(words.removesuffix("\nunits lj"), PRESS)
+    if words.endswith("units lj"):
+        text = text.replace("units           si", "units lj")
+    assert named in refused(engine, folder, text)
 
 
-@pytest.mark.parametrize(
-    "more, named",
-    [
-        ("compute e all demlaws/energy more", "compute demlaws/energy"),
-        ("compute e right demlaws/energy", "compute demlaws/energy"),
-        ("compute e all demlaws/energy\nthermo_style custom c_e[1]\nuncompute demlaws_pairs", "demlaws_pairs, was deleted"),
-    ],
-)
-@pytest.mark.parametrize("engine", ["lammps"])
-def test_energy_of_lammps(engine, folder, more, named):
-    text = inputs_for_lammps.two_spheres(LAMMPS, PRESS)
-    assert named in refused(engine, folder, text + f"{more}\nrun 10\n")
+@both
+def test_energy_of_some_contacts(engine, folder):
+    assert "compute demlaws/energy" in refused(
+        engine, folder, spheres(engine, "", PRESS, more="compute e right demlaws/energy")
+    )
 
 
 @pytest.mark.parametrize("engine", ["lammps"])
-def test_units_of_lammps(engine, folder):
-    text = inputs_for_lammps.two_spheres(LAMMPS, PRESS).replace("units           si", "units           lj")
-    assert "metres" in refused(engine, folder, text)
+def test_energy_without_its_list_of_pairs(engine, folder):
+    more = "compute e all demlaws/energy\nthermo_style custom c_e[1]\nuncompute demlaws_pairs\nrun 10\n"
+    assert "demlaws_pairs, was deleted" in refused(engine, folder, inputs_for_lammps.two_spheres(LAMMPS, PRESS) + more)
 
 
 @both

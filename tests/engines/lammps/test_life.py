@@ -24,6 +24,18 @@ from demlaws.lammps.run import HEAD, command, executable
 ROOT = Path(dl.__file__).parents[1]
 
 
+def started(folder, text, environment=(), **options):
+    """LAMMPS, run with this input to its end, whatever it is; environment: variables beside those of `command`."""
+    (folder / "in.case").write_text(text)
+    line, variables = command("in.case", **options)
+    return subprocess.run(line, env={**variables, **dict(environment)}, cwd=folder, capture_output=True, text=True)
+
+
+def log_of(done, folder):
+    assert done.returncode == 0, done.stdout[-1500:] + done.stderr[-1500:]
+    return lm.read_log(folder / "log.lammps")
+
+
 # --- build
 
 
@@ -65,11 +77,9 @@ def test_a_wheel_brings_the_plugin_and_a_plain_lmp_knows_the_model(tmp_path, fol
     environment = {k: v for k, v in os.environ.items() if not k.startswith(("PYTHON", "DEMLAWS", "LAMMPS"))}
     environment["LD_LIBRARY_PATH"] = str(executable().libraries or "")
     environment["CXX"] = "no-such-compiler"
-    out = subprocess.run(
-        [str(tmp_path / "user" / "bin" / "python"), "-c", code], cwd=folder, env=environment, capture_output=True, text=True
-    )
-    assert out.returncode == 0, out.stdout[-1500:] + out.stderr[-1500:]
-    assert error_of(lm.read_log(folder / "log.lammps"), law) <= 1e-7
+    line = [str(tmp_path / "user" / "bin" / "python"), "-c", code]
+    done = subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True)
+    assert error_of(log_of(done, folder), law) <= 1e-7
 
 
 # --- a LAMMPS that does not fit
@@ -86,9 +96,8 @@ def doctored(folder, monkeypatch):
         assert text.count(old) == 1
         (sources / file).write_text(text.replace(old, new))
         monkeypatch.setattr(PLUGIN, "sources", sources)
-        monkeypatch.setattr(
-            PLUGIN, "flags", [flag for flag in PLUGIN.flags if flag != "-O3"]
-        )  # compiled in a quarter of the time
+        # compiled in a quarter of the time
+        monkeypatch.setattr(PLUGIN, "flags", [flag for flag in PLUGIN.flags if flag != "-O3"])
         monkeypatch.setenv("DEMLAWS_CACHE", str(folder / "cache"))
 
     return change
@@ -99,12 +108,7 @@ def doctored(folder, monkeypatch):
     "file, old, new, why",
     [
         ("granular_abi.h", "double r, rsq, rinv", "double rsq, r, rinv", "laid out in another way"),
-        (
-            "granular_abi.h",
-            "    virtual bool touch()",
-            "    virtual bool other() { return 0; }\n    virtual bool touch()",
-            "another way",
-        ),
+        ("granular_abi.h", "    virtual bool touch()", "virtual bool other() { return 0; }\nvirtual bool touch()", "way"),
         ("granular_abi.h", "int calculate_svector, nsvector;", "int nsvector, calculate_svector;", "laid out in another way"),
         ("stock.h", "16ComputePairLocal13compute_localEv", "16ComputePairLocal13compute_nobodyEv", "has no function"),
     ],
@@ -114,11 +118,9 @@ def test_a_lammps_that_does_not_fit_is_left_alone(folder, doctored, file, old, n
     doctored(file, old, new)
     stock, beside = (simulate(folder, two_spheres(STOCK, LOAD_UNLOAD[:2]), plugin=loaded) for loaded in (False, True))
     assert np.array_equal(stock["force"], beside["force"])
-    (folder / "in.case").write_text(two_spheres(TABLE, LOAD_UNLOAD[:1]))
-    line, environment = command("in.case")
-    out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
-    assert out.returncode != 0
-    both = out.stdout + out.stderr
+    done = started(folder, two_spheres(TABLE, LOAD_UNLOAD[:1]))
+    assert done.returncode != 0
+    both = done.stdout + done.stderr
     assert "demlaws cannot be added to this LAMMPS" in both and why in both and "nothing of it was changed" in both
     if "PLUGIN" in lm.versions().packages:  # a preloaded one is asked, and says the same as LAMMPS's error
         assert "Illegal model type demlaws/table" in both
@@ -167,11 +169,9 @@ def test_pairs_computed_here_are_those_of_lammps(folder, doctored):
     for name in ("here", "there"):
         if name == "there":
             doctored("granular_abi.h", "const double i = m->radi - half", "const double i = m->radi + half")
-        (folder / "in.case").write_text(pile(TABLE))
-        line, environment = command("in.case")
-        out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
-        assert out.returncode == 0, out.stdout[-1500:] + out.stderr
-        assert ("computed by LAMMPS's own code" in out.stdout) == (name == "there")
+        done = started(folder, pile(TABLE))
+        assert done.returncode == 0, done.stdout[-1500:] + done.stderr
+        assert ("computed by LAMMPS's own code" in done.stdout) == (name == "there")
         ends[name] = np.loadtxt(folder / "end.dump", skiprows=9)
     assert np.abs(ends["here"][:, 7:]).max() > 0
     for columns in (slice(1, 4), slice(4, 7), slice(7, 10)):  # positions, forces, moments
@@ -184,42 +184,28 @@ def test_pairs_computed_here_are_those_of_lammps(folder, doctored):
 
 @pytest.mark.parametrize("way", ["plugin load", "LD_PRELOAD", "python source"])
 def test_other_ways_in(folder, law, way):
-    library = lm.build()
-    if way == "plugin load" and "PLUGIN" not in lm.versions().packages:
-        way = "LD_PRELOAD"
-    (folder / "in.case").write_text(two_spheres(TABLE, LOAD_UNLOAD))
-    line, environment = command("in.case", plugin=False)
-    if way == "LD_PRELOAD":
-        environment["LD_PRELOAD"] = str(library)
-    else:
-        first = f"plugin load {library}\n"
-        if way == "python source":
-            if "PYTHON" not in lm.versions().packages:
-                first = f"plugin load {library}\nplugin load {library}\nplugin list\n"  # twice does no harm
-            else:
-                first = f"python source here \"import ctypes; ctypes.CDLL('{library}')\"\n"
-        (folder / "in.case").write_text(first + (folder / "in.case").read_text())
-    out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
-    assert out.returncode == 0, out.stdout[-1500:] + out.stderr
-    assert error_of(lm.read_log(folder / "log.lammps"), law) <= 1e-7
+    library, packages, text = lm.build(), lm.versions().packages, two_spheres(TABLE, LOAD_UNLOAD)
+    preloaded = {}
+    if way == "LD_PRELOAD" or "PLUGIN" not in packages:
+        preloaded["LD_PRELOAD"] = str(library)
+    elif way == "python source" and "PYTHON" in packages:
+        text = f"python source here \"import ctypes; ctypes.CDLL('{library}')\"\n{text}"
+    else:  # twice does no harm
+        text = f"plugin load {library}\nplugin load {library}\nplugin list\n{text}"
+    assert error_of(log_of(started(folder, text, preloaded, plugin=False), folder), law) <= 1e-7
 
 
 # --- what users do
 
 
-@pytest.mark.parametrize(
-    "what, old, new",
-    [
-        ("sorting", "atom_modify     map array", "atom_modify     map array sort 1 0.005"),
-        ("new lists at every step", "neigh_modify    delay 0", "neigh_modify    every 1 delay 0 check no"),
-        ("a global cut-off", "pair_style      granular", "pair_style      granular 0.03"),
-        ("several neighbour ways", "neighbor        1e-4 bin", "neighbor        1e-3 nsq"),
-    ],
-)
-def test_settings_that_change_nothing(folder, law, what, old, new):
+def test_settings_that_change_nothing(folder, law):
+    """Sorting, new lists at every step, a global cut-off, another way to find neighbours."""
     text = two_spheres(TABLE, LOAD_UNLOAD)
-    assert old in text
-    assert error_of(simulate(folder, text.replace(old, new)), law) <= 1e-7, what
+    for old, new in (("map array", "map array sort 1 0.005"), ("delay 0", "every 1 delay 0 check no"),
+                     ("style      granular", "style granular 0.03"), ("1e-4 bin", "1e-3 nsq")):  # fmt: skip
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    assert error_of(simulate(folder, text), law) <= 1e-7
 
 
 def test_hybrid_overlay(folder, law):
@@ -235,12 +221,8 @@ def test_clear_and_a_second_table_in_one_input(folder, law):
     text += two_spheres(TABLE.replace("law.tbl", "other.tbl"), LOAD_UNLOAD, **ENERGY)
     if "PLUGIN" not in lm.versions().packages:
         text = text.replace("plugin clear\n", "")
-    (folder / "in.case").write_text(text)
-    line, environment = command("in.case")
-    out = subprocess.run(line, env=environment, cwd=folder, capture_output=True, text=True)
-    assert out.returncode == 0, out.stdout[-1500:]
-    second = (folder / "log.lammps").read_text().split("clear\n", 1)[1]
-    (folder / "log.second").write_text(second)
+    log_of(started(folder, text), folder)
+    (folder / "log.second").write_text((folder / "log.lammps").read_text().split("clear\n", 1)[1])
     log = lm.read_log(folder / "log.second")
     assert log["Step"][0] == 0 and energy_error_of(log, other) <= 1e-7
 
@@ -253,88 +235,9 @@ def test_deleting_a_touching_sphere(folder):
     assert log["e[2]"][kept] == pytest.approx(0.5 * log["e[2]"][~kept][-1], rel=1e-12)
 
 
-# Four spheres in a row, the last of them to be created far away from the others, which touch.
-ROW = (
-    HEAD
-    + f"""\
-boundary        f f f
-processors      * 1 1
-region          box block -0.1 0.1 -0.02 0.02 -0.02 0.02 units box
-create_box      1 box
-neighbor        1e-3 bin
-pair_style      granular
-pair_coeff      * * {TABLE}
-timestep        1e-7
-create_atoms    1 single 0.05 0 0 units box
-create_atoms    1 single 0.01739 0 0 units box
-create_atoms    1 single 0 0 0 units box
-create_atoms    1 single -0.017375 0 0 units box
-set             group all diameter 0.0174 density 2650
-"""
-)
-ROW_SEEN = """\
-fix             move all nve/noforce
-compute         c all pair/local force p13 p14 cutoff radius
-compute         now all reduce sum c_c[*] inputs local
-thermo_style    custom step atoms c_now[1] c_now[2] c_now[3]
-thermo_modify   norm no format float %.17e
-thermo          10
-"""
-ROW_PRESSED = ROW + "group lone id 1\ngroup last id 4\n" + ROW_SEEN
-ROW_PRESSED += "velocity last set 0.1 0 0\nrun 100\nvelocity last set -0.1 0 0\nrun 60\nvelocity all set 0 0 0\nrun 1\n"
-
-
-@pytest.mark.parametrize("renumber", ["delete_atoms group lone", "reset_atoms id sort yes"])
-def test_new_numbers_are_refused(folder, renumber):
-    """Stock LAMMPS looks histories up by the old numbers, and finds none, or another contact's."""
-    with pytest.raises(EngineStopped):
-        simulate(folder, ROW_PRESSED + f"{renumber}\nrun 1\n")
-    simulate(folder, ROW_PRESSED.replace("run 100", f"{renumber}\nrun 100", 1))  # there are no contacts yet
-
-
-@pytest.mark.parametrize("ranks", [1, 2])
-def test_particles_are_deleted_beside_contacts(folder, ranks):
-    log = simulate(folder, ROW_PRESSED + "delete_atoms group lone compress no\nrun 1\nwrite_restart now.restart\n", ranks)
-    assert log["Atoms"][-1] == 3
-    assert log["now[2]"][-2] > 1e-5 + 2e-5 and log["now[3]"][-2] > 0
-    for name in ("now[1]", "now[2]", "now[3]"):
-        assert log[name][-1] == pytest.approx(log[name][-2], rel=1e-14)
-    again = "comm_modify vel yes\nread_restart now.restart\nneighbor 1e-3 bin\ntimestep 1e-7\n" + ROW_SEEN
-    with pytest.raises(EngineStopped):  # before the restart file's histories are given out
-        simulate(folder, again + "reset_atoms id sort yes\nrun 1\n")
-
-
-@pytest.mark.parametrize("ranks, newton", [(1, "on"), (2, "off")])
-def test_energies_of_virgin_contacts_before_the_first_step(folder, law, ranks, newton):
-    """A pair and a wall that overlap where the run begins: what they will have when a step has kept it."""
-    seen = "compute e all demlaws/energy\ncompute c all pair/local p14 p15 p16\ncompute p all reduce sum c_c[*] inputs local"
-    columns = "c_e[1] c_e[2] c_p[1] c_p[2] c_p[3]"
-    text = two_spheres(TABLE, [], newton=newton, left=-0.0087, more=seen, columns=columns)
-    wall = 2 * 0.0087 + 1e-7 - 5.1e-6 - 4e-6
-    text += f"displace_atoms right move -5.1e-6 0 0\nfix w right wall/gran granular {TABLE} xplane NULL {wall!r}\n"
-    log = simulate(folder, text + "thermo 1\nrun 0\nrun 1\n", ranks)
-    at_wall = dl.law("pohrt-popov", law.contact.with_values(radius=0.0087), unloading="hertz")
-    pair, wall = law.follow(log["overlap"][:1]), at_wall.follow(np.array([4e-6]))
-    expected = [
-        pair.stored + wall.stored,
-        pair.dissipated + wall.dissipated,
-        pair.plastic_overlap,
-        pair.stored,
-        pair.dissipated,
-    ]
-    for name, value in zip(("e[1]", "e[2]", "p[1]", "p[2]", "p[3]"), expected, strict=True):
-        assert log[name] == pytest.approx(value[0] * np.ones(2), rel=1e-6), name
-
-
 def test_balancing_moves_contacts_from_rank_to_rank(folder, law):
-    text = two_spheres(TABLE, [], **ENERGY)
-    text += (
-        moves_of(LOAD_UNLOAD[:2])
-        + "displace_atoms all move -0.01 0 0\nbalance 1.0 shift x 10 1.01\n"
-        + moves_of(LOAD_UNLOAD[2:])
-    )
-    log = simulate(folder, text, 2)
-    assert energy_error_of(log, law) <= 1e-7
+    text = two_spheres(TABLE, LOAD_UNLOAD[:2], **ENERGY) + "displace_atoms all move -0.01 0 0\nbalance 1.0 shift x 10 1.01\n"
+    assert energy_error_of(simulate(folder, text + moves_of(LOAD_UNLOAD[2:]), 2), law) <= 1e-7
 
 
 TWO_INSTANCES = """
