@@ -39,6 +39,15 @@ def test_case(common, engine, case, tmp_path):
     simulate_and_check(common, engine, case, tmp_path, 2 if case in ("energy", "migration", "packing") else 1)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("engine", ["lammps"])
+def test_peak_force_and_rebound_agree_in_all_four(common, engine):
+    rows = common.load(ROOT / "lammps_inputs" / "impact" / "four_way.py").compare()
+    assert len(rows) == 12 and {row[2] for row in rows} == {"Python", "YADE", "LIGGGHTS", "LAMMPS"}
+    for name, unloading, other, _, _, force, speed in rows:
+        assert max(force, speed) <= 1e-9, (name, unloading, other, force, speed)
+
+
 RULES = ("elastic", "table", "thornton")
 OTHER = [
     *(("liggghts", case, rule) for case in ("walls", "restart", "migration", "energy") for rule in RULES),

@@ -6,7 +6,6 @@ from examples import shared
 from demlaws.lammps.run import command
 from studies.extremes import extremes, report
 from studies.trade import candidates, packings, trade
-from studies.trade.__main__ import main
 from studies.validation import engines
 from studies.validation.jobs import kept_jobs
 from studies.validation.published import KEPT, kept_rows
@@ -50,14 +49,6 @@ def test_costs_and_errors_of_the_trade(engine):
         assert 0.0 < found["YADE's Conical Damage Model"].error <= 1.01 * found["hertz"].error
     if engine == "liggghts":
         assert 0.5 < found["LIGGGHTS's edinburgh"].error < found["hertz"].error
-
-
-@pytest.mark.slow
-@plugins
-def test_command_of_the_trade(engine, capsys):
-    assert not main(["--scene", engine, "--quick", "--stress", "500kPa"])
-    said = capsys.readouterr().out
-    assert all(way.label in said for way in candidates.ways(engine))
 
 
 @pytest.mark.slow

@@ -1,10 +1,5 @@
 """Rows of the validation report that LAMMPS computes: an impact on a plane, and an array along a path of strains."""
 
-import importlib.util
-import shutil
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -38,27 +33,3 @@ def test_every_row_that_lammps_computes_holds(monkeypatch):
     assert len(rows) >= 34 and {row.where for row in rows} == {"LAMMPS"}
     wrong = [row for row in rows if not row.low <= row.found <= row.high]
     assert wrong == []
-
-
-INPUTS = Path(__file__).parents[3] / "lammps_inputs"
-ABSENT = [name for name in ("liggghts", "yade") if not shutil.which(name)]
-
-
-@pytest.mark.liggghts
-@pytest.mark.yade
-@pytest.mark.skipif(bool(ABSENT), reason=f"not installed: {', '.join(ABSENT)}")
-@pytest.mark.slow
-def test_peak_force_and_rebound_agree_in_all_four(monkeypatch):
-    monkeypatch.syspath_prepend(str(INPUTS))
-    monkeypatch.delitem(sys.modules, "common", raising=False)
-    spec = importlib.util.spec_from_file_location("four_way", INPUTS / "impact" / "four_way.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    rows = module.compare()
-    sys.modules.pop("common", None)
-    assert len(rows) == 12 and {row[2] for row in rows} == {"Python", "YADE", "LIGGGHTS", "LAMMPS"}
-    for name, unloading, engine, _, _, force, speed in rows:
-        assert max(force, speed) <= 1e-9, (name, unloading, engine, force, speed)
-    for name, unloading in {row[:2] for row in rows}:
-        peaks = [row[3] for row in rows if row[:2] == (name, unloading)]
-        assert max(peaks) / min(peaks) - 1 <= 1e-9, (name, unloading)

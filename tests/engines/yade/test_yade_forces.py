@@ -224,12 +224,10 @@ def test_solved_law_needs_the_contacts(omega):
     recorder.step(300)
     wrong, _, _ = recorder.worst("yip-venart", "hertz")
     assert wrong <= 2e-4  # between solved curves
-    for kind in ("radii", "moduli"):
-        omega.reset()
-        spans = {"radii": (0.005, 0.005), "moduli": (MODULUS, MODULUS), kind: (1.0, 2.0) if kind == "radii" else (1e9, 2e9)}
-        two_spheres(functor("yip-venart", "hertz", bridge="native", **spans))
-        with pytest.raises(RuntimeError, match="no finite force"):
-            omega.run(50, True)
+    omega.reset()
+    two_spheres(functor("yip-venart", "hertz", bridge="native", radii=(0.005, 0.005), moduli=(1e9, 2e9)))
+    with pytest.raises(RuntimeError, match="no finite force"):
+        omega.run(50, True)
 
 
 @pytest.mark.parametrize("damping", [{}, {"betan": 0.05, "betas": 0.05}])

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from yade_scenes import GRANITE, MODULUS, Recorder, advance, functor, material, set_engines, sphere, two_spheres
+from yade_scenes import GRANITE, MODULUS, Recorder, functor, material, set_engines, sphere, two_spheres
 
 import demlaws as dl
 
@@ -60,31 +60,18 @@ def test_answers_tell_laws_of_one_name_apart(omega, monkeypatch):
 
 
 @pytest.mark.slow
-def test_a_law_changed_under_its_name_is_another(omega, tmp_path, registered_here):
-    """Neither the same functor made again nor a loaded scene continues with other functions of this name."""
+def test_a_law_changed_under_its_name_is_another(omega, registered_here):
 
     def register(constant):
         dl.register(dl.define("spring", lambda p, x: constant * x**1.5, lambda p, x: 1.5 * constant * x**0.5))
         return functor("spring", "hertz", SMOOTH, bridge="native")
 
     recorded(register(1e9))
-    omega.save(str(tmp_path / "scene.xml"))
     assert omega.interactions.countReal() == 1
     set_engines(register(1e9))  # the same again
     changed = register(1.001e9)
     with pytest.raises(dl.DemlawsError, match="the law is switched"):
         set_engines(changed)
-    omega.reset()
-    from demlaws.yade import scene
-
-    scene._at_work.clear()  # as in another process
-    omega.load(str(tmp_path / "scene.xml"))
-    with pytest.raises(dl.DemlawsError, match="law 'spring' is registered, but gives other forces"):
-        list(omega.engines)
-    omega.reset()
-    register(1e9)
-    omega.load(str(tmp_path / "scene.xml"))
-    advance(2)
 
 
 @pytest.mark.slow
