@@ -4,7 +4,6 @@ import functools
 import itertools
 import warnings
 import zlib
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -148,35 +147,3 @@ def work_along(law, corners):
         work.append(direction * np.sum(force * shares[order]))
         here = corner
     return np.cumsum(work)
-
-
-class GraniteTest(NamedTuple):
-    """A sphere test of the granite paper and what each law gives: displacement 0.1 to 100 N [µm], K at 10 N [N/mm]."""
-
-    contact: dl.Contact
-    threshold: float  # F of Pohrt & Popov [N]
-    expected: dict
-
-
-def _granite(radius, roughness, dimensions):
-    return dl.Contact(
-        radius=radius,
-        modulus=32.32e9,
-        roughness=roughness,
-        fractal_dimension=sum(dimensions) / 2,
-        hardness=6.266e9,
-    )
-
-
-PRINTED = ("hertz", "rms", "pohrt-popov", "yip-venart", "bahrami")
-_TESTS = (
-    ("SS(18-18)", 4.35e-3, 2.40e-6, (2.21, 2.23), 57.5, (10.6, 6484), (13.4, 5170), (14.1, 4288), (14.5, 4937), (11.3, 4936)),
-    ("SS(12-18)", 3.58e-3, 4.19e-6, (2.33, 2.25), 106.9, (11.3, 6077), (16.3, 3905), (17.8, 3325), (18.5, 3758), (13.4, 3974)),
-    ("SF(12)", 6.05e-3, 6.56e-6, (2.23, 2.32), 278.9, (9.5, 7238), (17.2, 3264), (18.8, 3143), (20.8, 3236), (13.0, 4886)),
-    ("RS(18-18)", 4.19e-3, 5.34e-6, (2.17, 2.23), 194.0, (10.8, 6404), (17.1, 3498), (18.5, 3224), (20.0, 3531), (13.7, 4257)),
-)
-GRANITE_TESTS = {
-    name: GraniteTest(_granite(radius, roughness, dimensions), threshold, dict(zip(PRINTED, expected, strict=True)))
-    for name, radius, roughness, dimensions, threshold, *expected in _TESTS
-}
-SMOOTH_GRANITE = GraniteTest(_granite(4.04e-3, 0.15e-6, (2.06, 2.09)), 1.14, {})

@@ -30,13 +30,6 @@ ratios = st.floats(0.0, 4.0).map(lambda x: 10.0**x)
 # --- one ellipsoid
 
 
-def test_circular_contact_is_hertz():
-    radius, indentation = np.geomspace(1e-7, 1e-2, 30), np.geomspace(1e-10, 1e-8, 30)
-    found = ellipsoids(ELASTIC, radius, radius, indentation)
-    np.testing.assert_allclose(found.force, 4 / 3 * 50e9 * np.sqrt(radius) * indentation**1.5, rtol=1e-14)
-    np.testing.assert_allclose(found.area, math.pi * radius * indentation, rtol=1e-14)
-
-
 @pytest.mark.parametrize("ratio", [1 + 1e-12, 1 + 1e-7, 1 + 1e-5, 1.001, 1.01, 1.3, 2.0, 7.0, 50.0, 1e3, 1e5, 1e8])
 def test_shape_factors_are_those_of_johnson(ratio):
     """Against Johnson 1985, Eqs. 4.26-4.28, solved with 40 digits: k, semi-axes, approach."""
@@ -87,19 +80,6 @@ def test_joints_are_continuous_and_force_rises(ratio, radius, poisson):
         assert sides.area[1] == pytest.approx(sides.area[0], rel=1e-7)
     path = ellipsoids(material, radius, radius * ratio, np.geomspace(0.1 * first, 10 * full, 400))
     assert np.all(np.diff(path.force) > 0) and np.all(np.diff(path.area) > 0) and np.all(np.diff(path.residual) >= 0)
-
-
-def test_yield_and_full_plasticity_of_a_sphere():
-    """First yield at p0 = K_ν H_m; ω2 = 80 ω1 with c_A = 160; fully plastic: mean pressure c_h H_m over the cut area."""
-    radius = 1e-4
-    one = ellipsoids(ALUMINIUM, radius, radius, 1e-9)
-    at_yield = ellipsoids(ALUMINIUM, radius, radius, one.first_yield)
-    pressure = 1.5 * at_yield.force[0] / at_yield.area[0]
-    assert pressure == pytest.approx(ellipsoid.yield_factor(0.34) * 0.24e9, rel=1e-12)
-    assert one.full_plasticity[0] / one.first_yield[0] == pytest.approx(80.0, rel=1e-12)
-    plastic = ellipsoids(ALUMINIUM, radius, radius, 2 * one.full_plasticity)
-    assert plastic.area[0] == pytest.approx(2 * math.pi * radius * 2 * one.full_plasticity[0], rel=1e-12)
-    assert plastic.force[0] / plastic.area[0] == pytest.approx(0.71 * 0.24e9, rel=1e-12)
 
 
 def test_residual_indentation():
@@ -194,15 +174,15 @@ def random_case(k, rng):
     return contact, load * rng.uniform(0.7, 1.4)
 
 
-@pytest.mark.parametrize("tolerance", [0.01, 1e-9])
-def test_load_is_met_on_a_thousand_random_maps(tolerance):
+def test_load_is_met_on_a_thousand_random_maps():
     rng = np.random.default_rng(1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", dl.ValidityWarning)
         for k in range(1000):
             contact, load = random_case(k, rng)
-            step = contact.load(load, tolerance)
-            assert abs(step.load - load) <= tolerance * load * (1 + 1e-6)
+            for tolerance in (0.01, 1e-9):
+                step = contact.load(load, tolerance)
+                assert abs(step.load - load) <= tolerance * load * (1 + 1e-6)
             assert step.load == pytest.approx(step.micro.force.sum(), rel=1e-12)
 
 
@@ -276,9 +256,6 @@ def test_bulk_yield_and_edge_are_warned_about():
 def test_bad_input(call):
     with pytest.raises(dl.DemlawsError):
         call(self_affine(32, 1e-6, 0.8, 0.5e-6, 1), dl.Contact(radius=5e-3, modulus=50e9, hardness=1e9))
-
-
-# --- cost
 
 
 # --- an elastic boundary-element solution
