@@ -1,5 +1,6 @@
 import math
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,8 @@ from hypothesis import strategies as st
 import demlaws as dl
 from demlaws import heightmap, surface
 from demlaws.surface import HeightMap, self_affine
+
+DATA = Path(__file__).parent / "data" / "maps"
 
 
 def test_roughness_of_a_known_surface():
@@ -129,22 +132,15 @@ def test_files_come_back(tmp_path, suffix):
     assert (back.pixel_x, back.pixel_y) == pytest.approx((heights.pixel_x, heights.pixel_y), rel=1e-12)
 
 
-@pytest.mark.parametrize(("name", "text", "expected"), [
-    ("a.csv", "1,2,3,4\n5,,7,8\n1,nan,3,4\n1,2,3,Bad\n", 3),
-    ("a.csv", "1;2;3;4,5\n5;6;7;8\n1;2;3;4\n1;2;3;4\n", 0),
-    ("a.txt", "1 2 3 4\n5 6 7 8\n# comment\n1 2 3 4\n1 2 *** 4\n", 1),
-    ("a.tsv", "1\t2\t3\t4\n5\t\t7\t8\n1\t2\t3\t4\n1\t2\t3\t4\n", 1),
-    ("a.asc", "ncols 4\nnrows 4\ncellsize 2e-6\nNODATA_value -99\n1 2 3 4\n1 2 3 4\n1 2 3 -99\n1 2 3 4\n", 1),
-])  # fmt: skip
-def test_text_formats(tmp_path, name, text, expected):
-    (tmp_path / name).write_text(text)
-    heights = surface.read(tmp_path / name, pixel="2um", unit="um")
+@pytest.mark.parametrize("path", sorted((DATA / "good").iterdir()), ids=lambda path: path.stem)
+def test_text_formats(path):
+    """Their names end with the number of missing pixels."""
+    heights = surface.read(path, pixel="2um", unit="um")
     assert heights.shape == (4, 4)
-    assert int(np.isnan(heights.heights).sum()) == expected
+    assert int(np.isnan(heights.heights).sum()) == int(path.stem[-1])
     assert heights.heights[0, 0] == pytest.approx(1e-6)
+    assert heights.heights[0, 3] == pytest.approx(4.5e-6 if "semicolons" in path.stem else 4e-6)
     assert heights.pixel_x == pytest.approx(2e-6)
-    if ";" in text:
-        assert heights.heights[0, 3] == pytest.approx(4.5e-6)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-8-sig"])
@@ -168,25 +164,10 @@ def test_masked_heights_are_missing():
             HeightMap(other, 1e-6)
 
 
-@pytest.mark.parametrize(
-    ("name", "content"),
-    [
-        ("a.csv", b"1,2,3,4\n1,2,3\n"),
-        ("a.csv", b"1,2,3,4\n1,x,3,4\n"),
-        ("a.csv", b"\n"),
-        ("a.csv", b"1,2\n3,4\n"),
-        ("a.csv", b",,,,,\n" * 5),
-        ("a.npy", b"nonsense"),
-        ("a.asc", b"ncols 4\nnrows 6\ncellsize 1e-6\n" + b"1 2 3 4\n" * 5),
-        ("a.asc", b"ncols 8\nnrows 4\ncellsize 1e-6\n" + b"1 2 3 4\n" * 8),
-        ("a.txt", "# Value units: Å\n".encode() + b"1 2 3 4\n" * 4),
-        *((f"a.{suffix}", b"") for suffix in ("npy", "csv", "asc", "sur", "x3p")),
-    ],
-)
-def test_bad_files_are_refused(tmp_path, name, content):
-    (tmp_path / name).write_bytes(content)
+@pytest.mark.parametrize("path", sorted((DATA / "bad").iterdir()), ids=lambda path: path.name)
+def test_bad_files_are_refused(path):
     with pytest.raises(dl.DemlawsError):
-        surface.read(tmp_path / name, pixel=1e-6)
+        surface.read(path, pixel=1e-6)
 
 
 @pytest.mark.parametrize(
