@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -114,21 +115,7 @@ def test_bad_scenes(changes):
         scene(**changes)
 
 
-TOML = """
-name = "test"
-quantity = "overlap"
-tolerance = 0.05
-radii = ["5mm", 0.02]
-force = [1, "50N"]
-cyclic = true
-[material]
-young = "60.6GPa"
-poisson = 0.25
-density = 2680
-[surface]
-roughness = "1.7um"
-fractal_dimension = 2.22
-"""
+TOML = (Path(__file__).parents[1] / "data" / "scene.toml").read_text()
 
 
 def test_scene_file(tmp_path, capsys):

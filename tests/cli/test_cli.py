@@ -2,9 +2,12 @@
 
 import json
 import os
+import shlex
+import string
 import subprocess
 import sys
 import warnings
+from pathlib import Path
 
 import pytest
 
@@ -86,29 +89,19 @@ def test_granite(tmp_path, capsys):
     assert not [name for name in names if name.startswith(".")]  # no temporary file left
 
 
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["curve", "--law", "nonsense", *CONTACT, "--forces", "1"],
-        ["curve", "--law", "hertz", "--effective-radius", "1e-3", "--modulus", "nan", "--forces", "1"],
-        ["curve", "--law", "hertz", "--effective-radius", "1e-3", "--forces", "1"],
-        ["curve", "--law", "hertz", *CONTACT, "--forces", "-1"],
-        ["curve", "--law", "hertz", *CONTACT, "--option", "x=1", "--forces", "1"],
-        ["curve", "--law", "hertz", *CONTACT, "--forces", "1", "--figure", "c.nonsense"],
-        ["curve", "--law", "hertz", "--radius", "8mm", *CONTACT, "--forces", "1"],
-        ["curve", "--law", "hertz", "--radius", "1mm", "1mm", "1mm", "--modulus", "1e9", "--overlaps", "1um"],
-        ["curve", "--law", "hertz", *CONTACT, "--overlaps", "1um", "--csv", "-", "--json"],
-        ["curve", "--law", "hertz", *CONTACT, "--overlaps", "1um", "--figure", "-"],
-        ["table", "--law", "hertz", *CONTACT, "--out", "/proc/nowhere/t"],
-        ["granite", "--test", "XX"],
-        ["soften", "--factor", "0", "--law", "hertz", *CONTACT],
-    ],
-)
-def test_errors_are_one_line(arguments, capsys, tmp_path, monkeypatch):
+FC5 = "--effective-radius 0.33mm --young 60.6e9 --poisson 0.25 --hardness 6.266e9 --combined-roughness 5.04um"
+ALUMINIUM = "--radius 3.175mm inf --hardness 0.24e9 --young 430e9 75.2e9 --poisson 0.17 0.34"
+REFUSED = [line for line in (Path(__file__).parents[1] / "data" / "refused.txt").read_text().splitlines() if line[0] != "#"]
+
+
+@pytest.mark.parametrize("line", REFUSED)
+def test_errors_are_one_line(line, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    assert main(arguments) == 2
-    (line,) = [x for x in capsys.readouterr().err.splitlines() if "warning" not in x]
-    assert line.startswith("demlaws: error: ")
+    (tmp_path / "map.csv").write_text("1,2,3,4\n5,6,7,8\n1,2,3,4\n1,2,3,4\n")
+    names = {"CONTACT": " ".join(CONTACT), "FC5": FC5, "ALUMINIUM": ALUMINIUM, "MAP": "map.csv --pixel 1um"}
+    assert main(shlex.split(string.Template(line).substitute(names))) == 2
+    (text,) = [x for x in capsys.readouterr().err.splitlines() if "warning" not in x]
+    assert text.startswith("demlaws: error: ")
 
 
 @pytest.mark.parametrize("arguments", [["curve", "--law", "?"], ["fit", "--law", "?"], ["laws"]])
@@ -232,8 +225,3 @@ def test_results_as_json(words, key, capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert main([*words, "--json"]) == 0
     assert key in json.loads(capsys.readouterr().out)
-
-
-def test_yade_run_refuses_json(capsys):
-    assert main(["yade", "run", "--json", "script.py"]) == 2
-    assert "--json is not available" in capsys.readouterr().err

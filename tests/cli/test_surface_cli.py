@@ -5,7 +5,6 @@ import demlaws as dl
 from demlaws import cli, surface
 from demlaws.surface import self_affine
 
-PLASTIC = ["--plastic-factor", "0.71", "--plastic-ratio", "160"]
 ALUMINIUM = ["--radius", "3.175mm", "inf", "--hardness", "0.24e9", "--young", "430e9", "75.2e9", "--poisson", "0.17", "0.34"]
 
 
@@ -74,22 +73,3 @@ def test_from_a_map_to_a_table(capsys, tmp_path, map_file):
     assert "micro-contacts" in text and "hertz unloading" in text
     assert dl.Table.load(table).force(1e-7) > 0
     assert np.load(worn).shape == (128, 128) and figure.stat().st_size > 10000
-
-
-@pytest.mark.parametrize("arguments", [
-    ["regime", *ALUMINIUM, "--load", "1"],
-    ["regime", *FC5, "--load", "20", "--yield-load", "7", "--yield-pressure", "2e9"],
-    ["surface", "nowhere.csv"],
-    ["surface", "synthetic"],
-    ["surface", "a", "b"],
-    *(["surface", "MAP", "--crop", crop] for crop in ("1mm", "1,2,3", "x")),
-    ["surface", "contact"],
-    ["surface", "contact", "MAP", *ALUMINIUM, *PLASTIC],
-    ["surface", "contact", "MAP", "--load", "1"],
-    ["surface", "contact", "MAP", "--radius", "1mm", "inf", "--young", "1e9", "--load", "1"],
-    ["surface", "contact", "MAP", "--radius", "inf", "--young", "1e9", "--poisson", "0", "--load", "1"],
-    ["surface", "contact", "MAP", *ALUMINIUM, "--modulus", "1e9", "--load", "1"],
-])  # fmt: skip
-def test_errors_are_one_line(capsys, map_file, arguments):
-    assert cli.main([map_file if a == "MAP" else a for a in arguments]) == 2
-    assert capsys.readouterr().err.count("\n") == 1

@@ -70,13 +70,8 @@ def _number(text):
 
 def _pattern(piece):
     """(pattern whose groups are the numbers, the numbers) of a piece of what is shown."""
-    out, numbers, place = [], [], 0
-    for match in NUMBER.finditer(piece):
-        out += [re.escape(piece[place : match.start()]), f"({NUMBER.pattern})"]
-        numbers.append(_number(match.group()))
-        place = match.end()
-    out.append(re.escape(piece[place:]))
-    return re.compile(re.sub(r"(?:\\\s|\s)+", r"\\s+", "".join(out))), numbers
+    text = f"({NUMBER.pattern})".join(map(re.escape, NUMBER.split(piece)))
+    return re.compile(re.sub(r"(?:\\\s|\s)+", r"\\s+", text)), [_number(number) for number in NUMBER.findall(piece)]
 
 
 @contextlib.contextmanager
@@ -103,17 +98,10 @@ def run(path, folder, environment=None):
             share = re.search(r"within ([\d.]+) %", rest)
             tolerance = float(share.group(1)) / 100 if share else 0.01
             for command, shown in commands(listing.text):
-                done = subprocess.run(
-                    ["bash", "-c", command],
-                    cwd=folder,
-                    env={**os.environ, **(environment or {})},
-                    capture_output=True,
-                    text=True,
-                    timeout=540,
-                )
-                errors = [
-                    line for line in done.stderr.splitlines() if not line.startswith("demlaws: compiling")
-                ]  # first use only
+                line, around = ["bash", "-c", command], {**os.environ, **(environment or {})}
+                done = subprocess.run(line, cwd=folder, env=around, capture_output=True, text=True, timeout=540)
+                # a message on the first use only
+                errors = [text for text in done.stderr.splitlines() if not text.startswith("demlaws: compiling")]
                 printed = "\n".join([done.stdout, *errors])
                 if done.returncode or not same(shown, printed, tolerance):
                     wrong.append((command, printed))

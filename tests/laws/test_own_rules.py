@@ -18,27 +18,9 @@ import demlaws as dl
 from demlaws.core.unloading import Rule, own_rule, rule_of
 from demlaws.laws.registry import find
 
+FOLLOW = Path(__file__).parents[1] / "cpp" / "follow.cpp"
 SHARED = Path(dl.__file__).parent / "cpp"
 needs_compiler = pytest.mark.skipif(shutil.which("g++") is None, reason="needs g++")
-FOLLOW = """
-#include "demlaws_rule.h"
-int main(int count, char **words) {
-  demlaws::Table table(words[1]);
-  const std::string problem = demlaws::attach_rule(table);
-  if (!problem.empty()) return puts(problem.c_str()), 1;
-  const double R = table.of_contact("radius", 0.);
-  const demlaws::Pair pair = demlaws::Pair::checked(table, table.of_contact("modulus", 0.));
-  double state[3] = {0., 0., 0.};
-  for (int i = 2; i < count; i++) {
-    const double overlap = atof(words[i]);
-    const demlaws::Force now = demlaws::step(pair, R, overlap, state);
-    double stored, lost;
-    demlaws::stored_and_dissipated(pair, R, overlap, state, stored, lost);
-    printf("%.17g %.17g %.17g %.17g %.17g\\n", now.force, now.stiffness,
-           demlaws::shear_stiffness(demlaws::ELASTIC_SHEAR, pair, R, overlap, now, state), stored, lost);
-  }
-}
-"""
 PATH = np.array([1e-5, 8e-6, 5e-6, 3e-6, 9e-6, 1e-5, 2e-5, 1.5e-5, 0.0, 1e-6])
 
 
@@ -85,8 +67,7 @@ def test_a_file_and_its_object(tmp_path):
     np.testing.assert_array_equal(again.follow(PATH).force, table.follow(PATH).force)
     program = tmp_path / "follow"
     line = ["g++", "-std=c++11", "-O2", "-Wall", "-Wextra", "-Werror", f"-I{SHARED}"]
-    (tmp_path / "follow.cpp").write_text(FOLLOW)
-    subprocess.run([*line, str(tmp_path / "follow.cpp"), "-o", str(program), "-ldl"], check=True)
+    subprocess.run([*line, str(FOLLOW), "-o", str(program), "-ldl"], check=True)
 
     def follow(file):
         done = subprocess.run([program, file, *map(repr, PATH.tolist())], capture_output=True, text=True)
