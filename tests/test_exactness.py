@@ -9,7 +9,6 @@ from mpmath import mp, mpf
 from references import REFERENCES, Hertz
 
 import demlaws as dl
-from demlaws.driver import sheared
 from demlaws.solvers.axisymmetric import solve
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -101,16 +100,6 @@ def test_shear_stiffness_where_little_of_the_overlap_is_recoverable():
         # δ - δp of overlaps that are rounded: 1e-9 of the overlap has seven digits
         assert law.shear_stiffness(overlap, 0.8) == pytest.approx(float(wanted), rel=4e-16 / max(recoverable[-1], 1e-9) + 1e-12)
     assert min(recoverable) < 1e-10 and max(recoverable) > 0.1
-
-
-def test_shear_force_that_is_kept_when_the_load_falls():
-    """K_t/K_t,old of it: K = c P^m of Pohrt-Popov, P^(1/3) of Hertz."""
-    exact = REFERENCES["pohrt-popov"](**VALUES)
-    along = [0.0, 1e-9, 1e-9]
-    for name, exponent in (("pohrt-popov", exact.m), ("hertz", mpf(1) / 3)):
-        law = dl.law(name, GRANITE)
-        path = sheared(law, law.overlap(np.array([32.0, 32.0, 4.0])), along, 0.9)
-        assert path.shear_force[2] / path.shear_force[1] == pytest.approx(float(mpf(1) / 8**exponent), rel=1e-11)
 
 
 # --- time step

@@ -53,20 +53,13 @@ def test_soften(capsys):
     assert "% with E alone" in said
 
 
-def test_table(tmp_path, capsys):
-    file, picture = tmp_path / "t.tbl", tmp_path / "t.png"
-    assert main(["table", "--law", "rms", *CONTACT, "--rtol", "1e-4", "--out", str(file), "--figure", str(picture)]) == 0
-    assert "largest relative error" in capsys.readouterr().out
-    assert Table.load(file).force_error <= 1e-4
-    assert picture.stat().st_size > 1000
-
-
 def test_table_with_an_unloading_curve(tmp_path, capsys):
     """By the name of a law, then the file of that law's own table; both in one file."""
     both, curve, again, picture = (tmp_path / name for name in ("both.tbl", "curve.tbl", "again.tbl", "both.png"))
     options = ["--unloading-law", "hertz"]
     assert main(["table", "--law", "pohrt-popov", *CONTACT, *options, "--out", str(both), "--figure", str(picture)]) == 0
-    assert "unloading along 'hertz'" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "unloading along 'hertz'" in out and "largest relative error" in out
     assert picture.stat().st_size > 1000
     assert main(["table", "--law", "hertz", *CONTACT, "--out", str(curve)]) == 0
     options = ["--unloading", str(curve), "--out", str(again), "--max-force", "100"]
