@@ -1,61 +1,27 @@
 """Without numba's internals the results are the same."""
 
+import os
+import subprocess
+import sys
+from pathlib import Path
+
 import numba
-import numpy as np
 import pytest
 from processes import python
 
 from demlaws.core import numba_compat
 
-PROGRAM = """
-    import ctypes
-    import numpy as np
-    from numba import types
-    import demlaws as dl
-    from demlaws.core import numba_compat
-    from demlaws.core.numba_compat import callback, kernel, loop
-
-    contact = dl.Contact(radius=4.35e-3, modulus=32.32e9, roughness=2.40e-6, fractal_dimension=2.22, hardness=6.266e9)
-    several = contact.with_values(radius=np.array([4e-3, 5e-3, 6e-3]))
-    found = []
-    for name, unloading, options in (
-        ("hertz", "elastic", {}), ("pohrt-popov", "hertz", {}), ("rough-plastic", "thornton", {"yield_pressure": 1.66e9})
-    ):
-        law = dl.law(name, contact, unloading, **options)
-        overlap = np.array([1e-6, 5e-6, 4e-6, 0.0, 2e-6])
-        found += [law.energy(1e-6), law.overlap(10.0), *law.force(overlap), *law.stiffness(overlap)]
-        found += [*law.follow(overlap).force, *law.follow(overlap).dissipated, *law.shear_stiffness(overlap, 0.8)]
-        found += [law.tabulate(rtol=1e-3).force(2e-6)]
-        law = dl.law(name, several, unloading, **options)
-        found += [*law.evaluate(overlap[:3], law.new_state(3) if law.state_size else None)[0]]
-
-    @loop
-    def twice(x):
-        return 2.0 * x
-
-    @kernel
-    def four_times(x):
-        return 2.0 * twice(x)
-
-    FACTOR = None
-
-    def scaled(x):
-        return FACTOR * four_times(x)
-
-    for factor in (2.0, 3.0):
-        compiled = callback(types.float64(types.float64), scaled, {"FACTOR": factor})
-        found.append(ctypes.CFUNCTYPE(ctypes.c_double, ctypes.c_double)(compiled.address)(10.0))
-    print(numba_compat.PLAIN, *map(repr, map(float, found)))
-"""
+TESTS = Path(__file__).parents[1]
 
 
-def test_results_are_the_same_without_numbas_internals():
-    usual, plain = (python(PROGRAM, DEMLAWS_PLAIN_NUMBA=value).split() for value in ("0", "1"))
-    assert (usual[0], plain[0]) == ("False", "True")
-    expected = np.array(usual[1:], float)
-    assert expected.size > 80 and np.isfinite(expected).all()
-    assert list(expected[-2:]) == [80.0, 120.0]
-    np.testing.assert_allclose(np.array(plain[1:], float), expected, rtol=1e-12)
+def test_laws_are_the_same_without_numbas_internals():
+    """Tests of loops, unloading, shear and tables, run with numba's documented options only."""
+    chosen = ["-k", "yielded or (recoverable and little) or small_grain or history_stays"]
+    files = [str(TESTS / name) for name in ("test_exactness.py", "test_law.py")]
+    line = [sys.executable, "-m", "pytest", "-q", "-n0", "-x", "-p", "no:cacheprovider", *chosen, *files]
+    environment = {**os.environ, "DEMLAWS_PLAIN_NUMBA": "1"}
+    done = subprocess.run(line, env=environment, cwd=TESTS.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.parametrize(
