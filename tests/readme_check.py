@@ -41,10 +41,6 @@ def _jamari():
     return list(jamari_claims())
 
 
-def _count(found, verdict):
-    return sum(claim.verdict == verdict for claim in found()) if verdict else len(found())
-
-
 def _threshold():
     from demlaws import granite
 
@@ -115,14 +111,12 @@ class Check(NamedTuple):
     command: str
 
 
-def _verdicts():
-    from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
-
-    return {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED, "all": ""}
-
-
 def checks():
     """Name → `Check`."""
+    from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, UNDECIDED
+
+    verdicts = {"reproduced": REPRODUCED, "not-reproduced": NOT_REPRODUCED, "built-in": BUILT_IN, "undecided": UNDECIDED}
+    papers = (("claims", _granite, "demlaws granite"), ("jamari", _jamari, "python -m studies.jamari --claims"))
     found = {
         "granite.threshold": Check(_threshold, "demlaws granite --figures 5"),
         "granite.seating": Check(_seating, "demlaws curve --law yip-venart --option seating_share=0.00025"),
@@ -133,9 +127,11 @@ def checks():
         "asperity.load": Check(lambda: _boundary_elements("load"), "make validation"),
         "asperity.area": Check(lambda: _boundary_elements("area"), "make validation"),
     }
-    for name, verdict in _verdicts().items():
-        found[f"claims.{name}"] = Check(functools.partial(_count, _granite, verdict), "demlaws granite")
-        found[f"jamari.{name}"] = Check(functools.partial(_count, _jamari, verdict), "python -m studies.jamari --claims")
+    for paper, claims, command in papers:
+        found[f"{paper}.all"] = Check(lambda claims=claims: len(claims()), command)
+        for name, verdict in verdicts.items():
+            count = functools.partial(lambda claims, verdict: sum(c.verdict == verdict for c in claims()), claims, verdict)
+            found[f"{paper}.{name}"] = Check(count, command)
     for memory in ("pressure", "blunting", "none"):
         found[f"memory.{memory}"] = Check(functools.partial(_memory, memory), "python -m studies.jamari --figures-2008 9")
     return found
