@@ -14,6 +14,7 @@ from yade_scenes import (
     interaction_loop,
     material,
     set_engines,
+    stops,
     two_spheres,
     yade,
 )
@@ -54,8 +55,7 @@ def test_roughness_beside_the_radius(omega):
     assert "0.141 of the radius 0.005 m" in text and "Sq = 0.0005 m and 0.0005 m" in text
     omega.reset()
     two_spheres(functor(surfaces={"granite": dl.Surface(2.4e-3, 2.22)}, bridge="native"), speed=-0.3)
-    with pytest.raises(RuntimeError, match=r"0\.679 of the radius 0\.005 m"):
-        omega.run(200, True)
+    stops(r"0\.679 of the radius 0\.005 m", 200)
     omega.reset()  # rocks
     two_spheres(functor(surfaces={"granite": dl.Surface(5e-3, 2.22)}, bridge="native"), speed=-10.0, radius=1.0)
     assert not [text for text in issued(lambda: advance(200)) if "of the radius" in text] and force() > 0
@@ -74,8 +74,7 @@ def test_numbers_in_other_units_are_named(omega):
     two_spheres(functor(), gap=-1e-4)
     omega.bodies[1].shape.radius = 0.0
     omega.bodies[1].state.pos = (0, 0, 0.0099)
-    with pytest.raises(RuntimeError, match="radius = 0 m"):
-        omega.run(20, True)
+    stops("radius = 0 m", 20)
 
 
 def test_engines_within_an_integrator_are_refused(omega):
@@ -111,8 +110,7 @@ def test_a_functor_that_is_assigned_to_the_dispatcher_acts(omega, way):
     omega.interactions.clear()
     if way == "native":
         omega.engines[2].lawDispatcher.functors = [functor(bridge=way, surfaces={"granit": GRANITE}, label="other")]
-        with pytest.raises(RuntimeError, match=r"label 'granit', for which .* did you mean 'granite'"):
-            omega.run(5, True)
+        stops(r"label 'granit', for which .* did you mean 'granite'")
 
 
 @pytest.mark.parametrize("shear", ["elastic", "loading", "slip"])
@@ -148,8 +146,7 @@ def test_physics_of_another_class_stops_the_run(omega):
     omega.materials.append(stone)
     omega.bodies.append(fixed_pair(stone, 1e-6))
     set_engines(functor(bridge="native"), 1e-9, physics=yade.Ip2_FrictMatCDM_FrictMatCDM_MindlinPhysCDM())
-    with pytest.raises(RuntimeError, match="contact 0\\+1 of Sphere and Sphere is described by ScGeom and MindlinPhysCDM"):
-        omega.run(3, True)
+    stops("contact 0\\+1 of Sphere and Sphere is described by ScGeom and MindlinPhysCDM")
 
 
 def test_native_shear_warns_and_slip_needs_the_bridge(omega):

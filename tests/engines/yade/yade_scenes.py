@@ -110,11 +110,16 @@ def expected(roughness=GRANITE.roughness, radius=0.005):
     return pytest.approx(float(dl.law("pohrt-popov", pair, "hertz").force(OVERLAP)), rel=1e-12)
 
 
+def stops(message, steps=5):
+    """Assert that the run ends with this message."""
+    with pytest.raises(RuntimeError, match=message):
+        advance(steps)
+
+
 def assert_guarded():
     """A position that is not finite stops the run with a message about its contact."""
     yade.O.bodies[1].state.pos = (0, 0, float("nan"))
-    with pytest.raises(RuntimeError, match=r"contact 0\+1"):
-        yade.O.run(20, True)
+    stops(r"contact 0\+1", 20)
 
 
 def under_yade(text, tmp_path, threads=1, stay=False):
