@@ -1,14 +1,13 @@
 """build, run, check, export and their command line."""
 
-import importlib
 import os
 import re
-import stat
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from inputs import part
 
 import demlaws as dl
 import demlaws.liggghts as lg
@@ -16,17 +15,14 @@ from demlaws.errors import DemlawsError
 from demlaws.liggghts.check import TWO_PARTICLES, versions
 from demlaws.liggghts.run import executable
 
-# demlaws.liggghts.build and .run are functions of the package; these are the modules
-build_module = importlib.import_module("demlaws.liggghts.build")
-run_module = importlib.import_module("demlaws.liggghts.run")
-
+build_module = part("liggghts", "build")
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
 ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
 
 
-# so that subprocesses find the package without an installation
-HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
+def printed(*words):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, check=True).stdout
 
 
 # --- build
@@ -34,8 +30,7 @@ HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ
 
 def test_only_our_own_symbols_stay_hidden():
     """A preloaded object that exported LIGGGHTS's templates would replace those of the binary."""
-    symbols = subprocess.run(["nm", "-D", "--defined-only", str(lg.build())], capture_output=True, text=True, check=True)
-    assert symbols.stdout.strip() == ""
+    assert printed("nm", "-D", "--defined-only", lg.build()).strip() == ""
 
 
 LDD_SID = """\
@@ -92,20 +87,18 @@ def test_library_and_headers_are_those_of_the_binary(tmp_path, monkeypatch):
 
 def test_plugin_loads_the_mpi_of_liggghts_and_no_other():
     def loaded(path):
-        lines = subprocess.run(["ldd", str(path)], capture_output=True, text=True, check=True).stdout.splitlines()
-        return {line.split()[0] for line in lines if "mpi" in line.split()[0].lower()}
+        names = [line.split()[0] for line in printed("ldd", path).splitlines()]
+        return {name for name in names if "mpi" in name.lower()}
 
-    assert loaded(lg.build()) == loaded(run_module.executable()) != set()
+    assert loaded(lg.build()) == loaded(executable()) != set()
 
 
 @pytest.mark.slow
-def test_our_sources_compile_without_a_warning(tmp_path):
+def test_our_sources_compile_without_a_warning():
     """-Wall -Wextra as errors; LIGGGHTS's own headers are system headers. Stock code inlined into ours is not ours."""
+    words = [word for word in build_module.PLUGIN.compile_command(portable=True) if word not in ("-w", "-shared", "-O3")]
     strict = ["-Wall", "-Wextra", "-Werror", "-Wno-maybe-uninitialized", "-fsyntax-only"]
-    command = [
-        word for word in build_module.PLUGIN.compile_command(portable=True) if word not in ("-w", "-shared", "-O3")
-    ] + strict
-    done = subprocess.run(command, capture_output=True, text=True)
+    done = subprocess.run(words + strict, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[:2000]
 
 
@@ -113,43 +106,40 @@ def test_our_sources_compile_without_a_warning(tmp_path):
 
 
 def test_other_versions_and_builds_are_refused(tmp_path, monkeypatch):
-    def pretend(version, styles):
-        fake = tmp_path / f"liggghts-{version}-{styles.split()[1]}"
-        fake.write_text(
-            f"#!/bin/sh\ncat <<E\nLIGGGHTS (Version LIGGGHTS-PUBLIC {version}, compiled)\n"
-            f"* Atom styles:\n{styles}\n* Integrate styles:\nE\n"
+    head = "cat <<E\nLIGGGHTS (Version LIGGGHTS-PUBLIC {}, compiled)\n* Atom styles:\ngranular {}\n* Integrate styles:\nE\n"
+    broken = "echo error while loading shared libraries: libliggghts.so >&2; exit 127\n"
+    for number, (text, message) in enumerate(
+        (
+            (head.format("3.8.0", "sphere"), None),
+            (head.format("4.0.0", "sphere"), r"3\.8\.0"),
+            (head.format("3.8.0", "superquadric"), "superquadric"),
+            (broken, r"cannot be started: .*libliggghts\.so"),
         )
-        fake.chmod(fake.stat().st_mode | stat.S_IXUSR)
+    ):
+        fake = tmp_path / f"liggghts{number}"
+        fake.write_text(f"#!/bin/sh\n{text}")
+        fake.chmod(0o755)
         monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(fake))
-
-    pretend("3.8.0", "granular sphere")
-    assert versions() == "LIGGGHTS-PUBLIC 3.8.0"
-    pretend("4.0.0", "granular sphere")
-    with pytest.raises(DemlawsError, match=r"3\.8\.0"):
-        versions()
-    pretend("3.8.0", "granular superquadric")
-    with pytest.raises(DemlawsError, match="superquadric"):
-        versions()
-    broken = tmp_path / "broken"
-    broken.write_text("#!/bin/sh\necho error while loading shared libraries: libliggghts.so >&2; exit 127\n")
-    broken.chmod(0o755)
-    monkeypatch.setenv("DEMLAWS_LIGGGHTS", str(broken))
-    with pytest.raises(DemlawsError, match=r"cannot be started: .*libliggghts\.so"):
-        versions()
+        if message is None:
+            assert versions() == "LIGGGHTS-PUBLIC 3.8.0"
+        else:
+            with pytest.raises(DemlawsError, match=message):
+                versions()
 
 
 # --- export
 
 
-@pytest.mark.parametrize("stock", [None, "hertz"])
-def test_the_case_runs_in_the_liggghts_that_is_named(tmp_path, stock):
-    path = lg.export(tmp_path, grains=[lg.Grain(0.004, GRANITE, ROUGH)], count=10, rtol=1e-3, stock=stock)
+def test_the_case_runs_in_the_liggghts_that_is_named(tmp_path):
+    """With a stock model; the shared tests run it with ours."""
+    path = lg.export(tmp_path, grains=[lg.Grain(0.004, GRANITE, ROUGH)], count=10, rtol=1e-3, stock="hertz")
     path.write_text(re.sub(r"steps index \d+", "steps index 20", path.read_text()))
     (tmp_path / "own liggghts").symlink_to(executable())
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin" / "liggghts").write_text("#!/bin/sh\nexit 7\n")
     (tmp_path / "bin" / "liggghts").chmod(0o755)
-    environment = {**os.environ, "PYTHONPATH": HOME, "DEMLAWS_LIGGGHTS": str(tmp_path / "own liggghts")}
+    home = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
+    environment = {**os.environ, "PYTHONPATH": home, "DEMLAWS_LIGGGHTS": str(tmp_path / "own liggghts")}
     environment["PATH"] = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
     result = subprocess.run([str(tmp_path / "run.sh")], env=environment, capture_output=True, text=True)
     assert result.returncode == 0, result.stdout[-2000:] + result.stderr
@@ -180,23 +170,15 @@ def test_stock_fit_in_the_stock_binary(tmp_path):
     loads = np.array([0.5, 3.0, 10.0, 40.0])
     fit = lg.stock_fit(law, 10.0, loads=loads)
     assert fit.error[2] == pytest.approx(0.0, abs=1e-12)
-    lg.export(tmp_path, "pohrt-popov", [grain], stock="hertz", load=10.0)
-    case = (tmp_path / "in.case").read_text()
-    properties = [line for line in case.splitlines() if line.startswith("fix             p")]
-    style = next(line for line in case.splitlines() if line.startswith("pair_style"))
-    assert style.split()[3] == "hertz"
-    loading = TWO_PARTICLES.split("velocity        right set 0.2")[0]
-    text = loading.replace("create_box      1 box", "create_box      2 box")
-    kept = [
-        line
-        for line in text.splitlines()
-        if not line.startswith(("pair_style", *(f"fix             m{i}" for i in range(1, 5))))
-    ]
-    at = next(i for i, line in enumerate(kept) if line.startswith("pair_coeff"))
+    case = lg.export(tmp_path, "pohrt-popov", [grain], stock="hertz", load=10.0).read_text()
     # no damping, so that the force is the model's own at any speed
-    properties = [p.replace(" 0.5 0.5 0.5 0.5", " 1 1 1 1") if "Restitution" in p else p for p in properties]
-    kept[at:at] = [*properties, style]
-    (tmp_path / "in.stock").write_text("\n".join(kept).replace("thermo          20", "thermo 2"))
+    case = re.sub(r"(Restitution .*) 0.5 0.5 0.5 0.5", r"\1 1 1 1 1", case)
+    model = re.findall("^(?:fix             p|pair_style).*$", case, re.MULTILINE)
+    assert model[-1].split()[3] == "hertz"
+    text = TWO_PARTICLES.split("velocity        right set 0.2")[0].replace("create_box      1 box", "create_box      2 box")
+    text = re.sub(r"^fix             m[1-4].*\n", "", text, flags=re.MULTILINE)
+    text = re.sub("^pair_style.*$", "\n".join(model), text, flags=re.MULTILINE).replace("thermo          20", "thermo 2")
+    (tmp_path / "in.stock").write_text(text)
     log = lg.run(tmp_path / "in.stock", variables={"young": 0, "radius": 0.0087, "table": "none"}, plugin=False)
     overlaps = law.overlap(loads)
     force = np.interp(overlaps, log["overlap"], log["force"])
