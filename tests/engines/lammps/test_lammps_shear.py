@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from inputs import ENERGY, moves_of, save
-from inputs_for_lammps import continued, simulate, two_spheres
+from inputs_for_lammps import simulate, two_spheres
 from spheres import ROUGH, SHEARED, save_law, sheared_along
 
 import demlaws as dl
@@ -44,14 +44,6 @@ def test_walls(tmp_path, shear, style):
     np.testing.assert_allclose(-log["side"][kept], path.shear_force, atol=2e-2 * 0.5 * path.force.max())
     assert log["e[2]"][-1] == pytest.approx(normal.dissipated[-1] + path.dissipated[-1], rel=1e-2)
     assert log["e[1]"][-1] + log["e[2]"][-1] == pytest.approx(normal.work[-1] + path.work[-1], rel=3e-3)
-
-
-def test_a_restart_between_two_spheres_goes_on_to_the_last_bit(tmp_path):
-    save_law(tmp_path, "rough")
-    whole = simulate(tmp_path, two_spheres(terms("slip springs 8"), SHEARED))
-    simulate(tmp_path, two_spheres(terms("slip springs 8"), SHEARED[:3]) + "write_restart now.restart\n")
-    again = simulate(tmp_path, continued(SHEARED[3:]))
-    assert again["side"][-1] == whole["side"][-1] != 0.0
 
 
 @pytest.mark.parametrize(

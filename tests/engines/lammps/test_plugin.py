@@ -10,45 +10,6 @@ from inputs_for_lammps import HEAD, SHEAR, TABLE, continued, refused, simulate, 
 import demlaws as dl
 from demlaws.errors import DemlawsError
 from demlaws.lammps.check import WALL, follow
-from demlaws.make import example
-
-RULES = ("elastic", "hertz", "thornton", "table")
-
-
-def same(log, path, limit):
-    """Force, stored energy, dissipation, and what `compute pair/local` or the wall shows, against the law's path."""
-    assert path.overlap.max() > 1e-5
-    assert np.abs(log["force"] - path.force).max() <= limit * path.force.max()
-    assert np.abs(log["stored"] - path.stored).max() <= limit * path.work.max()
-    assert np.abs(log["lost"] - path.dissipated).max() <= limit * path.work.max()
-
-
-@pytest.mark.parametrize(
-    "unloading, ranks, newton",
-    [
-        *((rule, 1, "on") for rule in RULES),
-        ("hertz", 1, "off"),
-        ("hertz", 2, "off"),
-        ("table", 2, "on"),
-    ],
-)
-def test_every_rule_on_one_and_two_ranks(granite_pair, unloading, ranks, newton):
-    law = example("pohrt-popov", granite_pair, unloading)
-    log, path = follow(law, rtol=1e-8, ranks=ranks, newton=newton, every=20)
-    same(log, path, 1e-7)
-    touching = log["overlap"] > 0
-    if unloading != "elastic":  # p13, p14 of compute pair/local
-        for column, expected in (("kept[1]", path.maximum_overlap), ("kept[2]", path.plastic_overlap)):
-            assert np.abs(log[column] - expected)[touching].max() <= 1e-7 * path.overlap.max()
-    assert np.abs(log["kept[3]"] - path.stored)[touching].max() <= 1e-7 * path.work.max()
-
-
-@pytest.mark.parametrize(
-    ("wall", "unloading"), [("plane", "elastic"), ("plane", "table"), ("region", "hertz"), ("region", "thornton")]
-)
-def test_walls(granite_pair, unloading, wall):
-    law = example("pohrt-popov", granite_pair, unloading)
-    same(*follow(law, text=WALL, rtol=1e-8, wall=wall, every=20), limit=1e-7)
 
 
 @pytest.mark.parametrize(
