@@ -1,15 +1,20 @@
 """Tangential model demlaws in LIGGGHTS and LAMMPS: force and energy against Python; no energy from nothing; ranks, restart."""
 
+import itertools
+
 import numpy as np
 import pytest
+from examples import shared
 from inputs import ENERGY, simulate
 from spheres import DIAMETER, LAWS, SHEARED, both, gas, save_law, sheared_along, spheres
 
 from studies.shear.gas import HEADS
 
+SHEARS = ["elastic", "loading", "slip", "slip springs 30"]
+PATHS = shared(itertools.product(LAWS, SHEARS), lambda path: path[0] == "rough" or path[1] == "slip")
 
-@pytest.mark.parametrize("shear", ["elastic", "loading", "slip", "slip springs 30"])
-@pytest.mark.parametrize("name", LAWS)
+
+@pytest.mark.parametrize(("name", "shear"), PATHS)
 @both
 def test_force_along_a_path_is_pythons(engine, tmp_path, name, shear):
     law = save_law(tmp_path, name)
@@ -43,12 +48,12 @@ def test_a_contact_that_carried_no_force_has_lost_its_shear(engine, tmp_path, sh
 @pytest.mark.parametrize(
     ("name", "shear", "friction", "poisson"),
     [
-        ("hertz elastic", "elastic", 100, 0.25),
+        pytest.param("hertz elastic", "elastic", 100, 0.25, marks=pytest.mark.slow),
         ("rough elastic", "elastic", 100, 0.0),
         ("rough", "loading", 100, 0.4),
-        ("rough elastic", "slip", 100, 0.25),
+        pytest.param("rough elastic", "slip", 100, 0.25, marks=pytest.mark.slow),
         ("rough", "slip", 0.3, 0.25),
-        ("thornton", "slip", 1, 0.25),
+        pytest.param("thornton", "slip", 1, 0.25, marks=pytest.mark.slow),
     ],
 )
 @both

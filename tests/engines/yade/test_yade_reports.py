@@ -1,5 +1,6 @@
-"""Reports to the YADE user: limits of laws, inadmissible input, engines that are not served, energies."""
+"""Reports to the YADE user: limits of laws, inadmissible input, large overlaps, engines that are not served, energies."""
 
+import re
 import warnings
 
 import numpy as np
@@ -14,12 +15,14 @@ from yade_scenes import (
     interaction_loop,
     material,
     set_engines,
+    sphere,
     stops,
     two_spheres,
     yade,
 )
 
 import demlaws as dl
+from studies.extremes import extremes, report
 
 
 def issued(run):
@@ -156,3 +159,66 @@ def test_native_shear_warns_and_slip_needs_the_bridge(omega):
         functor(bridge="public", shear="slip")
     with pytest.raises(dl.DemlawsError, match="needs unloading elastic"):
         functor("walton-braun", None, SURFACES, bridge="native", shear="slip", loading_stiffness=3e6, stiffness_ratio=2.0)
+
+
+def test_numbers_that_are_none_stop_and_name_the_body(omega):
+    """The extremes in small (python -m studies.extremes --yade measures them in full)."""
+    from studies.extremes.yade_extremes import Yade
+
+    found = dict(extremes.stops(Yade()))
+    assert len(found) == 8 and report.stop_failures("YADE", found.items()) == []
+    for what, message in found.items():
+        assert "body 2 is at" in message or ("alone" not in what and "contact " in message)
+
+
+# --- overlaps that no law of small strains is for: warned of beyond R/10, refused beyond R
+
+RADIUS = 0.01  # of two spheres: R = 5 mm
+
+
+def pressed(law, overlap, young=60.6e9, speed=0.0):
+    omega = yade.O
+    omega.reset()
+    below, above = material(), material(young=young)
+    for place in (0.0, 0.2):
+        omega.bodies.append(sphere((0, 0, place), RADIUS, fixed=True, material=below))
+        omega.bodies.append(sphere((0, 0, place + 2 * RADIUS - overlap), RADIUS, fixed=True, material=above))
+    omega.bodies[1].state.vel = (0, 0, -speed)
+    set_engines(law, 1e-6)
+
+
+def large_overlaps(steps):
+    return [text for text in issued(lambda: advance(steps)) if "law 'demlaws': overlap" in text]
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+@pytest.mark.parametrize("rule", ["elastic", "hertz"])
+def test_a_large_overlap_is_warned_of_once(omega, way, rule):
+    law = functor("pohrt-popov", rule, bridge=way)
+    pressed(law, 0.499e-3)
+    assert not large_overlaps(5)
+    pressed(law, 0.6e-3)
+    (text,) = large_overlaps(22)
+    assert re.search(r"overlap 0.0006 m is 0.12 of .* R = 0.005 m \(2 of 2 con", text)
+    assert omega.interactions[0, 1].phys.normalForce.norm() > 0
+    pressed(law, 0.6e-3)  # another scene: again
+    assert "2 of 2" in large_overlaps(2)[0]
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_an_overlap_beyond_the_radius_stops(omega, way):
+    """Sphere 1 is driven in at 200 m/s; no force is applied at that overlap."""
+    law = functor(bridge=way, neverErase=True)
+    pressed(law, 4.9e-3, speed=200.0)
+    stops(r"contact 0\+1: overlap 0.005\d* m is 1.\d* times .* R = 0.005 m.*check units", 20)
+    assert omega.iter < 5
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_a_marker_has_no_force_anywhere(omega, way):
+    """young=0, as YADE's examples mark water levels: no force, as native Mindlin."""
+    law = functor(bridge=way)
+    pressed(law, 8e-3, young=0.0)
+    assert not issued(lambda: advance(5))
+    assert omega.interactions.countReal() == 2 and omega.forces.f(1).norm() == 0 and law.totals() == (0.0, 0.0)
+    functor("yip-venart", "elastic", bridge=way, moduli=None, label="later")  # made after the marker
