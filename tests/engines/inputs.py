@@ -10,6 +10,32 @@ from demlaws.errors import DemlawsError
 
 LOAD_UNLOAD = [(-0.2, 0, 1000), (0.2, 0, 600), (-0.2, 0, 800), (0.2, 0, 1800), (-0.2, 0, 800)]
 ENERGY = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
+SCENE = """\
+{head}
+region          box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
+create_box      2 box
+neighbor        1e-4 bin
+neigh_modify    delay 0
+{style}
+timestep        {step}
+create_atoms    1 single {left!r} 0 0 units box
+create_atoms    2 single {right!r} 0 0 units box
+set             atom 1 diameter {d1!r} density 2650
+set             atom 2 diameter {d2!r} density 2650
+"""
+WATCH = """\
+group           left id 1
+group           right id 2
+fix             move all nve/noforce
+variable        overlap equal "0.5*({d1!r}+{d2!r})-(xcm(right,x)-xcm(left,x))"
+compute         pull right reduce sum fx fy
+variable        force equal c_pull[1]
+variable        side equal c_pull[2]
+{more}
+thermo_style    custom step v_overlap v_force v_side {columns}
+thermo_modify   format float %.17e lost ignore norm no
+thermo          {every}
+"""
 
 
 def part(engine, name):
@@ -20,6 +46,17 @@ def part(engine, name):
 def moves_of(moves):
     """Lines that move the group `right`; moves: (speed along x, along y, steps)."""
     return "".join(f"velocity right set {along} {across} 0\nrun {steps}\n" for along, across, steps in moves)
+
+
+def watched(d1=17.4e-3, d2=17.4e-3, every=20, more="", columns=""):
+    """Lines that make two spheres known, and the columns of the log."""
+    return WATCH.format(d1=d1, d2=d2, every=every, more=more, columns=columns)
+
+
+def scene(head, style, moves, step, d1=17.4e-3, d2=17.4e-3, left=0.0, **watch):
+    """An input of two spheres of types 1 and 2, 0.1 µm apart; moves: (speed along x, along y, steps) of the second."""
+    values = {"d1": d1, "d2": d2, "left": left, "right": left + 0.5 * (d1 + d2) + 1e-7}
+    return SCENE.format(head=head, style=style, step=step, **values) + watched(d1, d2, **watch) + moves_of(moves)
 
 
 def simulate(engine, folder, text, ranks=1, **options):

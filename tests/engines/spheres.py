@@ -50,10 +50,10 @@ def spheres(
     if engine == "lammps":
         line = f"demlaws/table {table} {young!r} {restitution} 0.25 {words} {inputs_for_lammps.SHEAR}"
         more.pop("ranks", None)
-        return inputs_for_lammps.two_spheres(line, moves, d1, d2, **more)
+        return inputs_for_lammps.two_spheres(line, moves, d1=d1, d2=d2, **more)
     style = f"pair_style gran model demlaws/table tangential demlaws table {table} {words}"
     more = {"step": STEP, **more}
-    return inputs_for_liggghts.two_spheres(style, moves, d1, d2, restitution, young=young, **more)
+    return inputs_for_liggghts.two_spheres(style, moves, restitution, young=young, d1=d1, d2=d2, **more)
 
 
 def continued(engine, text, moves, **watch):

@@ -93,7 +93,7 @@ def test_unequal_spheres_and_roughness_of_types(engine, tmp_path):
     if engine == "lammps":
         words = "pair_coeff {0} {0} demlaws/table law.tbl 60.6e9 1.0 0.25 roughness {1!r} " + inputs_for_lammps.SHEAR
         lines = "\n".join(words.format(kind, math.sqrt(2) * sq) for kind, sq in ((1, 1e-6), (2, 2e-6)))
-        text = inputs_for_lammps.two_spheres(lines, LOAD_UNLOAD, 10e-3, 17e-3)
+        text = inputs_for_lammps.two_spheres(lines, LOAD_UNLOAD, d1=10e-3, d2=17e-3)
     stone = dl.Material(young=60.6e9, poisson=0.25)
     sizes = {"radius1": 5e-3, "radius2": 8.5e-3, "roughness1": 1e-6, "roughness2": 2e-6}
     law = dl.law("pohrt-popov", dl.Contact.between(stone, stone, **sizes, fractal_dimension=2.22), "hertz")

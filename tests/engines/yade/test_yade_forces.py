@@ -203,12 +203,6 @@ def test_never_erase(omega):
     recorder.exact()
 
 
-def test_tangential_stiffness(omega):
-    two_spheres(functor("pohrt-popov", "elastic", bridge="native"), steps=100)
-    phys = omega.interactions[0, 1].phys
-    assert phys.ks / phys.kn == pytest.approx(2 * (1 - 0.25) / (2 - 0.25), rel=1e-12)
-
-
 @pytest.mark.slow
 def test_solved_law_needs_the_contacts(omega):
     with pytest.raises(dl.DemlawsError, match="radii="):

@@ -22,7 +22,6 @@ from yade_scenes import (
 )
 
 import demlaws as dl
-from demlaws.yade.run import run
 
 HERE = Path(__file__).parent
 ROUNDING = 1e-13
@@ -205,31 +204,6 @@ print("totals", *demlaws.yade.attached("demlaws").totals())
     there = np.array([float.fromhex(x) for x in rows["positions"]])
     assert np.abs(there - positions().ravel()).max() <= ROUNDING
     assert [float(x) for x in rows["totals"]] == pytest.approx(law.totals(), rel=1e-9)
-
-
-@pytest.mark.slow
-def test_batch(tmp_path):
-    script = tmp_path / "batch.py"
-    script.write_text(
-        f"""
-import sys
-sys.path.insert(0, {str(HERE)!r})
-import yade
-from yade import utils
-utils.readParamsFromTable(speed=-0.1)
-from yade.params import table
-from yade_scenes import functor, two_spheres
-law = functor(bridge="native")
-two_spheres(law, table.speed)
-yade.O.run(2000, True)
-open({str(tmp_path)!r} + f"/out{{abs(table.speed)}}", "w").write(repr(yade.O.bodies[1].state.vel[2]))
-"""
-    )
-    (tmp_path / "table").write_text("speed\n-0.2\n-0.4\n")
-    done = run(script, batch=str(tmp_path / "table"), capture_output=True, text=True, timeout=200, cwd=tmp_path)
-    results = [float((tmp_path / f"out{speed}").read_text()) for speed in (0.2, 0.4)]
-    assert done.returncode == 0
-    assert 0.1 < results[0] < 0.2 and 0.2 < results[1] < 0.4
 
 
 # --- refusals: never silently the native law

@@ -41,14 +41,6 @@ def test_script(name, tmp_path):
     assert (tmp_path / f"{name}.png").stat().st_size > 5000
 
 
-def test_a_failing_script_fails(tmp_path):
-    script = tmp_path / "bad.py"
-    script.write_text("raise ValueError('on purpose')\n")
-    command = [sys.executable, "-m", "demlaws", "yade", "run", "-x", str(script)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, cwd=SCRIPTS.parent)
-    assert done.returncode == 1 and "on purpose" in done.stderr + done.stdout
-
-
 def test_a_script_with_one_law_loads_no_code_of_other_features():
     loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in size.run_in_yade()["loaded"]}
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded

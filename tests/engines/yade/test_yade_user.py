@@ -587,9 +587,9 @@ def test_command_lines(tmp_path, monkeypatch):
 
     seen = []
     monkeypatch.setattr(
-        run, "run", lambda *arguments, **options: seen.append((arguments, options)) or subprocess.CompletedProcess([], 0)
+        run, "run", lambda *arguments, **options: seen.append((arguments, options)) or subprocess.CompletedProcess([], 3)
     )
-    main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"])
+    assert main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"]) == 3  # YADE's own status
     arguments, options = seen[0]
     assert arguments == ("s.py", ["-x", "--threads"], 1, True, None)
     assert options == {"stay": True, "yade_options": ["--cores=0,1", "-f5"]}
@@ -598,6 +598,8 @@ def test_command_lines(tmp_path, monkeypatch):
     line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
     assert line[1:] == ["-j1", "--cores=0,1", str(script)]
     assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
+    batch = run.command(script, threads=2, batch=str(script), options=["--cores=0,1"])
+    assert batch[0].endswith("yade-batch") and batch[1:] == ["--job-threads=2", "--cores=0,1", str(script), str(script)]
     for name in ("", "nowhere.py", "scene", "scene.txt"):  # a folder; YADE ignores the others and ends with status 0
         if name.startswith("scene"):
             (tmp_path / name).write_text("raise ValueError")
