@@ -99,16 +99,6 @@ def arguments_of(tree, tests):
     return arguments
 
 
-def problem_of(mutation):
-    """Why a mutation cannot be made in the working tree, or None."""
-    try:
-        arguments_of(PROJECT, mutation.tests)
-        source_of(PROJECT, mutation)
-    except LookupError as error:
-        return f"{mutation.name}: {error}"
-    return None
-
-
 def copy_tree(folder):
     """The files of the working tree that git knows or would add, in a new folder."""
     listed = ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"]
@@ -180,7 +170,12 @@ def main(arguments=None):
     chosen = [m for m in known if not options.only or any(text in m.name for text in options.only)]
     if options.tests:
         chosen = [mutation._replace(tests=options.tests) for mutation in chosen]
-    problems = [problem for problem in map(problem_of, chosen) if problem]
+    problems = []
+    for mutation in chosen:
+        try:
+            arguments_of(PROJECT, mutation.tests), source_of(PROJECT, mutation)
+        except LookupError as error:
+            problems.append(f"{mutation.name}: {error}")
     if problems or not chosen:
         print("\n".join(problems) or "no mutation has such a name", file=sys.stderr)
         return 1

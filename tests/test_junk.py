@@ -6,6 +6,7 @@ data/junk.csv; all other junk must be refused.
 """
 
 import csv
+import dataclasses
 import functools
 import inspect
 import math
@@ -29,6 +30,8 @@ POINTS = np.column_stack([(np.arange(1.0, 13.0) / 1.5e9) ** (2 / 3), np.arange(1
 TABLE = dl.Table.from_points(*POINTS.T, PAIR, "hertz", scales_with="radius", rtol=1e-2)
 
 GOOD = {
+    **dataclasses.asdict(GRANITE),
+    **dataclasses.asdict(PAIR),
     **dict.fromkeys(("name", "laws"), "hertz"),
     **dict.fromkeys(("law", "bound"), LAW),
     **dict.fromkeys(("material1", "material2"), GRANITE),
@@ -36,10 +39,10 @@ GOOD = {
     **dict.fromkeys(("largest", "max_force"), 10.0),
     **dict.fromkeys(("n", "steps"), 2),
     **dict.fromkeys(("order", "seed"), 1),
-    **dict.fromkeys(("mass", "speed", "radius", "radius1"), 1e-3),
+    **dict.fromkeys(("mass", "speed", "radius1"), 1e-3),
     **dict.fromkeys(("friction", "shear_ratio"), 0.5),
     **dict.fromkeys(("coordination", "edge_radius"), 4.0),
-    **dict.fromkeys(("roughness", "roughness1", "pixel", "pixel_x", "pixel_y", "spacing"), 1e-6),
+    **dict.fromkeys(("roughness1", "pixel", "pixel_x", "pixel_y", "spacing"), 1e-6),
     **dict.fromkeys(("force_noise", "compliance", "roughness2", "shortest"), 0.0),
     **dict.fromkeys(("parallel", "tables", "periodic"), False),
     **dict.fromkeys(("scene", "form_order"), None),
@@ -59,12 +62,6 @@ GOOD = {
     "free": ("modulus",),
     "displacement_noise": 1e-8,
     "progress": iter,
-    "young": 60e9,
-    "poisson": 0.2,
-    "hardness": 6e9,
-    "density": 2650.0,
-    "fractal_dimension": 2.2,
-    "modulus": 3e10,
     "radius2": math.inf,
     "other": dl.Surface(1e-6),
     "ratio": 0.6,

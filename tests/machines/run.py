@@ -128,21 +128,6 @@ def environment():
 
 # Everything runs in name spaces of its own: however this script ends, the kernel undoes the mounts and ends the processes.
 NAMESPACE = ["setpriv", "--pdeathsig", "KILL", "unshare", "-mpf", "--kill-child", "--mount-proc", "--propagation", "private"]
-ENTER = """
-set -e
-root=$1 folder=$2; shift 2
-mount --rbind /dev "$root/dev"
-mount --rbind /sys "$root/sys"
-mount -t proc proc "$root/proc"
-while [ "$1" != -- ]; do
-    if [ -d "$1" ]; then mkdir -p "$root$2"; else mkdir -p "$(dirname "$root$2")"; touch "$root$2"; fi
-    mount --bind "$1" "$root$2"
-    mount -o remount,bind,ro "$root$2"
-    shift 2
-done
-shift
-exec chroot "$root" sh -c 'cd "$1" && shift && exec "$@"' sh "$folder" "$@"
-"""
 
 
 class Root:
@@ -159,7 +144,9 @@ class Root:
         """Exit status of a command in the root."""
         self.copy_network()
         mounts = [str(part) for pair in pip_mounts() for part in pair]
-        return self.start(["sh", "-c", ENTER, "sh", str(self.path), folder, *mounts, "--", *command], environment())
+        return self.start(
+            ["sh", str(Path(__file__).with_name("enter.sh")), str(self.path), folder, *mounts, "--", *command], environment()
+        )
 
     def start(self, command, environment):
         """Exit status of a command in name spaces of its own, which is stopped when no time is left."""
