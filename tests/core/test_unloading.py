@@ -173,16 +173,6 @@ def test_asking_changes_no_history(name, unloading):
         np.testing.assert_array_equal(fresh, 0.0)
 
 
-@pytest.mark.parametrize(
-    "name", [n for n, rule in PAIRS if rule == "thornton" and (n, "hertz") in PAIRS and n != "rough-plastic"]
-)
-def test_thornton_is_hertz_where_the_bulk_has_not_yielded(name):
-    path = GRANITE.roughness * np.array([2.0, 1.9, 1.7, 5.0, 4.9, 4.5])
-    a, b = make(name, "hertz").follow(path), make(name, "thornton").follow(path)
-    np.testing.assert_allclose(a.force, b.force, rtol=1e-10)
-    np.testing.assert_allclose(a.plastic_overlap, b.plastic_overlap, atol=1e-14 * path[0] * 10)
-
-
 @pytest.mark.parametrize("name", [n for n in dl.laws() if (n, "hertz") not in PAIRS and "hertz" in rules_of(n)])
 def test_a_refused_law_would_return_work(name):
     """The refusal names the load; there, Hertz unloading from just above would give back more than loading took."""
