@@ -9,7 +9,6 @@ from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from demlaws.errors import ValidityWarning
 from demlaws.granite.command import print_claims
-from demlaws.solvers.contact import MEMORIES
 from studies.jamari import figures as pictures
 from studies.jamari.claims import jamari_claims
 from studies.jamari.cycles import press
@@ -26,7 +25,7 @@ def parser():
         **example(
             "  python -m studies.jamari --figure regime.png\n"
             "  python -m studies.jamari --claims\n"
-            "  python -m studies.jamari --figures-2006 all --figures-2008 2 7 --out jamari\n"
+            "  python -m studies.jamari --figures-2006 all --figures-2008 9 --out jamari\n"
             "  python -m studies.jamari --repeat isotropic --figure repeated.png\n"
             "  python -m studies.jamari --change before.asc after.asc --figure change.png"
         ),
@@ -39,7 +38,6 @@ def parser():
         )
     parser.add_argument("--out", type=Path, default=Path("jamari"), help="folder for these (default: jamari)")
     parser.add_argument("--repeat", choices=("isotropic", "anisotropic"), help="press on this surface of 2008 20 times")
-    parser.add_argument("--memory", choices=MEMORIES, default="pressure", help="of a pixel, with --repeat")
     parser.add_argument(
         "--change", nargs=2, metavar=("BEFORE", "AFTER"), help="lay the second height map over the first: what has changed"
     )
@@ -72,13 +70,7 @@ def run(arguments):
         if chosen:
             draw_figures(getattr(pictures, f"FIGURES_{year}"), chosen, arguments.out / str(year))
     if arguments.repeat:
-        press(
-            published_contact(arguments.repeat, memory=arguments.memory),
-            0.2,
-            20,
-            picture=arguments.figure,
-            name=arguments.repeat,
-        )
+        press(published_contact(arguments.repeat), pictures.LOAD, arguments.figure, arguments.repeat)
     elif arguments.change:
         before, after = (surface.read(path, arguments.pixel, arguments.unit) for path in arguments.change)
         match = change(before, after, arguments.figure)

@@ -7,7 +7,7 @@ import numpy as np
 
 from demlaws import plots, regime
 from demlaws.plots import figure
-from demlaws.plots.surface import MICRO, circle, contact_figure, ellipses, show
+from demlaws.plots.surface import MICRO, circle, ellipses, show
 from demlaws.solvers.contact import MEMORIES, REMEMBERED, LoadStep, RoughContact
 
 
@@ -21,11 +21,16 @@ class Cycle(NamedTuple):
     relative_change: float  # over the change of the first cycle
 
 
-def repeat(contact, load, cycles=20, tolerance=1e-4, run_in=0.01, keep=None, stop=False):
+RUN_IN = 0.01
+"""ε_r: change of the map in a cycle over that in the first one, below which it has run in."""
+SHOWN = (1, 2, 3, 10, 20)
+"""Cycles whose profiles the paper of 2008 draws."""
+
+
+def repeat(contact, load, cycles=20, tolerance=1e-4, keep=SHOWN):
     """Load to `load` [N] and unload, `cycles` times, each time on the map that the last one left: list of `Cycle`.
 
-    Run-in is the first cycle whose change of the map is below `run_in` (ε_r) times the first's; stop=True ends there.
-    keep: numbers of the cycles whose maps are kept (default all); others hold contact=None.
+    keep: numbers of the cycles whose maps are kept; others hold contact=None.
     """
     history = []
     first = None
@@ -38,46 +43,39 @@ def repeat(contact, load, cycles=20, tolerance=1e-4, run_in=0.01, keep=None, sto
         first = change if first is None else first
         relative = change / first if first > 0 else 0.0
         worn._warned = contact._warned
-        history.append(Cycle(n, step, worn if keep is None or n in keep else None, change, relative))
+        history.append(Cycle(n, step, worn if n in keep else None, change, relative))
         contact = worn
-        if stop and n > 1 and relative <= run_in:
-            break
     return history
 
 
-def run_in_cycle(history, run_in=0.01):
-    """Number of the last cycle that still changed the map by more than `run_in` of the first's change."""
-    return max((c.number for c in history if c.relative_change > run_in), default=0)
+def run_in_cycle(history):
+    """Number of the last cycle that still changed the map by more than `RUN_IN` of the first's change."""
+    return max((c.number for c in history if c.relative_change > RUN_IN), default=0)
 
 
-def press(contact, load, cycles=1, tolerance=0.01, picture=None, name=""):
-    """Press a ball on a map `cycles` times, print what each does and draw it to `picture`; returns the cycles."""
-    if contact.pair.hardness is not None and not contact.flat:
-        print(regime.assess(contact.pair, load))
-    history = repeat(contact, load, cycles, tolerance, keep=(1, 2, 3, 10, cycles))
-    others = {}
-    if cycles > 1 and contact.pair.hardness is not None:
-        few = min(cycles, 5)
-        for memory in MEMORIES:
-            if memory != contact.memory:
-                other = dataclasses.replace(contact, memory=memory)
-                others[memory] = repeat(other, load, few, tolerance, keep=())
+def press(contact, load, picture, name):
+    """Press a ball on a map 20 times, print what each cycle does and draw it to `picture` (None: nowhere)."""
+    print(regime.assess(contact.pair, load))
+    history = repeat(contact, load, tolerance=0.01)
+    others = {
+        memory: repeat(dataclasses.replace(contact, memory=memory), load, 5, 0.01, keep=())
+        for memory in MEMORIES
+        if memory != contact.memory
+    }
     for cycle in history:
-        if cycle.number in (1, 2, 3, 10, cycles):
+        if cycle.number in SHOWN:
             print(f"cycle {cycle.number}: {cycle.step}; change of the map {cycle.relative_change:.3g} of the first")
     print(
-        f"run in after cycle {max(run_in_cycle(history), 1)} (ε_r = 0.01), on the assumption that a pixel "
-        f"remembers {REMEMBERED[contact.memory]} (--memory {contact.memory})"
+        f"run in after cycle {run_in_cycle(history)} (ε_r = {RUN_IN:g}), on the assumption that a pixel "
+        f"remembers {REMEMBERED[contact.memory]} (memory {contact.memory})"
     )
     for memory, few in others.items():
-        print(f"  with --memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change")
+        print(f"  with memory {memory} cycle 2 changes the map by {100 * few[1].relative_change:.2g} % of cycle 1's change")
     if picture is not None:
-        fig = repeated_figure(contact, history, name, others) if cycles > 1 else contact_figure(contact, history[0].step)
-        print(plots.save(fig, picture))
-    return history
+        print(plots.save(repeated_figure(contact, history, name, others), picture))
 
 
-def repeated_figure(contact, history, name="", others=None):
+def repeated_figure(contact, history, name, others):
     """Repeated contact: map before and after the first cycle, contact area, profiles and change over cycles.
 
     others: memory → history of the same contact with another assumption of what a pixel remembers.
@@ -94,17 +92,15 @@ def repeated_figure(contact, history, name="", others=None):
     limit = max(abs(np.nanmin(change)), 1e-9)
     show(fig, axes[0, 2], heights, change, "change (µm)", cmap="RdBu", vmin=-limit, vmax=limit)
     touched = np.argwhere(change != 0)
-    if touched.size:
-        (row0, column0), (row1, column1) = touched.min(axis=0), touched.max(axis=0)
-        px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
-        axes[0, 2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
+    (row0, column0), (row1, column1) = touched.min(axis=0), touched.max(axis=0)
+    px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
+    axes[0, 2].set(xlim=((column0 - 8) * px, (column1 + 8) * px), ylim=((row0 - 8) * py, (row1 + 8) * py))
     axes[0, 2].set_title("plastic change (contact region)", fontsize=10)
     ax = axes[1, 0]
     show(fig, ax, heights, heights.heights * MICRO, "height (µm)", cmap="Greys_r", alpha=0.6)
     ellipses(ax, first.step)
     radius = (first.step.load * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
-    if not contact.flat:
-        circle(ax, contact.centre, radius, "--", "Hertz radius")
+    circle(ax, contact.centre, radius, "--", "Hertz radius")
     counts = first.step.counts
     ax.set_title(f"contact, cycle 1: {counts[0]} elastic, {counts[1]} el.-plastic, {counts[2]} plastic", fontsize=10)
     # profiles through the pixel that lost most
@@ -135,9 +131,9 @@ def repeated_figure(contact, history, name="", others=None):
         "o-",
         label=f"change of the map / first, memory: {contact.memory}",
     )
-    for memory, few in (others or {}).items():
+    for memory, few in others.items():
         ax.semilogy([c.number for c in few], [max(c.relative_change, 1e-6) for c in few], "x:", label=f"memory: {memory}")
-    ax.axhline(0.01, color="black", lw=0.8, ls="--", label="run-in, ε$_r$ = 0.01")
+    ax.axhline(RUN_IN, color="black", lw=0.8, ls="--", label=f"run-in, ε$_r$ = {RUN_IN:g}")
     ax.semilogy(
         number, [c.step.contact_area / first.step.contact_area for c in history], "s-", ms=4, label="contact area / first"
     )

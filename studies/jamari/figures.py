@@ -10,13 +10,12 @@ import numpy as np
 
 from demlaws import regime
 from demlaws.plots import figure
-from demlaws.plots.surface import MICRO, circle, ellipses, extent, plain, regime_axis, regime_bar, show
+from demlaws.plots.surface import MICRO, regime_axis, regime_bar
 from studies.jamari import published
+from studies.jamari.cycles import SHOWN, repeat
 
 SEEN = {"asperities": ("o", "white"), "both": ("s", "#ffbf00"), "bulk": ("D", "black")}
 
-CYCLES = (1, 2, 3, 10, 20)
-"""Cycles whose profiles the paper of 2008 draws."""
 LOAD = 0.2  # [N]
 
 
@@ -117,107 +116,11 @@ def criterion():
 # --- 2008
 
 
-def summits(heights=None):
-    """Fig. 2 of 2008: volume-conserving asperities beside nine-point summits of a rough protrusion at three depths."""
-    from demlaws.contact import Contact
-    from demlaws.solvers.contact import RoughContact
-    from demlaws.solvers.summits import nine_point_summits
-    from demlaws.surface import HeightMap, self_affine
-
-    if heights is None:
-        size, pixel = 160, 0.5e-6
-        y, x = (np.indices((size, size)) - size / 2) * pixel
-        bump = 3e-6 * np.exp(-(x**2 + y**2) / (2 * (14e-6) ** 2))
-        rough = self_affine(size, pixel, 0.8, 0.12e-6, 3, shortest=3e-6, longest=12e-6)
-        heights = HeightMap(bump + rough.heights, pixel)
-    said = []
-    contact = RoughContact(heights, Contact(radius=1.0, modulus=1e11), flat=True)
-    fig, axes = figure(columns=4, rows=2, width=3.7, height=3.4)
-    show(fig, axes[0, 0], heights, heights.heights * MICRO, "height (µm)")
-    axes[0, 0].set_title("a rough protrusion", fontsize=10)
-    rows, columns = heights.shape
-    profile = heights.heights[rows // 2] * MICRO
-    axes[1, 0].plot(np.arange(columns) * heights.pixel_x * MICRO, profile, "k-", lw=1)
-    axes[1, 0].set(xlabel="x (µm)", ylabel="height (µm)", title="profile and cuts")
-    axes[1, 0].title.set_fontsize(10)
-    for column, share in enumerate((0.06, 0.25, 0.75), 1):
-        depth = share * (contact.highest - np.nanmedian(heights.heights))
-        step = contact.at(depth)
-        axes[1, 0].axhline(step.cut * MICRO, color=f"C{column}", lw=1)
-        x, y, _, _ = nine_point_summits(heights, step.cut)
-        said.append(
-            f"ω = {depth * MICRO:.2g} µm: {len(step.micro)} micro-contacts by volume conservation, {len(x)} nine-point summits"
-        )
-        for row, (px, py, name) in enumerate(((step.micro.x, step.micro.y, "volume"), (x, y, "nine-point"))):
-            ax = plain(axes[row, column])
-            ax.contourf(
-                np.arange(columns) * heights.pixel_x * MICRO,
-                np.arange(rows) * heights.pixel_y * MICRO,
-                heights.heights > step.cut,
-                [0.5, 1.5],
-                colors=["#dddddd"],
-            )
-            ax.plot(px * MICRO, py * MICRO, ".", color=f"C{column}", ms=7)
-            ax.set(aspect="equal", xlim=extent(heights)[:2], ylim=extent(heights)[2:])
-            ax.set_title(f"{name}: {len(px)} at ω = {depth * MICRO:.2g} µm", fontsize=10)
-    said.append("computed, on a made protrusion; the paper prints no number of its own for it")
-    return fig, said
-
-
 @functools.cache
 def _history(kind, memory):
     """The contact of the paper before and after each of its cycles; kept: it is drawn three times."""
-    from studies.jamari.cycles import repeat
-
     contact = published.published_contact(kind, memory=memory)
-    return contact, repeat(contact, LOAD, cycles=CYCLES[-1], keep=CYCLES)
-
-
-def _before(kind):
-    """Figs. 7 and 10: the surface before contact, and where the asperities are that come into contact."""
-    contact, history = _history(kind, "pressure")
-    step, heights = history[0].step, contact.heights
-    fig, (left, right) = figure(columns=2, width=5.0, height=4.2)
-    show(fig, left, heights, heights.heights * MICRO, "height (µm)")
-    circle(left, contact.centre, _hertz_radius(contact), "--", "macroscopic contact (Hertz)")
-    left.set_title(f"{kind}: a synthetic map, Sq = {heights.sq * MICRO:.2f} µm", fontsize=10)
-    plain(right).plot(step.micro.x * MICRO, step.micro.y * MICRO, "k.", ms=5)
-    right.set(aspect="equal", xlim=extent(heights)[:2], ylim=extent(heights)[2:], xlabel="x (µm)", ylabel="y (µm)")
-    right.set_title(f"location (not size) of the {len(step.micro)} asperities at {LOAD:g} N", fontsize=10)
-    row = next(row for row in published.published_ratios() if row.test.label == f"2008 {kind}")
-    return fig, [
-        f"Sq = {row.test.contact.roughness * MICRO:g} µm (printed; the map is ours), load {LOAD:g} N (printed)",
-        f"C_m = p(0)/H: printed {row.test.ratio:g}, by Eq. 4 {row.fitted:.3f} at α = {row.alpha:.1f}",
-        f"computed: Hertz radius {_hertz_radius(contact) * MICRO:.1f} µm, {len(step.micro)} asperities in contact",
-    ]
-
-
-def _hertz_radius(contact):
-    return (LOAD * 0.75 * contact.pair.radius / contact.pair.modulus) ** (1 / 3)
-
-
-def _areas(kind):
-    """Figs. 8 and 11: the contact area of the first cycle by the model, and where the map has changed after it."""
-    contact, history = _history(kind, "pressure")
-    step, heights = history[0].step, contact.heights
-    change = history[0].contact.heights.heights - heights.heights
-    fig, (left, right) = figure(columns=2, width=5.0, height=4.2)
-    plain(left).set(aspect="equal", xlabel="x (µm)", ylabel="y (µm)", title="model: contact area, cycle 1")
-    ellipses(left, step)
-    lowered = np.where(change < 0.0, -change, np.nan) * MICRO
-    show(fig, right, heights, lowered, "lowered by (µm)", cmap="viridis")
-    right.set_title("model: where the map is lower after cycle 1", fontsize=10)
-    rows, columns = np.nonzero(change)
-    px, py = heights.pixel_x * MICRO, heights.pixel_y * MICRO
-    for ax in (left, right):
-        ax.set(xlim=((columns.min() - 8) * px, (columns.max() + 8) * px), ylim=((rows.min() - 8) * py, (rows.max() + 8) * py))
-    counts = step.counts
-    area = f"{step.contact_area * 1e12:.1f} µm² in {len(step.micro)} micro-contacts"
-    states = f"{counts[0]} elastic, {counts[1]} elastic-plastic, {counts[2]} plastic"
-    return fig, [
-        f"computed: {area} ({states}); P/(c_h H) = {LOAD / (contact.plastic_factor * contact.pair.hardness) * 1e12:.1f} µm²",
-        "the paper's areas are pictures without numbers, and its measured ones are not public",
-    ]
+    return contact, repeat(contact, LOAD)
 
 
 def _profiles(kind):
@@ -250,28 +153,23 @@ def _profiles(kind):
     axes[0, 0].legend(fontsize=7, ncol=2)
     for memory in MEMORIES:
         _, cycles = _history(kind, memory)
-        first, last = (cycles[n - 1].contact.heights.heights for n in (1, CYCLES[-1]))
+        first, last = (cycles[n - 1].contact.heights.heights for n in (1, SHOWN[-1]))
         lowered = -np.nanmin(first - heights.heights) * MICRO
         further = max(-np.nanmin(last - first) * MICRO, 0.0)
         said.append(
-            f"computed, memory {memory}: cycle 1 lowers the map by up to {lowered:.3f} µm, cycles 2 to {CYCLES[-1]} by up to "
+            f"computed, memory {memory}: cycle 1 lowers the map by up to {lowered:.3f} µm, cycles 2 to {SHOWN[-1]} by up to "
             f"{further:.3f} more; cycle 2 changes {100 * cycles[1].relative_change:.2g} % of what cycle 1 did"
         )
     place = {"isotropic": "y = 120 µm and x = 129 µm", "anisotropic": "y = 118 µm and x = 126 µm"}[kind]
     said.append(
-        f"printed: almost no difference between cycles {', '.join(map(str, CYCLES))} (its profiles: {place} of its own map)"
+        f"printed: almost no difference between cycles {', '.join(map(str, SHOWN))} (its profiles: {place} of its own map)"
     )
     return fig, said
 
 
 FIGURES_2006 = {1: central_pressure, 12: criterion}
 FIGURES_2008 = {
-    2: summits,
-    7: functools.partial(_before, "isotropic"),
-    8: functools.partial(_areas, "isotropic"),
     9: functools.partial(_profiles, "isotropic"),
-    10: functools.partial(_before, "anisotropic"),
-    11: functools.partial(_areas, "anisotropic"),
     12: functools.partial(_profiles, "anisotropic"),
 }
 """Number of a figure → function that draws it."""

@@ -12,10 +12,10 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 
 @pytest.mark.slow
 def test_the_command(tmp_path, capsys):
-    assert main(["--figures-2006", "1", "--figures-2008", "2", "7", "8", "--out", str(tmp_path)]) == 0
+    assert main(["--figures-2006", "1", "--figures-2008", "9", "--out", str(tmp_path)]) == 0
     assert "Fig. 1:" in capsys.readouterr().out
     drawn = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.png")}
-    assert drawn == {"2006/figure-01.png", "2008/figure-02.png", "2008/figure-07.png", "2008/figure-08.png"}
+    assert drawn == {"2006/figure-01.png", "2008/figure-09.png"}
     for given in (["--figures-2006", "3"], ["--figures-2008", "13"], ["--figures-2008", "x"]):
         with pytest.raises(SystemExit):
             main([*given, "--out", str(tmp_path)])
@@ -26,7 +26,7 @@ def test_repeated_contact_of_the_paper(kind, criterion):
     """0.2 N on aluminium: asperities only; plastic change in the first cycle, practically none after."""
     contact = published.published_contact(kind)
     assert regime.pressure_ratio(contact.pair, 0.2) == pytest.approx(criterion, abs=0.005)
-    history = cycles.repeat(contact, 0.2, cycles=20, keep=(1, 2, 3, 10, 20))
+    history = cycles.repeat(contact, 0.2)
     assert history[0].step.counts[1] + history[0].step.counts[2] > 0
     assert history[0].change > 0
     assert all(c.relative_change <= 0.01 for c in history[1:])
@@ -38,4 +38,3 @@ def test_repeated_contact_of_the_paper(kind, criterion):
     assert history[-1].step.counts[1] <= 3 and history[-1].step.counts[2] == 0  # those that share a pixel of their rings
     area = history[0].step.contact_area
     assert history[-1].step.contact_area == pytest.approx(area, rel=0.01)
-    assert len(cycles.repeat(contact, 0.2, cycles=20, stop=True)) == 2
