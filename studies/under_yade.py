@@ -1,4 +1,4 @@
-"""What scripts that `studies.costs.costs.under_yade` starts begin and end with; SPECIFICATION RESULT (JSON files)."""
+"""What programs that `studies.costs.costs.answer_of` starts begin and end with; SPECIFICATION RESULT (JSON files)."""
 
 import json
 import os
@@ -6,14 +6,9 @@ import sys
 
 
 def serve(answer):
-    """Write what `answer` makes of the specification, and end YADE at once."""
+    """Write what `answer` makes of the specification; YADE's own end takes seconds, and loses the exit status."""
     with open(sys.argv[-2]) as file:
-        given = json.load(file)
-    hand_over(answer(given))
-
-
-def hand_over(found):
-    """Write what was found to RESULT; YADE's own end takes seconds, and loses the exit status."""
+        found = answer(json.load(file))
     with open(sys.argv[-1], "w") as file:
         json.dump(found, file)
     sys.stdout.flush()

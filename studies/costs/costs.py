@@ -2,6 +2,7 @@
 
 import importlib
 import json
+import subprocess
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
@@ -53,30 +54,32 @@ def describe(way, folder, contact, number):
     return {**way._asdict(), "options": {} if way.rtol else dict(way.options), "given": given}
 
 
-def under_yade(script, given, progress=None):
-    """Run a script of studies/ (path there) under YADE on a specification; returns its result; progress(line): as it runs."""
-    import subprocess
-
+def under_yade(script, given, progress=lambda text: None):
+    """`answer_of` a script of studies/ (path there) under YADE."""
     from demlaws.yade.run import command, environment
 
+    return answer_of("YADE", command(Path(__file__).parents[1] / script), environment(), given, progress)
+
+
+def answer_of(engine, line, environment, given, progress):
+    """What a program that ends with `under_yade.serve` answers; progress(text): for each of its lines PROGRESS text."""
     with tempfile.TemporaryDirectory() as scratch:
         files = [Path(scratch) / name for name in ("given.json", "found.json")]
         files[0].write_text(json.dumps(given))
-        line = command(Path(__file__).parents[1] / script, files)
-        with subprocess.Popen(
-            line, env=environment(), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL, text=True
-        ) as process:
-            lines = []
+        pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+        with subprocess.Popen([*line, *map(str, files)], env=environment, text=True, errors="replace", **pipes) as process:
+            noise = ""
             try:
                 for text in process.stdout:
-                    lines.append(text)
-                    if progress is not None and text.startswith("PROGRESS "):
+                    if text.startswith("PROGRESS "):
                         progress(text.removeprefix("PROGRESS ").strip())
+                    else:
+                        noise = (noise + text)[-600:]
             except BaseException:
                 process.kill()
                 raise
         if not files[1].is_file():
-            raise DemlawsError(f"YADE stopped (exit {process.returncode}): {''.join(lines).strip()[-300:]}")
+            raise DemlawsError(f"{engine} stopped (exit {process.returncode}): {noise.strip()}")
         return json.loads(files[1].read_text())
 
 

@@ -1,13 +1,11 @@
-"""What laws cost in a YADE step, and what YADE's own models do on one contact; started by `demlaws.engine_costs` under YADE.
+"""What laws cost in a YADE step, and what YADE's own models do on one contact; started by `studies.costs.costs` under YADE.
 
-cost.py SPECIFICATION RESULT (JSON files). The spheres of a close packing stand still while the interaction loop runs:
+The spheres of a close packing stand still while the interaction loop runs:
 the same functor alternates every two steps between our code, Mindlin's own and code that does nothing, over the same
 contacts in the same memory, so that the differences are the law's. Models of YADE's have packings of their own.
 """
 
 import ctypes
-import json
-import sys
 import time
 
 import numba
@@ -18,7 +16,8 @@ from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, native
-from studies.trade.yade_oedometer import hand_over, material
+from studies.trade.yade_oedometer import material
+from studies.under_yade import serve
 
 O = yade.O  # noqa: E741
 NATIVE = yade.Law2_ScGeom_MindlinPhys_Mindlin()
@@ -174,16 +173,12 @@ def one_contact(given, way, paths, steps=300):
     return result
 
 
-def main():
-    """Read the specification, measure, hand the result over."""
-    with open(sys.argv[1]) as file:
-        given = json.load(file)
+def answer(given):
+    """Forces on paths, or costs."""
     if "paths" in given:
-        found = [one_contact({**given, "cdm": way["cdm"]}, way, given["paths"]) for way in given["ways"]]
-    else:
-        found = measure(given, given["ways"], given["side"], given["repeats"])
-    hand_over(found)
+        return [one_contact({**given, "cdm": way["cdm"]}, way, given["paths"]) for way in given["ways"]]
+    return measure(given, given["ways"], given["side"], given["repeats"])
 
 
 if __name__ == "__main__":
-    main()
+    serve(answer)

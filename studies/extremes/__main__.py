@@ -84,16 +84,18 @@ def _engines(arguments, laws):
         count = len(extremes.cases(laws, arguments.unloading))
         own = []
         with tqdm(total=count + 1, desc=engine, unit="case", leave=False, disable=None) as progress:
-            for found in extremes.run(engine, laws, arguments.unloading, arguments.quick):
+
+            def ended(found, engine=engine, own=own, progress=progress):
                 progress.update()
                 if isinstance(found, list):
                     progress.write(report.stops_table(engine, found))
-                    problems += report.stop_failures(engine, found)
-                    continue
+                    return
                 own.append(found)
                 lines = report.table(own).split("\n")
                 progress.write("\n".join(lines if len(own) == 1 else lines[-1:]))
-        problems += report.failures(own)
+
+            *_, stops = extremes.run(engine, laws, arguments.unloading, arguments.quick, progress=ended)
+        problems += report.stop_failures(engine, stops) + report.failures(own)
     return problems
 
 

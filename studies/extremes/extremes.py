@@ -10,14 +10,12 @@ offer `two_spheres`, `impacts`, `let_go` and `stopped_by`.
 """
 
 import functools
+import importlib
 import itertools
-import json
 import math
 import pickle
-import subprocess
 import sys
 import warnings
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -26,10 +24,12 @@ from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.lammps.run import command
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
+from studies.costs.costs import answer_of, available, under_yade
 from studies.extremes import stability
 from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case, impact
 
@@ -504,13 +504,11 @@ def measure(engine, case, quick=False, seed=5):
 # --- engines in processes of their own
 
 
-def serve(engine, request):
+def answer(engine, request):
     """In an engine's process: measure the cases of `request` and print each result as a line that `run` understands."""
-    for law, unloading in request["cases"]:
-        found = measure(engine, Case(law, unloading, engine.evaluation), request["quick"])
-        _print(found)
-    if request["stops"]:
-        _print(stops(engine))
+    results = (measure(engine, Case(*case, engine.evaluation), request["quick"]) for case in request["cases"])
+    for found in itertools.chain(results, [stops(engine)] if request["stops"] else []):
+        print("PROGRESS " + pickle.dumps(found).hex(), flush=True)
 
 
 def stops(engine):
@@ -522,51 +520,27 @@ def stops(engine):
     ]
 
 
-def _print(found):
-    print("RESULT " + pickle.dumps(found).hex(), flush=True)
-
-
 ENGINES = ("YADE", "LIGGGHTS", "LAMMPS")
 
 
-def run(engine, laws=None, unloadings=None, quick=False, stops=True):
-    """Measure inside an engine, one of `ENGINES`: yields `Figures` as they come, then what stopped it.
+def run(engine, laws=None, unloadings=None, quick=False, stops=True, progress=lambda found: None):
+    """Measure inside an engine, one of `ENGINES`: a list of `Figures`, then what stopped it; progress: called with each.
 
     The last item, if `stops`, is a list of (what was done to a body, the message or None).
     """
-    todo = [case[:2] for case in cases(laws, unloadings)]
-    request = json.dumps({"cases": todo, "quick": quick, "stops": stops})
-    environment = None
+    request = {"cases": [case[:2] for case in cases(laws, unloadings)], "quick": quick, "stops": stops}
+    results = []
+
+    def ended(text):
+        results.append(pickle.loads(bytes.fromhex(text)))
+        progress(results[-1])
+
     if engine == "YADE":
-        from demlaws.yade import run as start
-
-        line = start.command(Path(__file__).with_name("yade_extremes.py"), [request])
-        environment = start.environment()
-    else:
-        if engine == "LAMMPS":
-            from demlaws.lammps.build import build
-            from demlaws.lammps.run import command, versions
-
-            environment = command("none", plugin=False)[1]
-        else:
-            from demlaws.liggghts.build import build
-            from demlaws.liggghts.run import versions
-        versions()
-        build()
-        line = [sys.executable, "-m", f"studies.extremes.{engine.lower()}_extremes", request]
-    pipes = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
-    with subprocess.Popen(line, env=environment, text=True, errors="replace", **pipes) as process:
-        noise, results = [], 0
-        try:
-            for text in process.stdout:
-                if not text.startswith("RESULT "):
-                    noise = [*noise[-40:], text]
-                    continue
-                results += 1
-                yield pickle.loads(bytes.fromhex(text.removeprefix("RESULT ")))
-        except BaseException:
-            process.kill()
-            raise
-        if results != len(todo) + bool(stops):
-            told = [x for x in noise if "rror" in x] or noise[-8:]
-            raise DemlawsError(f"{engine} ended after {results} results: {''.join(told).strip()[-600:]}")
+        under_yade("extremes/yade_extremes.py", request, ended)
+        return results
+    if problem := available(engine.lower()):
+        raise DemlawsError(problem)
+    importlib.import_module(f"demlaws.{engine.lower()}").build()
+    environment = command("none", plugin=False)[1] if engine == "LAMMPS" else None
+    answer_of(engine, [sys.executable, "-m", f"studies.extremes.{engine.lower()}_extremes"], environment, request, ended)
+    return results

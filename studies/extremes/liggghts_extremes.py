@@ -5,7 +5,6 @@ each fault.
 """
 
 import ctypes
-import json
 import math
 import subprocess
 import sys
@@ -19,7 +18,9 @@ from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import registry
 from demlaws.liggghts.build import build, linked_library, mpi_libraries
 from demlaws.liggghts.run import versions
-from studies.extremes.extremes import POISSON, Balance
+from studies.extremes.extremes import POISSON, Balance, answer
+from studies.extremes.stability import GRANITE, Case
+from studies.under_yade import serve
 
 _HEAD = """\
 atom_style granular
@@ -227,8 +228,6 @@ class Liggghts:
 
     def stop(self, touching, where, value):
         """Four spheres, one of which gets a number that is none; ends the process where the engine stops."""
-        from studies.extremes.stability import GRANITE, Case
-
         lib, case = self._lib, Case(HERTZ, "elastic", "table")
         radius = np.full(4, 2.0 * GRANITE.radius)
         spacing = (1.9999 if touching == "touching" else 3.0) * radius[0]
@@ -262,13 +261,11 @@ def stopped_by(touching, where, value, engine="LIGGGHTS"):
 
 
 def main(arguments, engine=Liggghts):
-    """`--stop TOUCHING WHERE VALUE`, or what `demlaws.extremes.serve` understands."""
-    if arguments[:1] == ["--stop"]:
+    """`--stop TOUCHING WHERE VALUE`, or the files of `under_yade.serve`."""
+    if arguments[0] == "--stop":
         engine(screen=True).stop(*arguments[1:])
         return
-    from studies.extremes.extremes import serve
-
-    serve(engine(), json.loads(arguments[0]))
+    serve(lambda request: answer(engine(), request))
 
 
 if __name__ == "__main__":

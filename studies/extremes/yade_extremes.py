@@ -8,7 +8,9 @@ from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find
 from demlaws.materials import GRANITE
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
-from studies.extremes.extremes import POISSON, Balance
+from studies.extremes import stability
+from studies.extremes.extremes import POISSON, Balance, answer
+from studies.under_yade import serve
 
 O = yade.O  # noqa: E741  YADE's name
 
@@ -154,13 +156,10 @@ class Yade:
 
     def stopped_by(self, touching, where, value):
         """YADE's error after a fault (see `extremes.stops`), or None."""
-        from studies.extremes.stability import GRANITE, Case
-
-        radius = 2.0 * GRANITE.radius
-        law, material = self._scene(
-            Case(HERTZ, "elastic", "closed form"), {}, GRANITE, [1e-6], GRANITE.modulus, np.array([GRANITE.radius])
-        )
-        stuff = material(GRANITE.modulus, 1e-6)
+        case, pair = stability.Case(HERTZ, "elastic", "closed form"), stability.GRANITE
+        radius = 2.0 * pair.radius
+        law, material = self._scene(case, {}, pair, [1e-6], pair.modulus, np.array([pair.radius]))
+        stuff = material(pair.modulus, 1e-6)
         spacing = 1.9999 * radius if touching else 3.0 * radius
         bodies = [self._sphere(stuff, radius, (n * spacing, 0, 0), 0.01, True) for n in range(4)]
         self._engines(law, -0.1, 0)
@@ -181,16 +180,4 @@ class Yade:
 
 
 if __name__ == "__main__":
-    import json
-    import os
-    import sys
-
-    from studies.extremes.extremes import serve
-
-    status = 1
-    try:
-        serve(Yade(), json.loads(sys.argv[1]))
-        status = 0
-    finally:
-        sys.stdout.flush()
-        os._exit(status)  # YADE's own exit would lose the status
+    serve(lambda request: answer(Yade(), request))

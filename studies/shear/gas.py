@@ -3,7 +3,6 @@
 import contextlib
 import csv
 import itertools
-import json
 import math
 import sys
 import tempfile
@@ -21,7 +20,7 @@ from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from demlaws.make import example
-from demlaws.yade.run import run as run_in_yade
+from studies.costs.costs import under_yade
 
 ENGINES = {"liggghts": liggghts, "lammps": lammps}
 STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force"), "yade": ("native",)}
@@ -164,9 +163,7 @@ def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=
 
 def simulate_in_yade(runs):
     """The same in YADE for a list of arguments of `yade_gas.simulate`, in one process: `Result`s or refusals."""
-    done = run_in_yade(Path(__file__).with_name("yade_gas.py"), [json.dumps(runs)], capture_output=True, text=True)
-    lines = [json.loads(line.removeprefix("RESULT ")) for line in done.stdout.splitlines() if line.startswith("RESULT ")]
-    for energies in [*lines, *[done.stderr.strip()[-200:]] * (len(runs) - len(lines))]:
+    for energies in under_yade("shear/yade_gas.py", runs):
         if isinstance(energies, str):
             yield DemlawsError(energies)
         else:
@@ -177,10 +174,9 @@ def simulate_in_yade(runs):
 FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance", "step_us", "time_ms")
 
 
-def run_all(chosen, frictions, poissons, shears, steps, output=None):
-    """Write a row of FIELDS as CSV for each run in these engines; a refused run has its reason in `largest`."""
-    output = output or sys.stdout
-    writer = csv.writer(output)
+def run_all(chosen, frictions, poissons, shears, steps):
+    """Print a row of FIELDS as CSV for each run in these engines; a refused run has its reason in `largest`."""
+    writer = csv.writer(sys.stdout)
     writer.writerow(FIELDS)
 
     def row(result, *first):
@@ -188,7 +184,7 @@ def run_all(chosen, frictions, poissons, shears, steps, output=None):
         if isinstance(result, Result):
             values = [f"{result.largest:.5f}", f"{result.kept[-1]:.4f}", f"{result.balance[-1]:.5f}"]
         writer.writerow([*first, *values, f"{1e6 * TIME / steps:g}", f"{1e3 * TIME:g}"])
-        output.flush()
+        sys.stdout.flush()
 
     def attempt(engine, name, model, friction, poisson, folder):
         own = {"tangential": model}

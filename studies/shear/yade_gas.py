@@ -1,9 +1,6 @@
-"""The closed gas of `gas` in YADE: run under YADE with its settings as JSON, prints energies at 31 times as JSON."""
+"""The closed gas of `gas` in YADE: energies at 31 times of each run; started by it under YADE."""
 
-import json
 import math
-import os
-import sys
 import warnings
 
 import yade
@@ -16,6 +13,7 @@ from demlaws.laws.registry import find
 from demlaws.make import example
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
 from studies.shear.gas import BOX, DIAMETER, TIME, contact, places_and_speeds
+from studies.under_yade import serve
 
 O = yade.O  # noqa: E741  YADE's name
 
@@ -61,13 +59,15 @@ def simulate(law, rule, shear, poisson, friction, steps):
     return energies
 
 
+def attempt(run):
+    """The energies of a run, or why it is refused."""
+    O.reset()
+    try:
+        return simulate(*run)
+    except (DemlawsError, RuntimeError) as error:
+        return str(error)
+
+
 if __name__ == "__main__":
     warnings.simplefilter("ignore", ValidityWarning)
-    for run in json.loads(sys.argv[1]):
-        try:
-            result = simulate(*run)
-        except (DemlawsError, RuntimeError) as error:
-            result = str(error)
-        print("RESULT " + json.dumps(result), flush=True)
-        O.reset()
-    os._exit(0)
+    serve(lambda runs: [attempt(run) for run in runs])

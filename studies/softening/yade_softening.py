@@ -1,4 +1,4 @@
-"""Runs of `studies.softening.study` in YADE; started by it under YADE: yade_softening.py SPECIFICATION RESULT (JSON files).
+"""Runs of `studies.softening.study` in YADE; started by it under YADE.
 
 Each run's row is printed as it ends, so that a study that is stopped keeps what it has.
 """

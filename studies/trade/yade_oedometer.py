@@ -1,4 +1,4 @@
-"""The scene of `studies.trade.packings` in YADE; started by it under YADE: oedometer.py SPECIFICATION RESULT (JSON files)."""
+"""The scene of `studies.trade.packings` in YADE; started by it under YADE."""
 
 import sys
 import time
@@ -9,7 +9,6 @@ from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
-from studies.under_yade import hand_over as hand_over
 from studies.under_yade import serve
 
 O = yade.O  # noqa: E741
