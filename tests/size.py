@@ -56,28 +56,22 @@ def lines(paths):
     return sum(path.read_bytes().count(b"\n") for path in paths)
 
 
-def run_in_yade():
-    """Files of demlaws that the script loads, and replaced entry points. Raises DemlawsError without YADE."""
+def under_yade():
+    """(modules that the script loads, their lines, replaced entry points), or dashes without YADE."""
+    from demlaws.errors import DemlawsError
     from demlaws.yade.run import command, environment
 
     with tempfile.TemporaryDirectory() as folder:
         script, answer = Path(folder) / "script.py", Path(folder) / "found.json"
         script.write_text(SCRIPT)
-        done = subprocess.run(command(script, [answer]), env=environment(), capture_output=True, text=True, cwd=folder)
+        try:
+            done = subprocess.run(command(script, [answer]), env=environment(), capture_output=True, text=True, cwd=folder)
+        except DemlawsError as error:
+            print(f"without YADE: {error}", file=sys.stderr)
+            return "-", "-", "-"
         if not answer.is_file():
             raise SystemExit(f"YADE stopped: {done.stdout[-300:]}{done.stderr[-300:]}")
-        return json.loads(answer.read_text())
-
-
-def under_yade():
-    """(modules that the script loads, their lines, replaced entry points), or dashes without YADE."""
-    from demlaws.errors import DemlawsError
-
-    try:
-        found = run_in_yade()
-    except DemlawsError as error:
-        print(f"without YADE: {error}", file=sys.stderr)
-        return "-", "-", "-"
+        found = json.loads(answer.read_text())
     return len(found["loaded"]), lines(map(Path, found["loaded"])), len(found["wrapped"])
 
 

@@ -1,4 +1,4 @@
-"""The site is built as `make docs` does, warnings as errors."""
+"""The site is built as `make docs` does, warnings as errors; equations of its pages are translated and explained."""
 
 import importlib.util
 import os
@@ -8,6 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
+from making import formula
+from making.symbols import meaning
 
 from demlaws.laws.registry import registry
 
@@ -31,3 +33,14 @@ def test_site(tmp_path):
     for page in (tmp_path / "site").rglob("*.html"):
         loaded = re.findall(r'<(?:script|link|img)[^>]+(?:src|href)="(https?://[^"]*)"', page.read_text())
         assert loaded == [], f"{page} loads {loaded} from the network"
+
+
+@pytest.mark.parametrize("name", registry())
+def test_equations_are_translated_and_their_symbols_explained(name):
+    equation = registry()[name].equation
+    for line in formula.lines(equation):
+        written = formula.latex(line)
+        assert written.count("{") == written.count("}"), written
+        assert not [sign for sign in written if sign in "αβγδεκλμνπρσφω√²³"], written
+    unknown = [symbol for symbol in formula.symbols_of(equation) if meaning(name, symbol) is None]
+    assert unknown == [], f"{equation}: say in docs/making/symbols.py what {unknown} are"
