@@ -14,13 +14,11 @@ import numpy as np
 from demlaws.contact import pressure_of
 from demlaws.core.dispatch import bind, energy, inverse, scale, virgin
 from demlaws.core.fastmath import bits, from_bits, hertz_overlap, kernel
-from demlaws.criterion import hertz_pressure
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import (
     DIMENSION,
     PRESSURE,
     ROUGHNESS,
-    STIFFNESS,
     Advice,
     Definition,
     Drawing,
@@ -29,7 +27,6 @@ from demlaws.laws.definition import (
     pressure_option,
 )
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
-from demlaws.units import number
 
 
 class RoughPlasticShape(NamedTuple):
@@ -122,22 +119,12 @@ def _loading_definition(loading):
     return definition
 
 
-def _refuse_arrays(contact, option, instead):
-    """A measured quantity belongs to one contact: what it is for others the pressures say."""
-    if contact.size is not None:
-        raise DemlawsError(
-            f"{option} is that of one contact, and these are {contact.size}: give {instead} in Pa, which holds for any radius"
-        )
-
-
 def _prepare(
     contact,
     yield_pressure=None,
     loading="pohrt-popov",
     yield_at="stiffness",
-    yield_load=None,
     post_yield_pressure=None,
-    yield_stiffness=None,
     **loading_options,
 ):
     definition = _loading_definition(loading)
@@ -146,30 +133,19 @@ def _prepare(
             raise DemlawsError(f"loading {loading!r} needs the contact's {field}: give Contact(..., {field}=...)")
     if yield_at not in ("stiffness", "load"):
         raise DemlawsError(f"yield_at = {yield_at!r}: the bulk yields at 'stiffness' or at 'load'")
-    load_pressure = 0.0
-    if yield_load is not None:
-        _refuse_arrays(contact, "yield_load", "yield_pressure and yield_at='load'")
-        load_pressure = float(hertz_pressure(contact, number(yield_load, "yield_load", "N")))
-        yield_pressure = load_pressure if yield_pressure is None else yield_pressure
     if yield_pressure is None:
         of_granite = (
             f"{GRANITE_YIELD_PRESSURE / 1e9:g}e9, that is {GRANITE_YIELD_PRESSURE / GRANITE.hardness:.3f} times its hardness"
         )
         raise DemlawsError(f"law 'rough-plastic' needs yield_pressure in Pa (granite of the tests: {of_granite})")
     pressure = after = pressure_of(contact, yield_pressure, "yield_pressure")
-    if yield_load is None and yield_at == "load":
-        load_pressure = pressure
-    if yield_stiffness is not None:
-        if post_yield_pressure is not None:
-            raise DemlawsError("yield_stiffness and post_yield_pressure say the same (K_y = π R p): give one of them")
-        _refuse_arrays(contact, "yield_stiffness", "post_yield_pressure")
-        after = number(yield_stiffness, "yield_stiffness", "N/m") / (math.pi * contact.radius)
-    elif post_yield_pressure is not None:
+    if post_yield_pressure is not None:
         after = pressure_of(contact, post_yield_pressure, "post_yield_pressure")
-    return RoughPlasticShape(definition.shape(contact, **loading_options), pressure, load_pressure, float(after))
+    load_pressure = pressure if yield_at == "load" else 0.0
+    return RoughPlasticShape(definition.shape(contact, **loading_options), pressure, load_pressure, after)
 
 
-_OWN = ("yield_pressure", "yield_at", "yield_load", "post_yield_pressure", "yield_stiffness")
+_OWN = ("yield_pressure", "yield_at", "post_yield_pressure")
 
 
 def _of_loading(options):
@@ -212,9 +188,7 @@ LAW = Definition(
         "yield_pressure": Option("Pa", "above 0", "p_y = K_y/(π R), K_y: stiffness at yield and after; needed", PRESSURE),
         "loading": Option("", "name of a law", "law that holds before the bulk yields; that law's options can be given, too"),
         "yield_at": Option("", "stiffness, load", "yield where K_rough = π R p_y, or at the load π³R²p_y³/(6E*²)"),
-        "yield_load": Option("N", "above 0", "load at which one contact was seen to yield, in place of yield_at"),
         "post_yield_pressure": Option("Pa", "above 0", "p_K of the stiffness after yield, K_y = π R p_K, if not p_y", PRESSURE),
-        "yield_stiffness": Option("N/m", "above 0", "K_y of one contact, in place of post_yield_pressure", STIFFNESS),
     },
     fitting=Fitting(
         parameters={

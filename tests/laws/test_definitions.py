@@ -106,8 +106,6 @@ BAD_OPTIONS = {  # what is more than one option's range
         SPRING | {"growth": -1.0},
     ],
     "rough-plastic": [
-        {"yield_load": -7},
-        YIELD | {"yield_stiffness": 5e6, "post_yield_pressure": 1e9},
         YIELD | {"loading": "rms", "steepness": 0.2},
         # laws that yield by themselves
         *(YIELD | find(name).example | {"loading": name} for name in registry() if find(name).default_unloading != "elastic"),
