@@ -348,11 +348,6 @@ class Contact:
             raise DemlawsError(f"a contact has no {wrong!r}{did_you_mean(wrong, names.split(', '))} Its fields are {names}")
         return replace(self, **changes)
 
-    def as_dict(self) -> dict:
-        """Plain numbers and lists, for files."""
-        values = {field.name: getattr(self, field.name) for field in fields(self)}
-        return {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in values.items()}
-
     def roughness_parameter(self, force: ArrayLike) -> float | np.ndarray:
         """Ratio of the roughness to the Hertz overlap, α = σ (16 R E*²/(9 P²))^(1/3) (Greenwood, Johnson & Matsubara 1984).
 

@@ -24,7 +24,7 @@ def test_between_is_symmetric(radius1, radius2, roughness1, roughness2):
     other = dl.Material(young=200e9, poisson=0.3, hardness=2e9)
     a = dl.Contact.between(GRANITE, other, radius1=radius1, radius2=radius2, roughness1=roughness1, roughness2=roughness2)
     b = dl.Contact.between(other, GRANITE, radius1=radius2, radius2=radius1, roughness1=roughness2, roughness2=roughness1)
-    assert a.as_dict() == pytest.approx(b.as_dict(), nan_ok=True)
+    assert vars(a) == pytest.approx(vars(b), nan_ok=True)
     assert a.hardness == 2e9
     assert a.radius <= min(radius1, radius2) * (1 + 1e-15)
 

@@ -161,9 +161,7 @@ def _grain_arguments(export):
         "with the unloading curve of all contacts (default: the law's default rule, otherwise hertz)",
     )
     export.add_argument("--unloading-law", help="law whose curve is the unloading curve, in place of --unloading")
-    options = {"type": option, "action": "append", "default": [], "metavar": "NAME=VALUE"}
-    export.add_argument("--unloading-option", **options, help="option of the law of --unloading-law")
-    export.add_argument("--option", **options, help="option of the law")
+    export.add_argument("--option", type=option, action="append", default=[], metavar="NAME=VALUE", help="option of the law")
     export.add_argument(
         "--radius", type=length, nargs="+", required=True, help="grain radius in m, or with a unit (4mm): one per particle type"
     )
@@ -193,5 +191,5 @@ def _grains_of(arguments):
     ]
     unloading = arguments.unloading
     if arguments.unloading_law is not None:
-        unloading = law(arguments.unloading_law, grains[0].contact(grains[0]), **dict(arguments.unloading_option))
+        unloading = law(arguments.unloading_law, grains[0].contact(grains[0]))
     return grains, unloading, dict(arguments.option)

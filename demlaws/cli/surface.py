@@ -153,7 +153,7 @@ def _summits(arguments, path):
             f"μ = (8/3) η σ √(2Rβ) = {sample.mu(arguments.effective_radius):.4g} for "
             f"R = {arguments.effective_radius * 1e3:g} mm and σ = Sq"
         )
-    draw(arguments.figure, lambda plots: plots.nine_point_figure(heights))
+    draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
     return 0
 
 

@@ -205,18 +205,7 @@ def _equal_groups(overlap):
 
 def _columns(overlap, force, uncertainty, what):
     """Overlaps, forces and uncertainties of points with an overlap and a force above 0, and those of the others."""
-    overlap = np.atleast_1d(
-        real(overlap if isinstance(overlap, np.ndarray) else list(_listed(overlap, what)), f"{what}: overlap", "m", array=True)
-    )
-    force = np.atleast_1d(
-        real(force if isinstance(force, np.ndarray) else list(_listed(force, what)), f"{what}: force", "N", array=True)
-    )
-    if overlap.size != force.size:
-        raise DemlawsError(f"{what}: {overlap.size} overlaps [m] and {force.size} forces [N]: one force each")
-    for name, unit, values in (("overlap", "m", overlap), ("force", "N", force)):
-        if not np.all(np.isfinite(values)):
-            k = int(np.argmin(np.isfinite(values)))
-            raise DemlawsError(f"{what}: {name} of point {k} is {values[k]:g} {unit}: give finite values")
+    overlap, force = _rows(overlap, force, what)
     sigma = np.full(force.size, np.nan)
     if uncertainty is not None:
         value = real(
@@ -240,10 +229,20 @@ def _columns(overlap, force, uncertainty, what):
     return tuple(one[keep] for one in columns), tuple(one[~keep] for one in columns)
 
 
-def _listed(values, what):
-    if isinstance(values, str) or not hasattr(values, "__iter__"):
-        raise DemlawsError(f"{what}: overlaps [m] and forces [N] are two rows of numbers, got {values!r:.60}")
-    return values
+def _rows(overlap, force, what):
+    """Overlaps [m] and forces [N] that a user gave, as arrays of one length."""
+    rows = []
+    for name, unit, values in (("overlap", "m", overlap), ("force", "N", force)):
+        if isinstance(values, str) or not hasattr(values, "__iter__"):
+            raise DemlawsError(f"{what}: overlaps [m] and forces [N] are two rows of numbers, got {values!r:.60}")
+        values = values if isinstance(values, np.ndarray) else list(values)
+        rows.append(np.atleast_1d(real(values, f"{what}: {name}", unit, array=True)))
+        if not np.all(np.isfinite(rows[-1])):
+            k = int(np.argmin(np.isfinite(rows[-1])))
+            raise DemlawsError(f"{what}: {name} of point {k} is {rows[-1][k]:g} {unit}: give finite values")
+    if rows[0].size != rows[1].size:
+        raise DemlawsError(f"{what}: {rows[0].size} overlaps [m] and {rows[1].size} forces [N]: one force each")
+    return rows
 
 
 def _rising(x, y, groups):
@@ -283,11 +282,7 @@ def residual_overlap(overlap: Any, force: Any, residual: Any = None) -> tuple[np
     δp is given, or the largest overlap without force, or where Hertz's straight line in P^(2/3) through the two lowest points
     with a force meets 0.
     """
-    what = "unloading"
-    overlap = np.atleast_1d(real(list(_listed(overlap, what)), "unloading: overlap", "m", array=True))
-    force = np.atleast_1d(real(list(_listed(force, what)), "unloading: force", "N", array=True))
-    if overlap.size != force.size:
-        raise DemlawsError(f"unloading: {overlap.size} overlaps [m] and {force.size} forces [N]: one force each")
+    overlap, force = _rows(overlap, force, "unloading")
     order = np.argsort(overlap, kind="stable")
     overlap, force = overlap[order], force[order]
     carries = force > 0.0

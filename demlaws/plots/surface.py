@@ -161,17 +161,3 @@ def circle(ax, centre, radius, style, label):
         label=label,
     )
     ax.legend(fontsize=8, loc="upper right")
-
-
-def nine_point_figure(heights):
-    """Nine-point summits on the map, and how their radii and heights are distributed."""
-    from demlaws.solvers.summits import nine_point_summits
-
-    x, y, z, radius = nine_point_summits(heights)
-    fig, (left, right) = figure(columns=2, width=5.4, height=4.2)
-    show(fig, left, heights, heights.heights * MICRO, "height (µm)")
-    left.plot(x * MICRO, y * MICRO, "r.", ms=2)
-    left.set_title(f"{x.size} nine-point summits", fontsize=10)
-    right.semilogx(np.abs(radius) * MICRO, z * MICRO, ".", ms=3)
-    right.set(xlabel="radius of curvature (µm)", ylabel="height of the summit (µm)")
-    return fig
