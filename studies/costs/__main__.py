@@ -3,7 +3,15 @@
 import sys
 
 from demlaws.cli import Parser, example, execute
-from studies.trade.peers import law_costs
+from demlaws.errors import DemlawsError
+from demlaws.laws.registry import find
+from demlaws.units import number
+from studies.costs.steps import step_costs
+from studies.trade.candidates import CDM, Way
+from studies.trade.peers import GRANITE_CONTACT
+
+OWN_MODELS = {"yade": ("hertz", "cdm"), "liggghts": ("hertz", "edinburgh"), "lammps": ("hertz",)}
+"""Models of the engines' own, named NAME@own."""
 
 
 def parser():
@@ -27,9 +35,29 @@ def parser():
     return parser
 
 
+def way_of(text, engine):
+    """`Way` of "LAW", "LAW:RULE" (default: the law's own rule), or "MODEL@own" of the engine's own."""
+    if text.endswith("@own"):
+        model = text.removesuffix("@own")
+        if model not in OWN_MODELS[engine]:
+            known = ", ".join(f"{name}@own" for name in OWN_MODELS[engine])
+            raise DemlawsError(f"{text!r}: {engine} has {known}")
+        return Way(text, model=model)
+    name, _, rule = text.partition(":")
+    definition = find(name)
+    options = dict(definition.example)
+    if {"strength", "angle"} <= options.keys():  # as YADE's own
+        options |= dict(zip(("strength", "angle"), CDM, strict=True))
+    rule = definition.rule(rule or definition.default_unloading).name
+    return Way(text, name, rule, 0.0 if engine == "yade" else 1e-5, options=tuple(options.items()))
+
+
 def print_costs(names, engine, overlap, repeats):
     """Print one line per way: time per contact and step, over that with the engine's own Hertz, over that of the first."""
-    costs = law_costs(names, engine, overlap, repeats=repeats)
+    radius, ways = 2.0 * GRANITE_CONTACT.radius, [way_of(name, engine) for name in names]
+    deep = number(overlap, "overlap", "of the spheres' radius", 0.0, 0.04) * radius
+    rounds = repeats if engine == "yade" else max(repeats // 5, 1)
+    costs = step_costs(engine, ways, radius, deep, 10.0, 8, rounds)
     print(f"{engine}: {'law':27} {'unloading':10} {'ns per contact':>14} {'own Hertz':>10} {names[0]:>16}")
     for cost in costs:
         over = cost.over_hertz / costs[0].over_hertz

@@ -1,4 +1,4 @@
-"""What laws cost in a YADE step, and what YADE's own models do on one contact; started by `studies.costs.costs` under YADE.
+"""What laws cost in a YADE step, and what YADE's own models do on one contact; started by `studies.costs.steps` under YADE.
 
 The spheres of a close packing stand still while the interaction loop runs:
 the same functor alternates every two steps between our code, Mindlin's own and code that does nothing, over the same

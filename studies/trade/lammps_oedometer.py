@@ -7,7 +7,7 @@ import numpy as np
 from demlaws.grains import Case
 from demlaws.lammps.export import Models, models, wall_lines
 from demlaws.lammps.run import HEAD, run
-from studies.trade.liggghts_oedometer import DRAG, EVERY, _data, grains, held_state, timed
+from studies.trade.liggghts_oedometer import DRAG, EVERY, data_of, grains, held_state, timed
 
 START = """\
 boundary        f f f
@@ -82,7 +82,7 @@ def oedometer(folder, given, way, ranks=1):
     folder = Path(folder)
     (folder / "post").mkdir(parents=True, exist_ok=True)
     centres, radii, width = np.array(given["centres"]), np.array(given["radii"]), given["width"]
-    (folder / "start.data").write_text(_data(centres, radii, width, given["density"], types=2))
+    (folder / "start.data").write_text(data_of(centres, radii, width, given["density"], types=2))
     said = model_lines(folder, given, way)
     walls = [
         ("floor", "wall/gran", "zplane 0.0 NULL"),

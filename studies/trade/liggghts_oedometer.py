@@ -109,7 +109,7 @@ def data_text(ends, atoms, velocities=(), types=2):
     return "\n".join(lines) + "\n"
 
 
-def _data(centres, radii, width, density, types=3):
+def data_of(centres, radii, width, density, types=3):
     """A data file; the type is the number of the radius, smallest first."""
     kinds = {radius: n + 1 for n, radius in enumerate(sorted(set(radii)))}
     side = -2.0 * max(radii), width + 2.0 * max(radii)
@@ -197,7 +197,7 @@ def prepare(path, given, way, centres, case, drag=DRAG, **more):
     folder = path.parent
     (folder / "post").mkdir(parents=True, exist_ok=True)
     radii, width, dt = given["radii"], given["width"], given["dt"]
-    (folder / "start.data").write_text(_data(centres, radii, width, given["density"]))
+    (folder / "start.data").write_text(data_of(centres, radii, width, given["density"]))
     (folder / "plate.stl").write_text(flat(2, (-EDGE, width + EDGE), (-EDGE, width + EDGE)))
     model, words, lines = model_lines(folder, given, way)
     friction, none = given["friction"], 0.0

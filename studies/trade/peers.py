@@ -9,16 +9,13 @@ import numpy as np
 from demlaws.advice.errors import FRACTIONS, Loaded, Sample, error_of
 from demlaws.advice.fit import fit
 from demlaws.driver import force_controlled
-from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.grains import Grain
+from demlaws.errors import ValidityWarning
 from demlaws.granite import find_test, options_for
 from demlaws.laws.names import CONICAL_DAMAGE, EEPA, HERTZ, LUDING, THORNTON_NING, WALTON_BRAUN
-from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
-from demlaws.materials import DENSITY, GRANITE
-from demlaws.units import number
-from studies.costs.costs import plugin_costs, under_yade, yade_costs
-from studies.trade.candidates import CDM, RICHEST, STONE, SURFACE, Way
+from demlaws.materials import DENSITY
+from studies.costs.costs import under_yade
+from studies.trade.candidates import RICHEST
 
 GRANITE_CONTACT = find_test("SS(18-18)").contact
 CDM_STRENGTHS = (0.3, 0.5, 1.0, 2.0, 4.0)  # sigmaMax over the yield pressure
@@ -111,46 +108,6 @@ def force_error(way, reference, peaks, yield_pressure):
     law = bind_law(HERTZ, reference.contact) if way.model == "hertz" else way.bind(reference.contact)
     worst = float(error_of(law, reference, sample, "force", True).max())
     return worst if math.isfinite(worst) else math.nan
-
-
-# --- what a step costs with one law, with another, with a model of the engine's own
-
-
-OWN_MODELS = {"yade": ("hertz", "cdm"), "liggghts": ("hertz", "edinburgh"), "lammps": ("hertz",)}
-"""Models of the engines' own that `law_costs` knows, named NAME@own."""
-
-
-def way_of(text, engine):
-    """`Way` of "LAW", "LAW:RULE" (default: the law's own rule), or "MODEL@own" of the engine's own."""
-    if text.endswith("@own"):
-        model = text.removesuffix("@own")
-        if model not in OWN_MODELS[engine]:
-            known = ", ".join(f"{name}@own" for name in OWN_MODELS[engine])
-            raise DemlawsError(f"{text!r}: {engine} has {known}")
-        return Way(text, model=model)
-    name, _, rule = text.partition(":")
-    definition = find(name)
-    options = dict(definition.example)
-    if {"strength", "angle"} <= options.keys():  # as YADE's own
-        options |= dict(zip(("strength", "angle"), CDM, strict=True))
-    rule = definition.rule(rule or definition.default_unloading).name
-    return Way(text, name, rule, 0.0 if engine == "yade" else 1e-5, options=tuple(options.items()))
-
-
-def law_costs(names, engine="yade", overlap=1e-4, side=8, repeats=40):
-    """`StepCost` of each of `names` (see `way_of`) in an engine: equal spheres of granite in a close packing that stands still,
-    every way in turn, `overlap` radii deep at each contact. side³ spheres; repeats: rounds."""
-    radius = 2.0 * GRANITE_CONTACT.radius
-    grain = Grain(radius, GRANITE, SURFACE)
-    deep = number(overlap, "overlap", "of the spheres' radius", 0.0, 0.04) * radius
-    given = {**STONE, "radius": radius, "overlap": deep}
-    contact = grain.contact(grain)
-    ways = [way_of(name, engine) for name in names]
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
-        if engine == "yade":
-            return yade_costs(ways, given, contact, side, repeats)
-        return plugin_costs(engine, ways, {**given, "contact": contact, "mean_force": 10.0}, side, max(repeats // 5, 1))
 
 
 # --- the laws that users of other codes have, each fitted as well as it can be

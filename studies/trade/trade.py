@@ -15,12 +15,12 @@ from demlaws.advice.errors import Sample, error_of
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, ValidityWarning
-from demlaws.grains import Grain
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import example
 from demlaws.make import law as bind_law
-from studies.costs.costs import StepCost, available, plugin_costs, yade_costs
+from studies.costs.costs import available
+from studies.costs.steps import StepCost, step_costs
 from studies.extremes.stability import GRANITE, STEPS, impact
 from studies.trade import candidates, peers
 from studies.trade.timing import Batch, nanoseconds
@@ -185,22 +185,19 @@ class EngineEntry(NamedTuple):
     front: bool = False
 
 
-def engine_trade(engine, quick=False, progress=lambda things: things, chosen=None):
-    """`EngineEntry` of every way of an engine (or the chosen ones), its own models included, on this module's granite pair."""
-    ways = chosen or [way for way in candidates.ways(engine) if not way.shaken]
-    grain = Grain(2.0 * GRANITE.radius, candidates.GRANITE, candidates.SURFACE)
-    contact = grain.contact(grain)
+def engine_trade(engine, quick=False, progress=lambda things: things):
+    """`EngineEntry` of every way of an engine, its own models included, on this module's granite pair."""
+    ways = [way for way in candidates.ways(engine) if not way.shaken]
     peaks = _sample(60).peak
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore", ValidityWarning)
         reference = _bind(*RICHEST)
-        overlap = float(reference.overlap(math.sqrt(LOADS[0] * LOADS[1])))
-        given = {**candidates.STONE, "cdm": (1e9, 0.5), "radius": grain.radius, "overlap": overlap}
+        force = math.sqrt(LOADS[0] * LOADS[1])
         if engine == "yade":
-            costs = yade_costs(ways, given, contact, *((6, 10) if quick else (10, 40)))
+            size = (6, 10) if quick else (10, 40)
         else:
-            given |= {"contact": contact, "mean_force": math.sqrt(LOADS[0] * LOADS[1])}
-            costs = plugin_costs(engine, ways, given, *((8, 2, 100) if quick else (12, 9, 300)), progress=progress)
+            size = (8, 2, 100) if quick else (12, 9, 300)
+        costs = step_costs(engine, ways, 2.0 * GRANITE.radius, float(reference.overlap(force)), force, *size, progress=progress)
         yielding = RICHEST[2]["yield_pressure"]
         entries = [EngineEntry(c, peers.force_error(c.way, reference, peaks, yielding)) for c in costs]
     front = pareto([(e.cost.over_hertz, e.error) for e in entries])
