@@ -165,12 +165,11 @@ def resolved(name):
 def missing(path):
     """Names that a file takes from modules of ours, by import or as an attribute, and that do not exist."""
     nodes = list(ast.walk(ast.parse(path.read_text())))
-    aliases = {
-        alias.asname: alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names if alias.asname
-    }
+    aliases = {}
     for node in nodes:
-        if isinstance(node, ast.ImportFrom):
-            aliases |= {alias.asname or alias.name: f"{node.module}.{alias.name}" for alias in node.names}
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            home = f"{node.module}." if isinstance(node, ast.ImportFrom) else ""
+            aliases |= {alias.asname or alias.name: home + alias.name for alias in node.names if home or alias.asname}
     bound = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
     bound |= {node.arg for node in nodes if isinstance(node, ast.arg)}
     ours = {

@@ -3,6 +3,7 @@
 import doctest
 import importlib
 import inspect
+import sys
 import types
 import warnings
 
@@ -19,7 +20,7 @@ def examples(name):
             f for n, f in vars(value).items() if not n.startswith("_") and getattr(f, "__module__", "") == value.__name__
         ]
         return [t for f in functions if isinstance(f, types.FunctionType) for t in doctest.DocTestFinder().find(f, f.__name__)]
-    home = __import__("sys").modules[value.__module__]
+    home = sys.modules[value.__module__]
     return [t for t in doctest.DocTestFinder().find(value, name, module=home) if t.examples]
 
 
@@ -34,7 +35,7 @@ def test_public_names_show_an_example_that_runs(name, registered_here):
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", dl.ValidityWarning)
             runner.run(test, out=said.append)
-        assert not runner.failures if hasattr(runner, "failures") else not said, "".join(said)
+        assert not said, "".join(said)
 
 
 def in_numpydoc_form():
