@@ -3,7 +3,6 @@
 import math
 import subprocess
 import tempfile
-import warnings
 from importlib import import_module
 from pathlib import Path
 from typing import NamedTuple
@@ -12,7 +11,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from demlaws.engines import SHARED, compiler
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.grains import Grain
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.liggghts.build import PLUGIN
@@ -57,8 +56,7 @@ def step_costs(engine, ways, radius, overlap, force, side, rounds, steps=200, pr
     """
     grain, own = Grain(radius, GRANITE, SURFACE), [Way("hertz", model="hertz"), *ways]
     given, contact = {**STONE, "radius": radius, "overlap": overlap}, grain.contact(grain)
-    with tempfile.TemporaryDirectory() as scratch, warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
+    with tempfile.TemporaryDirectory() as scratch, quiet(), np.errstate(all="ignore"):
         if engine == "yade":
             return _in_yade(own, given, contact, scratch, side, rounds)
         given |= {"friction": 0.5, "mean_force": force}

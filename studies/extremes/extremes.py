@@ -15,7 +15,6 @@ import itertools
 import math
 import pickle
 import sys
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +22,7 @@ import numpy as np
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.lammps.run import command
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
@@ -387,8 +386,7 @@ def packing(case, name, count=1000, speed=100.0, share=30.0, seed=7):
         contact = GRANITE
     closed = case._replace(evaluation="closed form").bind(contact)
     depth = 0.06 if definition.solved else 0.2
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         bearable = math.sqrt(2.0 * float(closed.energy(depth * effective)) / mass[-1])
         speed = min(speed, 0.6 * bearable)  # two such spheres meet
         force = float(closed.force(depth * effective))
@@ -486,8 +484,7 @@ def measure(engine, case, quick=False, seed=5):
     """All figures of one law and unloading rule inside `engine`."""
     random = np.random.default_rng(seed)
     steps, cycles = (120, 200) if quick else (600, 10_000)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         parts, pairs = [], 0
         for group in groups(case, random, quick):
             prescribed, kinds = paths(group, steps, random)

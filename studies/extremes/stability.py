@@ -6,7 +6,6 @@ of Boost.Math's accuracy tables. References for rounding errors are the laws' cl
 """
 
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,7 @@ from demlaws.core.loops import loading_part, one_of
 from demlaws.core.numba_compat import loop
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact, impact_loop
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.granite import find_test
 from demlaws.laws.registry import registry
 from demlaws.make import example
@@ -45,8 +44,7 @@ class Case(NamedTuple):
 
     def bind(self, contact, table_end=None):
         """The law on a contact or an array of contacts; as a table one that reaches `table_end` times each of their radii."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             if self.evaluation == "closed form":
                 return example(self.law, contact, self.unloading)
             law = example(self.law, _longest(contact), self.unloading)
@@ -177,8 +175,7 @@ def rounding_by_decade(case, count=20_000, seed=3):
     overlap = length * 10.0 ** (decade + random.random(count))
     keep = overlap < radius
     overlap, decade = overlap[keep], decade[keep]
-    with warnings.catch_warnings():  # of large overlaps, and of a hardness that soft contacts do not reach
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         contact = Contact(radius[keep], modulus[keep], sigma[keep], GRANITE.fractal_dimension, GRANITE.hardness)
         exact, _ = EXACT[case.law](contact, overlap, **definition.example)
         force = case.bind(contact).force(overlap)
@@ -216,8 +213,7 @@ def measure(case, paths=100_000, cycles=1_000_000, seed=1, quick=False):
     random = np.random.default_rng(seed)
     bad = falling = returned = done = 0
     worst = 0.0
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         laws = contacts_for(case, 1000, random)
         for law in laws:
             count = law.contact.size or 1

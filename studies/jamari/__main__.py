@@ -1,13 +1,12 @@
 """`python -m studies.jamari`: the tests, claims and figures of Jamari & Schipper 2006 and 2008."""
 
 import sys
-import warnings
 from pathlib import Path
 
 from demlaws import plots, surface
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.granite.command import print_claims
 from studies.jamari import figures as pictures
 from studies.jamari.claims import jamari_claims
@@ -52,8 +51,7 @@ def parser():
 def draw_figures(known, chosen, out):
     """Draw figures of a paper, number → function that returns (figure, lines), and print their content."""
     for number in known if "all" in chosen else map(int, chosen):
-        with warnings.catch_warnings():  # the limits of each law are in the tables
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             picture, said = known[number]()
         print(f"Fig. {number}: {plots.save(picture, out / f'figure-{number:02}.png')}")
         for line in said:
@@ -63,8 +61,7 @@ def draw_figures(known, chosen, out):
 def run(arguments):
     """Print and draw what the arguments ask, by default the published tests."""
     if arguments.claims:
-        with warnings.catch_warnings():  # α beyond the fit's range is in the table
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             print_claims(list(jamari_claims()))
     for year, chosen in ((2006, arguments.figures_2006), (2008, arguments.figures_2008)):
         if chosen:

@@ -6,7 +6,6 @@ import itertools
 import math
 import sys
 import tempfile
-import warnings
 from pathlib import Path
 from typing import NamedTuple
 
@@ -15,7 +14,7 @@ from tqdm import tqdm
 
 import demlaws as dl
 from demlaws import lammps, liggghts
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
@@ -105,8 +104,7 @@ def save_tables(name, rule, poisson, folder):
     folder.mkdir(exist_ok=True)
     for file, radius in (("pair.tbl", DIAMETER / 4), ("wall.tbl", DIAMETER / 2)):
         law = example(name, contact(poisson, radius), rule)
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             for share in (0.9, 0.3, 0.1):  # of the radius: how far a height map goes is not known before
                 with contextlib.suppress(DemlawsError):
                     law.tabulate(rtol=1e-5, max_force=min(2e4, float(law.force(share * radius)))).save(folder / file)

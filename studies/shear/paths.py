@@ -1,12 +1,11 @@
 """Random paths of overlap and displacement: no step dissipates less than nothing, no force exceeds Coulomb's limit."""
 
 import itertools
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.shear import sheared
 
 RATIO, LOAD = 0.857, 10.0
@@ -37,8 +36,7 @@ def worst(law, shear, paths, seed=1):
     """`Worst` of a law over random paths."""
     random = np.random.default_rng(seed)
     returned = excess = -np.inf
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         overlap = float(law.overlap(LOAD))
         for _ in range(paths):
             friction = 10.0 ** random.uniform(-1, 1)

@@ -1,11 +1,9 @@
 """Errors of partial slip with few springs: against Mindlin & Deresiewicz (1953), and 3,000 springs on an oblique path."""
 
-import warnings
-
 import numpy as np
 
 import demlaws as dl
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.make import example
 from demlaws.shear import sheared
 from studies.shear.gas import CONTACT
@@ -41,8 +39,7 @@ def oblique(name, rule, springs):
     """Largest error of the force over the largest μP, with slip in the plane and a normal force that rises and falls."""
     law = example(name, CONTACT, rule)
     turn = np.linspace(0.0, 6.0, 500)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         overlap = law.overlap(LOAD)
         depth = overlap * (0.2 + 0.13 * turn) * (1.0 - 0.3 * np.sin(3.0 * turn) ** 2)
         plane = 0.7 * FRICTION * overlap / RATIO * np.stack([np.sin(2.0 * turn), np.cos(3.0 * turn) - 1.0], -1)

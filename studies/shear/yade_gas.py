@@ -1,14 +1,13 @@
 """The closed gas of `gas` in YADE: energies at 31 times of each run; started by it under YADE."""
 
 import math
-import warnings
 
 import yade
 from yade.utils import sphere, wall
 
 from demlaws.contact import Surface
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.registry import find
 from demlaws.make import example
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, engines
@@ -69,5 +68,5 @@ def attempt(run):
 
 
 if __name__ == "__main__":
-    warnings.simplefilter("ignore", ValidityWarning)
-    serve(lambda runs: [attempt(run) for run in runs])
+    with quiet():
+        serve(lambda runs: [attempt(run) for run in runs])

@@ -1,10 +1,9 @@
 """The ways of computing the contacts of a scene that are measured against each other, and the granite they are measured on."""
 
-import warnings
 from typing import NamedTuple
 
 from demlaws.contact import Surface
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
 from demlaws.make import law as bind_law
 from demlaws.materials import GRANITE, GRANITE_YIELD_PRESSURE
@@ -41,8 +40,7 @@ class Way(NamedTuple):
 
     def bind(self, contact):
         """The law on a contact; the table, where it is one."""
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ValidityWarning)
+        with quiet():
             law = bind_law(self.law, contact, self.unloading, **dict(self.options))
             return law.tabulate(self.rtol) if self.rtol else law
 

@@ -1,7 +1,6 @@
 """How far the engines' own contact models are from a law, at the same overlaps."""
 
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +8,7 @@ import numpy as np
 from demlaws.advice.errors import FRACTIONS, Loaded, Sample, error_of
 from demlaws.advice.fit import fit
 from demlaws.driver import force_controlled
-from demlaws.errors import ValidityWarning
+from demlaws.errors import quiet
 from demlaws.granite import find_test, options_for
 from demlaws.laws.names import CONICAL_DAMAGE, EEPA, HERTZ, LUDING, THORNTON_NING, WALTON_BRAUN
 from demlaws.make import law as bind_law
@@ -50,8 +49,7 @@ class EdinburghFit(NamedTuple):
 
 def edinburgh_fit(law, load):
     """The model with the overlap and tangent of `law` (one contact) at `load` [N] of first loading, and its plastic overlap."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         overlap = float(law.overlap(load))
         exponent = float(law.stiffness(overlap)) * overlap / load
         plastic = float(law.follow(np.array([overlap])).plastic_overlap[0]) if law.state_size else 0.0
@@ -142,8 +140,7 @@ def made_points(test, force, steps=30):
 def held_together(laws=PEERS, tests=TESTS_HELD, progress=iter):
     """`Held` of each law on each test: its best fit (`fit`, every rule that it is fitted with) to the reference's points."""
     found = []
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet(), np.errstate(all="ignore"):
         for (name, force), law in progress([(test, law) for test in tests for law in laws]):
             test = find_test(name)
             displacement, loads = made_points(test, force)

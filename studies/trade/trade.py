@@ -6,7 +6,6 @@ Costs are ns per contact of batches whose rounds are interleaved, with a copy ke
 """
 
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +13,7 @@ import numpy as np
 from demlaws.advice.errors import Sample, error_of
 from demlaws.core.unloading import GIVEN
 from demlaws.driver import elastic_contact
-from demlaws.errors import DemlawsError, ValidityWarning
+from demlaws.errors import DemlawsError, quiet
 from demlaws.laws.names import POHRT_POPOV
 from demlaws.laws.registry import registry
 from demlaws.make import example
@@ -81,8 +80,7 @@ def _errors(law, reference, points=1500):
 
 def measure(laws=None, count=200_000, rounds=9, progress=lambda things: things):
     """All entries, the copy kernel's ns, and the Pareto front of the richest law's force error against cost."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet(), np.errstate(all="ignore"):
         richest = _bind(RICHEST[0], RICHEST[1], RICHEST[2])
         bound = {}
         for name, definition in registry().items():
@@ -150,8 +148,7 @@ def _mark_front(entries):
 def steps_trade(ns, speeds=(1e-3, 1e-1, 1.0), phases=8, mass=1.2e-2, name=POHRT_POPOV, rule="hertz"):
     """Error and energy drift of impacts against steps per contact; ns: cost of one evaluation of the law."""
     entries = []
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet():
         law = _bind(name, rule)
         for steps in STEPS:
             gain = rebound = 0.0
@@ -189,8 +186,7 @@ def engine_trade(engine, quick=False, progress=lambda things: things):
     """`EngineEntry` of every way of an engine, its own models included, on this module's granite pair."""
     ways = [way for way in candidates.ways(engine) if not way.shaken]
     peaks = _sample(60).peak
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore", ValidityWarning)
+    with quiet(), np.errstate(all="ignore"):
         reference = _bind(*RICHEST)
         force = math.sqrt(LOADS[0] * LOADS[1])
         if engine == "yade":

@@ -114,14 +114,13 @@ def array_jobs():
     return jobs
 
 
-def shear_jobs(peaks=(PEAK,), steps=STEPS):
+def shear_jobs():
     """FCC of rough grains, compressed and then sheared, for each choice of the normal stiffness that K_t is computed from."""
     jobs = []
     for choice in CHOICES:
-        for peak in peaks:
-            job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": POHRT_POPOV, "unloading": "hertz", "surface": ROUGH}
-            path = {"loading": diagonal(-peak), "shear": PATH["shear"]}
-            jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": steps, "dt": 1e-9})
+        job = {"kind": "lattice", "array": "FCC", **ARRAY, "law": POHRT_POPOV, "unloading": "hertz", "surface": ROUGH}
+        path = {name: PATH[name] for name in ("loading", "shear")}
+        jobs.append({**job, "options": {"shear": choice}, "path": path, "steps": STEPS, "dt": 1e-9})
     return jobs
 
 

@@ -82,8 +82,8 @@ def table_words(test, folder):
     return f"demlaws/table law.tbl {young:.17g} {damping} {poisson} damping {word}"
 
 
-def final_state(test, stock=False):
-    """Position, velocity and angular velocity of the first grain at the end, with our table or the stock normal model."""
+def final_state(test):
+    """Position, velocity and angular velocity of the first grain at the end, with our table."""
     lines, more = [], []
     for number, (diameter, density, *vectors) in enumerate(test["grains"], start=1):
         place, velocity, spin = (" ".join(f"{v:.17g}" for v in vector) for vector in vectors)
@@ -94,8 +94,7 @@ def final_state(test, stock=False):
     columns = {f"q{n}": f"variable q{n} equal c_sum[{n}]" for n in range(1, 10)}
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        words = f"{test['normal']} damping {test['damping']}" if stock else table_words(test, folder)
-        contact = f"{words} {test['rest']}"
+        contact = f"{table_words(test, folder)} {test['rest']}"
         if test["wall"]:
             more.append(f"fix wall all wall/gran granular {contact} {test['wall']}")
         text = HEAD + INPUT.format(

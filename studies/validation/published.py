@@ -2,15 +2,13 @@
 
 import itertools
 import math
-import warnings
 from typing import NamedTuple
 
 import numpy as np
 
-from demlaws import driver
+from demlaws import driver, errors
 from demlaws.contact import Contact
 from demlaws.criterion import central_pressure
-from demlaws.errors import ValidityWarning
 from demlaws.granite import displacement_gained, find_test, options_for, stiffness_at
 from demlaws.laws.names import (
     BAHRAMI,
@@ -40,15 +38,13 @@ PYTHON = "Python"
 
 def bound(name, contact, unloading="elastic", **options):
     """A law, without its warnings outside the validity range, which these rows leave on purpose."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with errors.quiet():
         return law(name, contact, unloading, **options)
 
 
 def quiet(function, *arguments):
     """Call without warnings about a law's range."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ValidityWarning)
+    with errors.quiet():
         return function(*arguments)
 
 
@@ -209,15 +205,15 @@ def indentation():
     ratios = np.geomspace(1.9, 110.0, 40)
     wanted = np.array([_jackson_green(x, strength, contact)[0] for x in ratios])
     _, overlap, load = _jackson_green(1.0, strength, contact)
-    errors = {}
+    off = {}
     for factor in (1.64, 2.8, 4.1, 4.2, 4.3, 4.4):
         plastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=factor * strength, loading=HERTZ)
-        errors[factor] = quiet(plastic.force, ratios * overlap) / load / wanted - 1.0
+        off[factor] = quiet(plastic.force, ratios * overlap) / load / wanted - 1.0
     note = "a limit of the law, not an agreement: known from an independent program"
     for factor, low, high in ((1.64, -0.68, -0.65), (2.8, -0.46, -0.41)):
         what = f"rough-plastic, p_y = {factor} S_y: force error at 110 ω_c"
-        yield between(what, PYTHON, low, high, errors[factor][-1], "jackson-green", note=note)
-    best = min(float(np.max(np.abs(e))) for f, e in errors.items() if f > 4.0)
+        yield between(what, PYTHON, low, high, off[factor][-1], "jackson-green", note=note)
+    best = min(float(np.max(np.abs(e))) for f, e in off.items() if f > 4.0)
     yield between(
         "rough-plastic, best p_y (4.1–4.4 S_y): largest force error", PYTHON, 0.17, 0.19, best, "jackson-green", note=note
     )
