@@ -18,7 +18,7 @@ from demlaws.liggghts.build import PLUGIN
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from studies.costs.costs import describe, under_yade
 from studies.trade import lammps_oedometer, liggghts_oedometer
-from studies.trade.candidates import GRANITE, STONE, SURFACE, Way
+from studies.trade.candidates import GRANITE, STONE, SURFACE, Way, close_packing
 from studies.trade.liggghts_oedometer import MATERIAL, pairwise
 
 HEADS = {"liggghts": f"{LIGGGHTS_HEAD}processors 1 1 1\n", "lammps": f"{LAMMPS_HEAD}boundary f f f\nnewton on\n"}
@@ -85,14 +85,6 @@ def _in_yade(ways, given, contact, scratch, side, repeats):
     return costs
 
 
-def close_packing(side, radius, overlap):
-    """Centres of side³ equal spheres, and the number of their contacts."""
-    i, j, k = np.meshgrid(*[np.arange(side)] * 3, indexing="ij")
-    x, y, z = 2 * i + (j + k) % 2, 3**0.5 * (j + (k % 2) / 3), 2 * 6**0.5 / 3 * k
-    centres = np.stack([x, y, z], -1).reshape(-1, 3) * (radius - 0.5 * overlap)
-    return centres, len(cKDTree(centres).query_pairs(2.0 * radius - 0.5 * overlap))
-
-
 def header_cost(table, contact, largest, folder):
     """ns per contact of the law's step in the C++ header alone, at overlaps up to `largest` [m]."""
     program = folder / "cost"
@@ -124,7 +116,8 @@ def _contacts(engine, folder, given, way):
 
 def _in_plugin(engine, ways, given, contact, scratch, side, rounds, steps, progress):
     module, radius = import_module(f"demlaws.{engine}.run"), given["radius"]
-    centres, contacts = close_packing(side, radius, given["overlap"])
+    centres = close_packing(side, radius, given["overlap"])
+    contacts = len(cKDTree(centres).query_pairs(2.0 * radius - 0.5 * given["overlap"]))
     given = {**given, "radii": [radius, 1.01 * radius]}  # two types and the walls', as in the scene; one of them occurs
     types = 2 if engine == "lammps" else 3
     block = liggghts_oedometer.data_of(centres, np.full(len(centres), radius), 3.0 * side * radius, given["density"], types)

@@ -16,6 +16,7 @@ from yade import utils
 
 import demlaws as dl
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws, native
+from studies.trade.candidates import close_packing
 from studies.trade.yade_oedometer import material
 from studies.under_yade import serve
 
@@ -28,12 +29,8 @@ VISIT = 5  # rounds in a scene before the next has its turn
 def spheres(side, radius, overlap, stone):
     """A close packing of side³ spheres with 4 to 5 contacts each, overlapping by `overlap` [m]."""
     O.materials.append(stone)
-    for i in range(side):
-        for j in range(side):
-            for k in range(side):
-                x, y, z = 2 * i + (j + k) % 2, 3**0.5 * (j + (k % 2) / 3), 2 * 6**0.5 / 3 * k
-                place = [(radius - 0.5 * overlap) * c for c in (x, y, z)]
-                O.bodies.append(utils.sphere(place, radius * (1 + 1e-9 * np.sin(len(O.bodies))), material=stone))
+    for place in close_packing(side, radius, overlap).tolist():
+        O.bodies.append(utils.sphere(place, radius * (1 + 1e-9 * np.sin(len(O.bodies))), material=stone))
     O.dt = 1e-9
 
 

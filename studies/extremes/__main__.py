@@ -25,7 +25,6 @@ def parser():
     )
     parser.add_argument("--law", type=law_name, action="append", help="only this law (may be repeated)")
     parser.add_argument("--unloading", action="append", help="only this rule (may be repeated)")
-    parser.add_argument("--evaluation", action="append", choices=("closed form", "table"), help="only this evaluation")
     parser.add_argument(
         "--paths",
         type=whole(0, 10**9),
@@ -33,10 +32,11 @@ def parser():
         help="random load paths in all, shared by the cases; 0: engines only (default 1e5)",
     )
     parser.add_argument("--cycles", type=whole(100, 10**9), default=1_000_000, help="tiny cycles a case (default 1e6)")
-    parser.add_argument("--yade", action="store_true", help="also inside YADE: two spheres, and a thousand (some minutes)")
-    parser.add_argument("--liggghts", action="store_true", help="also inside LIGGGHTS")
-    parser.add_argument("--lammps", action="store_true", help="also inside LAMMPS")
-    parser.add_argument("--engines", action="store_true", help="also inside those of the two that are installed")
+    for engine in extremes.ENGINES:
+        parser.add_argument(
+            f"--{engine.lower()}", action="store_true", help=f"also inside {engine}: two spheres, and a thousand"
+        )
+    parser.add_argument("--engines", action="store_true", help="also inside the engines that are installed")
     parser.add_argument("--quick", action="store_true", help="engines: fewer and shorter paths, 200 spheres")
     parser.set_defaults(func=run)
     return parser
@@ -56,7 +56,7 @@ def run(arguments):
 
 def _laws(arguments, laws, paths, cycles):
     """Figures of the compiled laws, printed as they come."""
-    todo = stability.cases(laws, arguments.unloading, arguments.evaluation or ("closed form", "table"))
+    todo = stability.cases(laws, arguments.unloading)
     rows = []
     with tqdm(todo, desc="stability", unit="case", leave=False, disable=None) as progress:
         for case in progress:
@@ -72,10 +72,9 @@ def _laws(arguments, laws, paths, cycles):
 
 def _engines(arguments, laws):
     """Faults inside the engines that were asked for; figures are printed as they come."""
-    wanted = {"YADE": arguments.yade, "LIGGGHTS": arguments.liggghts, "LAMMPS": arguments.lammps}
     problems = []
     for engine in extremes.ENGINES:
-        if not wanted[engine]:
+        if not getattr(arguments, engine.lower()):
             reason = available(engine.lower()) if arguments.engines else ""
             if reason:
                 print(f"{engine}: not measured: {reason}")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import yade
+import yade.utils
 
 from demlaws.contact import Surface
 from demlaws.laws.names import HERTZ
@@ -46,13 +47,9 @@ class Yade:
 
     @staticmethod
     def _sphere(material, radius, place, mass=1.0, free=False):
-        body = yade.Body()
-        body.shape, body.material, body.bound = yade.Sphere(radius=float(radius)), material, yade.Aabb()
-        body.state.pos = body.state.refPos = yade.Vector3(*map(float, place))
+        body = yade.utils.sphere(tuple(map(float, place)), float(radius), material=material, fixed=not free)
         body.state.mass = float(mass)
-        inertia = 0.4 * float(mass) * float(radius) ** 2
-        body.state.inertia = yade.Vector3(inertia, inertia, inertia)
-        body.state.blockedDOFs = "" if free else "xyzXYZ"
+        body.state.inertia = yade.Vector3.Ones * (0.4 * float(mass) * float(radius) ** 2)
         O.bodies.append(body)
         return body
 

@@ -78,11 +78,6 @@ class Run(NamedTuple):
         return self._replace(**{n: getattr(plain, n) for n in TRADED})
 
     @property
-    def group(self) -> tuple:
-        """Runs that differ in chance only."""
-        return tuple(self._replace(copy=0))
-
-    @property
     def surface(self) -> Surface:
         """Surface of the grains of this run."""
         return Surface(self.rough * SURFACE.roughness, SURFACE.fractal_dimension, SURFACE.hardness)

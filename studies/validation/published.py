@@ -28,6 +28,7 @@ from demlaws.laws.names import (
 )
 from demlaws.make import law
 from demlaws.solvers.axisymmetric import solve
+from studies.extremes.exact import EXACT
 from studies.jamari.published import PRINTED_RATIOS
 from studies.validation import oblique
 from studies.validation.maps import load_ratios, read_csv
@@ -188,23 +189,17 @@ def restitution():
 
 def _jackson_green(ratio, yield_strength, contact):
     """P/P_c at ω/ω_c of Jackson & Green (ν = 0.3), and ω_c, P_c."""
-    c, e, r = 1.295 * math.exp(0.736 * 0.3), contact.modulus, contact.radius
-    overlap = (math.pi * c * yield_strength / (2.0 * e)) ** 2 * r
-    load = 4.0 / 3.0 * (r / e) ** 2 * (math.pi * c * yield_strength / 2.0) ** 3
-    b = 0.14 * math.exp(23.0 * yield_strength / e)
-    a = math.sqrt(r * overlap * ratio * (ratio / 1.9) ** b)
-    hardness = 2.84 * (1.0 - math.exp(-0.82 * (a / r) ** -0.7))
-    force = math.exp(-0.25 * ratio ** (5 / 12)) * ratio**1.5
-    force += 4.0 * hardness / c * (1.0 - math.exp(-(ratio ** (5 / 9)) / 25.0)) * ratio
-    return force, overlap, load
+    c, modulus = 1.295 * math.exp(0.736 * 0.3), contact.modulus
+    overlap = (math.pi * c * yield_strength / (2.0 * modulus)) ** 2 * contact.radius
+    load = 4.0 / 3.0 * modulus * math.sqrt(contact.radius) * overlap**1.5
+    return EXACT[JACKSON_GREEN](contact, ratio * overlap, yield_strength)[0].astype(float) / load, overlap, load
 
 
 def indentation():
     """What one limit pressure makes of a yielding sphere: how far from the finite elements, over 1.9 to 110 ω_c."""
     contact, strength = Contact(0.01, 100e9, roughness=0.0), 1e8
     ratios = np.geomspace(1.9, 110.0, 40)
-    wanted = np.array([_jackson_green(x, strength, contact)[0] for x in ratios])
-    _, overlap, load = _jackson_green(1.0, strength, contact)
+    wanted, overlap, load = _jackson_green(ratios, strength, contact)
     off = {}
     for factor in (1.64, 2.8, 4.1, 4.2, 4.3, 4.4):
         plastic = bound(ROUGH_PLASTIC, contact, "thornton", yield_pressure=factor * strength, loading=HERTZ)

@@ -29,19 +29,9 @@ class Row(NamedTuple):
 
 def near(what, where, expected, found, tolerance, source, unit="", note=""):
     """A row that passes within a relative `tolerance` of `expected`."""
-    width = abs(expected) * tolerance
-    digits = 7 if tolerance > 1e-9 else 15
-    return Row(
-        what,
-        where,
-        f"{expected:.{digits}g} ± {tolerance:g}",
-        expected - width,
-        expected + width,
-        float(found),
-        source,
-        unit,
-        note,
-    )
+    width, digits = abs(expected) * tolerance, 7 if tolerance > 1e-9 else 15
+    text = f"{expected:.{digits}g} ± {tolerance:g}"
+    return Row(what, where, text, expected - width, expected + width, float(found), source, unit, note)
 
 
 def between(what, where, low, high, found, source, unit="", note=""):
