@@ -65,11 +65,6 @@ class Group(NamedTuple):
     largest: np.ndarray  # overlap
 
     @property
-    def options(self):
-        """Options that the law is made with."""
-        return registry()[self.case.law].example
-
-    @property
     def floor(self):
         """Overlap [m] below which a Python table goes on straight, where the engines' reader keeps to its power law."""
         return self.law.params.grid.floor * self.law.params.length if self.case.evaluation == "table" else 0.0
@@ -111,12 +106,6 @@ def make_group(case, contact, radius1, radius2, roughness):
     return Group(case, law, closed_form, radius1, radius2, modulus, roughness, largest)
 
 
-def _one_contact(case):
-    """Whether the case has one curve for one contact only: it is measured on the granite pair."""
-    definition = registry()[case.law]
-    return definition.solved or (case.evaluation == "table" and not definition.collapses)
-
-
 def granite_group(case, count):
     """`count` times the granite pair, as two equal spheres of half its roughness squared each."""
     radius = np.full(count, 2.0 * GRANITE.radius)
@@ -127,7 +116,7 @@ def groups(case, random, quick=False):
     """Pairs at the extremes that the law takes: radius ratios to 1e6, E* 2e3 to 1e13 Pa, σ 0 to R/10, Df 2 to 3."""
     definition = registry()[case.law]
     table = case.evaluation == "table"
-    if _one_contact(case):
+    if case.one_contact:
         return [granite_group(case, 12)]
     found = []
     dimensions = DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,)
@@ -152,7 +141,8 @@ def _kinks(group, pair):
     contact, definition = group.contact, registry()[group.case.law]
     if contact.size is not None:
         contact = contact.with_values(**{n: float(getattr(contact, n)[pair]) for n in ("radius", "modulus", "roughness")})
-    places = definition.kinks(bind_law(group.case.law, contact, **group.options).params, **group.options)
+    options = group.case.options
+    places = definition.kinks(bind_law(group.case.law, contact, **options).params, **options)
     return [float(k) for k in places if 10.0 * group.quantum[pair] < k < 0.9 * group.largest[pair]]
 
 
@@ -345,11 +335,6 @@ class Packing(NamedTuple):
     roughness: float  # of each sphere
     dt: float
 
-    @property
-    def options(self):
-        """Options that the law is made with."""
-        return registry()[self.case.law].example
-
     def velocities(self, random):
         """Random velocities [m/s]: of equal energy, so that small spheres count in the balance."""
         direction = random.normal(size=(self.radius.size, 3))
@@ -367,7 +352,7 @@ def packing(case, name, count=1000, speed=100.0, share=30.0, seed=7):
     definition = registry()[case.law]
     modulus, rough, ratio = PACKINGS[name]
     largest = 2e-3
-    single = _one_contact(case)
+    single = case.one_contact
     if single:
         modulus, ratio, largest = GRANITE.modulus, 1.0, 2.0 * GRANITE.radius
     radius = largest * ratio ** -np.sort(random.random(count))
@@ -492,7 +477,7 @@ def measure(engine, case, quick=False, seed=5):
             parts.append(compare(group, prescribed, kinds, overlap, force))
             pairs += group.size
         size = {"count": 200, "steps": 400} if quick else {}
-        chosen = list(PACKINGS)[-1:] if _one_contact(case) else PACKINGS
+        chosen = list(PACKINGS)[-1:] if case.one_contact else PACKINGS
         packings = {name: release(engine, case, name, **size) for name in chosen}
         compared, ratchet = Compared.joined(parts), ratcheting(engine, case, cycles)
         return Figures(engine.name, *case, pairs, steps, compared, ratchet, impacts(engine, case, quick), packings)

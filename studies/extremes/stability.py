@@ -42,6 +42,17 @@ class Case(NamedTuple):
     unloading: str
     evaluation: str  # "closed form" or "table"
 
+    @property
+    def options(self):
+        """Options that the law is made with."""
+        return registry()[self.law].example
+
+    @property
+    def one_contact(self):
+        """Whether there is one curve for one contact only: the case is measured on the granite pair."""
+        definition = registry()[self.law]
+        return definition.solved or (self.evaluation == "table" and not definition.collapses)
+
     def bind(self, contact, table_end=None):
         """The law on a contact or an array of contacts; as a table one that reaches `table_end` times each of their radii."""
         with quiet():
@@ -92,8 +103,7 @@ def extreme_contacts(count, random, dimension=GRANITE.fractal_dimension):
 def contacts_for(case, count, random):
     """Laws on extreme contacts; where the law refuses extremes, on the granite pair."""
     definition = registry()[case.law]
-    one_curve = case.evaluation == "table" and not definition.collapses
-    if definition.solved or one_curve:
+    if case.one_contact:
         return [case.bind(GRANITE, 0.9)]
     result = []
     for dimension in DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,):
@@ -177,7 +187,7 @@ def rounding_by_decade(case, count=20_000, seed=3):
     overlap, decade = overlap[keep], decade[keep]
     with quiet():
         contact = Contact(radius[keep], modulus[keep], sigma[keep], GRANITE.fractal_dimension, GRANITE.hardness)
-        exact, _ = EXACT[case.law](contact, overlap, **definition.example)
+        exact, _ = EXACT[case.law](contact, overlap, **case.options)
         force = case.bind(contact).force(overlap)
     error = np.abs((force.astype(np.longdouble) - exact) / exact).astype(float) / EPS
     return {int(d): float(error[decade == d].max()) for d in np.unique(decade)}
