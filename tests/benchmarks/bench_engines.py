@@ -25,6 +25,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.lammps.run import HEAD
+from studies.trade.liggghts_oedometer import data_text
 
 warnings.simplefilter("ignore", dl.ValidityWarning)
 
@@ -87,13 +88,8 @@ def write_block(path, side, radius=2e-3, seed=1):
     place = (np.indices((side, side, side)).reshape(3, -1).T + 0.5) * pitch + random.uniform(-2e-5, 2e-5, (count, 3))
     diameter = 2.0 * radius * random.choice([0.99, 1.0, 1.01], count)
     speed = random.normal(0.0, 0.05, (count, 3))
-    lines = ["block", "", f"{count} atoms", "1 atom types", ""]
-    lines += [f"0 {side * pitch:.17g} {axis}lo {axis}hi" for axis in "xyz"] + ["", "Atoms", ""]
-    rows = enumerate(zip(diameter, place, strict=True), start=1)
-    lines += [f"{n} 1 {d:.17g} 2650 {x:.17g} {y:.17g} {z:.17g}" for n, (d, (x, y, z)) in rows]
-    lines += ["", "Velocities", ""]
-    lines += [f"{n} {u:.9g} {v:.9g} {w:.9g} 0 0 0" for n, (u, v, w) in enumerate(speed, start=1)]
-    path.write_text("\n".join(lines) + "\n")
+    atoms = [(1, d, 2650, *centre) for d, centre in zip(diameter, place, strict=True)]
+    path.write_text(data_text([(0.0, side * pitch)] * 3, atoms, [(*v, 0, 0, 0) for v in speed], types=1))
 
 
 def write_tables(folder):
