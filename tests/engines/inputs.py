@@ -2,9 +2,11 @@
 
 import importlib
 import math
+import subprocess
 
 import numpy as np
 import pytest
+from processes import parted
 
 from demlaws.errors import DemlawsError
 
@@ -62,6 +64,20 @@ def scene(head, style, moves, step, d1=17.4e-3, d2=17.4e-3, left=0.0, **watch):
 def simulate(engine, folder, text, ranks=1, **options):
     (folder / "in.case").write_text(text)
     return part(engine, "run").run(folder / "in.case", ranks, **options)
+
+
+def started(engine, folder, text, ranks=1, variables=None, away=None, elsewhere=None, environment=(), **options):
+    """The engine, run to its end, whatever it is; away: a rank in a folder of its own, which has the files `elsewhere`."""
+    (folder / "in.case").write_text(text)
+    run = part(engine, "run")
+    line, more = run.command("in.case", ranks, variables, **options)
+    if away is not None:
+        program = run.executable()
+        line = parted(line, getattr(program, "path", program), folder, away)
+        for name, content in (elsewhere or {}).items():
+            (folder / "elsewhere" / name).write_bytes(content)
+    settings = {"cwd": folder, "env": {**more, **dict(environment)}, "timeout": 300}
+    return subprocess.run(line, **settings, capture_output=True, text=True, errors="replace")
 
 
 def refused(engine, folder, text, ranks=1, **options):

@@ -48,7 +48,8 @@ def row(engine, ranks=1, mover="nve/sphere"):
         model = "model demlaws/table tangential history"
         style = f"{properties(2, friction=0.0)}\npair_style gran {model} table law.tbl\npair_coeff * *"
         watch = WATCH.format(mover=mover, wall=f"{model} primitive type 1 xplane 0.0", columns="")
-    boundary = {"lammps": "boundary f f f", "liggghts": ""}[engine]
+    # newton off: both ranks compute the pair on their border
+    boundary = f"boundary f f f\nnewton {'on' if ranks == 1 else 'off'}" if engine == "lammps" else ""
     return part(engine, "run").HEAD + ROW.format(boundary=boundary, ranks=ranks, style=style, watch=watch), watch
 
 

@@ -1,14 +1,12 @@
 """A law whose unloading is its own inside LIGGGHTS and LAMMPS: the code of its rule beside the table."""
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 from examples import shared
-from inputs import ENERGY, LOAD_UNLOAD, moves_of, part, simulate
+from inputs import ENERGY, LOAD_UNLOAD, moves_of, part, simulate, started
 from own_spring import FAULTS, registered, spoil
-from processes import parted
 from spheres import ENGINES, continued, spheres
 
 import demlaws as dl
@@ -78,14 +76,9 @@ def test_an_object_that_is_not_there_is_refused(tmp_path, engine, fault):
     with registered(tmp_path):
         table = dl.law("spring", CONTACT, lost=0.3).tabulate(1e-4).save(tmp_path / "law.tbl")
     ranks = spoil(Path(f"{table}.so"), fault)
-    (tmp_path / "in.case").write_text(text_on(engine, ranks))
     variables = {"young": repr(2 * CONTACT.modulus * (1 - 0.25**2)), "radius": repr(8e-3), "table": "law.tbl"}
-    run = part(engine, "run")
-    line, environment = run.command("in.case", ranks, variables | {"newton": "on", "every": 4})
-    if ranks > 1:
-        program = run.executable()
-        line = parted(line, getattr(program, "path", program), tmp_path)
-    done = subprocess.run(line, cwd=tmp_path, env=environment, capture_output=True, text=True, errors="replace", timeout=120)
+    variables |= {"newton": "on", "every": 4}
+    done = started(engine, tmp_path, text_on(engine, ranks), ranks, variables, away=1 if ranks > 1 else None)
     said = " ".join((done.stdout + done.stderr).split())
     assert done.returncode
     assert f"rank {ranks - 1}: " in said and "law.tbl.so" in said

@@ -2,7 +2,6 @@
 
 import math
 import re
-import subprocess
 
 import inputs_for_lammps
 import numpy as np
@@ -20,8 +19,8 @@ from inputs import (
     said_in,
     simulate,
     sphere_mass,
+    started,
 )
-from processes import parted
 from spheres import DIAMETER, ROUGH, both, continued, spheres
 
 import demlaws as dl
@@ -250,18 +249,6 @@ def test_a_bad_row_is_named_by_its_line(engine, folder):
     assert "line 41" in refused(engine, folder, spheres(engine, "", LOAD_UNLOAD[:1]))
 
 
-def on_two_folders(engine, folder, text, elsewhere, rank):
-    """Two ranks, one of them in a folder of its own, as nodes with unlike file systems have it."""
-    (folder / "in.case").write_text(text)
-    run = part(engine, "run")
-    line, environment = run.command("in.case", 2)
-    program = run.executable()
-    line = parted(line, getattr(program, "path", program), folder, rank)
-    for name, content in elsewhere.items():
-        (folder / "elsewhere" / name).write_bytes(content)
-    return subprocess.run(line, cwd=folder, env=environment, capture_output=True, text=True, errors="replace", timeout=300)
-
-
 @both
 @pytest.mark.parametrize("case", ["rank 1 has none", "rank 1 has another", "rank 0 has none"])
 def test_the_table_is_that_of_rank_0(engine, folder, granite_pair, case):
@@ -272,7 +259,7 @@ def test_the_table_is_that_of_rank_0(engine, folder, granite_pair, case):
         "rank 0 has none": {"in.case": text.encode()},
         "rank 1 has another": {"law.tbl": (folder / "other.tbl").read_bytes()},
     }
-    done = on_two_folders(engine, folder, text, elsewhere.get(case, {}), int(case != "rank 0 has none"))
+    done = started(engine, folder, text, 2, away=int(case != "rank 0 has none"), elsewhere=elsewhere.get(case))
     if case == "rank 0 has none":
         assert done.returncode and "law.tbl" in done.stdout + done.stderr
     else:

@@ -8,6 +8,7 @@ from inputs import moves_of, scene, watched
 from demlaws.lammps.run import HEAD
 
 simulate = functools.partial(inputs.simulate, "lammps")
+started = functools.partial(inputs.started, "lammps")
 refused = functools.partial(inputs.refused, "lammps")
 
 SHEAR = "tangential demlaws 1.0 0.5 damping demlaws/tangent"

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from inputs import ENERGY, LOAD_UNLOAD, energy_error_of, error_of, moves_of, save
-from inputs_for_lammps import STOCK, TABLE, simulate, two_spheres
+from inputs_for_lammps import STOCK, TABLE, simulate, started, two_spheres
 
 import demlaws as dl
 import demlaws.lammps as lm
@@ -22,13 +22,6 @@ from demlaws.lammps.check import WALL, follow
 from demlaws.lammps.run import HEAD, command, executable
 
 ROOT = Path(dl.__file__).parents[1]
-
-
-def started(folder, text, environment=(), **options):
-    """LAMMPS, run with this input to its end, whatever it is; environment: variables beside those of `command`."""
-    (folder / "in.case").write_text(text)
-    line, variables = command("in.case", **options)
-    return subprocess.run(line, env={**variables, **dict(environment)}, cwd=folder, capture_output=True, text=True)
 
 
 def log_of(done, folder):
@@ -192,7 +185,7 @@ def test_other_ways_in(folder, law, way):
         text = f"python source here \"import ctypes; ctypes.CDLL('{library}')\"\n{text}"
     else:  # twice does no harm
         text = f"plugin load {library}\nplugin load {library}\nplugin list\n{text}"
-    assert error_of(log_of(started(folder, text, preloaded, plugin=False), folder), law) <= 1e-7
+    assert error_of(log_of(started(folder, text, environment=preloaded, plugin=False), folder), law) <= 1e-7
 
 
 # --- what users do
