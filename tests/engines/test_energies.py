@@ -67,7 +67,7 @@ def test_energies_of_contacts_that_overlap_from_the_start(engine, tmp_path, unlo
     """What the law stores there, before the first step, too; when they have opened, what plastic flow took stays."""
     pair, wall = laws(unloading, tmp_path)
     text, _ = row(engine, ranks)
-    log = simulate(engine, tmp_path, text + "run 20000\n", ranks)
+    log = simulate(engine, tmp_path, text + "run 0\nrun 20000\n", ranks)  # two setups
     at_wall, *pairs = (law.follow(np.array([overlap])) for law, overlap in ((wall, 5e-6), (pair, 7e-6), (pair, 3e-6)))
     for column, name in enumerate(("stored", "dissipated"), 1):
         expected = sum(float(getattr(path, name)[0]) for path in (at_wall, *pairs))
