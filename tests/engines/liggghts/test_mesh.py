@@ -1,5 +1,6 @@
 """Mesh walls: rims, holes, edges and nodes carry what the stock wall and a closed form say; tiled flats have no bump."""
 
+import itertools
 import math
 
 import numpy as np
@@ -44,16 +45,11 @@ COLUMNS = ("f[1]", "f[2]", "f[3]", "x[1]", "x[2]", "x[3]")
 
 
 def write_mesh(path, triangles):
-    rows = ["solid plate"]
+    text = ""
     for triangle in triangles:
-        rows += [
-            "facet normal 0 0 1",
-            "outer loop",
-            *(f"vertex {x:.17g} {y:.17g} {z:.17g}" for x, y, z in triangle),
-            "endloop",
-            "endfacet",
-        ]
-    path.write_text("\n".join([*rows, "endsolid plate"]) + "\n")
+        corners = "".join(f"vertex {x:.17g} {y:.17g} {z:.17g}\n" for x, y, z in triangle)
+        text += f"facet normal 0 0 1\nouter loop\n{corners}endloop\nendfacet\n"
+    path.write_text(f"solid plate\n{text}endsolid plate\n")
 
 
 def plate_with_hole(n, inner=3e-3, outer=12e-3):
@@ -80,10 +76,9 @@ def tiled(side=6, width=2e-3, height=lambda x, y: 0.0):
         return (x, y, height(x, y))
 
     mesh = []
-    for i in range(side):
-        for j in range(side):
-            a, b, c, d = node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)
-            mesh += [(a, b, c), (a, c, d)]
+    for i, j in itertools.product(range(side), repeat=2):
+        a, b, c, d = node(i, j), node(i + 1, j), node(i + 1, j + 1), node(i, j + 1)
+        mesh += [(a, b, c), (a, c, d)]
     return mesh
 
 
@@ -100,12 +95,7 @@ def simulate(folder, mesh, at, commands="run 0\n", table=None, mover="noforce", 
     """[rows, 6] force on the sphere and its place; stock hertz without a table."""
     write_mesh(folder / "plate.stl", mesh)
     model, words = ("hertz", "") if table is None else ("demlaws/table", f"table {table} {words}")
-    values = {
-        "tangential": "history",
-        "properties": properties(friction=0.0),
-        "support": "mesh n_meshes 1 meshes plate",
-        **shear,
-    }
+    values = {"tangential": "history", "properties": properties(friction=0.0), "support": ON_MESH, **shear}
     place = " ".join(f"{a:.17g}" for a in at)
     text = CASE.format(model=model, words=words, at=place, mover=mover, every=every, **values) + commands
     (folder / "in.mesh").write_text(text)
@@ -132,11 +122,8 @@ def test_the_support_is_that_of_the_stock_wall(tmp_path, tables, at):
     }  # fmt: skip
     x, y, z = places[at]
     rng = np.random.default_rng(5)
-    moves = [
-        f"set atom 1 x {x + a:.17g} y {y + b:.17g} z {z + c:.17g}\nrun 1\n"
-        for a, b, c in rng.uniform(-4e-5, 4e-5, (100, 3)).tolist()
-    ]
-    commands = "".join(moves)
+    shifts = rng.uniform(-4e-5, 4e-5, (100, 3)).tolist()
+    commands = "".join(f"set atom 1 x {x + a:.17g} y {y + b:.17g} z {z + c:.17g}\nrun 1\n" for a, b, c in shifts)
     found = {}
     for table in (None, tables / "hertz.tbl"):
         (tmp_path / str(table is None)).mkdir()

@@ -133,11 +133,8 @@ def test_a_wall_whose_contacts_are_of_another_table_is_refused(granite):
 def test_a_sphere_that_is_put_elsewhere_and_back_meets_the_wall_as_a_virgin(granite):
     """Stock keeps the wall's history of a particle that goes without passing the gap above the wall."""
     text = falling("table granite.tbl", after=WALL + "\ncompute e all demlaws/energy").replace("nve/sphere", "nve/noforce")
-    text = (
-        text.replace("step ke", "step c_e[1] c_e[2]")
-        .replace("create_atoms 2", "# create_atoms 2")
-        .replace("run 3000", "run 500")
-    )
+    for old, new in (("step ke", "step c_e[1] c_e[2]"), ("create_atoms 2", "# create_atoms 2"), ("run 3000", "run 500")):
+        text = text.replace(old, new)
     moves = "".join(f"displace_atoms all move 0 0 {way} units box\nrun 1\n" for way in ("0.01", "-0.01"))
     log = simulate(granite, text + "velocity all set 0 0 0\nrun 1\n" + moves)
     assert log["Step"].tolist()[-3:] == [501, 502, 503] and log["e[1]"][-2] == 0
