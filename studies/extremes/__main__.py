@@ -54,6 +54,12 @@ def run(arguments):
     return 1 if problems else 0
 
 
+def show(progress, table, rows):
+    """Print the last row of a table, the first one with the head."""
+    lines = table(rows).split("\n")
+    progress.write("\n".join(lines if len(rows) == 1 else lines[-1:]))
+
+
 def _laws(arguments, laws, paths, cycles):
     """Figures of the compiled laws, printed as they come."""
     todo = stability.cases(laws, arguments.unloading)
@@ -62,8 +68,7 @@ def _laws(arguments, laws, paths, cycles):
         for case in progress:
             progress.set_postfix_str(", ".join(case))
             rows.append(stability.measure(case, max(1000, paths // len(todo)), cycles))
-            lines = stability.table(rows).split("\n")
-            progress.write("\n".join(lines if len(rows) == 1 else lines[-1:]))
+            show(progress, stability.table, rows)
     print(
         f"\n{sum(r.paths for r in rows)} paths; gain: largest energy gain of an impact, 1e-6 to 100 m/s, any phase of the step"
     )
@@ -90,8 +95,7 @@ def _engines(arguments, laws):
                     progress.write(report.stops_table(engine, found))
                     return
                 own.append(found)
-                lines = report.table(own).split("\n")
-                progress.write("\n".join(lines if len(own) == 1 else lines[-1:]))
+                show(progress, report.table, own)
 
             *_, stops = extremes.run(engine, laws, arguments.unloading, arguments.quick, progress=ended)
         problems += report.stop_failures(engine, stops) + report.failures(own)

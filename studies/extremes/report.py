@@ -3,7 +3,7 @@
 import math
 
 from studies.extremes.extremes import DRIFT, PACKINGS, RETURN
-from studies.extremes.stability import EPS, TABLE, safe_steps
+from studies.extremes.stability import EPS, TABLE, decades, safe_steps
 
 
 def table(rows):
@@ -21,9 +21,7 @@ def table(rows):
     for r in rows:
         c, i = r.compared, r.impacts
         safe = safe_steps(i.gains)
-        edges = sorted(c.decades)
-        places = [[d for d in edges if d < -9], [d for d in edges if -9 <= d < -3], [d for d in edges if d >= -3]]
-        errors = " ".join(f"{max(c.decades[d] for d in some):.3g}" if some else "-" for some in places)
+        errors = decades(c.decades, -9, -3)
         drift = [f"{r.packings[name].drift:.0e}" if name in r.packings else "-" for name in PACKINGS]
         bad = c.not_finite + sum(p.not_finite for p in r.packings.values())
         momentum = max((p.momentum for p in r.packings.values()), default=math.nan)

@@ -435,16 +435,10 @@ def _refuses(law):
 # --- output
 
 
-def _decades(rounding):
-    if rounding is None:
-        return "-"
-    edges = sorted(rounding)
-    groups = [
-        ("<-3", [d for d in edges if d < -3]),
-        ("-3..0", [d for d in edges if -3 <= d < 1]),
-        (">0", [d for d in edges if d > 0]),
-    ]
-    return " ".join(f"{max(rounding[d] for d in members):.3g}" if members else "-" for _, members in groups)
+def decades(errors, low, high):
+    """Largest of the errors by decade below `low`, from there, and from `high` on, as text."""
+    parts = [[e for d, e in errors.items() if np.digitize(d, (low, high)) == n] for n in range(3)]
+    return " ".join(f"{max(part):.3g}" if part else "-" for part in parts)
 
 
 def table(rows):
@@ -461,9 +455,10 @@ def table(rows):
     lines = [head, under]
     for r in rows:
         safe = f"{r.safe_steps:.0f}" if math.isfinite(r.safe_steps) else "none"
+        rounding = decades(r.rounding, -3, 1) if r.rounding else "-"
         lines.append(
             f"{r.law:16}{r.unloading:10}{r.evaluation:12}{r.paths:9d}{r.not_finite + r.falling:5d}{r.returned:8d}"
-            f"{r.worst_return:9.1e}{_decades(r.rounding):>18}{r.ratcheting:8.0e}{r.kink:6.2g}"
+            f"{r.worst_return:9.1e}{rounding:>18}{r.ratcheting:8.0e}{r.kink:6.2g}"
             f"{r.reload:7.2g}{r.broken:7d}{r.gains.get(50, math.nan):9.1e}{safe:>7}"
             f"{f'{r.step_ratio[0]:.3f}-{r.step_ratio[1]:.3f}':>14}{'ok' if r.refused else 'NO':>5}"
         )
