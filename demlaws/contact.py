@@ -354,15 +354,16 @@ class Contact:
         Parameters
         ----------
         force : float or array_like
-            Force P [N].
+            Force P [N], positive.
 
         Returns
         -------
         float or ndarray
         """
-        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * real(force, "force", "N", array=True) ** 2)) ** (
-            1 / 3
-        )
+        forces = real(force, "force", "N", array=True)
+        if not np.all(np.isfinite(forces) & (forces > 0.0)):
+            raise DemlawsError(f"force must be positive and finite, in N, got {force!r}")
+        return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * forces**2)) ** (1 / 3)
 
 
 def pressure_of(contact: Contact, value: Any, name: str) -> float:

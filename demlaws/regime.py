@@ -170,9 +170,11 @@ def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
         One row per roughness, one column per load.
     """
     loads = np.atleast_1d(checked_loads(real(loads, "loads", "N", array=True)))
-    roughnesses = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
+    heights = np.atleast_1d(real(roughnesses, "roughnesses", "m", array=True))
+    if not np.all(np.isfinite(heights) & (heights >= 0.0)):
+        raise DemlawsError(f"roughnesses must be finite and not negative, in m, got {roughnesses!r}")
     as_contact(contact)
-    alpha = roughnesses[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(loads))[None, :] / 1e-9
+    alpha = heights[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(loads))[None, :] / 1e-9
     return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / hardness_of(contact)
 
 

@@ -438,6 +438,8 @@ class Response:
     def breaches(self, smallest: float, largest: float) -> list[Breach]:
         """Limits of the law exceeded by forces from `smallest` to `largest` [N], the largest excess first."""
         smallest, largest = float(real(smallest, "smallest", "N")), float(real(largest, "largest", "N"))
+        if smallest != smallest or largest != largest:
+            raise DemlawsError(f"smallest = {smallest}, largest = {largest}: give two forces in N")
         pairs = []
         for limit in self.limits():
             if largest > limit.maximum_force:

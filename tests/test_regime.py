@@ -93,6 +93,8 @@ def test_arrays_and_map_agree_with_single_calls():
     loads, roughnesses = np.array([0.1, 1.0, 10.0]), np.array([1e-7, 1e-6])
     grid = regime.pressure_map(contact, loads, roughnesses)
     assert grid.shape == (2, 3)
+    with pytest.raises(dl.DemlawsError):
+        regime.pressure_map(contact, loads, [1e-6, np.nan])
     for i, roughness in enumerate(roughnesses):
         one = contact.with_values(roughness=roughness)
         np.testing.assert_allclose(grid[i], regime.pressure_ratio(one, loads), rtol=1e-12)
