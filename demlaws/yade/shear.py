@@ -1,7 +1,7 @@
 """Shear at a contact: changes of Mindlin's shear force, and the energy of shear. Compiled code, as `kernel`.
 
 `Passive` reduces the force before the native law adds K_t ds, `Native` leaves it as it is, `Slip` sets it: a row of springs.
-The relative displacement of a step, and how the contact turns, is known to the native law alone, which adds forces to bodies at
+The relative displacement of a step, and how the contact turns, is taken from the native law, which adds forces to bodies at
 once. `probe` therefore calls it without stiffness, damping and moments: it adds nothing and leaves the displacement.
 """
 
