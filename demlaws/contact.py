@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from demlaws.admissible import RANGES, judge, outside, refuse, refuse_plain_radius
 from demlaws.errors import DemlawsError, did_you_mean, refuses_unknown_keywords, warn
-from demlaws.units import number, real
+from demlaws.units import number, positive, real
 
 PER_CONTACT = ("radius", "modulus", "roughness")
 """Fields of a `Contact` that may have one entry per contact."""
@@ -360,9 +360,7 @@ class Contact:
         -------
         float or ndarray
         """
-        forces = real(force, "force", "N", array=True)
-        if not np.all(np.isfinite(forces) & (forces > 0.0)):
-            raise DemlawsError(f"force must be positive and finite, in N, got {force!r}")
+        forces = positive(force, "force", "N")
         return self.roughness * (16.0 * self.radius * self.modulus**2 / (9.0 * forces**2)) ** (1 / 3)
 
 

@@ -17,7 +17,7 @@ import math
 import numpy as np
 
 from demlaws.errors import DemlawsError
-from demlaws.units import number, real
+from demlaws.units import number, positive, real
 
 YIELD_RATIO = 0.6
 """p(0)/H_m at which the bulk begins to yield (Tabor)."""
@@ -171,10 +171,7 @@ def hardness_of(contact):
 
 def checked_loads(load):
     """Loads [N] as an array; DemlawsError unless all are positive and finite."""
-    array = real(load, "load", "N", array=True)
-    if not np.all(np.isfinite(array) & (array > 0)):
-        raise DemlawsError(f"load must be positive and finite, in N, got {load!r}")
-    return array
+    return positive(load, "load", "N")
 
 
 def _plain(value):

@@ -112,6 +112,14 @@ def number(value, name, unit="", low=0.0, high=math.inf, allow_low=False):
     )
 
 
+def positive(value, name, unit):
+    """An array of positive, finite numbers; DemlawsError otherwise."""
+    array = real(value, name, unit, array=True)
+    if not np.all(np.isfinite(array) & (array > 0)):
+        raise DemlawsError(f"{name} must be positive and finite, in {unit}, got {value!r}")
+    return array
+
+
 def whole(value, name, low=1, high=10_000_000):
     """`value` as a whole number from `low` to `high`, or an error that names it."""
     result = float(real(value, name))
