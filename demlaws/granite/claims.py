@@ -227,7 +227,7 @@ def _cone_claims(get):
             test.name,
             f"the elastic models hold to {load:g} N",
             f"the rough law with p_y = {test.yield_pressure / 1e9:.2f} GPa (K_y = {stiff:.0f} N/mm) yields at "
-            f"{p.yield_force:.1f} N: one p_y ties both, unless the load is given to the law (yield_at='load', built in then)",
+            f"{p.yield_force:.1f} N: one p_y ties both, unless post_yield_pressure separates them",
             _verdict(abs(p.yield_force / load - 1.0) < 0.1),
         )
         assumed = f"Df = {CONE_DIMENSION} assumed" + ("" if test is cone else ", σ too")
