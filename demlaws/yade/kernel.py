@@ -115,7 +115,7 @@ def effective_radius(radius1, radius2):
 @kernel
 def body_of(context, interaction, body):
     """Address of one of the two bodies of a contact."""
-    return load_word(call_body_by_id(word(context, at.BODY_BY_ID), load_int(interaction + word(context, body))))
+    return load_word(call_body_by_id(word(context, at.BODY_BY_ID), load_int(interaction + word(context, body)), 0))
 
 
 @kernel
@@ -501,8 +501,8 @@ def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_
         if overlap - overlap != 0.0:
             fault(context, at.NOT_FINITE, interaction, overlap)  # NaN: a body's position is not finite
     store_tuple(new, row + at.STATE)
-    store_double(row + at.LAST, overlap)
     keep = go(mode, context, this, geom_pointer, phys_pointer, interaction, row, across)
+    store_double(row + at.LAST, overlap)
     if overlap > 0.0:
         # Mindlin left 1.5 P/δ here; the time stepper needs the tangent
         store_double(phys + word(context, at.KN), stiffness)

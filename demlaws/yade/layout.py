@@ -29,7 +29,8 @@ FRICTION, NORMAL_FORCE = 52, 53  # offsets of the coefficient of friction and th
 BANKED_SHEAR = 54  # energy of shear that contacts which have ended have lost [J] (a double)
 DISPLACEMENT, STRETCH = 55, 56  # offsets of usTotal and usElastic in MindlinPhys [bytes]
 NORMAL = 57  # offset of the normal in ScGeom [bytes]
-BLOCK, BLOCK_WORDS = 58, 59  # offset and number of the words of MindlinPhys that its law may change
+INCREMENT = 58  # offset of shearInc in ScGeom [bytes]
+ROTATE = 59  # address of ScGeom::rotate
 SPRINGS, SPRING_COUNT = 60, 61  # offset in a row of the springs of partial slip [bytes], their number
 # R of contacts whose shapes are not spheres, flats or grids (see `curvature` and `radii`)
 RADIUS_MODE, EDGES, SHAPES, SHAPE_COUNT, SHAPES_STALE, LARGEST_RADIUS = 62, 63, 64, 65, 66, 67
@@ -39,7 +40,14 @@ SHARED, SHARED_BODY1, SHARED_BODY2 = 95, 96, 97  # a contact with the physics of
 NEW_CONTACTS = 93  # 1: contacts have begun whose R a Python function gives
 GAP_RADIUS = 94  # address of `curvature.gap_radius`
 ROUND_SHAPES = 119  # first words of objects of shapes with a radius of their own, 0 behind the last
-PROBED = 100  # offsets of the numbers in MindlinPhys that `shear.probe` sets to zero, from here on
+BETAS = 98  # offset in MindlinPhys [bytes]
+# A contact step without the native function (`shear.step_alone`).
+ALONE = 100  # 1: where possible, 0: never
+APPLY = 101  # address of LawFunctor::applyForceAtContactPoint
+FUNCTOR, SCENE, OPTIONS = 102, 103, 104  # bytes from `this`: start of the functor, pointer to its scene, four options of one byte
+PERIODIC = 105  # offset of isPeriodic in Scene [bytes]
+KS, SHEAR_SUM, SHEAR_VISCOUS, SLIDING = 106, 107, 108, 109  # offsets in MindlinPhys [bytes]
+BETAN, DAMPING_KIND = 110, 111  # the same; DAMPING_KIND: of alpha or beta where MindlinPhys has one, else BETAN
 PHYSICS_CAPILLARY = 75  # the same of MindlinCapillaryPhys, or of MindlinPhys where YADE has no such class
 GEOMETRIES = 76  # first words of objects of further classes of geometry, 0 behind the last
 CONTEXT_WORDS = 128

@@ -37,7 +37,7 @@ def _accessors(numba_type, ir_type):
 load_word, store_word = _accessors(types.int64, WORD)
 load_double, store_double = _accessors(types.float64, DOUBLE)
 load_int, _ = _accessors(types.int32, ir.IntType(32))
-load_byte, _ = _accessors(types.uint8, BYTE)
+load_byte, store_byte = _accessors(types.uint8, BYTE)
 
 
 @intrinsic
@@ -59,20 +59,6 @@ def add_word(typing_context, address, value):
         return builder.atomic_rmw("add", builder.inttoptr(arguments[0], WORD.as_pointer()), arguments[1], "monotonic")
 
     return types.int64(types.int64, types.int64), generate
-
-
-SCRATCH_WORDS = 96
-
-
-@intrinsic
-def scratch(typing_context):
-    """Address of SCRATCH_WORDS words on the stack of the calling function, which must not be inlined into a loop."""
-
-    def generate(context, builder, signature, arguments):
-        block = cgutils.alloca_once(builder, ir.ArrayType(WORD, SCRATCH_WORDS))
-        return builder.ptrtoint(block, WORD)
-
-    return types.int64(), generate
 
 
 @intrinsic
@@ -101,14 +87,54 @@ def call_go(typing_context, function, this, geom, phys, interaction):
 
 
 @intrinsic
-def call_body_by_id(typing_context, function, number):
-    """const shared_ptr<Body>& Body::byId(int, Scene* = nullptr): the current scene's body, through the function's address."""
+def call_body_by_id(typing_context, function, number, scene):
+    """const shared_ptr<Body>& Body::byId(int, Scene*), through its address; scene 0: the current one."""
 
     def generate(context, builder, signature, arguments):
         kind = ir.FunctionType(WORD, [ir.IntType(32), WORD])
-        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1], WORD(0)])
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
 
-    return types.int64(types.int64, types.int32), generate
+    return types.int64(types.int64, types.int32, types.int64), generate
+
+
+VECTOR = types.UniTuple(types.float64, 3)
+
+
+def _vector_on_stack(builder, vector):
+    """Address of three doubles on the stack with the components of a VECTOR."""
+    block = cgutils.alloca_once(builder, ir.ArrayType(DOUBLE, 3))
+    builder.store(vector, block)
+    return block, builder.ptrtoint(block, WORD)
+
+
+@intrinsic
+def call_rotate(typing_context, function, geom, vector):
+    """Vector3& ScGeom::rotate(Vector3&) const, through its address: the vector turned with the contact in this step."""
+
+    def generate(context, builder, signature, arguments):
+        block, place = _vector_on_stack(builder, arguments[2])
+        kind = ir.FunctionType(WORD, [WORD] * 2)
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1], place])
+        return builder.load(block)
+
+    return VECTOR(types.int64, types.int64, VECTOR), generate
+
+
+@intrinsic
+def call_apply_force(typing_context, function, functor, force, point, first, place1, second, place2):
+    """void LawFunctor::applyForceAtContactPoint(force, point, id, position, id, position), through its address."""
+    number = types.int32
+
+    def generate(context, builder, signature, arguments):
+        arguments = list(arguments)
+        arguments[2] = _vector_on_stack(builder, arguments[2])[1]
+        short = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [WORD, WORD, WORD, short, WORD, short, WORD])
+        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
+        return context.get_dummy_value()
+
+    kinds = types.int64, types.int64, VECTOR, types.int64, number, types.int64, number, types.int64
+    return types.void(*kinds), generate
 
 
 @intrinsic

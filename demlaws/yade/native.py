@@ -32,6 +32,14 @@ LAW = "Law2_ScGeom_MindlinPhys_Mindlin"
 GO = f"_ZN4yade{len(LAW)}{LAW}2goERN5boost10shared_ptrINS_5IGeomEEERNS2_INS_5IPhysEEEPNS_11InteractionE"
 TABLE = f"_ZTVN4yade{len(LAW)}{LAW}E"
 BODY_BY_ID = "_ZN4yade4Body4byIdEiPNS_5SceneE"
+VECTOR = "RKN5Eigen6MatrixIdLi3ELi1ELi0ELi3ELi1EEE"
+ROTATE = f"_ZNK4yade6ScGeom6rotateE{VECTOR.replace('K', '', 1)}"
+APPLY = f"_ZN4yade10LawFunctor24applyForceAtContactPointE{VECTOR}S5_iS5_iS5_"
+OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
+"""Options of Mindlin's law with which `shear.step_alone` is not used."""
+DAMPING_KINDS = ("alpha", "beta")
+"""Names that MindlinPhys had for the exponent of viscous damping."""
+SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
 ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylinder")
 """Shapes with a radius of their own, where YADE has them."""
 LARGEST_OBJECT = 4096  # bytes; a larger block was not allocated by malloc
@@ -109,6 +117,18 @@ def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e
     if (read(things[-1]) if read else getattr(things[-1], name)) != values[0]:
         raise BridgeUnavailable(f"{cls.__name__}.{name}: a number written at byte {place} does not read back")
     return place
+
+
+def _find_flag(thing, owner, name):
+    """Byte of `thing` that is 1 while this attribute of `owner` (default: `thing`) is set, and else 0."""
+    seen, owner = [], thing if owner is None else owner
+    for value in (False, True, False):
+        setattr(owner, name, value)
+        seen.append(read_memory(*_window(thing), ctypes.c_uint8).copy())
+    places = np.flatnonzero((seen[0] == 0) & (seen[1] == 1) & (seen[2] == 0))
+    if len(places) != 1:
+        raise BridgeUnavailable(f"{type(owner).__name__}.{name} is not one byte, but at {places.tolist()}")
+    return int(places[0])
 
 
 def _find_string(cls, name):
@@ -215,9 +235,11 @@ class Layout:
             at.POSITION: self._vector("pos", yade.State),
             at.ORIENTATION: self._quaternion(),
             at.POINT: self._vector("contactPoint", yade.ScGeom),
+            at.INCREMENT: self._vector("shearInc", yade.ScGeom),
+            at.BETAS: _find(yade.MindlinPhys, "betas"),
+            at.ROTATE: self._symbol(self.library, ROTATE),
         }
         self.number_done = _find(yade.PyRunner, "nDone", ctypes.c_int64, (1122334455667788, 2233445566778899, 3344556677889900))
-        self._find_what_the_law_changes()
         self.classes = {
             word: self._first_word(cls)
             for word, cls in (
@@ -242,6 +264,8 @@ class Layout:
             self.classes[at.PHYSICS_CAPILLARY] = self._first_word(yade.MindlinCapillaryPhys)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         self.slot = self.find_slot(probe)
+        self.step = {}  # words of `find_step` once the self-test has verified them
+        self.step_refused = "not tried"  # why not
 
     @staticmethod
     def _symbol(library, name):
@@ -253,8 +277,11 @@ class Layout:
     @staticmethod
     def _vector(name, cls=yade.MindlinPhys):
         def make(value):
-            thing = cls()
-            setattr(thing, name, yade.Vector3(value, 0, 0))  # State.pos is no argument of State
+            thing, vector = cls(), yade.Vector3(value, 0, 0)
+            if cls is yade.State:  # pos is no argument of State
+                setattr(thing, name, vector)
+            else:  # shearInc cannot be set otherwise
+                thing.updateAttrs({name: vector})
             return thing
 
         return _find(cls, name, make=make, read=lambda thing: getattr(thing, name)[0])
@@ -291,23 +318,37 @@ class Layout:
             if _find(cls, name) != self.offsets[word]:
                 raise BridgeUnavailable(f"{cls.__name__}.{name} is not where {base.__name__} has it")
 
-    def _find_what_the_law_changes(self):
-        """The block of MindlinPhys that its law may change, and the numbers without which it applies no force."""
-        numbers = {name: _find(yade.MindlinPhys, name) for name in ("betan", "betas", "kr", "ktw", "maxBendPl", "ks", "radius")}
-        vectors = ("momentBend", "momentTwist", "normalViscous", "shearViscous", "shearForce")
-        places = {name: self._vector(name) for name in vectors}
-        mine = [self.offsets[word] for word in (at.KN, at.KNO, at.KSO, at.FRICTION, at.MARK)]
-        spans = [self.offsets[word] for word in (at.SHEAR_FORCE, at.NORMAL_FORCE, at.DISPLACEMENT, at.STRETCH)]
-        spans += places.values()
-        first = min([*mine, *numbers.values(), *spans])
-        end = max([n + 8 for n in (*mine, *numbers.values())] + [n + 24 for n in spans])
-        if end - first > 8 * memory.SCRATCH_WORDS:
-            raise BridgeUnavailable(f"the numbers of MindlinPhys take {end - first} bytes")
-        zero = [numbers[name] for name in ("betan", "betas", "kr", "ktw")] + [self.offsets[at.KNO], self.offsets[at.KSO]]
-        for start in (places["momentBend"], places["momentTwist"], self.offsets[at.SHEAR_FORCE], self.offsets[at.DISPLACEMENT]):
-            zero += [start, start + 8, start + 16]
-        self.offsets |= {at.BLOCK: first, at.BLOCK_WORDS: (end - first) // 8}
-        self.offsets |= {at.PROBED + n: place for n, place in enumerate(zero)}
+    def find_step(self, functor, scene):
+        """Find what a contact step without the native `go` needs (`shear.step_alone`), once per process: `functor` has acted in
+        this empty scene. The words of the context, or BridgeUnavailable."""
+        here, size = _window(functor)
+        base = self._symbol(self.library, f"_ZTI{TABLE[4:]}")
+        kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
+        if _symbol_at(kind - 16) != SINGLE_BASE or parent != self._symbol(self.core, "_ZTIN4yade10LawFunctorE"):
+            raise BridgeUnavailable(f"{LAW} does not begin with a LawFunctor")
+        scenes = 8 * np.flatnonzero(read_memory(here, size, ctypes.c_uint64) == address(scene))
+        unknown = {name for name, value in functor.dict().items() if isinstance(value, bool)} - {*OPTIONS, "nothing"}
+        if unknown:
+            raise BridgeUnavailable(f"{LAW} has the options {', '.join(sorted(unknown))}, which demlaws does not know")
+        options = [_find_flag(functor, functor, name) for name in OPTIONS]
+        if len(scenes) != 1 or sorted(options) != list(range(min(options), min(options) + 4)):
+            raise BridgeUnavailable(f"{LAW} has its scene at {scenes.tolist()} and its options at {options}")
+        numbers = {name: _find(yade.MindlinPhys, name) for name in ("ks", "betan", *DAMPING_KINDS) if hasattr(yade.MindlinPhys, name)}
+        kinds = [numbers[name] for name in DAMPING_KINDS if name in numbers]
+        this = self.slot[0]
+        return {
+            at.APPLY: self._symbol(self.library, APPLY),
+            at.FUNCTOR: this,
+            at.SCENE: int(scenes[0]) - this,
+            at.OPTIONS: min(options) - this,
+            at.PERIODIC: _find_flag(scene, yade.O, "periodic"),
+            at.KS: numbers["ks"],
+            at.SHEAR_SUM: self._vector("shearForce"),
+            at.SHEAR_VISCOUS: self._vector("shearViscous"),
+            at.SLIDING: _find_flag(yade.MindlinPhys(), None, "isSliding"),
+            at.BETAN: numbers["betan"],
+            at.DAMPING_KIND: kinds[0] if kinds else numbers["betan"],
+        }
 
     @staticmethod
     def _body_number(name):
@@ -402,7 +443,7 @@ class Attachment:
         _, index, thunk = self.layout.slot
         self.context = at.Context()
         words = self.context.words
-        for word, value in {**self.layout.offsets, **self.layout.classes}.items():
+        for word, value in {**self.layout.offsets, **self.layout.classes, **self.layout.step}.items():
             words[word] = value
         words[at.GO] = thunk
         words[at.BODY_BY_ID] = self.layout.body_by_id

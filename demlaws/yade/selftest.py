@@ -1,14 +1,19 @@
 """Self-test of a law on two spheres in a scene of their own: the force that YADE applied against the force of the law."""
 
+from collections import defaultdict
+
 import numpy as np
 import yade
 
 from demlaws.errors import DemlawsError
 from demlaws.yade import layout as at
+from demlaws.yade import native
 from demlaws.yade.omega import get_engines, set_engines
 
 POISSON = 0.2
 TOLERANCE = 1e-14  # of the largest force
+STEP_TOLERANCE = 1e-12
+"""Of the largest value of each attribute: between a contact step without the native `go` and one with it."""
 
 
 class SelfTestFailed(DemlawsError):
@@ -57,6 +62,49 @@ def run(binding):
         omega.switchToScene(home)
 
 
+def try_step_alone(context, functor, omega, overlap):
+    """Use the contact step without the native `go` from now on if it leaves what `go` leaves; else note why not."""
+    layout = native.layout()
+    try:
+        words = {**layout.find_step(functor, omega._sceneObj), at.ALONE: 1}
+        natively = _sheared(omega, overlap)
+        context.words[[*words]] = list(words.values())
+        alone = _sheared(omega, overlap)
+        different = [
+            name
+            for name, values in natively.items()
+            if not np.abs(alone[name] - values).max() <= STEP_TOLERANCE * np.abs(values).max()
+        ]
+        if different:
+            raise native.BridgeUnavailable(f"it leaves other values of {', '.join(different)} than the native go")
+    except (native.BridgeUnavailable, AttributeError) as error:
+        context.words[at.ALONE] = 0
+        layout.step_refused = str(error)
+    else:
+        layout.step, layout.step_refused = words, None
+
+
+def _sheared(omega, overlap):
+    """What a new contact has that sticks, slides and turns, with the forces and torques, at each step: name → array."""
+    ball, seen = omega.bodies[1], defaultdict(list)
+    ball.state.pos = yade.Vector3(0, 0, 2 * ball.shape.radius + overlap)
+    omega.step()
+    for n, slip in enumerate([0.0, 0.05, 0.1, -0.1, 1.0, 2.0, -0.1, -3.0, 0.2, 0.0]):
+        turn, depth = 1e-3 * (n % 3), overlap * (1.0 - 0.05 * n) if slip else 0.5 * overlap
+        ball.state.pos = yade.Vector3(turn * overlap, 0, 2 * ball.shape.radius - depth)
+        ball.state.vel = yade.Vector3(slip, 0.3 * slip, 0) * (overlap / omega.dt)
+        for body, sense in zip(omega.bodies, (1.0, 0.4), strict=True):
+            body.state.angVel = yade.Vector3(turn, -turn, 1e-3) * (sense / omega.dt)
+        omega.step()
+        for name, value in omega.interactions[0, 1].phys.dict().items():
+            if name != "prevU":  # which has the number of the row
+                seen[name].append(value)
+        for body in omega.bodies:
+            seen["force"].append(omega.forces.f(body.id))
+            seen["torque"].append(omega.forces.t(body.id))
+    return {name: np.nan_to_num(np.array(values, float)) for name, values in seen.items()}
+
+
 def _compare(binding, omega):
     pairs = binding.pairs
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
@@ -86,7 +134,8 @@ def _compare(binding, omega):
     row = np.zeros(1, at.CONTACT)
     row["ratio"], row["tag"], row["radius"], row["modulus"] = 1.0, number + 1.0, effective_radius, modulus
     wrong, largest, forces, steps = 0.0, 0.0, [], 0
-    for overlap in _overlaps(_deepest(pairs, row, 4e-3 * effective_radius)):
+    deepest = _deepest(pairs, row, 4e-3 * effective_radius)
+    for overlap in _overlaps(deepest):
         omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
         omega.step()
         contact = omega.interactions[0, 1] if omega.interactions.has(0, 1) else None
@@ -106,6 +155,8 @@ def _compare(binding, omega):
         raise SelfTestFailed(f"YADE applied up to {max(forces):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
     if binding.context.take_fault() is not None:
         raise SelfTestFailed("the native code received unknown contacts")
+    if native.layout().step_refused == "not tried":
+        try_step_alone(binding.context, functor, omega, deepest)
     binding.account = 0.0, 0, 0.0
     binding.attachment.forget_rows()
     binding.attachment.watched_by(None)

@@ -1,19 +1,29 @@
 """Shear at a contact: changes of Mindlin's shear force, and the energy of shear. Compiled code, as `kernel`.
 
 `Passive` reduces the force before the native law adds K_t ds, `Native` leaves it as it is, `Slip` sets it: a row of springs.
-The relative displacement of a step, and how the contact turns, is taken from the native law, which adds forces to bodies at
-once. `probe` therefore calls it without stiffness, damping and moments: it adds nothing and leaves the displacement.
+YADE's geometry of the contact has the relative displacement of the step, and turns vectors with the contact.
 """
 
+import math
 from typing import NamedTuple
 
-import numba
 from numba.extending import overload
 
 from demlaws.core.numba_compat import INLINED, kernel
 from demlaws.core.unloading import GIVEN
 from demlaws.yade import layout as at
-from demlaws.yade.memory import call_go, load_double, load_word, scratch, store_double, store_word
+from demlaws.yade.memory import (
+    call_apply_force,
+    call_body_by_id,
+    call_go,
+    call_rotate,
+    load_byte,
+    load_double,
+    load_int,
+    load_word,
+    store_byte,
+    store_double,
+)
 
 SLACK = 1e-11
 SPRING_WORDS = 4
@@ -50,11 +60,23 @@ def load_vector(place):
 
 
 @kernel
-def store_vector(place, x, y, z):
+def store_vector(place, vector):
     """Three doubles."""
-    store_double(place, x)
-    store_double(place + 8, y)
-    store_double(place + 16, z)
+    store_double(place, vector[0])
+    store_double(place + 8, vector[1])
+    store_double(place + 16, vector[2])
+
+
+@kernel
+def scaled(factor, a):
+    """factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@kernel
+def less(a, factor, b):
+    """a - factor b."""
+    return a[0] - factor * b[0], a[1] - factor * b[1], a[2] - factor * b[2]
 
 
 @kernel
@@ -69,25 +91,83 @@ def cross(a, b):
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
-@numba.njit(error_model="numpy", nogil=True)
-def probe(context, this, geom_pointer, phys_pointer, interaction, x, y, z):
-    """Tangential displacement of this step, positive along the shear force that it makes [m], and the tangential vector
-    (x, y, z) turned with the contact as the native law turns it. Nothing else is changed."""
-    phys = load_word(phys_pointer)
-    block, backup = phys + word(context, at.BLOCK), scratch()
-    for n in range(word(context, at.BLOCK_WORDS)):
-        store_word(backup + 8 * n, load_word(block + 8 * n))
-    number = at.PROBED
-    while word(context, number) != 0:
-        store_double(phys + word(context, number), 0.0)
-        number += 1
-    displacement, stretch = phys + word(context, at.DISPLACEMENT), phys + word(context, at.STRETCH)
-    store_vector(stretch, x, y, z)
-    call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
-    step, turned = load_vector(displacement), load_vector(stretch)
-    for n in range(word(context, at.BLOCK_WORDS)):
-        store_word(block + 8 * n, load_word(backup + 8 * n))
-    return step, (turned[0] - step[0], turned[1] - step[1], turned[2] - step[2])
+@kernel
+def turned(context, geom, vector):
+    """A tangential vector, turned with the contact in this step."""
+    return call_rotate(word(context, at.ROTATE), geom, vector)
+
+
+@kernel
+def is_plain(context, this, geom, phys, interaction, row):
+    """Whether `step_alone` does what the native law would do: the contact is not new and has no viscous damping, the functor
+    has no option, the scene no period."""
+    return (
+        word(context, at.ALONE) != 0
+        and load_double(geom + word(context, at.OVERLAP)) > 0.0
+        and load_double(row + at.LAST) > 0.0
+        and load_word(row + at.ROW_INTERACTION) == interaction
+        and load_double(phys + word(context, at.BETAN)) == 0.0
+        and load_double(phys + word(context, at.BETAS)) == 0.0
+        and load_double(phys + word(context, at.DAMPING_KIND)) == 0.0
+        and load_int(this + word(context, at.OPTIONS)) == 0
+        and load_byte(load_word(this + word(context, at.SCENE)) + word(context, at.PERIODIC)) == 0
+    )
+
+
+@kernel
+def position_of(context, scene, number):
+    """Address of the position of a body."""
+    body = load_word(call_body_by_id(word(context, at.BODY_BY_ID), number, scene))
+    return load_word(body + word(context, at.BODY_STATE)) + word(context, at.POSITION)
+
+
+@kernel
+def step_alone(context, this, geom, phys, interaction):
+    """The native law for a contact that `is_plain`: shear, Coulomb's limit, forces and torques, every attribute as it leaves it."""
+    overlap = load_double(geom + word(context, at.OVERLAP))
+    root = math.sqrt(overlap)
+    ks = load_double(phys + word(context, at.KSO)) * root
+    size = load_double(phys + word(context, at.KNO)) * overlap * root
+    along, step = load_vector(geom + word(context, at.NORMAL)), load_vector(geom + word(context, at.INCREMENT))
+    normal = scaled(size, along)
+    force = less(turned(context, geom, load_vector(phys + word(context, at.SHEAR_FORCE))), ks, step)
+    stretch = less(turned(context, geom, load_vector(phys + word(context, at.STRETCH))), 1.0, step)
+    total = less(turned(context, geom, load_vector(phys + word(context, at.DISPLACEMENT))), 1.0, step)
+    limit, square = load_double(phys + word(context, at.FRICTION)) * size, dot(force, force)
+    sliding = square > limit * limit
+    if sliding:
+        share = limit / math.sqrt(square)
+        force, stretch = scaled(share, force), scaled(share, stretch)
+    store_byte(phys + word(context, at.SLIDING), sliding)
+    store_double(phys + word(context, at.KS), ks)
+    store_vector(phys + word(context, at.NORMAL_FORCE), normal)
+    store_vector(phys + word(context, at.SHEAR_FORCE), force)
+    store_vector(phys + word(context, at.SHEAR_SUM), force)
+    store_vector(phys + word(context, at.SHEAR_VISCOUS), (0.0, 0.0, 0.0))
+    store_vector(phys + word(context, at.STRETCH), stretch)
+    store_vector(phys + word(context, at.DISPLACEMENT), total)
+    scene = load_word(this + word(context, at.SCENE))
+    first, second = load_int(interaction + word(context, at.BODY1)), load_int(interaction + word(context, at.BODY2))
+    call_apply_force(
+        word(context, at.APPLY),
+        this - word(context, at.FUNCTOR),
+        less(scaled(-1.0, normal), 1.0, force),
+        geom + word(context, at.POINT),
+        first,
+        position_of(context, scene, first),
+        second,
+        position_of(context, scene, second),
+    )
+    return 1
+
+
+@kernel
+def advance(context, this, geom_pointer, phys_pointer, interaction, row):
+    """Mindlin's law with the coefficients in the contact's physics. Returns whether the contact lasts."""
+    geom, phys = load_word(geom_pointer), load_word(phys_pointer)
+    if is_plain(context, this, geom, phys, interaction, row):
+        return step_alone(context, this, geom, phys, interaction)
+    return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
 
 
 @kernel
@@ -105,8 +185,7 @@ def reduce_force(phys, context, now, old):
     share = kept_share(now, old)
     if share < 1.0:
         place = phys + word(context, at.SHEAR_FORCE)
-        x, y, z = load_vector(place)
-        store_vector(place, share * x, share * y, share * z)
+        store_vector(place, scaled(share, load_vector(place)))
 
 
 def before(mode, context, phys, row, stiffness):
@@ -132,11 +211,11 @@ def account(row, stiffness, stored, loss):
 
 @kernel
 def go_as_one_spring(context, this, geom_pointer, phys_pointer, interaction, row, stiffness):
-    """Call the native law and account for the energy of shear."""
-    phys = load_word(phys_pointer)
+    """Mindlin's law, with an account of the energy of shear."""
+    geom, phys = load_word(geom_pointer), load_word(phys_pointer)
     place = phys + word(context, at.SHEAR_FORCE)
     old, stored = load_vector(place), load_double(row + at.SHEAR_HELD)
-    keep = call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
+    keep = advance(context, this, geom_pointer, phys_pointer, interaction, row)
     if not stiffness > 0.0:
         account(row, 0.0, 0.0, stored)
         return keep
@@ -146,8 +225,8 @@ def go_as_one_spring(context, this, geom_pointer, phys_pointer, interaction, row
     first, last = compliance * dot(old, old), compliance * dot(new, new)
     loss = stored - first
     if first + last > 0.0 and dot(new, new) >= friction * friction * dot(normal, normal):  # it slides
-        step, turned = probe(context, this, geom_pointer, phys_pointer, interaction, old[0], old[1], old[2])
-        loss += 0.5 * (dot(turned, step) + dot(new, step)) - (last - first)
+        step = load_vector(geom + word(context, at.INCREMENT))  # its work on the body is positive against the force
+        loss -= 0.5 * (dot(turned(context, geom, old), step) + dot(new, step)) + (last - first)
     account(row, stiffness, last, loss)
     return keep
 
@@ -163,7 +242,7 @@ def _compress(mode, rule, p, context, row, overlap, force, stiffness, state):
 
 
 def go(mode, context, this, geom_pointer, phys_pointer, interaction, row, stiffness):
-    """Call the native law; stiffness: K_t [N/m]. Returns its answer."""
+    """Mindlin's law; stiffness: K_t [N/m]. Returns whether the contact lasts."""
 
 
 @overload(go, jit_options=INLINED)

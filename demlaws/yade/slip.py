@@ -10,19 +10,22 @@ from demlaws.core.slip import stretched
 from demlaws.core.unloading import Elastic, Given, Hertz, Thornton
 from demlaws.laws.etsion import Etsion, Jackson
 from demlaws.yade import layout as at
-from demlaws.yade.memory import call_go, load_double, load_word, store_double
+from demlaws.yade.memory import load_double, load_word, store_double
 from demlaws.yade.shear import (
     FRAME_WORDS,
     SLACK,
     Slip,
     account,
+    advance,
     compress,
     cross,
     dot,
     go,
+    less,
     load_vector,
-    probe,
+    scaled,
     store_vector,
+    turned,
     word,
 )
 
@@ -161,7 +164,7 @@ def unit_perpendicular(normal):
 
 @kernel
 def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row, stiffness):
-    """Set the shear force to that of the springs, call the native law and account for the energy; stiffness: K_t [N/m]."""
+    """Set the shear force to that of the springs, apply Mindlin's law and account for the energy; stiffness: K_t [N/m]."""
     geom, phys = load_word(geom_pointer), load_word(phys_pointer)
     springs, count = row + word(context, at.SPRINGS), word(context, at.SPRING_COUNT)
     means = springs + 8 * (FRAME_WORDS + count)
@@ -169,18 +172,18 @@ def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row,
     place, energy = phys + word(context, at.SHEAR_FORCE), load_double(row + at.SHEAR_HELD)
     old_first, old_second = load_vector(springs), load_vector(springs + 24)
     if not stiffness > 0.0:
-        store_vector(place, 0.0, 0.0, 0.0)
+        store_vector(place, (0.0, 0.0, 0.0))
         for k in range(2 * count):
             store_double(stretch + 8 * k, 0.0)
         account(row, 0.0, 0.0, energy)
-        keep = call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
-        store_vector(springs, 0.0, 0.0, 0.0)
+        keep = advance(context, this, geom_pointer, phys_pointer, interaction, row)
+        store_vector(springs, (0.0, 0.0, 0.0))
         return keep
-    step, turned = probe(context, this, geom_pointer, phys_pointer, interaction, old_first[0], old_first[1], old_first[2])
-    normal = load_vector(geom + word(context, at.NORMAL))
-    length = sqrt(dot(turned, turned))
+    step = scaled(-1.0, load_vector(geom + word(context, at.INCREMENT)))  # positive along the force that it makes
+    normal, first = load_vector(geom + word(context, at.NORMAL)), turned(context, geom, old_first)
+    length = sqrt(dot(first, first))
     if length > 0.0:
-        first = (turned[0] / length, turned[1] / length, turned[2] / length)
+        first = (first[0] / length, first[1] / length, first[2] / length)
     else:  # a new contact
         first, length = unit_perpendicular(normal), 1.0
         old_first, old_second = first, cross(normal, first)
@@ -212,20 +215,15 @@ def go_with_springs(context, this, geom_pointer, phys_pointer, interaction, row,
         stored += 0.5 * one * (u * u + v * v)
     # the native law turns this and adds K_t times the displacement
     first_part, second_part = (along - stiffness * du) / length, (across - stiffness * dv) / length
-    store_vector(
-        place,
-        first_part * old_first[0] + second_part * old_second[0],
-        first_part * old_first[1] + second_part * old_second[1],
-        first_part * old_first[2] + second_part * old_second[2],
-    )
-    store_vector(springs, first[0], first[1], first[2])
-    store_vector(springs + 24, second[0], second[1], second[2])
+    store_vector(place, less(scaled(first_part, old_first), -second_part, old_second))
+    store_vector(springs, first)
+    store_vector(springs + 24, second)
     account(row, stiffness, stored, work - (stored - energy))
-    damping = phys + word(context, at.PROBED + 1)
+    damping = phys + word(context, at.BETAS)
     betas = load_double(damping)
     if along * along + across * across >= (1.0 - SLACK) * most * most:  # sliding, which the native law does not see
         store_double(damping, 0.0)
-    keep = call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
+    keep = advance(context, this, geom_pointer, phys_pointer, interaction, row)
     store_double(damping, betas)
     return keep
 
