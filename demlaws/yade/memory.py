@@ -97,44 +97,48 @@ def call_body_by_id(typing_context, function, number, scene):
     return types.int64(types.int64, types.int32, types.int64), generate
 
 
-VECTOR = types.UniTuple(types.float64, 3)
+@intrinsic
+def on_stack(typing_context, vector):
+    """Address of a copy of three doubles on the stack. The first two are written at once, as YADE reads them: a processor
+    waits where it reads at once what was written in two parts."""
 
+    def generate(context, builder, signature, arguments):
+        pair = ir.VectorType(DOUBLE, 2)
+        block = cgutils.alloca_once(builder, ir.ArrayType(DOUBLE, 3))
+        place = builder.ptrtoint(block, WORD)
+        items = [builder.extract_value(arguments[0], n) for n in range(3)]
+        first = builder.insert_element(pair(ir.Undefined), items[0], ir.IntType(32)(0))
+        first = builder.insert_element(first, items[1], ir.IntType(32)(1))
+        builder.store(first, builder.inttoptr(place, pair.as_pointer()), align=8)
+        builder.store(items[2], builder.inttoptr(builder.add(place, WORD(16)), DOUBLE.as_pointer()))
+        return place
 
-def _vector_on_stack(builder, vector):
-    """Address of three doubles on the stack with the components of a VECTOR."""
-    block = cgutils.alloca_once(builder, ir.ArrayType(DOUBLE, 3))
-    builder.store(vector, block)
-    return block, builder.ptrtoint(block, WORD)
+    return types.int64(types.UniTuple(types.float64, 3)), generate
 
 
 @intrinsic
-def call_rotate(typing_context, function, geom, vector):
-    """Vector3& ScGeom::rotate(Vector3&) const, through its address: the vector turned with the contact in this step."""
+def call_rotate(typing_context, function, geom, place):
+    """Vector3& ScGeom::rotate(Vector3&) const, through its address: turns the vector at `place` with the contact."""
 
     def generate(context, builder, signature, arguments):
-        block, place = _vector_on_stack(builder, arguments[2])
         kind = ir.FunctionType(WORD, [WORD] * 2)
-        builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), [arguments[1], place])
-        return builder.load(block)
+        return builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
 
-    return VECTOR(types.int64, types.int64, VECTOR), generate
+    return types.int64(*[types.int64] * 3), generate
 
 
 @intrinsic
 def call_apply_force(typing_context, function, functor, force, point, first, place1, second, place2):
     """void LawFunctor::applyForceAtContactPoint(force, point, id, position, id, position), through its address."""
-    number = types.int32
 
     def generate(context, builder, signature, arguments):
-        arguments = list(arguments)
-        arguments[2] = _vector_on_stack(builder, arguments[2])[1]
-        short = ir.IntType(32)
-        kind = ir.FunctionType(ir.VoidType(), [WORD, WORD, WORD, short, WORD, short, WORD])
+        number = ir.IntType(32)
+        kind = ir.FunctionType(ir.VoidType(), [WORD, WORD, WORD, number, WORD, number, WORD])
         builder.call(builder.inttoptr(arguments[0], kind.as_pointer()), arguments[1:])
         return context.get_dummy_value()
 
-    kinds = types.int64, types.int64, VECTOR, types.int64, number, types.int64, number, types.int64
-    return types.void(*kinds), generate
+    word, number = types.int64, types.int32
+    return types.void(word, word, word, word, number, word, number, word), generate
 
 
 @intrinsic

@@ -21,6 +21,7 @@ from demlaws.yade.memory import (
     load_double,
     load_int,
     load_word,
+    on_stack,
     store_byte,
     store_double,
 )
@@ -94,7 +95,16 @@ def cross(a, b):
 @kernel
 def turned(context, geom, vector):
     """A tangential vector, turned with the contact in this step."""
-    return call_rotate(word(context, at.ROTATE), geom, vector)
+    place = on_stack(vector)
+    call_rotate(word(context, at.ROTATE), geom, place)
+    return load_vector(place)
+
+
+@kernel
+def turned_here(context, geom, place):
+    """The vector at `place`, after it was turned there."""
+    call_rotate(word(context, at.ROTATE), geom, place)
+    return load_vector(place)
 
 
 @kernel
@@ -130,9 +140,9 @@ def step_alone(context, this, geom, phys, interaction):
     size = load_double(phys + word(context, at.KNO)) * overlap * root
     along, step = load_vector(geom + word(context, at.NORMAL)), load_vector(geom + word(context, at.INCREMENT))
     normal = scaled(size, along)
-    force = less(turned(context, geom, load_vector(phys + word(context, at.SHEAR_FORCE))), ks, step)
-    stretch = less(turned(context, geom, load_vector(phys + word(context, at.STRETCH))), 1.0, step)
-    total = less(turned(context, geom, load_vector(phys + word(context, at.DISPLACEMENT))), 1.0, step)
+    force = less(turned_here(context, geom, phys + word(context, at.SHEAR_FORCE)), ks, step)
+    stretch = less(turned_here(context, geom, phys + word(context, at.STRETCH)), 1.0, step)
+    total = less(turned_here(context, geom, phys + word(context, at.DISPLACEMENT)), 1.0, step)
     limit, square = load_double(phys + word(context, at.FRICTION)) * size, dot(force, force)
     sliding = square > limit * limit
     if sliding:
@@ -151,7 +161,7 @@ def step_alone(context, this, geom, phys, interaction):
     call_apply_force(
         word(context, at.APPLY),
         this - word(context, at.FUNCTOR),
-        less(scaled(-1.0, normal), 1.0, force),
+        on_stack(less(scaled(-1.0, normal), 1.0, force)),
         geom + word(context, at.POINT),
         first,
         position_of(context, scene, first),
