@@ -333,7 +333,9 @@ class Layout:
         options = [_find_flag(functor, functor, name) for name in OPTIONS]
         if len(scenes) != 1 or sorted(options) != list(range(min(options), min(options) + 4)):
             raise BridgeUnavailable(f"{LAW} has its scene at {scenes.tolist()} and its options at {options}")
-        numbers = {name: _find(yade.MindlinPhys, name) for name in ("ks", "betan", *DAMPING_KINDS) if hasattr(yade.MindlinPhys, name)}
+        numbers = {
+            name: _find(yade.MindlinPhys, name) for name in ("ks", "betan", *DAMPING_KINDS) if hasattr(yade.MindlinPhys, name)
+        }
         kinds = [numbers[name] for name in DAMPING_KINDS if name in numbers]
         this = self.slot[0]
         return {

@@ -1,0 +1,180 @@
+"""The contact step without the native `go` against stock Mindlin, attribute by attribute, and against our step with it."""
+
+import ctypes
+
+import numpy as np
+import pytest
+from yade_scenes import YOUNG, engine_list, functor, interaction_loop, material, sphere, under_yade, yade
+
+from demlaws.yade import layout as at
+from demlaws.yade import native
+
+STEPS = 250
+OPTIONS = [{"calcEnergy": True}, {"includeMoment": True}, {"neverErase": True}]
+
+
+def box_of_stones(law, physics=None, periodic=False):
+    """Spheres and clumps that are shaken in a box of facets and walls; none is at rest, some slide, some part."""
+    omega = yade.O
+    omega.reset()
+    stone, side, generator = material(friction=0.2), 0.1, np.random.default_rng(4)
+    if periodic:
+        omega.periodic = True
+        omega.cell.hSize = yade.Matrix3(side, 0, 0, 0, side, 0, 0, 0, side)
+    corners = [(0, 0), (side, 0), (side, side), (0, side)]
+    for (x, y), (u, v) in [] if periodic else zip(corners, corners[1:] + corners[:1], strict=True):
+        for flat in ([(x, y, 0), (u, v, 0), (u, v, side)], [(x, y, 0), (u, v, side), (x, y, side)]):
+            omega.bodies.append(yade.utils.facet(flat, material=stone))
+    for height, sense in () if periodic else ((0.0, 1), (side, -1)):
+        omega.bodies.append(yade.utils.wall(height, 2, sense=sense, material=stone))
+    place = 0.01002 + 0.01999 * np.arange(4)  # neighbours and walls touch
+    for x in place:
+        for y in place:
+            for z in place:
+                grain = [sphere((x, y, z), 0.01001, material=stone)]
+                if z == place[-1] and x < 0.05:
+                    grain.append(sphere((x, y, z + 0.01), 0.008, material=stone))
+                body = omega.bodies.appendClumped(grain)[0] if len(grain) > 1 else omega.bodies.append(grain[0])
+                omega.bodies[body].state.vel = generator.uniform(-1, 1, 3)
+                omega.bodies[body].state.angVel = generator.uniform(-100, 100, 3)
+    loop = interaction_loop(
+        law,
+        geometries=[yade.Ig2_Sphere_Sphere_ScGeom(), yade.Ig2_Facet_Sphere_ScGeom(), yade.Ig2_Wall_Sphere_ScGeom()],
+        physics=physics and [physics],
+    )
+    omega.engines = engine_list(loop, bounds=[yade.Bo1_Facet_Aabb(), yade.Bo1_Wall_Aabb()])
+    omega.dt = 2e-7
+    return omega
+
+
+def seen(omega, each_step=lambda number: None):
+    """name → array over contacts, steps and components: attributes of contacts, forces and torques of bodies."""
+    found = {}
+    for step in range(STEPS):
+        each_step(step)
+        omega.step()
+        if step % 10:
+            continue
+        for body in omega.bodies:
+            found.setdefault("force", []).append(omega.forces.f(body.id))
+            found.setdefault("torque", []).append(omega.forces.t(body.id))
+        for pair, contact in sorted(((c.id1, c.id2), c) for c in omega.interactions if c.isReal):
+            found.setdefault("pair", []).append(pair)
+            for name, value in contact.phys.dict().items():
+                if name != "prevU":  # which has the number of our row
+                    found.setdefault(name, []).append(value)
+    return {name: np.nan_to_num(np.array(values, float)) for name, values in found.items()}
+
+
+def assert_same(mine, stock, tolerance=1e-9):
+    """Rounding grows: bodies collide."""
+    assert mine.keys() == stock.keys()
+    for name, values in stock.items():
+        assert mine[name].shape == values.shape, name
+        error = np.abs(mine[name] - values)
+        if name == "isSliding":  # at Coulomb's limit rounding decides
+            assert error.mean() < 0.01
+        else:
+            assert error.max() <= tolerance * np.abs(values).max(), name
+
+
+class Counted:
+    """How often a law calls the native `go`."""
+
+    def __init__(self, law):
+        words, self.calls = law.binding.attachment.context.words, 0
+        kind = ctypes.CFUNCTYPE(ctypes.c_bool, *[ctypes.c_void_p] * 4)
+        go = kind(int(words[at.GO]))
+
+        def count(*arguments):
+            self.calls += 1
+            return go(*arguments)
+
+        self.kept = kind(count)
+        words[at.GO] = ctypes.cast(self.kept, ctypes.c_void_p).value
+
+
+def hertz():
+    """The functor of ours that must leave what stock Mindlin leaves."""
+    return functor("hertz", "elastic", {}, bridge="native", shear="native", flats="yade")
+
+
+def contact_steps(found):
+    return 10 * len(found["pair"])
+
+
+def test_hertz_leaves_what_stock_mindlin_leaves(omega):
+    stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
+    law = hertz()
+    calls = Counted(law)
+    mine = seen(box_of_stones(law))
+    assert_same(mine, stock)
+    sliding = stock["isSliding"]
+    assert 0.05 < sliding.mean() < 0.95 and np.abs(stock["torque"]).max() > 0.0
+    pairs = {tuple(pair) for pair in stock["pair"].tolist()}
+    assert len(pairs) > 150 and len(stock["pair"]) < len(pairs) * STEPS / 10  # some begin or end
+    assert native.layout().step_refused is None
+    assert 0 < calls.calls < 0.1 * contact_steps(stock)  # of new contacts and those that end
+
+
+@pytest.mark.parametrize("case", ["damped", "periodic", *OPTIONS], ids=str)
+def test_where_the_native_go_acts(omega, case):
+    """With damping, in a periodic scene and with options of the functor, set while it runs."""
+    options = case if isinstance(case, dict) else {}
+    damped = yade.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.6, es=0.6) if case == "damped" else None
+
+    def run(law):
+        def turn_on(step):
+            if step == 100:
+                for name, value in options.items():
+                    setattr(law, name, value)
+
+        return seen(box_of_stones(law, damped, case == "periodic"), turn_on)
+
+    stock, law = run(yade.Law2_ScGeom_MindlinPhys_Mindlin()), hertz()
+    calls = Counted(law)
+    assert_same(run(law), stock)
+    assert calls.calls >= (0.95 if not options else 0.55) * contact_steps(stock)
+
+
+@pytest.mark.parametrize("shear", ["elastic", "slip"])
+def test_a_rough_law_with_and_without_the_native_go(omega, shear):
+    """Attributes and totals of energy of a law with history."""
+
+    def run(alone):
+        law = functor("pohrt-popov", "hertz", bridge="native", shear=shear)
+        law.binding.attachment.context.words[at.ALONE] &= alone
+        found, totals = seen(box_of_stones(law)), law.totals()
+        return found | {name: np.array([getattr(totals, name)]) for name in ("stored", "dissipated", "shear_stored")}, totals
+
+    (with_go, totals), (without, mine) = run(0), run(1)
+    assert_same(without, with_go)
+    assert mine.shear_dissipated == pytest.approx(totals.shear_dissipated, rel=1e-9) and mine.shear_dissipated > 0.0
+
+
+def test_on_two_threads(tmp_path):
+    under_yade(
+        """
+from test_yade_step import *
+assert yade.O.numThreads == 2
+stock = seen(box_of_stones(yade.Law2_ScGeom_MindlinPhys_Mindlin()))
+assert_same(seen(box_of_stones(hertz())), stock)
+assert native.layout().step_refused is None
+print("SAME")
+""",
+        tmp_path,
+        threads=2,
+    ).stdout.index("SAME")
+
+
+def test_a_step_that_differs_is_refused(omega, monkeypatch):
+    """The self-test compares: with another offset of the friction, the native `go` goes on to act."""
+    layout = native.Layout()
+    monkeypatch.setattr(native, "_layout", layout)
+    find = layout.find_step
+    monkeypatch.setattr(layout, "find_step", lambda *given: {**find(*given), at.SHEAR_SUM: layout.offsets[at.STRETCH]})
+    law = hertz()
+    assert "shearForce" in layout.step_refused and not layout.step
+    calls = Counted(law)
+    found = seen(box_of_stones(law))
+    assert calls.calls >= contact_steps(found) and found["kn"].max() > 1e-4 * YOUNG
