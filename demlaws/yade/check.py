@@ -55,6 +55,11 @@ def main(select=each_once):
     pairs = select()
     print(f"{len(pairs)} laws with rules are tested, some 3 s each if this machine has not compiled them before", flush=True)
     failures = self_tests(dl, pairs)
+    refused = layout.step_refused
+    print(
+        "contact step: by YADE's own function"
+        + (f": {refused}" if refused else " only where a contact is new, damped or periodic")
+    )
     print(f"{'all self-tests passed' if not failures else f'{failures} self-tests FAILED'}", end=" ")
     print(f"in {time.perf_counter() - start:.1f} s (a law's first use on a machine compiles, later ones read the cache)")
     return 1 if failures else 0

@@ -23,7 +23,7 @@ import yade
 import yade.config
 
 from demlaws.errors import DemlawsError
-from demlaws.yade import kernel, memory
+from demlaws.yade import kernel
 from demlaws.yade import layout as at
 
 TESTED = ("2023.02a", "2025.2.0", "2026.1.0")
