@@ -133,7 +133,7 @@ def position_of(context, scene, number):
 
 @kernel
 def step_alone(context, this, geom, phys, interaction):
-    """The native law for a contact that `is_plain`: shear, Coulomb's limit, forces, torques; all attributes as it leaves them."""
+    """The native law for a contact that `is_plain`: shear, Coulomb's limit, forces, torques; every attribute."""
     overlap = load_double(geom + word(context, at.OVERLAP))
     root = math.sqrt(overlap)
     ks = load_double(phys + word(context, at.KSO)) * root
