@@ -8,7 +8,7 @@ import math
 
 import numba
 import numpy as np
-from numba import literal_unroll, types
+from numba import types
 from numba.extending import overload
 
 from demlaws.admissible import LARGEST_ROUGHNESS, RANGES
@@ -22,7 +22,6 @@ from demlaws.core.unloading import rule_of, rule_of_smooth_contact
 from demlaws.laws.hertz import HertzParams, HertzShape
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
 from demlaws.yade import layout as at
-from demlaws.yade.layout import LINES_OF_GEOMETRY, LINES_OF_INTERACTION, LINES_OF_PHYSICS
 from demlaws.yade.memory import (
     add_double,
     add_word,
@@ -35,7 +34,6 @@ from demlaws.yade.memory import (
     load_params,
     load_tuple,
     load_word,
-    prefetch,
     store_double,
     store_params,
     store_tuple,
@@ -363,22 +361,6 @@ def known_row(context, code, phys):
 
 
 @kernel
-def prefetch_from(row):
-    """Ask for the memory of the contact that `row` is about, if it still lives there."""
-    phys, geom, interaction = (
-        load_word(row + at.ROW_PHYSICS),
-        load_word(row + at.ROW_GEOMETRY),
-        load_word(row + at.ROW_INTERACTION),
-    )
-    for line in literal_unroll(LINES_OF_PHYSICS):
-        prefetch(phys + line)
-    for line in literal_unroll(LINES_OF_GEOMETRY):
-        prefetch(geom + line)
-    for line in literal_unroll(LINES_OF_INTERACTION):
-        prefetch(interaction + line)
-
-
-@kernel
 def free_row(context):
     """Number of a row that no contact has; -1: there is none."""
     if word(context, at.FREE_TAKEN) < word(context, at.FREE_COUNT):
@@ -390,12 +372,11 @@ def free_row(context):
 
 
 @loop
-def fill_row(kind, context, row, number, geom, phys, interaction):
+def fill_row(kind, context, row, number, phys, interaction):
     """Write what a row holds beside the history, and the row's number, negative for a smooth pair, to the contact."""
     record = word(context, at.RECORDS) + (np.int64(load_double(row + at.TAG)) - 1) * word(context, at.RECORD_BYTES)
     radius, modulus = load_double(row + at.RADIUS), load_double(row + at.MODULUS)
     store_word(row + at.ROW_PHYSICS, phys)
-    store_word(row + at.ROW_GEOMETRY, geom)
     store_word(row + at.ROW_INTERACTION, interaction)
     store_word(row + at.ROW_RECORD, record)
     code = (word(context, at.GENERATION) << 28) + number
@@ -422,7 +403,7 @@ def make_row(kind, context, geom, phys, interaction):
     for n in range(word(context, at.ROW_WORDS)):
         store_word(row + 8 * n, 0)
     initialise_contact(context, row, geom, phys, interaction)
-    return fill_row(kind, context, row, number, geom, phys, interaction)
+    return fill_row(kind, context, row, number, phys, interaction)
 
 
 @loop
@@ -465,7 +446,6 @@ def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_
         store_double(phys + word(context, at.KNO), 0.0 if word(context, at.ALARM) != 0 else math.nan)
         store_double(phys + word(context, at.KSO), 0.0)
         return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
-    prefetch_from(row + at.AHEAD * 8 * word(context, at.ROW_WORDS))
     if load_word(row + at.ROW_INTERACTION) != interaction and word(context, at.SHARED) == 0:
         shared(context, interaction)
     if overlap > 0.0 and word(context, at.RADIUS_MODE) == at.CURVATURE_RADIUS:

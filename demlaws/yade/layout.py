@@ -63,15 +63,12 @@ FLAT_GAP, NO_CURVATURE = 20, 21
 BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS, FUNCTION_RADIUS = 0, 1, 2, 3
 """Values of RADIUS_MODE."""
 
-# A row of a law's memory: the addresses of the contact's phys, geom and interaction and of its pair's record; its history; the
+# A row of a law's memory: the addresses of the contact's phys and interaction and of its pair's record; its history; the
 # numbers of its Params that are its own (derived numbers, which cost too much to derive at each step: a law that yields finds
-# its yield point by bisection); with partial slip, its springs. Rows are made, and so stored, in the order in which YADE visits
-# contacts: the addresses in the row after next tell which memory will be needed soon. YADE's objects are scattered, and the
-# processor cannot guess them. MindlinPhys.prevU[1], which Mindlin's law does not use, is the number of the contact's row,
-# negative for a smooth pair. It carries a number drawn at random: a row of another process is not taken.
-ROW_PHYSICS, ROW_GEOMETRY, ROW_INTERACTION, ROW_RECORD, ROW_HISTORY = 0, 8, 16, 24, 32
-AHEAD = 2  # rows; 1 to 4 are equally fast
-LINES_OF_PHYSICS, LINES_OF_GEOMETRY, LINES_OF_INTERACTION = (32, 96, 160, 224, 288, 352), (0, 64, 128, 192), (0, 64)
+# its yield point by bisection); with partial slip, its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, is the
+# number of the contact's row, negative for a smooth pair. It carries a number drawn at random: a row of another process is not
+# taken.
+ROW_PHYSICS, ROW_INTERACTION, ROW_RECORD, ROW_HISTORY = 0, 8, 16, 24
 
 # A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], up to three state
 # values of the unloading rule; K_t of the last step [N/m], the energy of shear that it stores and that it has lost [J].

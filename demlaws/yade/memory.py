@@ -62,20 +62,6 @@ def add_word(typing_context, address, value):
 
 
 @intrinsic
-def prefetch(typing_context, address):
-    """Ask for the cache line at `address`, which need not be valid."""
-
-    def generate(context, builder, signature, arguments):
-        pointer, flag = BYTE.as_pointer(), ir.IntType(32)
-        kind = ir.FunctionType(ir.VoidType(), [pointer, flag, flag, flag])
-        function = builder.module.globals.get("llvm.prefetch.p0i8") or ir.Function(builder.module, kind, "llvm.prefetch.p0i8")
-        builder.call(function, [builder.inttoptr(arguments[0], pointer), flag(1), flag(3), flag(1)])
-        return context.get_dummy_value()
-
-    return types.void(types.int64), generate
-
-
-@intrinsic
 def call_go(typing_context, function, this, geom, phys, interaction):
     """bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*), through its address."""
 

@@ -464,7 +464,7 @@ class Attachment:
         self._pairs, self._runner = pairs, None  # referenced: native code reads the pairs and writes into the runner
         words[at.GENERATION] = 1 + int.from_bytes(os.urandom(3), "little")
         self.rows, self._free = _reserve(MOST_ROWS, pairs.row_words), np.zeros(0, np.int64)
-        words[at.ROWS], words[at.CAPACITY] = self.rows.ctypes.data, len(self.rows) - at.AHEAD
+        words[at.ROWS], words[at.CAPACITY] = self.rows.ctypes.data, len(self.rows)
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         point = ctypes.c_uint64.from_address(address(probe) + self.layout.find_slot(probe)[0]).value
         self.table = np.zeros(COPIED + 3, np.int64)
@@ -524,7 +524,7 @@ class Attachment:
             self._history()[number] = words_of_row[:history]
             self.rows[number, self._pairs.springs_at :] = words_of_row[history:]
             row = self.rows.ctypes.data + number * self.rows.strides[0]
-            places = (address(thing) for thing in (contact.geom, phys, contact))
+            places = address(phys), address(contact)
             kernel.fill_row(self._pairs.kind, self.context.address, row, number, *places)
 
     def collect(self, contacts):
@@ -550,7 +550,7 @@ class Attachment:
         number = int(self._numbers([contact])[0])
         self._history()[number].view(at.CONTACT)["radius"] = radius
         row = self.rows.ctypes.data + number * self.rows.strides[0]
-        places = (address(thing) for thing in (contact.geom, contact.phys, contact))
+        places = address(contact.phys), address(contact)
         kernel.fill_row(self._pairs.kind, self.context.address, row, number, *places)
 
     def forget_rows(self):
