@@ -430,7 +430,7 @@ def knows(context, geometry, physics):
 
 @kernel
 def act(kind, params_kind, shear, mode, rule, context, this, geom_pointer, phys_pointer, interaction):
-    """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which then does all the rest."""
+    """The body of `go`: our force and stiffness as coefficients of Mindlin's law, which does the rest (`shear.advance`)."""
     geom, phys = load_word(geom_pointer), load_word(phys_pointer)
     if not knows(context, load_word(geom), load_word(phys)):
         fault(context, at.WRONG_CLASS, interaction, 0.0)

@@ -2,8 +2,8 @@
 
 YADE is C++; Debian ships no headers, and YADE never calls the `go` of a Python subclass. So a functor object gets a private
 copy of its table of virtual functions, with `go` replaced by compiled code (`kernel.act`) that writes our force as Mindlin's
-coefficients kno and kso and then calls the native `go`. Every other functor keeps the original table, and the rest of YADE's
-memory is unchanged.
+coefficients kno and kso and then applies Mindlin's law, by itself or by calling the native `go`. Every other functor keeps the
+original table, and the rest of YADE's memory is unchanged.
 
 All assumptions are checked here: against exported symbols, against the layout rules of the Itanium C++ ABI, and on objects
 made for this check (a number written through the API is found at exactly one place of three objects, is written there, and
