@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.curve import TableParams
 from demlaws.core.loops import first_loading, inverse_loop, loading_part, one_of
+from demlaws.core.table_types import TableParams
 from demlaws.core.unloading import RULES, JoinedParams, JoinedShape, Rule
 from demlaws.errors import DemlawsError, NotPassive
 

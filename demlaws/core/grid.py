@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import NO_YIELD, CurveShape, Grid, TableShape, invert_loop, read
+from demlaws.core.curve import CurveShape, invert_loop, read
+from demlaws.core.table_types import NO_YIELD, Grid, TableShape
 from demlaws.errors import DemlawsError
 
 MOST_BITS = 12

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.curve import NO_YIELD, BulkYield, TableShape
+from demlaws.core.table_types import NO_YIELD, BulkYield, TableShape
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_user_defined
 

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact, contact_at
-from demlaws.core.curve import NO_YIELD, BulkYield
 from demlaws.core.grid import shape_from_nodes
+from demlaws.core.table_types import NO_YIELD, BulkYield
 from demlaws.criterion import YIELD_RATIO
 from demlaws.curves import text
 from demlaws.curves.points import Knots

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact, as_contact
-from demlaws.core.curve import BulkYield, TableShape
 from demlaws.core.grid import Nodes, quick_to_invert
 from demlaws.core.loops import (
     bind_params,
     one_of,
 )
+from demlaws.core.table_types import BulkYield, TableShape
 from demlaws.core.unloading import Rule
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition

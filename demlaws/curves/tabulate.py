@@ -8,7 +8,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from demlaws.contact import Contact, contact_at
-from demlaws.core.curve import NO_YIELD
 from demlaws.core.grid import MOST_BITS, Nodes, grid, shape_from_nodes
 from demlaws.core.loops import (
     bind_params,
@@ -19,6 +18,7 @@ from demlaws.core.loops import (
     loading_part,
     one_of,
 )
+from demlaws.core.table_types import NO_YIELD
 from demlaws.curves.table import Certificate, TableCurve
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Definition

@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import Grid
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, kernel
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
+from demlaws.core.table_types import Grid
 from demlaws.criterion import transition_load
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities

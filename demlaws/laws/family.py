@@ -12,10 +12,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from demlaws.core.curve import Grid, TableShape, read_curve, scale_table
+from demlaws.core.curve import read_curve, scale_table
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
 from demlaws.core.grid import Nodes, grid, shape_from_nodes
+from demlaws.core.table_types import Grid, TableShape
 from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Limit
 from demlaws.laws.hertz import HertzShape

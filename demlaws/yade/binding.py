@@ -11,13 +11,13 @@ import numpy as np
 import yade
 import yade.utils
 
-from demlaws.admissible import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, RANGES, judge
-from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, did_you_mean, warn
-from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
+from demlaws.admissible import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, judge
+from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, warn
+from demlaws.units import SMALL_OVERLAP
 from demlaws.yade import layout as at
 from demlaws.yade import native
 from demlaws.yade.contacts import Totals, is_ours, real_contacts, state_of, with_overlaps
-from demlaws.yade.pairs import NOT_SERVED, Pairs
+from demlaws.yade.pairs import Pairs
 from demlaws.yade.radii import ShapeWarning, body_radius_text
 
 O = yade.O  # noqa: E741  YADE's name
@@ -198,20 +198,9 @@ class Binding:
 
     def describe(self):
         """One line: law, surfaces, way, counts."""
-        surfaces = ", ".join(
-            f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
-            for label, s in self.pairs.all_surfaces().items()
-        )
-        count = O.interactions.countReal()
-        if self.scene is None:
-            where = "in no scene"
-        elif O.running:
-            where = f"{count} contacts of all kinds, running"
-        else:
-            where = f"{int((self.memory.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
-        reason = f" ({self.reason})" if self.reason else ""
-        smooth = ", meant smooth" if self.pairs.smooth else ""
-        return f"{self.pairs.name}; surfaces: {surfaces or 'none' + smooth}; {self.way} bridge{reason}; {where}"
+        from demlaws.yade.reports import describe
+
+        return describe(self)
 
     # --- checks
 
@@ -260,22 +249,13 @@ class Binding:
         """Raise unless two bodies, of whose materials at least one has no surface, are meant to be smooth."""
         if bodies is None or self.context.words[at.UNLISTED]:
             return
-        borne = {body.material.label for body in O.bodies if body.material is not None}
-        labels_here = borne | {one.label for one in O.materials}  # bodies of it may come later
-        missing = [label for label in self.pairs.surfaces if label not in labels_here]
-        if self.pairs.surfaces and not missing:
-            self.context.words[at.UNLISTED] = 1
-            return
-        labels = [O.bodies[number].material.label for number in bodies]
-        what = "no surface was given."
-        if missing:
-            what = f"no body's material has the label {' or '.join(map(repr, missing))}, for which a surface was given"
-            what += did_you_mean(missing[0], borne)
-        raise EngineStopped(
-            f"{what} Contact {bodies[0]}+{bodies[1]}, of materials labelled {labels[0]!r} and {labels[1]!r}, would be smooth "
-            f"under the law {self.pairs.name}. Labels of the bodies' materials: {', '.join(map(repr, sorted(borne)))}. Give "
-            "surfaces={label: demlaws.Surface(...)} for those that are rough, or smooth=True if the others are meant smooth"
-        )
+        labels = {body.material.label for body in O.bodies if body.material is not None} | {one.label for one in O.materials}
+        missing = [label for label in self.pairs.surfaces if label not in labels]  # others than the bodies' may come later
+        if not self.pairs.surfaces or missing:
+            from demlaws.yade.reports import unlisted_text
+
+            raise EngineStopped(unlisted_text(self, bodies, missing))
+        self.context.words[at.UNLISTED] = 1
 
     def judge_shapes(self):
         """Read new shapes, give R of contacts that a function decides, and warn once where a shape has the body's R."""
@@ -316,23 +296,17 @@ class Binding:
         words = self.context.words
         if words[at.SHARED] == 1:
             words[at.SHARED] = 2
-            bodies = f"{words[at.SHARED_BODY1]}+{words[at.SHARED_BODY2]}"
-            warn(
-                f"law {self.label!r}: contact {bodies} has the physics of another one: a sphere passes a joint of "
-                "GridConnections or ChainedCylinders. YADE applies Mindlin's force, native or ours, in both contacts: the "
-                "sphere gets it twice until it leaves the chain, with CylScGeom6D even longer",
-                ShapeWarning,
-            )
+            from demlaws.yade.reports import joint_text
+
+            warn(f"law {self.label!r}: {joint_text(*words[[at.SHARED_BODY1, at.SHARED_BODY2]])}", ShapeWarning)
 
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
         rows = rows[rows["modulus"] > 0.0]
-        ratio = rows["overlap"] / rows["radius"]
-        count = int(np.sum(ratio > SMALL_OVERLAP))
-        if count:
-            deepest = rows[np.argmax(ratio)]
-            text = large_overlap(float(deepest["overlap"]), float(deepest["radius"]), count, len(rows))
-            warn(f"law {self.label!r}: {text}", LargeOverlap)
+        if np.any(rows["overlap"] > SMALL_OVERLAP * rows["radius"]):
+            from demlaws.yade.reports import deep_text
+
+            warn(f"law {self.label!r}: {deep_text(rows)}", LargeOverlap)
 
     def check_bodies(self, thoroughly=False):
         """Raise if a body without contacts has a velocity (thoroughly: or a position) that is not finite."""
@@ -360,56 +334,9 @@ class Binding:
 
     def fault_text(self, kind, first, second, value, radius=None):
         """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
-        stones = [O.bodies[number].material for number in (first, second)]
-        if kind in (at.FLAT_GAP, at.NO_CURVATURE):
-            from demlaws.yade.curvature import fault_text
+        from demlaws.yade.reports import fault_text  # loaded only for a run that stops
 
-            return fault_text(kind, value, [type(O.bodies[number].shape).__name__ for number in (first, second)])
-        if kind == at.WRONG_CLASS:
-            contact = O.interactions[first, second]
-            shapes = " and ".join(type(O.bodies[number].shape).__name__ for number in (first, second))
-            return (
-                f" of {shapes} is described by {type(contact.geom).__name__} and {type(contact.phys).__name__}: the law does "
-                "not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, and "
-                "Ip2_FrictMat_FrictMat_MindlinPhys"
-            )
-        geometry = O.interactions[first, second].geom
-        if isinstance(geometry, yade.ScGeom) and geometry.refR1 == geometry.refR2 == 0.0:  # PotentialParticle
-            return (
-                f" of {type(O.bodies[first].shape).__name__}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
-                "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
-            )
-        if kind == at.UNGUARDED:
-            return (
-                " was computed by a functor that has no guard in the scene, and got no force: give the law to an "
-                "InteractionLoop in O.engines (engines within an integrator are not served)"
-            )
-        if kind == at.LOST_ROW:
-            return (
-                " has a history that this process does not have: its scene was saved or loaded without demlaws (or the public "
-                "bridge met a joint of a chain). Load it by O.load after `import demlaws.yade`, or let all contacts begin "
-                "again: O.interactions.clear()"
-            )
-        if kind == at.NO_ROW:
-            return f" is one too many: there is memory for {int(self.context.words[at.CAPACITY])} contacts"
-        if kind == at.TOO_DEEP:
-            return f": {too_large_overlap(value, float(self.context.doubles[at.DEEP_RADIUS]) if radius is None else radius)}"
-        if kind == at.WRONG_MODULUS:
-            spheres = [O.bodies[number].shape.radius for number in (first, second) if hasattr(O.bodies[number].shape, "radius")]
-            if not all(size > 0.0 for size in spheres):
-                return f": a sphere has radius = {min(spheres):g} m: {RANGES['radius'].remedy}"
-            of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
-            return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
-        if kind == at.WRONG_CONTACT:
-            return f" with R = {value:g} m: {NOT_SERVED}"
-        if kind == at.TOO_ROUGH:
-            labels = [stone.label for stone in stones]
-            return f" ({labels[0]!r} on {labels[1]!r}): {self.roughness_text(*labels, value)}"
-        return (
-            f" at overlap {value:g} m: the law gives no finite force there (a table ends, its radius or modulus is outside "
-            "those that the law was made for, or the overlap is not finite): make the table for larger forces, give radii=… "
-            "and moduli=…, or take a smaller time step"
-        )
+        return fault_text(self, kind, first, second, value, radius)
 
     def roughness_text(self, first, second, radius):
         """Finding of `judge` on the roughness of a pair of materials' labels, with that of each surface; None: nothing."""
@@ -502,11 +429,8 @@ class Binding:
                 continue
             if self.share is None and not self.warned:
                 self.warned = True
-                message = (
-                    f"GlobalStiffnessTimeStepper had no bound that is valid for law {self.label!r}: it uses the present "
-                    "stiffness of contacts, and a young rough contact is soft until the step in which it is not. Its maxDt was "
-                    f"{stepper.maxDt:.3g} s and is now {bound:.3g} s ({REACH:g} PWaveTimeStep() of the bodies times its safety "
-                    "coefficient); give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
-                )
+                from demlaws.yade.reports import stepper_text
+
+                message = stepper_text(self.label, stepper.maxDt, bound, REACH)
             stepper.maxDt = bound
         return message

@@ -1,0 +1,126 @@
+"""Messages about contacts, laws and time steppers: loaded when there is something to say."""
+
+import numpy as np
+import yade
+
+from demlaws.admissible import RANGES
+from demlaws.errors import did_you_mean
+from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
+from demlaws.yade import layout as at
+from demlaws.yade.contacts import real_contacts
+from demlaws.yade.pairs import NOT_SERVED
+
+O = yade.O  # noqa: E741  YADE's name
+
+
+def unlisted_text(binding, bodies, missing):
+    """Message about two bodies of materials without a surface; missing: labels of surfaces that no material has."""
+    borne = {body.material.label for body in O.bodies if body.material is not None}
+    labels = [O.bodies[number].material.label for number in bodies]
+    what = "no surface was given."
+    if missing:
+        what = f"no body's material has the label {' or '.join(map(repr, missing))}, for which a surface was given"
+        what += did_you_mean(missing[0], borne)
+    return (
+        f"{what} Contact {bodies[0]}+{bodies[1]}, of materials labelled {labels[0]!r} and {labels[1]!r}, would be smooth "
+        f"under the law {binding.pairs.name}. Labels of the bodies' materials: {', '.join(map(repr, sorted(borne)))}. Give "
+        "surfaces={label: demlaws.Surface(...)} for those that are rough, or smooth=True if the others are meant smooth"
+    )
+
+
+def fault_text(binding, kind, first, second, value, radius=None):
+    """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
+    stones = [O.bodies[number].material for number in (first, second)]
+    if kind in (at.FLAT_GAP, at.NO_CURVATURE):
+        from demlaws.yade import curvature
+
+        return curvature.fault_text(kind, value, [type(O.bodies[number].shape).__name__ for number in (first, second)])
+    if kind == at.WRONG_CLASS:
+        contact = O.interactions[first, second]
+        shapes = " and ".join(type(O.bodies[number].shape).__name__ for number in (first, second))
+        return (
+            f" of {shapes} is described by {type(contact.geom).__name__} and {type(contact.phys).__name__}: the law does "
+            "not act on these, native Mindlin did. Use an Ig2 functor that makes ScGeom or a class derived from it, and "
+            "Ip2_FrictMat_FrictMat_MindlinPhys"
+        )
+    geometry = O.interactions[first, second].geom
+    if isinstance(geometry, yade.ScGeom) and geometry.refR1 == geometry.refR2 == 0.0:  # PotentialParticle
+        return (
+            f" of {type(O.bodies[first].shape).__name__}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
+            "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
+        )
+    if kind == at.UNGUARDED:
+        return (
+            " was computed by a functor that has no guard in the scene, and got no force: give the law to an "
+            "InteractionLoop in O.engines (engines within an integrator are not served)"
+        )
+    if kind == at.LOST_ROW:
+        return (
+            " has a history that this process does not have: its scene was saved or loaded without demlaws (or the public "
+            "bridge met a joint of a chain). Load it by O.load after `import demlaws.yade`, or let all contacts begin "
+            "again: O.interactions.clear()"
+        )
+    if kind == at.NO_ROW:
+        return f" is one too many: there is memory for {int(binding.context.words[at.CAPACITY])} contacts"
+    if kind == at.TOO_DEEP:
+        return f": {too_large_overlap(value, float(binding.context.doubles[at.DEEP_RADIUS]) if radius is None else radius)}"
+    if kind == at.WRONG_MODULUS:
+        spheres = [O.bodies[number].shape.radius for number in (first, second) if hasattr(O.bodies[number].shape, "radius")]
+        if not all(size > 0.0 for size in spheres):
+            return f": a sphere has radius = {min(spheres):g} m: {RANGES['radius'].remedy}"
+        of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
+        return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
+    if kind == at.WRONG_CONTACT:
+        return f" with R = {value:g} m: {NOT_SERVED}"
+    if kind == at.TOO_ROUGH:
+        labels = [stone.label for stone in stones]
+        return f" ({labels[0]!r} on {labels[1]!r}): {binding.roughness_text(*labels, value)}"
+    return (
+        f" at overlap {value:g} m: the law gives no finite force there (a table ends, its radius or modulus is outside "
+        "those that the law was made for, or the overlap is not finite): make the table for larger forces, give radii=… "
+        "and moduli=…, or take a smaller time step"
+    )
+
+
+def describe(binding):
+    """One line: law, surfaces, way, counts."""
+    surfaces = ", ".join(
+        f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
+        for label, s in binding.pairs.all_surfaces().items()
+    )
+    count = O.interactions.countReal()
+    if binding.scene is None:
+        where = "in no scene"
+    elif O.running:
+        where = f"{count} contacts of all kinds, running"
+    else:
+        where = f"{int((binding.memory.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
+    reason = f" ({binding.reason})" if binding.reason else ""
+    smooth = ", meant smooth" if binding.pairs.smooth else ""
+    return f"{binding.pairs.name}; surfaces: {surfaces or 'none' + smooth}; {binding.way} bridge{reason}; {where}"
+
+
+def joint_text(first, second):
+    """Message about the contact of two bodies that has the physics of another one."""
+    return (
+        f"contact {first}+{second} has the physics of another one: a sphere passes a joint of "
+        "GridConnections or ChainedCylinders. YADE applies Mindlin's force, native or ours, in both contacts: the "
+        "sphere gets it twice until it leaves the chain, with CylScGeom6D even longer"
+    )
+
+
+def deep_text(rows):
+    """Message about the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""
+    ratio = rows["overlap"] / rows["radius"]
+    deepest = rows[np.argmax(ratio)]
+    return large_overlap(float(deepest["overlap"]), float(deepest["radius"]), int(np.sum(ratio > SMALL_OVERLAP)), len(rows))
+
+
+def stepper_text(label, former, bound, reach):
+    """Message about a time stepper whose longest step [s] was changed; reach: `binding.REACH`."""
+    return (
+        f"GlobalStiffnessTimeStepper had no bound that is valid for law {label!r}: it uses the present "
+        "stiffness of contacts, and a young rough contact is soft until the step in which it is not. Its maxDt was "
+        f"{former:.3g} s and is now {bound:.3g} s ({reach:g} PWaveTimeStep() of the bodies times its safety "
+        "coefficient); give it a maxDt to choose another, or use demlaws.yade.engines(law, timestep=…)"
+    )
