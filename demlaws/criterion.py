@@ -16,6 +16,7 @@ import math
 
 import numpy as np
 
+from demlaws.contact import as_contact
 from demlaws.errors import DemlawsError
 from demlaws.units import number, positive, real
 
@@ -35,7 +36,8 @@ FIT_LIMIT = 10.0
 
 def hertz_pressure(contact, load):
     """p0 = (6 P E*²/(π³ R²))^(1/3) [Pa], the largest pressure of a smooth contact under `load` [N]."""
-    return (6.0 * np.asarray(load, float) * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
+    contact, load = as_contact(contact), checked_loads(load)
+    return (6.0 * load * contact.modulus**2 / (math.pi**3 * contact.radius**2)) ** (1 / 3)
 
 
 def pressure_drop(roughness_parameter):
@@ -43,7 +45,7 @@ def pressure_drop(roughness_parameter):
 
     Within 12 % of them from α = 0.05 to 2 and up to twice as high beyond `FIT_LIMIT` (tests/test_regime.py).
     """
-    alpha = np.asarray(roughness_parameter, float)
+    alpha = _parameter(roughness_parameter)
     with np.errstate(divide="ignore"):
         return -np.expm1(-2.0 / (3.0 * alpha**0.6))
 
@@ -52,9 +54,9 @@ def central_pressure(roughness_parameter, mu):
     """p(0)/p0 by Greenwood & Tripp's own solution at α and μ = (8/3) η σ √(2Rβ): numbers, or arrays of α."""
     from demlaws.solvers.axisymmetric import ELASTIC_LAYER, solve
 
-    alpha = np.atleast_1d(real(roughness_parameter, "roughness_parameter", array=True))
-    if not np.all(alpha >= 0.0):
-        raise DemlawsError(f"roughness_parameter = {roughness_parameter!r:.60}: α is 0 or more")
+    alpha = np.atleast_1d(_parameter(roughness_parameter))
+    if not alpha.size:
+        return alpha
     force = 4.0 / 3.0 * np.maximum(alpha, 1e-4) ** -1.5  # at α = 1e-4 the ratio is 1 within 1e-3
     order = np.argsort(force)
     pressure = np.empty(alpha.size)
@@ -62,16 +64,25 @@ def central_pressure(roughness_parameter, mu):
     return _plain(pressure.reshape(np.shape(roughness_parameter)))
 
 
+def _parameter(value):
+    """α as an array; DemlawsError where it is negative or NaN."""
+    alpha = real(value, "roughness_parameter", array=True)
+    if not np.all(alpha >= 0.0):
+        raise DemlawsError(f"roughness_parameter = {value!r:.60}: α = σ over Hertz's overlap is 0 or more")
+    return alpha
+
+
 def pressure_ratio(contact, load, mu=None):
     """p(0)/H_m under `load` [N] (number or array), of a contact that has a hardness; mu: see `central_pressure`."""
     load = checked_loads(load)
-    alpha = contact.roughness_parameter(load)
+    alpha = as_contact(contact).roughness_parameter(load)
     drop = pressure_drop(alpha) if mu is None else central_pressure(alpha, mu)
     return _plain(hertz_pressure(contact, load) * drop / hardness_of(contact))
 
 
 def deforming_part(ratio):
     """ "asperities", "both" or "bulk" for a ratio p(0)/H_m."""
+    ratio = number(ratio, "ratio", allow_low=True)
     return "asperities" if ratio < YIELD_RATIO - BAND else "bulk" if ratio > YIELD_RATIO + BAND else "both"
 
 
@@ -81,7 +92,7 @@ def transition_load(contact, ratio=YIELD_RATIO, mu=None):
     p(0) rises with the load at every roughness, as P^0.733 where roughness rules and as P^(1/3) without it, so there is
     one such load. One number, or one entry per contact. mu: see `central_pressure`; of one contact, to 1e-5.
     """
-    hardness, ratio = hardness_of(contact), number(ratio, "ratio")
+    hardness, ratio = hardness_of(contact), _ratio(ratio)
     if mu is not None:
         return _root(lambda load: pressure_ratio(contact, load, mu) - ratio, transition_load(_single_contact(contact), ratio))
     log = np.log(math.pi**3 * np.square(contact.radius) * (ratio * hardness) ** 3 / (6.0 * np.square(contact.modulus)))
@@ -105,7 +116,7 @@ def transition_load(contact, ratio=YIELD_RATIO, mu=None):
 
 def lowest_transition_load(contact):
     """Lowest `transition_load` [N] of an array of contacts; of many, the bound from their extremes, which is not above it."""
-    if contact.size is not None and contact.size > 64:
+    if as_contact(contact).size is not None and contact.size > 64:
         extremes = {
             "radius": np.min(contact.radius),
             "modulus": np.max(contact.modulus),
@@ -125,7 +136,7 @@ def transition_roughness(contact, load, ratio=YIELD_RATIO, mu=None):
         # what differs from the smooth contact by less than the solution resolves needs no roughness either
         return _root(lambda sigma: share - central_pressure(sigma * scale, mu), start) if share < 0.999 else 0.0
     load = checked_loads(load)
-    share = number(ratio, "ratio") * hardness_of(contact) / hertz_pressure(contact, load)
+    share = _ratio(ratio) * hardness_of(contact) / hertz_pressure(contact, load)
     with np.errstate(divide="ignore", invalid="ignore"):
         alpha = np.where(share < 1.0, (-2.0 / (3.0 * np.log1p(-np.minimum(share, 1.0)))) ** (1 / 0.6), 0.0)
     return _plain(alpha / _roughness_scale(contact, load))
@@ -155,18 +166,22 @@ def _root(function, start):
 
 
 def _single_contact(contact):
-    if contact.size is not None:
+    if as_contact(contact).size is not None:
         raise DemlawsError("Greenwood & Tripp's solution needs one contact, got an array of contacts")
     return contact
 
 
 def hardness_of(contact):
     """Hardness H_m of the contact [Pa]; DemlawsError where it has none."""
-    if contact.hardness is None:
+    if as_contact(contact).hardness is None:
         raise DemlawsError(
             "the criterion needs the contact's hardness: give Contact(..., hardness=...) or Material(..., hardness=...)"
         )
     return contact.hardness
+
+
+def _ratio(value):
+    return number(value, "ratio", "", 1e-6, 1e3)
 
 
 def checked_loads(load):

@@ -15,7 +15,7 @@ from demlaws.core.cache import digest_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Option, check_name
 from demlaws.units import number
 
 _CONTACT = ("hertz_coefficient", "radius", "modulus", "roughness")
@@ -81,6 +81,7 @@ def define(
     >>> mine.name, list(mine.options)
     ('power', ['factor'])
     """
+    check_name(name)
     for what, function in (("force", force), ("stiffness", stiffness), ("overlap", overlap), ("energy", energy)):
         pure = inspect.isfunction(function) or hasattr(function, "py_func")  # what numba can compile
         if not pure and not (function is None and what in ("overlap", "energy")):

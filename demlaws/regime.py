@@ -131,7 +131,7 @@ def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure:
     load = number(load, "load", "N")
     p0, alpha = float(hertz_pressure(contact, load)), float(contact.roughness_parameter(load))
     if yield_pressure is not None:
-        limit = number(yield_pressure, "yield_pressure", "Pa")
+        limit = number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
         ratio = p0 / limit
         deforms = deforming_part(YIELD_RATIO * ratio)
         yields = float(math.pi**3 * contact.radius**2 * limit**3 / (6.0 * contact.modulus**2))
@@ -175,7 +175,7 @@ def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
         raise DemlawsError(f"roughnesses must be finite and not negative, in m, got {roughnesses!r}")
     as_contact(contact)
     alpha = heights[:, None] * np.asarray(contact.with_values(roughness=1e-9).roughness_parameter(loads))[None, :] / 1e-9
-    return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha) / hardness_of(contact)
+    return hertz_pressure(contact, loads)[None, :] * pressure_drop(alpha.ravel()).reshape(alpha.shape) / hardness_of(contact)
 
 
 class Advice(NamedTuple):
@@ -220,7 +220,7 @@ def advise(contact: Contact, load: Any, yield_pressure: Any = None, mu: float | 
     load = number(load, "load", "N")
     alpha = float(np.max(contact.roughness_parameter(FIRST * load)))
     if yield_pressure is not None:
-        ratio = float(np.max(hertz_pressure(contact, load))) / number(yield_pressure, "yield_pressure", "Pa")
+        ratio = float(np.max(hertz_pressure(contact, load))) / number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
     elif contact.hardness is None:
         yields, state = False, "no hardness given: bulk yield not judged"

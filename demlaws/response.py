@@ -409,7 +409,7 @@ class Response:
         and K_s by `shear`: "elastic", the tangent stiffness of unloading, or "loading", that of first
         loading at the present force (docs/shear.md).
         """
-        if shear not in CHOICES:
+        if not isinstance(shear, str) or shear not in CHOICES:
             raise DemlawsError(
                 f"shear must be {', '.join(map(repr, CHOICES))}, got {shear!r}: the normal stiffness used to compute K_t"
             )

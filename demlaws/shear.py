@@ -104,7 +104,7 @@ def sheared(
     if not (np.all(np.isfinite(depth)) and np.all(np.isfinite(plane))):
         raise DemlawsError("overlap and displacement must be finite numbers in m")
     ratio = number(ratio, "ratio", high=4.0 / 3.0)
-    if shear not in (*CHOICES, SLIP):
+    if not isinstance(shear, str) or shear not in (*CHOICES, SLIP):
         raise DemlawsError(f"shear must be {', '.join(map(repr, (*CHOICES, SLIP)))}, got {shear!r}")
     if shear == SLIP and friction is None:
         raise DemlawsError("partial slip needs the coefficient of friction: give friction=")

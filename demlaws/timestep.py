@@ -43,7 +43,7 @@ COORDINATION = 6.0
 
 
 def _mass(value, name):
-    return math.inf if value == math.inf else number(value, name, "kg")
+    return math.inf if isinstance(value, float) and value == math.inf else number(value, name, "kg")
 
 
 def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ratio: float = 1.0) -> float:

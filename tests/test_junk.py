@@ -80,6 +80,11 @@ GOOD = {
     "height": 1e-5,
     "centre": (3e-5, 3e-5),
     "high": 2.0,
+    "uncertainty": None,
+    "kinks": (),
+    "largest_overlap": None,
+    "shear": "elastic",
+    "yield_pressure": 1e9,
 }
 RADII = {"radii": 1e-3, "materials": GRANITE, "surfaces": dl.Surface(1e-6), "pressure": None, "cyclic": True}
 RADII |= {"quantity": "force", "tolerance": 0.05, "engine": "python", "walls": False, "yield_pressure": None, "reference": None}
@@ -101,6 +106,9 @@ GOOD_OF = {
     "follow": {"state": LAW.new_state(1)},
     "unloading_overlap": {"state": LAW.new_state(1)},
     "shear_stiffness": {"state": LAW.new_state(1)},
+    "central_pressure": {"mu": 4.0},
+    "isolated pair": {"other_mass": 1e-3},
+    "first loading": {"load": None},
     "define": {"name": "junk", "force": spring, "stiffness": lambda p, overlap: 1e6, "overlap": None},
     "register": {"definition": dl.define("junk", spring, lambda p, overlap: 1e6)},
     "Table.from_function": {"name": "junk", "force": lambda overlap: 1e6 * overlap},
@@ -161,9 +169,9 @@ def functions():
             yield name, thing
     for module in (dl.driver, regime, shear, surface):
         for name, thing in vars(module).items():
-            if name in LEFT_OUT:
-                continue
-            if inspect.isfunction(thing) and not name.startswith("_") and thing.__module__ == module.__name__:
+            own = inspect.isfunction(thing) and thing.__module__ == module.__name__
+            exported = module is regime and name in regime.__all__ and inspect.isfunction(thing)
+            if (own or exported) and not name.startswith("_") and name not in LEFT_OUT:
                 yield f"{module.__name__.rpartition('.')[2]}.{name}", thing
     for owner in (LAW, TABLE, PAIR, dl.Surface(1e-6), MAP, LAW.new_state(2)):
         for name in dir(type(owner)):
@@ -175,6 +183,9 @@ def functions():
                 and not isinstance(static, functools.cached_property)
             ):
                 yield f"{type(owner).__name__}.{name}", getattr(owner, name)
+    yield "rtol", lambda rtol: dl.law("yip-venart", PAIR, rtol=rtol)
+    yield "first loading", lambda load: dl.law("asperity", PAIR, surface=MAP, load=load, plastic_factor=0.7, plastic_ratio=160)
+    yield "isolated pair", lambda law, mass, max_force, other_mass: dl.timestep(law, mass, max_force, other_mass=other_mass)
     yield from (("rebound", rebound), ("surface.self_affine", surface.self_affine))
 
 
@@ -221,7 +232,7 @@ def test_junk(name, tmp_path, monkeypatch, registered_here):
         call(function, good)
     for argument in good if name not in HEAVY else ["scene"]:
         for kind, junk in JUNK.items():
-            if argument in ("progress", "dtype", "parallel", "tables", "options") or (name, argument) == ("define", "name"):
+            if argument in ("progress", "dtype", "parallel", "tables", "options"):
                 continue
             try:
                 call(function, {**good, argument: junk})

@@ -141,10 +141,9 @@ class Scene:
                 object.__setattr__(self, label, _range(getattr(self, label), label, unit))
         if self.loads is not None:
             loads = np.ravel(real(np.ravel(self.loads), "loads", "N", array=True))
-            loads = loads[loads > 0.0]
-            if not loads.size or not np.all(np.isfinite(loads)):
-                raise DemlawsError("loads must be finite forces in N, some above 0")
-            object.__setattr__(self, "loads", loads)
+            if not np.all(np.isfinite(loads)) or not np.any(loads > 0.0):
+                raise DemlawsError(f"loads must be finite forces in N, none masked, some above 0, got {self.loads!r:.60}")
+            object.__setattr__(self, "loads", loads[loads > 0.0])
         object.__setattr__(self, "speed", number(self.speed, "speed", "m/s", allow_low=True))
         if self.force is None and self.pressure is None and self.loads is None and not self.speed:
             raise DemlawsError("the scene has no load: give force=(low, high) in N, pressure in Pa, loads, or speed in m/s")

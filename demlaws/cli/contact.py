@@ -115,7 +115,6 @@ def _unloading_from(arguments, contact):
     """A rule, or the law whose curve the contact unloads along."""
     from demlaws import granite
     from demlaws.laws.registry import find
-    from demlaws.make import law
 
     if arguments.unloading_law is None:
         return arguments.unloading
@@ -124,7 +123,18 @@ def _unloading_from(arguments, contact):
     options = {}
     if arguments.test is not None:
         options = granite.options_for(find(arguments.unloading_law).name, granite.find_test(arguments.test))
-    return law(arguments.unloading_law, contact, **options)
+    return law_of_unloading(arguments.unloading_law, contact, **options)
+
+
+def law_of_unloading(name, contact, **options):
+    """The law of --unloading-law, which takes no options of its own."""
+    from demlaws.make import law
+
+    try:
+        return law(name, contact, **options)
+    except DemlawsError as error:
+        remedy = "for a law with options write its table (demlaws table) and give --unloading FILE"
+        raise DemlawsError(f"--unloading-law {name}: {error}; {remedy}") from None
 
 
 def draw(path, make):

@@ -5,6 +5,7 @@ import os
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
+from demlaws.cli.contact import law_of_unloading
 from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import USUAL
@@ -177,7 +178,6 @@ def _grains_of(arguments):
     """The case's `Grain`s, the rule or law that they unload by, and the options of the law."""
     from demlaws.contact import Material, Surface
     from demlaws.grains import Grain
-    from demlaws.make import law
 
     count, columns = len(arguments.radius), []
     for name, *_ in PROPERTIES:
@@ -191,5 +191,5 @@ def _grains_of(arguments):
     ]
     unloading = arguments.unloading
     if arguments.unloading_law is not None:
-        unloading = law(arguments.unloading_law, grains[0].contact(grains[0]))
+        unloading = law_of_unloading(arguments.unloading_law, grains[0].contact(grains[0]))
     return grains, unloading, dict(arguments.option)

@@ -7,7 +7,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.soundness import fault_of_slope, fault_of_values
-from demlaws.units import real
+from demlaws.units import positive
 
 _STEPS = (1e-2, 1e-3, 1e-4)  # of ln δ, tried in turn
 _AGREE = 1e-7  # of derivatives with one step and with twice that
@@ -78,7 +78,7 @@ class GivenCurve:
         self.force = Called(force, "force", "N", scan)
         self.slope = None if stiffness is None else Called(stiffness, "stiffness", "N/m", scan)
         self._check(scan)
-        self.kinks = sorted(float(k) for k in np.atleast_1d(real(list(kinks), "kinks", "m", array=True)) if 0.0 < k < largest)
+        self.kinks = sorted(float(k) for k in np.atleast_1d(positive(kinks, "kinks", "m")) if k < largest)
         start, later = self.force(scan[[0, 40]])
         if later < start * (scan[40] / scan[0]) ** 0.05:
             raise DemlawsError(

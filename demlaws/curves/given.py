@@ -28,7 +28,7 @@ def from_function(
     definition = _definition(contact, name, description, scales_with)
     end = SMALL_OVERLAP * float(contact.radius)
     if largest_overlap is not None:
-        end = number(largest_overlap, "largest_overlap", "m", 0.0, float(contact.radius))
+        end = number(largest_overlap, "largest_overlap", "m", 1e-9 * float(contact.radius), float(contact.radius))
     tolerance(rtol)
     table = tabulate_given(GivenCurve(force, end, stiffness, kinks), definition, contact, rtol)
     _warn_of_other_units(table, contact, end)

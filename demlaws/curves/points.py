@@ -208,18 +208,15 @@ def _columns(overlap, force, uncertainty, what):
     overlap, force = _rows(overlap, force, what)
     sigma = np.full(force.size, np.nan)
     if uncertainty is not None:
-        value = real(
-            uncertainty if isinstance(uncertainty, np.ndarray | float | int | str) else list(uncertainty),
-            "uncertainty",
-            "N",
-            array=True,
-        )
+        value = real(uncertainty, "uncertainty", "N", array=True)
         if value.ndim and value.size != force.size:
             raise DemlawsError(f"{value.size} uncertainties [N] for {force.size} points: one each, or one for all")
         sigma = np.broadcast_to(value, force.shape).copy()
-        if not np.all(np.isfinite(sigma) & (sigma >= 0.0)):
-            bad = float(sigma[int(np.argmin(np.isfinite(sigma) & (sigma >= 0.0)))])
-            raise DemlawsError(f"uncertainty = {bad:g} N: a standard uncertainty is 0 or more")
+        highest = 1e3 * float(np.max(force, initial=0.0))
+        good = (sigma >= 0.0) & (sigma <= highest)
+        if not np.all(good):
+            bad = float(sigma[int(np.argmin(good))])
+            raise DemlawsError(f"uncertainty = {bad:g} N: must be from 0 to a thousand times the largest force, {highest:g} N")
     keep = (overlap > 0.0) & (force > 0.0)
     if np.unique(overlap[keep]).size < 2:
         raise DemlawsError(

@@ -210,6 +210,8 @@ def _prepare(
     surface = _map(surface)
     if curve == "reloading":
         load = number(load, "load (first loading, for curve='reloading')", "N")
+    elif load is not None:
+        raise DemlawsError(f"load = {load!r:.60}: the first loading [N] of curve='reloading'; give that, or leave load out")
     max_force = None if max_force is None else number(max_force, "max_force", "N")
     if surface.sq == 0.0:
         return HertzShape()

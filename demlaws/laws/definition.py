@@ -3,6 +3,7 @@
 import functools
 import inspect
 import math
+import re
 from collections.abc import Callable, Iterator
 from typing import Any, NamedTuple
 
@@ -167,7 +168,16 @@ def power_of(factor: float, exponent: float) -> float:
 
 
 SEATING = Option("", "1e-7 to 1", "load over E* √R σ^1.5 below which the curve is continued as P ∝ δ^1.5")
-SOLUTION = Option("", "above 0", "relative tolerance of the solved curves, where contacts differ")
+SOLUTION = Option("", "1e-12 to 0.1", "relative tolerance of the solved curves, where contacts differ")
+
+
+def check_name(name: Any) -> None:
+    """DemlawsError unless a law may have this name."""
+    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*", name) or name in RULES:
+        hint = f"no rule's ({', '.join(RULES)})"
+        raise DemlawsError(
+            f"law {name!r:.60}: a name consists of lower-case letters, digits and hyphens, begins with a letter, and is {hint}"
+        )
 
 
 class Fitting(NamedTuple):

@@ -211,6 +211,7 @@ def prepare(model, law, contact, seating_share, rtol):
     Contacts smoother than SMOOTH get the Hertz law, to which the model tends.
     """
     share = number(seating_share, "seating_share", "", 10.0 * _LOWEST_FORCE, 1.0, allow_low=True)
+    rtol = number(rtol, "rtol", "", 1e-12, 0.1, allow_low=True)
     radius, modulus, roughness = (np.asarray(v, float) for v in (contact.radius, contact.modulus, contact.roughness))
     smooth = roughness < SMOOTH * radius
     if np.all(smooth):

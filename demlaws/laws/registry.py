@@ -15,10 +15,9 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from demlaws.core.unloading import RULES
 from demlaws.errors import DemlawsError, did_you_mean, warn
 from demlaws.laws import MODULES
-from demlaws.laws.definition import Definition
+from demlaws.laws.definition import Definition, check_name
 
 GROUP = "demlaws.laws"
 """Entry points of this group, of any installed package, bring laws."""
@@ -162,11 +161,7 @@ def _check(definition: Any) -> None:
     name = definition.name
     if isinstance(name, str) and name in _BUILT_IN:
         raise DemlawsError(f"law {name!r} is a law of demlaws: use another name")
-    if not isinstance(name, str) or not re.fullmatch(r"[a-z][a-z0-9]*([-_][a-z0-9]+)*", name) or name in RULES:
-        hint = f"no rule's ({', '.join(RULES)})"
-        raise DemlawsError(
-            f"law {name!r:.60}: a name consists of lower-case letters, digits and hyphens, begins with a letter, and is {hint}"
-        )
+    check_name(name)
     for field in ("equation", "source", "description"):
         text = getattr(definition, field)
         if not isinstance(text, str) or not text.isprintable():
