@@ -11,6 +11,7 @@ from demlaws.yade import native
 
 STEPS = 250
 OPTIONS = [{"calcEnergy": True}, {"includeMoment": True}, {"neverErase": True}]
+DAMPING = {"damped along the normal": {"en": 0.6, "es": 1.0}, "damped in shear": {"en": 1.0, "es": 0.6}}
 
 
 def box_of_stones(law, physics=None, periodic=False):
@@ -117,11 +118,11 @@ def test_hertz_leaves_what_stock_mindlin_leaves(omega):
     assert 0 < calls.calls < 0.1 * contact_steps(stock)  # of new contacts and those that end
 
 
-@pytest.mark.parametrize("case", ["damped", "periodic", *OPTIONS], ids=str)
+@pytest.mark.parametrize("case", [*DAMPING, "periodic", *OPTIONS], ids=str)
 def test_where_the_native_go_acts(omega, case):
     """With damping, in a periodic scene and with options of the functor, set while it runs."""
     options = case if isinstance(case, dict) else {}
-    damped = yade.Ip2_FrictMat_FrictMat_MindlinPhys(en=0.6, es=0.6) if case == "damped" else None
+    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**DAMPING[case]) if case in [*DAMPING] else None
 
     def run(law):
         def turn_on(step):
@@ -129,7 +130,7 @@ def test_where_the_native_go_acts(omega, case):
                 for name, value in options.items():
                     setattr(law, name, value)
 
-        return seen(box_of_stones(law, damped, case == "periodic"), turn_on)
+        return seen(box_of_stones(law, physics, case == "periodic"), turn_on)
 
     stock, law = run(yade.Law2_ScGeom_MindlinPhys_Mindlin()), hertz()
     calls = Counted(law)
