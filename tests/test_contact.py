@@ -1,7 +1,5 @@
 """Materials, surfaces and contacts: derived quantities and input checks."""
 
-import math
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -97,10 +95,3 @@ def test_a_contact_is_not_changed():
         contact.radius = 2e-3
     assert contact.with_values(radius=2e-3).radius == 2e-3
     assert contact.radius == 1e-3
-
-
-@pytest.mark.parametrize("force", [math.nan, -1.0, 0.0, [1.0, math.inf]])
-def test_roughness_parameter_refuses_forces_that_are_not_positive(force):
-    contact = dl.Contact(radius=1e-3, modulus=32e9, roughness=2.4e-6)
-    with pytest.raises(dl.DemlawsError):
-        contact.roughness_parameter(force)

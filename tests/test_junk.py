@@ -108,7 +108,6 @@ GOOD_OF = {
     "shear_stiffness": {"state": LAW.new_state(1)},
     "central_pressure": {"mu": 4.0},
     "isolated pair": {"other_mass": 1e-3},
-    "first loading": {"load": None},
     "define": {"name": "junk", "force": spring, "stiffness": lambda p, overlap: 1e6, "overlap": None},
     "register": {"definition": dl.define("junk", spring, lambda p, overlap: 1e6)},
     "Table.from_function": {"name": "junk", "force": lambda overlap: 1e6 * overlap},
@@ -183,8 +182,6 @@ def functions():
                 and not isinstance(static, functools.cached_property)
             ):
                 yield f"{type(owner).__name__}.{name}", getattr(owner, name)
-    yield "rtol", lambda rtol: dl.law("yip-venart", PAIR, rtol=rtol)
-    yield "first loading", lambda load: dl.law("asperity", PAIR, surface=MAP, load=load, plastic_factor=0.7, plastic_ratio=160)
     yield "isolated pair", lambda law, mass, max_force, other_mass: dl.timestep(law, mass, max_force, other_mass=other_mass)
     yield from (("rebound", rebound), ("surface.self_affine", surface.self_affine))
 

@@ -402,8 +402,6 @@ def test_bad_calls(call):
 def test_bad_laws():
     many = dl.law("hertz", BATCH_OF_CONTACTS)
     for call in (
-        lambda: dl.law("herz", GRANITE),
-        lambda: dl.law("hertz", GRANITE, unloading="plastic"),
         lambda: dl.law("hertz", GRANITE, slope=0.1),
         lambda: many.force(np.zeros(4)),
         lambda: many.evaluate(np.zeros(4)),

@@ -122,10 +122,7 @@ def test_what_each_choice_is(name, unloading):
         lambda law: sheared(law, [1e-6], [[0.0, 0.0, 0.0]], 0.8),
         lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip"),
         lambda law: sheared(law, [1e-6], [0.0], 0.8, "slip", 0.5, 0),
-        lambda law: sheared(law, [1e-6], [0.0], 0.8, "sideways"),
         lambda law: sheared(law, [2.0 * GRANITE.radius], [0.0], 0.8),
-        lambda law: sheared(law, [DEEP] * 3, [0.0, 1e-7, 2e-7], 5.0),
-        lambda law: law.shear_stiffness(1e-6, 0.8, "tangent"),
         lambda law: law.shear_stiffness(1.0, 0.8),
     ],
 )

@@ -124,8 +124,6 @@ def test_scene_of_unlike_grains():
 @pytest.mark.parametrize(
     "call",
     [
-        lambda: dl.timestep(LAW, 1.0, 1.0, other_mass=-1.0),
-        lambda: packing_limit(1.0, 1.0, size_ratio=0.5),
         lambda: from_contacts([], [], 1.0, 1.0, [1.0]),
         lambda: from_contacts([[0, 0]], [X], 1.0, 1.0, [1.0]),
         lambda: from_contacts([[0, 2]], [X], 1.0, 1.0, [1.0, 1.0]),

@@ -168,7 +168,6 @@ def test_what_is_not_known_is_refused():
         lambda: modulus.advise(Scene(radii=4e-3, materials=GRANITE, force=(1.0, 2.0), quantity="stiffness")),
         lambda: modulus.advise(scene_of(run, quantity="restitution")),
         lambda: modulus.predict(PACKING, float("nan")),
-        lambda: scene_of(run, rate=-1.0),
     ):
         with pytest.raises(dl.DemlawsError):
             call()

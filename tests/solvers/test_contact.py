@@ -246,10 +246,7 @@ def test_bulk_yield_and_edge_are_warned_about():
         lambda heights, pair: RoughContact(heights, pair.with_values(radius=np.array([1e-3, 2e-3]))),
         lambda heights, pair: ellipsoid.shape_factors(0.5),
         lambda heights, pair: summits(HeightMap(np.zeros((8, 8)), 1e-6)),
-        lambda heights, pair: dl.law("asperity", pair),
-        lambda heights, pair: dl.law("asperity", pair, surface=heights, curve="up"),
         lambda heights, pair: dl.law("asperity", pair, surface=heights, curve="reloading"),
-        lambda heights, pair: dl.law("asperity", pair, surface="nowhere.csv"),
         lambda heights, pair: dl.law("asperity", MANY, surface=heights),
     ],
 )
