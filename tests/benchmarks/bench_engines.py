@@ -1,15 +1,15 @@
 """Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz and shear, in a block of touching spheres.
 
     python tests/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
-    python tests/benchmarks/bench_engines.py lammps --count [--tangent] [--springs 12]
+    python tests/benchmarks/bench_engines.py lammps --count [--springs 12]
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
 every law. The laws are timed in turn, round after round. Printed are medians of the ratio to the stock model of the same
 round, the ratio of the fastest rounds (what is left where other programs share the machine), and the parallel efficiency
-T1/(n Tn) of the fastest rounds. --springs: partial slip, too. --portable: the plugin compiled for any processor. --tangent
-(LAMMPS): our laws with demlaws/tangent, which takes one more square root per contact. --count: instructions per step instead of
-times, under valgrind, of 1,000 spheres with the portable plugin: independent of other programs on the machine.
+T1/(n Tn) of the fastest rounds. --springs: partial slip, too. --portable: the plugin compiled for any processor. --count:
+instructions per step instead of times, under valgrind, of 1,000 spheres with the portable plugin: independent of other programs
+on the machine.
 """
 
 import argparse
@@ -99,20 +99,19 @@ def write_tables(folder):
         dl.law("pohrt-popov", contact, unloading=unloading).tabulate().save(folder / f"{name}.tbl")
 
 
-def variables(engine, name, ranks, steps, warm, tangent):
+def variables(engine, name, ranks, steps, warm):
     """Variables of the input for one law."""
     table = OURS.get(name)
     file, _, shear = (table or "").partition(" ")
     if engine == "liggghts":
         model = f"demlaws/table tangential demlaws table {table}" if table else "hertz tangential history"
         return {"steps": steps, "warm": warm, "model": model, "ranks": ranks}
-    eta, damping = (0.5, "demlaws/tangent") if tangent and table else (100.0, "viscoelastic")
-    model = f"demlaws/table {file} 6.06e8 {eta} 0.25 {shear} tangential demlaws" if table else None
-    model = model or f"hertz/material 6.06e8 {eta} 0.25 tangential mindlin NULL"
-    return {"steps": steps, "warm": warm, "model": f"{model} 1.0 0.5 damping {damping}"}
+    ours = f"demlaws/table {file} 6.06e8 100.0 0.25 {shear} tangential demlaws"
+    stock = "hertz/material 6.06e8 100.0 0.25 tangential mindlin NULL"
+    return {"steps": steps, "warm": warm, "model": f"{ours if table else stock} 1.0 0.5 damping viscoelastic"}
 
 
-def count(engine, folder, tangent):
+def count(engine, folder):
     """Print the instructions per step of every law."""
     command = import_module(f"demlaws.{engine}.run").command
     write_block(folder / "block.data", 10)
@@ -121,7 +120,7 @@ def count(engine, folder, tangent):
     for name in (STOCK, *OURS):
         collected = []
         for steps in (61, 1):
-            values = variables(engine, name, 1, steps, 1, tangent)
+            values = variables(engine, name, 1, steps, 1)
             line, environment = command("in.cost", 1, values, plugin=name in OURS, portable=True)
             tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
             done = subprocess.run([*tool, *line], cwd=folder, env=environment, capture_output=True, text=True)
@@ -137,13 +136,13 @@ def prepare(engine, folder, more=""):
     write_tables(folder)
 
 
-def interleaved(engine, folder, ranks, rounds, steps, warm=100, tangent=False, portable=False):
+def interleaved(engine, folder, ranks, rounds, steps, warm=100, portable=False):
     """law → ((whole step, pair loop) [s] of each round), law → contacts; of the block in `folder`."""
     module = import_module(f"demlaws.{engine}.run")
     times, contacts = {name: [] for name in (STOCK, *OURS)}, {}
     for _ in range(rounds):
         for name, seconds in times.items():
-            values = variables(engine, name, ranks, steps, warm, tangent)
+            values = variables(engine, name, ranks, steps, warm)
             log = module.run(folder / "in.cost", ranks, values, plugin=name in OURS, portable=portable)
             contacts[name] = log["contacts"][-1]
             seconds.append(module.timings(folder / f"log.{engine}"))
@@ -156,7 +155,7 @@ def measure(engine, folder, options):
         write_block(folder / "block.data", side)
         one = {}
         for ranks in options.ranks:
-            settings = (options.rounds, options.steps, options.warm, options.tangent, options.portable)
+            settings = (options.rounds, options.steps, options.warm, options.portable)
             times, contacts = interleaved(engine, folder, ranks, *settings)
             print(f"\n{side**3} spheres, ranks: {ranks}, {options.rounds} rounds of {options.steps} steps")
             titles = ("step ratio", "fastest", "pair ratio", "efficiency")
@@ -182,7 +181,6 @@ def main():
     parser.add_argument("--sides", type=int, nargs="+", default=[22, 46], help="spheres along an edge (22: 10,648; 46: 97,336)")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
     parser.add_argument("--count", action="store_true", help="count instructions, in valgrind, instead of time")
-    parser.add_argument("--tangent", action="store_true", help="LAMMPS: our laws with demlaws/tangent, stock with viscoelastic")
     parser.add_argument("--springs", type=int, nargs="*", default=[], help="partial slip, too, with these numbers of springs")
     options = parser.parse_args()
     for name in ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
@@ -191,7 +189,7 @@ def main():
         folder = Path(scratch)
         prepare(options.engine, folder)
         if options.count:
-            count(options.engine, folder, options.tangent)
+            count(options.engine, folder)
         else:
             measure(options.engine, folder, options)
 

@@ -52,7 +52,7 @@ def bandwidth(threads):
 def run(engine, folder, name, ranks, options):
     """(s a step, contacts, peak memory of the largest process [B], restart file [B]) of one run."""
     module = import_module(f"demlaws.{engine}.run")
-    values = variables(engine, name, ranks, options.steps, options.warm, False)
+    values = variables(engine, name, ranks, options.steps, options.warm)
     line, environment = module.command("in.cost", ranks, values, plugin=name != STOCK)
     environment["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
     line = [sys.executable, "-S", "-c", PEAK, *map(str, line)]
