@@ -802,7 +802,7 @@ struct Pair {
   Unloading rule = ELASTIC;
   double modulus = 0.;        // effective modulus E* [Pa]
   double length = 0.;         // [m]; 0: length_per_radius * R
-  double inverse_length = 0.; // [1/m]
+  double inverse_length = 0.; // [1/m]; where length is 0, of length_per_radius
   double length_per_radius = 0.;
   double only_radius = 0.; // > 0: the only R that the table is valid for (see checked)
   double sigma = 0.;       // roughness [m], for rule OWN; of the table's contact by default
@@ -824,7 +824,7 @@ struct Pair {
     if (!(length > 0.) && !(length_per_radius > 0.))
       throw std::runtime_error(t.path() + ": the header gives no length; pass the roughness of the pair [m]");
     if (!(modulus > 0.)) throw std::runtime_error(t.path() + ": the effective modulus must be positive [Pa]");
-    inverse_length = length > 0. ? 1. / length : 0.;
+    inverse_length = 1. / (length > 0. ? length : length_per_radius);
   }
   inline double length_of(double radius) const { return length > 0. ? length : length_per_radius * radius; }
 
@@ -849,7 +849,7 @@ struct Pair {
   void in_units(double effective_modulus, double per_metre, double per_pascal) {
     modulus = effective_modulus;
     length *= metre = per_metre;
-    inverse_length = length > 0. ? 1. / length : 0.;
+    inverse_length = 1. / (length > 0. ? length : length_per_radius);
     only_radius *= per_metre;
     pascal = per_pascal;
   }
@@ -919,8 +919,10 @@ inline Force own_step(const Pair &pair, double radius, double overlap, double *s
 
 // One step of one contact. `state` points to state_size(rule) doubles: maximum overlap [m], plastic overlap [m],
 // radius ratio R_p / R; it is written only when `update` is true. overlap <= 0 clears it. RULE is known when compiled.
+// inverse_radius: 1 / radius where the engine has it before the radius.
 template <Unloading RULE>
-inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update) {
+inline Force step_rule(const Pair &pair, double radius, double overlap, double *state, bool update,
+                       double inverse_radius = 0.) {
   Force now = {0., 0., false, 0.};
   if (overlap <= 0.) {
     if (update)
@@ -936,7 +938,7 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
     inverse_length = pair.inverse_length;
     if (!(length > 0.)) {
       length = pair.length_per_radius * radius;
-      inverse_length = 1. / length;
+      inverse_length *= inverse_radius > 0. ? inverse_radius : 1. / radius;
     }
   }
   if (loads) {
@@ -987,15 +989,16 @@ inline Force step_rule(const Pair &pair, double radius, double overlap, double *
   return now;
 }
 
-inline Force step(const Pair &pair, double radius, double overlap, double *state, bool update = true) {
-  if (pair.rule == ELASTIC) return step_rule<ELASTIC>(pair, radius, overlap, state, update);
-  if (pair.rule == HERTZ) return step_rule<HERTZ>(pair, radius, overlap, state, update);
-  if (pair.rule == THORNTON) return step_rule<THORNTON>(pair, radius, overlap, state, update);
-  if (pair.rule == LINEAR) return step_rule<LINEAR>(pair, radius, overlap, state, update);
-  if (pair.rule == EEPA) return step_rule<EEPA>(pair, radius, overlap, state, update);
-  if (pair.rule == ETSION) return step_rule<ETSION>(pair, radius, overlap, state, update);
-  if (pair.rule == OWN) return step_rule<OWN>(pair, radius, overlap, state, update);
-  return step_rule<GIVEN>(pair, radius, overlap, state, update);
+inline Force step(const Pair &pair, double radius, double overlap, double *state, bool update = true,
+                  double inverse_radius = 0.) {
+  if (pair.rule == ELASTIC) return step_rule<ELASTIC>(pair, radius, overlap, state, update, inverse_radius);
+  if (pair.rule == HERTZ) return step_rule<HERTZ>(pair, radius, overlap, state, update, inverse_radius);
+  if (pair.rule == THORNTON) return step_rule<THORNTON>(pair, radius, overlap, state, update, inverse_radius);
+  if (pair.rule == LINEAR) return step_rule<LINEAR>(pair, radius, overlap, state, update, inverse_radius);
+  if (pair.rule == EEPA) return step_rule<EEPA>(pair, radius, overlap, state, update, inverse_radius);
+  if (pair.rule == ETSION) return step_rule<ETSION>(pair, radius, overlap, state, update, inverse_radius);
+  if (pair.rule == OWN) return step_rule<OWN>(pair, radius, overlap, state, update, inverse_radius);
+  return step_rule<GIVEN>(pair, radius, overlap, state, update, inverse_radius);
 }
 
 inline Force step(const Pair &pair, double radius, double overlap, State &state) {

@@ -158,14 +158,15 @@ public:
     using demlaws::MOST_STATE;
     if (data.contact_flags) *data.contact_flags |= CONTACT_NORMAL_MODEL;
     const demlaws::TypePair &type = law_of(data);
-    const double radius = WALL ? data.radi : data.radi * data.radj / (data.radi + data.radj);
+    const double product = data.radi * data.radj, sum = data.radi + data.radj;
+    const double radius = WALL ? data.radi : product / sum;
     if (__builtin_expect(!type.pair.serves(radius, now_.radius_tolerance), 0)) refuse_radius(data, radius, type.pair);
     double *const state = state_size_ ? &data.contact_history[offset_] : NULL;
     const bool update = data.computeflag && data.shearupdate;
     double before[MOST_STATE];
     if (WALL && update)
       for (int k = 0; k < state_size_; k++) before[k] = state[k];
-    const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update);
+    const demlaws::Force now = demlaws::step(type.pair, radius, data.deltan, state, update, WALL ? 0. : sum / product);
     if (__builtin_expect(now.outside | type.watch.sees(data.deltan, radius), 0))
       examine(data, radius, type, now, update);
 
