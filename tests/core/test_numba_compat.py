@@ -14,11 +14,13 @@ from demlaws.core import numba_compat
 TESTS = Path(__file__).parents[1]
 
 
-def test_laws_are_the_same_without_numbas_internals():
+@pytest.mark.parametrize(
+    "chosen", ["recoverable and little", pytest.param("yielded or small_grain or history_stays", marks=pytest.mark.slow)]
+)
+def test_laws_are_the_same_without_numbas_internals(chosen):
     """Tests of loops, unloading, shear and tables, run with numba's documented options only."""
-    chosen = ["-k", "yielded or (recoverable and little) or small_grain or history_stays"]
     files = [str(TESTS / name) for name in ("test_exactness.py", "test_law.py")]
-    line = [sys.executable, "-m", "pytest", "-q", "-n0", "-x", "-p", "no:cacheprovider", *chosen, *files]
+    line = [sys.executable, "-m", "pytest", "-q", "-n0", "-x", "-p", "no:cacheprovider", "-k", chosen, *files]
     environment = {**os.environ, "DEMLAWS_PLAIN_NUMBA": "1"}
     done = subprocess.run(line, env=environment, cwd=TESTS.parent, capture_output=True, text=True)
     assert done.returncode == 0, done.stdout

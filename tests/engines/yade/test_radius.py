@@ -267,6 +267,7 @@ def test_a_function_of_the_contact(omega, bridge):
     stops(r"radius= returned 0.0 for contact 0\+1")
 
 
+@pytest.mark.slow  # a contact that rotates reads shapes, a saved scene restores them, in quicker tests
 def test_the_public_way_and_a_loaded_scene_find_the_same_radius(omega, tmp_path):
     public, _ = on_corner(omega, "curvature", bridge="public")
     state, _ = on_corner(omega, "curvature")
