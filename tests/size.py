@@ -97,16 +97,18 @@ def figures():
 
 
 ROW = re.compile(r"^\| (?P<feature>[^|]+) \| `(?P<files>[^|]+)` \| *\d+ \| *\d+ \| (?P<why>[^|]*)\|$", re.MULTILINE)
-"""A feature in CONTRIBUTING's table: its files, as patterns below demlaws/, its lines of Python and C++, why it is kept."""
+"""A feature in CONTRIBUTING's tables: its files, as patterns below demlaws/, tests/ or studies/ (with that name), its lines of
+Python and C++, why it is kept."""
 
 
 def by_feature():
     """CONTRIBUTING with the lines of each feature counted again. SystemExit if a file belongs to no feature."""
-    every = set(files("demlaws/*.py", "demlaws/*.cpp", "demlaws/*.h"))
-    left = set(every)
+    wheel = set(files("demlaws/*.py", "demlaws/*.cpp", "demlaws/*.h"))
+    left = wheel | set(files("tests/*.py", "studies/*.py"))
 
     def counted(row):
-        mine = every if row["files"] == "*" else {p for pattern in row["files"].split() for p in PACKAGE.glob(pattern)} & left
+        places = [(ROOT if p.startswith(("tests/", "studies/")) else PACKAGE, p) for p in row["files"].split()]
+        mine = wheel if row["files"] == "*" else {path for folder, p in places for path in folder.glob(p)} & left
         left.difference_update(mine)
         python = {path for path in mine if path.suffix == ".py"}
         return f"| {row['feature']} | `{row['files']}` | {lines(python)} | {lines(mine - python)} | {row['why']}|"
