@@ -89,10 +89,9 @@ evaluation (closed form or table):
   *broken*: contacts that differ from new ones after separation.
 - *gain at 50 steps*: largest energy gain of an impact of 50 steps; *safe steps*: steps per impact for a gain below
   1e-4.
-- *step / limit*: `dl.timestep` over the measured stability limit; *NaN*: invalid input is refused; *float32*: error of
-  float32 storage."""
+- *step / limit*: `dl.timestep` over the measured stability limit; *NaN*: invalid input is refused."""
 
-TRADE = """Time and error of every law with every unloading rule, as closed form, in float32 and as tables of increasing
+TRADE = """Time and error of every law with every unloading rule, as closed form and as tables of increasing
 accuracy. [Accuracy and cost](../trade.md) has the conclusions.
 
 - *ns*: nanoseconds per contact; *× copy*: over the time to copy the same arrays; *bytes*: history per contact; *rows*:
