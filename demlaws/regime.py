@@ -131,7 +131,7 @@ def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure:
     load = number(load, "load", "N")
     p0, alpha = float(hertz_pressure(contact, load)), float(contact.roughness_parameter(load))
     if yield_pressure is not None:
-        limit = number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
+        limit = _yield_pressure(yield_pressure)
         ratio = p0 / limit
         deforms = deforming_part(YIELD_RATIO * ratio)
         yields = float(math.pi**3 * contact.radius**2 * limit**3 / (6.0 * contact.modulus**2))
@@ -150,6 +150,11 @@ def assess(contact: Contact, load: Any, mu: float | None = None, yield_pressure:
         transition_roughness=transition_roughness(contact, load, mu=mu),
         mu=mu,
     )
+
+
+def _yield_pressure(value: Any) -> float:
+    """Pressure [Pa] at which a smooth contact yields."""
+    return number(value, "yield_pressure", "Pa", 1.0, 1e15)
 
 
 def pressure_map(contact: Contact, loads: Any, roughnesses: Any) -> np.ndarray:
@@ -220,7 +225,7 @@ def advise(contact: Contact, load: Any, yield_pressure: Any = None, mu: float | 
     load = number(load, "load", "N")
     alpha = float(np.max(contact.roughness_parameter(FIRST * load)))
     if yield_pressure is not None:
-        ratio = float(np.max(hertz_pressure(contact, load))) / number(yield_pressure, "yield_pressure", "Pa", 1.0, 1e15)
+        ratio = float(np.max(hertz_pressure(contact, load))) / _yield_pressure(yield_pressure)
         yields, state = ratio > 1.0, f"p0/p_y = {ratio:.2f}"
     elif contact.hardness is None:
         yields, state = False, "no hardness given: bulk yield not judged"

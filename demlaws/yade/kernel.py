@@ -25,7 +25,6 @@ from demlaws.yade import layout as at
 from demlaws.yade.memory import (
     add_double,
     add_word,
-    call_body_by_id,
     call_gap_radius,
     call_go,
     load_byte,
@@ -39,7 +38,7 @@ from demlaws.yade.memory import (
     store_tuple,
     store_word,
 )
-from demlaws.yade.shear import Slip, before, compress, go, word
+from demlaws.yade.shear import Slip, before, body_of_number, compress, go, word
 
 LOWEST_MODULUS = RANGES["modulus"].low
 SHAPE_BYTES = at.SHAPE_RECORD.itemsize
@@ -113,7 +112,7 @@ def effective_radius(radius1, radius2):
 @kernel
 def body_of(context, interaction, body):
     """Address of one of the two bodies of a contact."""
-    return load_word(call_body_by_id(word(context, at.BODY_BY_ID), load_int(interaction + word(context, body)), 0))
+    return body_of_number(context, load_int(interaction + word(context, body)), 0)
 
 
 @kernel

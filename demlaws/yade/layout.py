@@ -44,11 +44,8 @@ BETAS = 98  # offset in MindlinPhys [bytes]
 # A contact step without the native function (`shear.step_alone`).
 ALONE = 100  # 1: where possible, 0: never
 APPLY = 101  # address of LawFunctor::applyForceAtContactPoint
-FUNCTOR, SCENE, OPTIONS = (
-    102,
-    103,
-    104,
-)  # bytes from `this`: start of the functor, pointer to its scene, four options of one byte
+FUNCTOR = 102  # bytes from the start of the functor to `this`
+SCENE, OPTIONS = 103, 104  # bytes from `this` to the pointer to the scene, and to four options of one byte
 PERIODIC = 105  # offset of isPeriodic in Scene [bytes]
 KS, SHEAR_SUM, SHEAR_VISCOUS, SLIDING = 106, 107, 108, 109  # offsets in MindlinPhys [bytes]
 BETAN, DAMPING_KIND = 110, 111  # the same; DAMPING_KIND: of alpha or beta where MindlinPhys has one, else BETAN

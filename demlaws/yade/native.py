@@ -39,6 +39,7 @@ OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `shear.step_alone` is not used."""
 DAMPING_KINDS = ("alpha", "beta")
 """Names that MindlinPhys had for the exponent of viscous damping."""
+NOT_TRIED = "not tried"
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
 ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylinder")
 """Shapes with a radius of their own, where YADE has them."""
@@ -119,9 +120,9 @@ def _find(cls, name, kind=ctypes.c_double, values=(1.2345e33, 2.4691e33, 3.7037e
     return place
 
 
-def _find_flag(thing, owner, name):
+def _find_flag(thing, name, owner=None):
     """Byte of `thing` that is 1 while this attribute of `owner` (default: `thing`) is set, and else 0."""
-    seen, owner = [], thing if owner is None else owner
+    seen, owner = [], owner or thing
     for value in (False, True, False):
         setattr(owner, name, value)
         seen.append(read_memory(*_window(thing), ctypes.c_uint8).copy())
@@ -265,7 +266,7 @@ class Layout:
         probe = yade.Law2_ScGeom_MindlinPhys_Mindlin()
         self.slot = self.find_slot(probe)
         self.step = {}  # words of `find_step` once the self-test has verified them
-        self.step_refused = "not tried"  # why not
+        self.step_refused = NOT_TRIED  # why not; None where they are used
 
     @staticmethod
     def _symbol(library, name):
@@ -323,33 +324,30 @@ class Layout:
         this empty scene. The words of the context, or BridgeUnavailable."""
         here, size = _window(functor)
         base = self._symbol(self.library, f"_ZTI{TABLE[4:]}")
-        kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
-        if _symbol_at(kind - 16) != SINGLE_BASE or parent != self._symbol(self.core, "_ZTIN4yade10LawFunctorE"):
+        base_kind, _, parent = read_memory(base, 24, ctypes.c_uint64).tolist()
+        if _symbol_at(base_kind - 16) != SINGLE_BASE or parent != self._symbol(self.core, "_ZTIN4yade10LawFunctorE"):
             raise BridgeUnavailable(f"{LAW} does not begin with a LawFunctor")
         scenes = 8 * np.flatnonzero(read_memory(here, size, ctypes.c_uint64) == address(scene))
         unknown = {name for name, value in functor.dict().items() if isinstance(value, bool)} - {*OPTIONS, "nothing"}
         if unknown:
             raise BridgeUnavailable(f"{LAW} has the options {', '.join(sorted(unknown))}, which demlaws does not know")
-        options = [_find_flag(functor, functor, name) for name in OPTIONS]
+        options = [_find_flag(functor, name) for name in OPTIONS]
         if len(scenes) != 1 or sorted(options) != list(range(min(options), min(options) + 4)):
             raise BridgeUnavailable(f"{LAW} has its scene at {scenes.tolist()} and its options at {options}")
-        numbers = {
-            name: _find(yade.MindlinPhys, name) for name in ("ks", "betan", *DAMPING_KINDS) if hasattr(yade.MindlinPhys, name)
-        }
-        kinds = [numbers[name] for name in DAMPING_KINDS if name in numbers]
+        kind = next((name for name in DAMPING_KINDS if hasattr(yade.MindlinPhys, name)), "betan")
         this = self.slot[0]
         return {
             at.APPLY: self._symbol(self.library, APPLY),
             at.FUNCTOR: this,
             at.SCENE: int(scenes[0]) - this,
             at.OPTIONS: min(options) - this,
-            at.PERIODIC: _find_flag(scene, yade.O, "periodic"),
-            at.KS: numbers["ks"],
+            at.PERIODIC: _find_flag(scene, "periodic", yade.O),
+            at.KS: _find(yade.MindlinPhys, "ks"),
             at.SHEAR_SUM: self._vector("shearForce"),
             at.SHEAR_VISCOUS: self._vector("shearViscous"),
-            at.SLIDING: _find_flag(yade.MindlinPhys(), None, "isSliding"),
-            at.BETAN: numbers["betan"],
-            at.DAMPING_KIND: kinds[0] if kinds else numbers["betan"],
+            at.SLIDING: _find_flag(yade.MindlinPhys(), "isSliding"),
+            at.BETAN: _find(yade.MindlinPhys, "betan"),
+            at.DAMPING_KIND: _find(yade.MindlinPhys, kind),
         }
 
     @staticmethod

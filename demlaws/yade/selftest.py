@@ -155,7 +155,7 @@ def _compare(binding, omega):
         raise SelfTestFailed(f"YADE applied up to {max(forces):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
     if binding.context.take_fault() is not None:
         raise SelfTestFailed("the native code received unknown contacts")
-    if native.layout().step_refused == "not tried":
+    if native.layout().step_refused == native.NOT_TRIED:
         try_step_alone(binding.context, functor, omega, deepest)
     binding.account = 0.0, 0, 0.0
     binding.attachment.forget_rows()

@@ -125,10 +125,15 @@ def is_plain(context, this, geom, phys, interaction, row):
 
 
 @kernel
-def position_of(context, scene, number):
+def body_of_number(context, number, scene):
+    """Address of a body; scene 0: the current one."""
+    return load_word(call_body_by_id(word(context, at.BODY_BY_ID), number, scene))
+
+
+@kernel
+def position_of(context, number, scene):
     """Address of the position of a body."""
-    body = load_word(call_body_by_id(word(context, at.BODY_BY_ID), number, scene))
-    return load_word(body + word(context, at.BODY_STATE)) + word(context, at.POSITION)
+    return load_word(body_of_number(context, number, scene) + word(context, at.BODY_STATE)) + word(context, at.POSITION)
 
 
 @kernel
@@ -164,9 +169,9 @@ def step_alone(context, this, geom, phys, interaction):
         on_stack(less(scaled(-1.0, normal), 1.0, force)),
         geom + word(context, at.POINT),
         first,
-        position_of(context, scene, first),
+        position_of(context, first, scene),
         second,
-        position_of(context, scene, second),
+        position_of(context, second, scene),
     )
     return 1
 
