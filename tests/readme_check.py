@@ -133,7 +133,7 @@ def checks():
             count = functools.partial(lambda claims, verdict: sum(c.verdict == verdict for c in claims()), claims, verdict)
             found[f"{paper}.{name}"] = Check(count, command)
     for memory in ("pressure", "blunting", "none"):
-        found[f"memory.{memory}"] = Check(functools.partial(_memory, memory), "python -m studies.jamari --figures-2008 9")
+        found[f"memory.{memory}"] = Check(functools.partial(_memory, memory), "python -m studies.jamari --claims")
     return found
 
 

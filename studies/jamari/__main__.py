@@ -1,18 +1,16 @@
-"""`python -m studies.jamari`: the tests, claims and figures of Jamari & Schipper 2006 and 2008."""
+"""`python -m studies.jamari`: the tests and claims of Jamari & Schipper 2006 and 2008."""
 
 import sys
-from pathlib import Path
 
-from demlaws import plots, surface
+from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from demlaws.errors import quiet
 from demlaws.granite.command import print_claims
-from studies.jamari import figures as pictures
 from studies.jamari.claims import jamari_claims
 from studies.jamari.cycles import press
-from studies.jamari.matching import change
-from studies.jamari.published import published_contact, published_ratios, swaps
+from studies.jamari.figure import regime_map
+from studies.jamari.published import LOAD, published_contact, published_ratios, swaps
 
 
 def parser():
@@ -20,42 +18,18 @@ def parser():
     parser = Parser(
         prog="python -m studies.jamari",
         description="The published tests with p(0)/H_m by the paper's own method and by its closed fit; the papers' claims; "
-        "their figures; the repeated contact of 2008 on a synthetic map.",
+        "the repeated contact of 2008 on a synthetic map.",
         **example(
             "  python -m studies.jamari --figure regime.png\n"
             "  python -m studies.jamari --claims\n"
-            "  python -m studies.jamari --figures-2006 all --figures-2008 9 --out jamari\n"
-            "  python -m studies.jamari --repeat isotropic --figure repeated.png\n"
-            "  python -m studies.jamari --change before.asc after.asc --figure change.png"
+            "  python -m studies.jamari --repeat isotropic --figure repeated.png"
         ),
     )
     parser.add_argument("--claims", action="store_true", help="what the papers of 2006 and 2008 say, and the verdicts")
-    for year, known in ((2006, pictures.FIGURES_2006), (2008, pictures.FIGURES_2008)):
-        numbers = ("all", *map(str, known))
-        parser.add_argument(
-            f"--figures-{year}", nargs="+", choices=numbers, metavar="N", help=f"{', '.join(numbers[1:])} or all"
-        )
-    parser.add_argument("--out", type=Path, default=Path("jamari"), help="folder for these (default: jamari)")
     parser.add_argument("--repeat", choices=("isotropic", "anisotropic"), help="press on this surface of 2008 20 times")
-    parser.add_argument(
-        "--change", nargs=2, metavar=("BEFORE", "AFTER"), help="lay the second height map over the first: what has changed"
-    )
-    parser.add_argument("--pixel", help="pixel size, for files that do not give it, with --change")
-    parser.add_argument("--unit", default="m", help="unit of the heights in a file, with --change (default m)")
-    parser.add_argument("--map", type=output, help="write the difference of the two maps of --change")
-    parser.add_argument("--figure", type=output, help="picture to draw: of the tests, of --repeat, or of --change")
+    parser.add_argument("--figure", type=output, help="picture to draw: of the tests, or of --repeat")
     parser.set_defaults(func=run)
     return parser
-
-
-def draw_figures(known, chosen, out):
-    """Draw figures of a paper, number → function that returns (figure, lines), and print their content."""
-    for number in known if "all" in chosen else map(int, chosen):
-        with quiet():
-            picture, said = known[number]()
-        print(f"Fig. {number}: {plots.save(picture, out / f'figure-{number:02}.png')}")
-        for line in said:
-            print(f"  {line}")
 
 
 def run(arguments):
@@ -63,20 +37,12 @@ def run(arguments):
     if arguments.claims:
         with quiet():
             print_claims(list(jamari_claims()))
-    for year, chosen in ((2006, arguments.figures_2006), (2008, arguments.figures_2008)):
-        if chosen:
-            draw_figures(getattr(pictures, f"FIGURES_{year}"), chosen, arguments.out / str(year))
     if arguments.repeat:
-        press(published_contact(arguments.repeat), pictures.LOAD, arguments.figure, arguments.repeat)
-    elif arguments.change:
-        before, after = (surface.read(path, arguments.pixel, arguments.unit) for path in arguments.change)
-        match = change(before, after, arguments.figure)
-        if arguments.map is not None:
-            print(surface.write(arguments.map, match.difference))
-    elif not (arguments.claims or arguments.figures_2006 or arguments.figures_2008):
+        press(published_contact(arguments.repeat), LOAD, arguments.figure, arguments.repeat)
+    elif not arguments.claims:
         print_tests()
         if arguments.figure is not None:
-            print(plots.save(pictures.regime_map(), arguments.figure))
+            print(plots.save(regime_map(), arguments.figure))
 
 
 def print_tests():

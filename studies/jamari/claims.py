@@ -4,7 +4,7 @@ import math
 
 from demlaws import regime
 from demlaws.granite.claims import BUILT_IN, NOT_REPRODUCED, REPRODUCED, Claim
-from studies.jamari.published import PRINTED_RATIOS, published_contact, published_ratios, swaps
+from studies.jamari.published import LOAD, PRINTED_RATIOS, published_contact, published_ratios, swaps
 
 
 def verdict(holds):
@@ -55,9 +55,9 @@ def _repeated():
 
     change = {}
     for memory in MEMORIES:
-        history = repeat(published_contact("isotropic", memory=memory), 0.2, cycles=2, keep=())
+        history = repeat(published_contact("isotropic", memory=memory), LOAD, cycles=2, keep=())
         change[memory] = history[1].relative_change
-    text = ", ".join(f"{name} {100 * value:.2g} %" for name, value in change.items())
+    text = ", ".join(f"{name} {100 * value:.3g} %" for name, value in change.items())
     yield Claim(
         "2008, repeated contact",
         "in the second cycle there is no change, and the change of the geometry is the only factor",

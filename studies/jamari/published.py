@@ -22,6 +22,8 @@ class PublishedTest(NamedTuple):
     seen: str  # "asperities", "both", "bulk"
 
 
+LOAD = 0.2  # [N], of the tests of 2008
+
 PRINTED_RATIOS = {4.0: 0.90, 11.0: 0.925, 17.0: 0.93}
 """p(0)/p0 at α = 0.09 that the text of 2006 reads from its Fig. 1, by μ."""
 
@@ -40,8 +42,8 @@ def published_tests():
         ("Br_B", BRASS, 0.13e-6, 12.0, 0.09, 11.0, math.nan, "bulk"),
         ("Br_AB", BRASS, 0.28e-6, 12.0, 0.20, 13.0, math.nan, "both"),
         ("Br_A", BRASS, 0.70e-6, 12.0, 0.50, 7.0, math.nan, "asperities"),
-        ("2008 isotropic", ALUMINIUM, 1.3e-6, 0.2, math.nan, math.nan, 0.16, "asperities"),
-        ("2008 anisotropic", ALUMINIUM, 1.4e-6, 0.2, math.nan, math.nan, 0.15, "asperities"),
+        ("2008 isotropic", ALUMINIUM, 1.3e-6, LOAD, math.nan, math.nan, 0.16, "asperities"),
+        ("2008 anisotropic", ALUMINIUM, 1.4e-6, LOAD, math.nan, math.nan, 0.15, "asperities"),
     ]
     tests = []
     for label, flat, roughness, load, alpha, mu, ratio, seen in rows:

@@ -1,4 +1,4 @@
-"""The figures of Jamari & Schipper by number: what they draw, and that what is said beside them is what is drawn."""
+"""The tests of Jamari & Schipper: what the command prints and draws, and the repeated contact of 2008."""
 
 import numpy as np
 import pytest
@@ -10,15 +10,14 @@ from studies.jamari.__main__ import main
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
 
 
-@pytest.mark.slow
 def test_the_command(tmp_path, capsys):
-    assert main(["--figures-2006", "1", "--figures-2008", "9", "--out", str(tmp_path)]) == 0
-    assert "Fig. 1:" in capsys.readouterr().out
-    drawn = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*.png")}
-    assert drawn == {"2006/figure-01.png", "2008/figure-09.png"}
-    for given in (["--figures-2006", "3"], ["--figures-2008", "13"], ["--figures-2008", "x"]):
-        with pytest.raises(SystemExit):
-            main([*given, "--out", str(tmp_path)])
+    picture = tmp_path / "regime.png"
+    assert main(["--figure", str(picture)]) == 0
+    printed = capsys.readouterr().out
+    assert all(f"\n{test.label} " in printed for test in published.published_tests())
+    assert "by the solution: the order is that of what was seen" in printed
+    assert "by Eq. 4: 1 of the tests of 2006 stands out of order" in printed
+    assert picture.stat().st_size > 20_000
 
 
 @pytest.mark.parametrize(("kind", "criterion"), [("isotropic", 0.16), ("anisotropic", 0.15)])
