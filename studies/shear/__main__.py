@@ -1,15 +1,11 @@
 """`python -m studies.shear`: oblique impacts, the closed gas, pictures of shear."""
 
-import itertools
 import sys
-
-from tqdm import tqdm
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from demlaws.make import example as example_law
-from studies.shear import figure, gas, memory, packing, paths, springs
+from studies.shear import figure, gas, packing, springs
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -20,7 +16,6 @@ def parser():
         description="Tangential restitution of oblique impacts compared with measurements; energy of a closed gas.",
         **example(
             "  python -m studies.shear --figure shear.png\n"
-            "  python -m studies.shear --paths 1000\n"
             "  python -m studies.shear --gas liggghts --friction 0.3 1 100 --poisson 0 0.1 0.25 0.4 > gas.csv\n"
             "  python -m studies.shear --summary gas.csv"
         ),
@@ -31,9 +26,7 @@ def parser():
     parser.add_argument("--poisson", type=float, nargs="+", default=[0.25], help="Poisson's ratios, with --gas (default 0.25)")
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
-    parser.add_argument("--paths", type=int, help="so many random paths of every law, rule and choice: work returned")
     parser.add_argument("--springs", type=int, nargs="+", help="errors of partial slip with these numbers of springs")
-    parser.add_argument("--bytes", action="store_true", help="memory of a contact, by engine and model")
     parser.add_argument("--packing", nargs="+", metavar="SHEAR", help="25 oedometer cycles and shear to the peak, in YADE")
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
@@ -51,15 +44,8 @@ def run(arguments):
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
         return
-    if arguments.paths:
-        print_paths(arguments.paths)
-        return
     if arguments.springs:
         print_springs(arguments.springs)
-        return
-    if arguments.bytes:
-        for engine, model, size in itertools.chain(memory.bytes_in_yade(), memory.bytes_per_contact()):
-            print(f"{engine}, {model}: {size}", flush=True)
         return
     if arguments.packing:
         print_packings(arguments.packing)
@@ -102,16 +88,6 @@ def print_springs(counts):
         force, losses = springs.mindlin(count)
         errors = " | ".join(f"{springs.oblique(*law, count):.1e}" for law in springs.LAWS)
         print(f"| {count} | {force:.1e} | {', '.join(f'{100 * loss:+.1f}' for loss in losses)} | {errors} |", flush=True)
-
-
-def print_paths(count):
-    """A row per law and rule: the largest work returned in a step and the largest excess over Coulomb's limit."""
-    print(f"{count} paths: largest fall of the dissipated energy over the work, largest excess over Coulomb's limit")
-    for name, rule in tqdm(list(gas.cases()), disable=not sys.stderr.isatty()):
-        law = example_law(name, gas.CONTACT, rule)
-        for shear in ("elastic", "loading", "slip"):
-            result = paths.worst(law, shear, count)
-            print(f"{name}, {rule}, {shear}: {result.returned:.1e}, {result.excess:.1e}", flush=True)
 
 
 def main(arguments=None):

@@ -19,12 +19,10 @@ from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.laws.registry import registry
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from demlaws.make import example
-from studies.costs.costs import under_yade
 
 ENGINES = {"liggghts": liggghts, "lammps": lammps}
-STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force"), "yade": ("native",)}
+STOCK = {"liggghts": ("history",), "lammps": ("mindlin", "mindlin_rescale", "mindlin_rescale/force")}
 DIAMETER, SPACING, TIME = 0.0174, 0.02, 0.03  # [m, m, s]
-BOX = 4 * SPACING
 HEADS = {"liggghts": LIGGGHTS_HEAD, "lammps": f"{LAMMPS_HEAD}boundary f f f\n"}
 START = """\
 {head}processors {ranks} 1 1
@@ -79,21 +77,13 @@ class Result(NamedTuple):
     kept: np.ndarray  # kinetic, rotational and stored
     balance: np.ndarray  # with what the contacts report as dissipated; of stock models the same as kept
 
-    @property
-    def largest(self) -> float:
-        """Largest energy."""
-        return float(self.kept.max())
-
-
-def places_and_speeds(side=4):
-    """Centres [m] and velocities [m/s] of the spheres at the start."""
-    speeds = np.random.default_rng(3).normal(0, 0.3, (side**3, 3))
-    return list(zip((0.01 + SPACING * np.argwhere(np.ones((side,) * 3))).tolist(), speeds.tolist(), strict=True))
-
 
 def _places(side):
+    """Lines that create the spheres with their velocities."""
+    places = 0.01 + SPACING * np.argwhere(np.ones((side,) * 3))
+    speeds = np.random.default_rng(3).normal(0, 0.3, (side**3, 3))
     lines = []
-    for n, (place, speed) in enumerate(places_and_speeds(side)):
+    for n, (place, speed) in enumerate(zip(places, speeds, strict=True)):
         lines.append("create_atoms 1 single {:.2f} {:.2f} {:.2f} units box".format(*place))
         lines.append("set atom {} vx {:.6f} vy {:.6f} vz {:.6f}".format(n + 1, *speed))
     return "\n".join(lines)
@@ -101,7 +91,6 @@ def _places(side):
 
 def save_tables(name, rule, poisson, folder):
     """Write pair.tbl and wall.tbl of a law: one that does not collapse has another curve at a wall, whose radius is larger."""
-    folder.mkdir(exist_ok=True)
     for file, radius in (("pair.tbl", DIAMETER / 4), ("wall.tbl", DIAMETER / 2)):
         law = example(name, contact(poisson, radius), rule)
         with quiet():
@@ -159,57 +148,34 @@ def simulate(engine, tangential, friction=100.0, poisson=0.25, words="", tables=
     return Result(kept / kept[0], (kept + log["lost"]) / kept[0])
 
 
-def simulate_in_yade(runs):
-    """The same in YADE for a list of arguments of `yade_gas.simulate`, in one process: `Result`s or refusals."""
-    for energies in under_yade("shear/yade_gas.py", runs):
-        if isinstance(energies, str):
-            yield DemlawsError(energies)
-        else:
-            kept, balance = np.array(energies).T
-            yield Result(kept / kept[0], balance / balance[0])
-
-
 FIELDS = ("engine", "law", "rule", "shear", "friction", "poisson", "largest", "end", "balance", "step_us", "time_ms")
 
 
-def run_all(chosen, frictions, poissons, shears, steps):
+def run_all(engines, frictions, poissons, shears, steps):
     """Print a row of FIELDS as CSV for each run in these engines; a refused run has its reason in `largest`."""
     writer = csv.writer(sys.stdout)
     writer.writerow(FIELDS)
 
-    def row(result, *first):
-        values = [f"refused: {result}", "", ""]
-        if isinstance(result, Result):
-            values = [f"{result.largest:.5f}", f"{result.kept[-1]:.4f}", f"{result.balance[-1]:.5f}"]
-        writer.writerow([*first, *values, f"{1e6 * TIME / steps:g}", f"{1e3 * TIME:g}"])
+    def run(engine, law, rule, shear, friction, poisson, tangential, **table):
+        try:
+            kept, balance = simulate(engine, tangential, friction, poisson, steps=steps, **table)
+            values = [f"{kept.max():.5f}", f"{kept[-1]:.4f}", f"{balance[-1]:.5f}"]
+        except DemlawsError as error:
+            values = [f"refused: {error}", "", ""]
+        case = [engine, law, rule, shear, f"{friction:g}", f"{poisson:g}"]
+        writer.writerow([*case, *values, f"{1e6 * TIME / steps:g}", f"{1e3 * TIME:g}"])
         sys.stdout.flush()
 
-    def attempt(engine, name, model, friction, poisson, folder):
-        own = {"tangential": model}
-        if name is not None:
-            own = {"tangential": "demlaws", "words": f"shear {model}", "tables": Path(folder, f"{poisson:g}")}
-        try:
-            return simulate(engine, friction=friction, poisson=poisson, steps=steps, **own)
-        except DemlawsError as error:
-            return error
-
-    def compute(name, rule, models, folder=None):
-        """name None: the engine's own Hertz; models: shear models of each engine."""
-        for engine in chosen:
-            runs = list(itertools.product(poissons, frictions, models[engine]))
-            if engine == "yade":
-                results = simulate_in_yade([(name, rule, model, *case, steps) for *case, model in runs])
-            else:
-                results = (attempt(engine, name, model, friction, poisson, folder) for poisson, friction, model in runs)
-            for (poisson, friction, model), result in zip(runs, results, strict=True):
-                row(result, engine, name or "stock hertz", rule, model, f"{friction:g}", f"{poisson:g}")
-
-    compute(None, "elastic", STOCK)
+    for engine in engines:
+        for poisson, friction, model in itertools.product(poissons, frictions, STOCK[engine]):
+            run(engine, "stock hertz", "elastic", model, friction, poisson, model)
     for name, rule in tqdm(list(cases()), disable=not sys.stderr.isatty()):
-        with tempfile.TemporaryDirectory() as folder:
-            for poisson in poissons if chosen != ["yade"] else []:
-                save_tables(name, rule, poisson, Path(folder, f"{poisson:g}"))
-            compute(name, rule, dict.fromkeys(chosen, shears), folder)
+        for poisson in poissons:
+            with tempfile.TemporaryDirectory() as folder:
+                save_tables(name, rule, poisson, Path(folder))
+                for engine, friction, shear in itertools.product(engines, frictions, shears):
+                    own = {"words": f"shear {shear}", "tables": folder}
+                    run(engine, name, rule, shear, friction, poisson, "demlaws", **own)
 
 
 def summary(files):

@@ -24,7 +24,7 @@ from bench_engines import STOCK, prepare, variables, write_block
 
 LAWS = (STOCK, "pohrt-popov, hertz unloading")
 CORES = len(os.sched_getaffinity(0))
-HISTORY = {  # bytes per contact, as `python -m studies.shear --bytes` prints them
+HISTORY = {  # bytes per contact, from the table of docs/shear.md, Memory
     ("liggghts", STOCK): 32,
     ("liggghts", LAWS[1]): 56,
     ("lammps", STOCK): 32,
