@@ -1,13 +1,13 @@
-"""python -m studies.shapes [--only WORD ...] [--report]"""
+"""python -m studies.shapes [--small] [--run] [--only WORD ...]"""
 
-import argparse
 import csv
+import functools
 import sys
 from pathlib import Path
 
 import numpy as np
 
-from demlaws.errors import DemlawsError
+from demlaws.cli import Parser, execute
 from studies.costs.costs import under_yade
 
 HERE = Path(__file__).parent
@@ -51,29 +51,28 @@ def run(case, folder, progress, task="measure"):
     return under_yade("shapes/yade_bed.py", given, progress)
 
 
-def row_of(case, found):
-    """The row of a measured run as text."""
-    shape, law, radius = case
-    row = {"shape": shape, "law": law, "radius": radius, "median_radius": found.pop("radius"), **found}
-    return {
-        name: " ".join(f"{v:.7g}" for v in value)
-        if isinstance(value, list)
-        else value
-        if isinstance(value, str)
-        else f"{value:.5g}"
-        for name, value in row.items()
-    }
+def add_run(case, folder, path, progress):
+    """Run a case and add its row to a file."""
+    found = run(case, folder, progress)
+    row = {**dict(zip(("shape", "law", "radius"), case, strict=True)), "median_radius": found.pop("radius"), **found}
+    for name, value in row.items():
+        if isinstance(value, list):
+            row[name] = " ".join(f"{v:.7g}" for v in value)
+        elif not isinstance(value, str):
+            row[name] = f"{value:.5g}"
+    fresh = not path.exists()
+    with open(path, "a", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        if fresh:
+            writer.writeheader()
+        writer.writerow(row)
 
 
-def small_strain(cases, folder, path, progress):
-    """Add missing runs to a file. Its table: stress [kPa], modulus, its deviation [MPa], contacts per grain, noise [Pa]."""
-    rows = list(csv.reader(path.read_text().splitlines())) if path.exists() else []
-    for case in cases:
-        if list(case) not in [row[:3] for row in rows]:
-            found = np.array(run(case, folder, progress, "small")["rows"]) / (1e3, 1e6, 1e6, SETUP["count"], 1.0)
-            rows += [[*case, *(f"{value:.3g}" for value in row)] for row in found]
-            path.write_text("".join(f"{','.join(row)}\n" for row in rows))
-    return "\n".join(f"| {' | '.join(row)} |" for row in rows)
+def add_small_strain(case, folder, path, progress):
+    """Run a case and add its rows: stress [kPa], modulus, its deviation [MPa], contacts per grain, noise [Pa]."""
+    found = np.array(run(case, folder, progress, "small")["rows"]) / (1e3, 1e6, 1e6, SETUP["count"], 1.0)
+    with open(path, "a") as file:
+        file.writelines(f"{','.join([*case, *(f'{value:.3g}' for value in row)])}\n" for row in found)
 
 
 def read(path):
@@ -146,50 +145,45 @@ def picture(rows):
     return fig
 
 
-def main(arguments=None):
-    """Run the missing cases, then print the table and draw the picture."""
-    parser = argparse.ArgumentParser(
+def parser():
+    """The command line."""
+    parser = Parser(
         prog="python -m studies.shapes",
         description="Angular grains, clumps and spheres: stiffness against pressure and settlement in 25 cycles with R = body, "
         "curvature and edge.",
     )
-    parser.add_argument("--results", default=str(HERE / "angular.csv"), help="file of runs: missing ones are added")
-    parser.add_argument("--packings", default="results/shapes", help="folder of the packings")
-    parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="runs whose name has all of these words")
     parser.add_argument("--small", action="store_true", help="instead: moduli at small strain")
-    parser.add_argument("--report", action="store_true", help="only table and picture")
+    parser.add_argument("--run", action="store_true", help="first run the cases that the file of results does not have (hours)")
+    parser.add_argument("--only", nargs="+", default=[], metavar="WORD", help="run only cases whose name has these words")
+    parser.add_argument("--results", type=Path, help="file of results (default: angular.csv or small_strain.csv, kept here)")
+    parser.add_argument("--packings", default="results/shapes", help="folder of the packings")
     parser.add_argument("--figure", default="results/angular.png", help="file of the picture")
-    options = parser.parse_args(arguments)
-    path = Path(options.results)
+    parser.set_defaults(func=show)
+    return parser
 
-    def progress(text):
-        print(text, flush=True)
 
+def show(options):
+    """Run the missing cases if asked to, then print the table and draw the picture."""
+    path = options.results or HERE / ("small_strain.csv" if options.small else "angular.csv")
+    lines = list(csv.reader(path.read_text().splitlines())) if path.exists() else []
+    progress = functools.partial(print, flush=True)
+    known = {tuple(line[:3]) for line in lines}
+    for case in RUNS if options.run else ():
+        if case not in known and set(options.only) <= set(case):
+            (add_small_strain if options.small else add_run)(case, options.packings, path, progress)
+            progress(f"{' '.join(case)} done")
     if options.small:
-        cases = [case for case in RUNS if set(options.only) <= set(case)]
-        print(small_strain(cases, options.packings, path.with_name("small_strain.csv"), progress))
-        return 0
-    done = read(path) if path.exists() else []
-    known = {(row["shape"], row["law"], row["radius"]) for row in done}
-    missing = [] if options.report else [case for case in RUNS if case not in known and set(options.only) <= set(case)]
-    try:
-        for case in missing:
-            row = row_of(case, run(case, options.packings, progress))
-            fresh = not path.exists()
-            with open(path, "a", newline="") as file:
-                writer = csv.DictWriter(file, FIELDS)
-                if fresh:
-                    writer.writeheader()
-                writer.writerow(row)
-            print(" ".join(case), "done", flush=True)
-    except DemlawsError as error:
-        print(f"demlaws: error: {error}", file=sys.stderr)
-        return 2
+        print("\n".join(f"| {line.replace(',', ' | ')} |" for line in path.read_text().splitlines()))
+        return
     rows = read(path)
     print(table(rows))
     Path(options.figure).parent.mkdir(parents=True, exist_ok=True)
     picture(rows).savefig(options.figure)
-    return 0
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status."""
+    return execute(parser, arguments)
 
 
 if __name__ == "__main__":
