@@ -89,7 +89,7 @@ evaluation (closed form or table):
   *broken*: contacts that differ from new ones after separation.
 - *gain at 50 steps*: largest energy gain of an impact of 50 steps; *safe steps*: steps per impact for a gain below
   1e-4.
-- *step / limit*: `dl.timestep` over the measured stability limit; *NaN*: invalid input is refused."""
+- *step / limit*: `dl.timestep` over the measured stability limit."""
 
 TRADE = """Time and error of every law with every unloading rule, as closed form and as tables of increasing
 accuracy. [Accuracy and cost](../trade.md) has the conclusions.

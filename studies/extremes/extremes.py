@@ -1,4 +1,4 @@
-"""The extremes inside the engines: two spheres on prescribed paths and in impacts, and a thousand spheres let go.
+"""The extremes inside the engines: two spheres on prescribed paths and a thousand spheres let go.
 
 Forces of an engine are compared step by step with the same law in Python, at the overlap that the engine's own
 arithmetic makes of the positions. The smallest overlap two spheres can have is the spacing of doubles at R1 + R2, since
@@ -6,10 +6,9 @@ engines take it as (R1 + R2) - distance: some 2e-16 of the larger sphere; none b
 
 Engines are driven through `yade_extremes.Yade` (in YADE's process) and `liggghts_extremes.Liggghts`
 (LIGGGHTS's library in a process of its own), and through `lammps_extremes.Lammps` (LAMMPS's, likewise); all
-offer `two_spheres`, `impacts`, `let_go` and `stopped_by`.
+offer `two_spheres`, `let_go` and `stopped_by`.
 """
 
-import functools
 import importlib
 import itertools
 import math
@@ -21,7 +20,6 @@ import numpy as np
 
 from demlaws.contact import Contact
 from demlaws.core.unloading import GIVEN
-from demlaws.driver import elastic_contact
 from demlaws.errors import DemlawsError, quiet
 from demlaws.lammps.run import command
 from demlaws.laws.registry import registry
@@ -30,7 +28,7 @@ from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
 from studies.costs.costs import answer_of, available, under_yade
 from studies.extremes import stability
-from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case, impact
+from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case
 
 POISSON = 0.25  # of every sphere: LIGGGHTS's tangential model needs a shear modulus
 MODULI = (2e3, 1e6, 32.32e9, 1e13)  # [Pa]
@@ -40,11 +38,6 @@ LARGEST_SPHERE = 2.5  # [m]
 RATIOS = (1.0, 30.0, 1e3, 1e6)  # of the radii
 TOPS = (1e-9, 1e-6, 1e-3, 0.1, 1.0)  # of the largest overlap
 KINDS = ("ladder", "kink", "again", "broken")
-SPEEDS = (1e-6, 1e-4, 1e-2, 1.0, 100.0)  # [m/s]
-SLOW = 1e-2  # [m/s]: below, the impacts' overlaps are so small that the positions' arithmetic shows
-STEPS = (5, 10, 20, 50, 100, 1000, 10_000, 100_000)  # per contact
-QUICK_STEPS = (5, 20, 50, 200)
-PHASES = (0.05, 0.5, 0.95)  # of the first step that the bodies still travel apart
 RETURN = 1e-11  # work returned by a closed path over force times overlap at its top: rounding stays below
 # of a packing's energy, at a thirtieth of dl.timestep: a step across the kink at a contact's maximum overlap costs up to
 # (ω dt)²/4 of the energy in it
@@ -85,19 +78,9 @@ class Group(NamedTuple):
         return np.spacing(self.radius1 + self.radius2)
 
 
-def _laws(case, contact):
-    """The case's law or table, reaching nearly to R, and the closed form."""
-    return case.bind(contact, 0.9), case._replace(evaluation="closed form").bind(contact)
-
-
-@functools.cache
-def _granite_laws(case):
-    return _laws(case, GRANITE)
-
-
 def make_group(case, contact, radius1, radius2, roughness):
     """A `Group` of these contacts; in a table's case the table reaches nearly to R."""
-    law, closed_form = _granite_laws(case) if contact is GRANITE else _laws(case, contact)
+    law, closed_form = case.bind(contact, 0.9), case._replace(evaluation="closed form").bind(contact)
     solved, table = registry()[case.law].solved, case.evaluation == "table"
     # beyond R there is no answer, and positions round
     share = 0.098 if solved else 0.85 if table else 1.0 - 1e-6
@@ -106,18 +89,13 @@ def make_group(case, contact, radius1, radius2, roughness):
     return Group(case, law, closed_form, radius1, radius2, modulus, roughness, largest)
 
 
-def granite_group(case, count):
-    """`count` times the granite pair, as two equal spheres of half its roughness squared each."""
-    radius = np.full(count, 2.0 * GRANITE.radius)
-    return make_group(case, GRANITE, radius, radius.copy(), np.full(count, GRANITE.roughness / math.sqrt(2.0)))
-
-
 def groups(case, random, quick=False):
     """Pairs at the extremes that the law takes: radius ratios to 1e6, E* 2e3 to 1e13 Pa, σ 0 to R/10, Df 2 to 3."""
     definition = registry()[case.law]
     table = case.evaluation == "table"
     if case.one_contact:
-        return [granite_group(case, 12)]
+        radius = np.full(12, 2.0 * GRANITE.radius)  # two equal spheres of half the granite pair's roughness squared each
+        return [make_group(case, GRANITE, radius, radius, np.full(12, GRANITE.roughness / math.sqrt(2.0)))]
     found = []
     dimensions = DIMENSIONS if "fractal_dimension" in definition.needs else (GRANITE.fractal_dimension,)
     for dimension in dimensions[:: 2 if quick and len(dimensions) > 1 else 1]:
@@ -195,7 +173,6 @@ class Compared(NamedTuple):
     to_law: float  # worst relative error of the force of first loading against the law's closed form
     decades: dict  # decade of δ/R → the same against the law or table that the engine was given, in ε
     later: float  # worst error on unloading and reloading over the largest force so far, in ε
-    closed: int  # paths back to nothing
     returned: float  # most work that one of them returned, over force × overlap at its top
     reload: float  # force at exactly the overlap of before, in ε
     broken: int  # contacts closed again whose force is not the virgin one
@@ -239,7 +216,7 @@ def compare(group, prescribed, kinds, overlap, force):
     rest = ~apart & ~first & held & (peak > 1e-290)
     later = float(np.max(wrong[rest] / peak[rest], initial=0.0)) / EPS
     stray = int(np.count_nonzero(apart & (force != 0.0)))  # a force between bodies that do not touch
-    closed, returned, reload = 0, 0.0, 0.0
+    returned, reload = 0.0, 0.0
     for k in range(pairs):
         x, f = np.maximum(overlap[:, k], 0.0), force[:, k]
         work = np.concatenate([[0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * np.diff(x))])
@@ -247,7 +224,6 @@ def compare(group, prescribed, kinds, overlap, force):
         for n in np.flatnonzero(x == 0.0) if kinds[k] == "ladder" else ():
             if n > begin + 1:
                 scale = float(np.max(f[begin : n + 1] * x[begin : n + 1]))
-                closed += 1
                 returned = max(returned, (work[begin] - work[n]) / scale if scale > 0.0 else 0.0)
             begin = n
         if kinds[k] == "again" and f[0] > 0.0:
@@ -256,65 +232,7 @@ def compare(group, prescribed, kinds, overlap, force):
     made = (kinds == "broken") & ~apart  # at two overlaps in turn, the larger first
     usual = np.where(overlap == overlap[0], force[0], force[2])
     anew = int(np.count_nonzero(made & ((force != usual) | (wrong_by_law > 1e-4 * exact))))
-    return Compared(int(np.count_nonzero(~finite)), to_law, decades, later, closed, float(returned), reload, anew + stray)
-
-
-def ratcheting(engine, case, cycles):
-    """Largest relative change of force at either end of tiny cycles inside the engine; top and size of the cycles vary."""
-    group = granite_group(case, 6)
-    top = group.largest * np.resize([1e-6, 1e-3, 0.5], 6)
-    size = np.maximum(np.resize([1e-12, 1e-12, 1e-12, 1e-6, 1e-3, 1e-2], 6), 4.0 * group.quantum / top)
-    prescribed = np.where(np.arange(2 * cycles)[:, None] % 2 == 0, top, top * (1.0 - size))
-    _, force = engine.two_spheres(group, prescribed)
-    ends = np.stack([force[0::2] - force[0], force[1::2] - force[1]])
-    return float(np.max(np.abs(ends) / force[0]))
-
-
-class Impacts(NamedTuple):
-    """Impacts inside an engine."""
-
-    rebound: float  # worst difference of the rebound speed to the Python law's, over the speed before; from 1 cm/s
-    slow: float  # the same of slower ones, whose recoverable overlap is down to some hundred quanta of position
-    gains: dict  # steps per contact → largest energy gain, from 1 cm/s
-
-
-def impacts(engine, case, quick=False):
-    """A sphere meets a fixed one, 1e-6 to 100 m/s, its mass such that all speeds take the same time; dissipation counted."""
-    counts, law = QUICK_STEPS if quick else STEPS, granite_group(case, 1).law
-    duration = 3.0 * 0.02 * law.contact.radius / SPEEDS[-1]
-    masses = np.array([mass_for(law, speed, duration) for speed in SPEEDS])
-    rebound, slow, gains = 0.0, 0.0, {}
-    for count in counts:
-        phases = PHASES if count < 5000 else PHASES[:1]
-        speeds, phase = (a.ravel() for a in np.meshgrid(SPEEDS, phases))
-        mass = np.resize(masses, speeds.size)
-        dt = duration / count
-        found = engine.impacts(granite_group(case, speeds.size), mass, phase * dt * speeds, speeds, dt, 3 * count + 20)
-        worst = 0.0
-        for m, v, part, after in zip(mass, speeds, phase, found, strict=True):
-            gain, _, expected = impact(law, m, v, dt, part, 50 * count + 100)
-            difference = abs(after + expected) / v  # the engine's velocity is that away from the fixed sphere
-            if v < SLOW:
-                slow = max(slow, difference)
-                continue
-            rebound = max(rebound, difference)
-            energy = gain + (after**2 - expected**2) / v**2
-            worst = max(worst, energy) if energy == energy else math.inf
-        gains[count] = float(worst)
-    return Impacts(float(rebound), float(slow), gains)
-
-
-def mass_for(law, speed, duration):
-    """Mass [kg] whose elastic contact at `speed` lasts `duration`."""
-    from scipy.optimize import brentq
-
-    def longer(logarithm):
-        try:
-            return math.log(elastic_contact(law, math.exp(logarithm), speed)[1] / duration)
-        except DemlawsError:  # it would crush the contact
-            return 1.0
-
-    return math.exp(brentq(longer, math.log(1e-30), math.log(1e6), xtol=1e-15))
+    return Compared(int(np.count_nonzero(~finite)), to_law, decades, later, float(returned), reload, anew + stray)
 
 
 # --- a thousand spheres
@@ -454,8 +372,6 @@ class Figures(NamedTuple):
     pairs: int
     steps: int
     compared: Compared
-    ratcheting: float
-    impacts: Impacts
     packings: dict  # name → Released
 
 
@@ -468,7 +384,7 @@ def cases(laws=None, unloadings=None, evaluation="closed form"):
 def measure(engine, case, quick=False, seed=5):
     """All figures of one law and unloading rule inside `engine`."""
     random = np.random.default_rng(seed)
-    steps, cycles = (120, 200) if quick else (600, 10_000)
+    steps = 120 if quick else 600
     with quiet():
         parts, pairs = [], 0
         for group in groups(case, random, quick):
@@ -479,8 +395,7 @@ def measure(engine, case, quick=False, seed=5):
         size = {"count": 200, "steps": 400} if quick else {}
         chosen = list(PACKINGS)[-1:] if case.one_contact else PACKINGS
         packings = {name: release(engine, case, name, **size) for name in chosen}
-        compared, ratchet = Compared.joined(parts), ratcheting(engine, case, cycles)
-        return Figures(engine.name, *case, pairs, steps, compared, ratchet, impacts(engine, case, quick), packings)
+        return Figures(engine.name, *case, pairs, steps, Compared.joined(parts), packings)
 
 
 # --- engines in processes of their own

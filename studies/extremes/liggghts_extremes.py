@@ -141,7 +141,7 @@ class Liggghts:
         for number, (r, density) in enumerate(zip(radius.tolist(), (mass / volume).tolist(), strict=True), 1):
             lib.command(f"set atom {number} diameter {2.0 * r:.17g} density {density:.17g}")
 
-    def _pairs(self, group, dt, far, mass=None):
+    def _pairs(self, group, far):
         """Pairs, the second sphere of each at x = 0, the first to its left. Numbers: 2n + 1 and 2n + 2 for pair n."""
         count = group.size
         large = np.maximum(group.radius1, group.radius2)
@@ -153,14 +153,14 @@ class Liggghts:
         widest = float(large.max())
         low = (float(left.min()) - widest, -widest, -widest)
         high = (widest + far, float(height[-1]) + 2.0 * widest, widest)
-        types = self._start(group.case, group.law, group.modulus, group.roughness, low, high, 0.02 * float(radius.min()), dt)
-        self._fill(np.repeat(types, 2), position, radius, np.ones(2 * count) if mass is None else np.repeat(mass, 2))
+        types = self._start(group.case, group.law, group.modulus, group.roughness, low, high, 0.02 * float(radius.min()), 1e-12)
+        self._fill(np.repeat(types, 2), position, radius, np.ones(2 * count))
         return left
 
     def two_spheres(self, group, wanted):
         """Overlaps [m] as LIGGGHTS's arithmetic has them and forces [N] on the second spheres, [steps, pairs]."""
         lib, count = self._lib, 2 * group.size
-        left = self._pairs(group, 1e-12, 1.01 * float(-wanted.min()))
+        left = self._pairs(group, 1.01 * float(-wanted.min()))
         lib.command("run 0")
         force = np.empty_like(wanted)
         for n, row in enumerate(wanted):
@@ -169,19 +169,6 @@ class Liggghts:
             force[n] = lib.vectors("f", count)[lib.rows(count)[1::2], 0]
         distance = -wanted - left
         return -left - np.sqrt(distance * distance), force
-
-    def impacts(self, group, mass, gap, speed, dt, steps):
-        """Velocities [m/s] along x of the second spheres after `steps`."""
-        lib, count = self._lib, 2 * group.size
-        self._pairs(group, dt, 2.0 * steps * dt * float(np.max(speed)), mass)
-        movers = range(2, count + 1, 2)
-        lib.command(f"group movers id {' '.join(map(str, movers))}")
-        lib.command("fix move movers nve/sphere")
-        rows = lib.rows(count)[1::2]
-        lib.vectors("x", count)[rows, 0] = gap
-        lib.vectors("v", count)[rows, 0] = -np.asarray(speed)
-        lib.command(f"run {steps} post no")
-        return lib.vectors("v", count)[lib.rows(count)[1::2], 0].copy()
 
     def let_go(self, packing, stretches, steps, every):
         """`Balance`s of a periodic packing; each stretch starts with velocities of its own."""

@@ -54,7 +54,7 @@ class Yade:
         O.bodies.append(body)
         return body
 
-    def _pairs(self, group, mass=None):
+    def _pairs(self, group):
         """A scene of pairs, the second sphere of each at x = 0, the first to its left; states of the second ones."""
         radius = group.radius1 * group.radius2 / (group.radius1 + group.radius2)
         law, material = self._scene(group.case, group.contact, group.roughness, group.modulus, radius)
@@ -64,8 +64,7 @@ class Yade:
             large = max(group.radius1[n], group.radius2[n])
             height += 1.2 * large
             self._sphere(stuff, group.radius1[n], (-(group.radius1[n] + group.radius2[n]), height, 0.0))
-            mobile = None if mass is None else mass[n]
-            states.append(self._sphere(stuff, group.radius2[n], (0, height, 0), mobile or 1.0, mobile is not None).state)
+            states.append(self._sphere(stuff, group.radius2[n], (0, height, 0)).state)
             height += 1.2 * large
         self._engines(law, 0.0, 1)
         return states
@@ -94,17 +93,6 @@ class Yade:
             force[n] = [O.forces.f(number)[0] for number in numbers]
         distance = -wanted - left
         return -left - np.sqrt(distance * distance), force
-
-    def impacts(self, group, mass, gap, speed, dt, steps):
-        """Velocities [m/s] along x of the second spheres after `steps`."""
-        states = self._pairs(group, mass)
-        for state, x, v in zip(states, gap, speed, strict=True):
-            state.pos = yade.Vector3(float(x), state.pos[1], 0.0)
-            state.vel = yade.Vector3(-float(v), 0.0, 0.0)
-        O.dt = dt
-        for _ in range(steps):
-            O.step()
-        return np.array([state.vel[0] for state in states])
 
     def let_go(self, packing, stretches, steps, every):
         """`Balance`s of a periodic packing; each stretch starts with velocities of its own."""
