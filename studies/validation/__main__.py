@@ -1,28 +1,28 @@
 """python -m studies.validation [--out FOLDER] [--no-engines] [--quick]"""
 
-import argparse
 import sys
 
-from demlaws.errors import DemlawsError
+from demlaws.cli import Parser, execute
 from studies.validation.report import collect, write
 
 
-def main(arguments=None):
-    """Run all comparisons and write the page; exit status 1 where one fails."""
-    parser = argparse.ArgumentParser(
+def parser():
+    """The command line."""
+    parser = Parser(
         prog="python -m studies.validation",
-        description="Published and third-party results compared with ours: one page and figures.",
+        description="Published and third-party results compared with ours: one page and figures. Exit status 1 if a row fails.",
     )
     parser.add_argument("--out", default="validation", help="folder of the page and its figures")
     parser.add_argument("--no-engines", action="store_true", help="only what needs no engine")
     parser.add_argument("--quick", action="store_true", help="without the random packing (a minute)")
-    options = parser.parse_args(arguments)
-    try:
-        groups = collect(engines=not options.no_engines, packing=not options.quick)
-        path = write(groups, options.out)
-    except DemlawsError as error:
-        print(f"demlaws: error: {error}", file=sys.stderr)
-        return 2
+    parser.set_defaults(func=run)
+    return parser
+
+
+def run(options):
+    """Run all comparisons and write the page; exit status 1 where one fails."""
+    groups = collect(engines=not options.no_engines, packing=not options.quick)
+    path = write(groups, options.out)
     rows = [row for group in groups.values() for row in group]
     failed = [row for row in rows if row.verdict == "FAIL"]
     idle = [row for row in rows if row.verdict == "not run"]
@@ -32,6 +32,11 @@ def main(arguments=None):
         print(f"not run  {row.where}: {row.what}: {row.note}")
     print(f"{len(rows) - len(failed) - len(idle)} rows pass, {len(failed)} fail, {len(idle)} not run: {path}")
     return 1 if failed else 0
+
+
+def main(arguments=None):
+    """Run the command; returns the exit status."""
+    return execute(parser, arguments)
 
 
 if __name__ == "__main__":

@@ -8,26 +8,14 @@ import numpy as np
 
 import demlaws as dl
 from studies.shear.oblique import ANGLE, MEASURED, misfit, rebound, table
-from studies.validation.row import between
+from studies.validation.row import NUMBERS, between
 
 PYTHON = "Python"
 SLIP, KEPT = "slip", "displacement kept"
-CODE = (
-    # angle from the normal [degrees], tangential restitution, spin afterwards [rad/s], rebound angle of the contact [degrees]
-    *((5, 0.94811, 19.266, 3.7613), (10, 0.68699, 212.997, -1.5559), (15, 0.62438, 377.829, -5.5438)),
-    *((20, 0.61614, 510.550, -7.5378), (25, 0.63427, 599.388, -7.5378), (30, 0.68369, 616.514, -3.5498)),
-    *((35, 0.73723, 582.263, 3.4290), (40, 0.78089, 544.801, 11.571), (50, 0.84514, 457.034, 29.350)),
-    *((60, 0.89292, 357.492, 47.795), (70, 0.93163, 246.177, 64.577), (80, 0.96623, 126.300, 78.701)),
-    (85, 0.98270, 63.150, 84.517),
-)
-"""Chung & Ooi 2011, test 4: alumina sphere of 5 mm on a rigid plane at 3.9 m/s, friction 0.092, as Kratos keeps it."""
-ELEMENTS = (
-    # V_t/(μ V_n), ω R/(μ V_n) afterwards
-    *((0.31792, 0.18657), (0.59538, 0.40563), (0.89017, 0.66529), (1.18497, 0.98177), (1.53179, 1.35506)),
-    *((1.89595, 1.79329), (2.27746, 2.32083), (2.76301, 2.85642), (3.30058, 3.44071), (3.89017, 4.04120)),
-    *((4.68786, 4.56851), (5.65896, 4.94146), (7.02890, 4.94072), (9.04046, 4.97211), (12.3353, 4.97032)),
-)
-"""Chung & Ooi 2011, test 5: finite elements of an elastic steel sphere on a rigid plane, friction 0.3, as Kratos keeps them."""
+CODE = NUMBERS["test 4"]
+"""Chung & Ooi's test 4: angle [degrees], tangential restitution, spin [rad/s], rebound angle of the contact [degrees]."""
+ELEMENTS = NUMBERS["test 5"]
+"""Chung & Ooi's test 5, finite elements: V_t/(μ V_n), ω R/(μ V_n) afterwards."""
 
 
 def impact(sphere, density, radius, friction, normal, sideways, model):
@@ -77,31 +65,6 @@ def spin_row(where, spins):
 
 STOCK = "stock"
 """In place of a shear model of ours: the engine's own that keeps the displacement (LIGGGHTS `history`, LAMMPS `mindlin`)."""
-SPIN_CURVES = {
-    # 3.5 μ (1 + e) V/(ω R), surface velocity afterwards over before
-    "test 6, aluminium": (
-        *((0.1762, -0.8200), (0.3524, -0.6335), (0.5507, -0.4447), (0.7709, -0.2428), (0.9692, -0.0277), (1.1894, 0.0974)),
-        *((1.4537, 0.1193), (1.7401, 0.0996), (2.0925, 0.0579), (2.4890, 0.0052)),
-    ),
-    "test 6, nylon": (
-        *((0.1762, -0.8244), (0.3744, -0.6379), (0.5727, -0.4425), (0.7489, -0.2428), (0.9692, -0.0255), (1.1894, 0.0930)),
-        *((1.4537, 0.1193), (1.7401, 0.1171), (2.0925, 0.0952), (2.5110, 0.0557)),
-    ),
-    "test 8, aluminium": (
-        *((0.1872, -0.8152), (0.3583, -0.6262), (0.5508, -0.4394), (0.7647, -0.2378), (0.9786, -0.0173), (1.2139, 0.0961)),
-        *((1.4920, 0.1108), (1.7701, 0.0898), (2.0909, 0.0583), (2.5187, 0.0058)),
-    ),
-}
-"""Chung & Ooi 2011: a sphere of 0.1 m with e = 0.5, μ = 0.4 that spins and meets a plane or a large sphere at 0.2 m/s.
-
-Where the friction turns round often (3 to 24), the last moments of a damped contact decide, in which codes differ.
-"""
-REBOUND = (
-    # 2 tan θ/(μ (1 + e)), 2 ω R/(μ (1 + e) V_n) afterwards
-    *((0.1505, 0.0651), (0.8840, 0.4212), (1.8182, 1.2824), (2.7837, 2.4995), (3.7868, 3.5559), (4.8652, 4.4210)),
-    *((5.8558, 4.9072), (7.3229, 4.9803), (8.7837, 4.9807)),
-)
-"""Thornton, Cummins & Cleary 2013: oblique impacts of damped Hertz-Mindlin spheres on a wall, e = 0.9, μ = 0.1."""
 
 
 class Series(NamedTuple):
@@ -119,7 +82,7 @@ def _job(young, poisson, density, radius, friction, restitution, shear, **more):
 
 
 def _spinning(name, young, poisson, density, **more):
-    x, wanted = np.array(SPIN_CURVES[name]).T
+    x, wanted = np.array(NUMBERS[name]).T
     spin = 3.5 * 0.4 * 1.5 * 0.2 / x
 
     def rows(where, found):
@@ -154,7 +117,7 @@ def _like_spheres():
 
 
 def _rebound():
-    x, wanted = np.array(REBOUND).T
+    x, wanted = np.array(NUMBERS["rebound"]).T
 
     def rows(where, found):
         value = np.abs(np.transpose(found)[2] / (0.095 * 5.0) - wanted).max() / 5.0

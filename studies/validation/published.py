@@ -32,7 +32,7 @@ from studies.extremes.exact import EXACT
 from studies.jamari.published import PRINTED_RATIOS
 from studies.validation import oblique
 from studies.validation.maps import load_ratios, read_csv
-from studies.validation.row import between, near
+from studies.validation.row import NUMBERS, between, near
 
 PYTHON = "Python"
 
@@ -77,12 +77,7 @@ class Impact(NamedTuple):
         return Contact(self.radius, plane_modulus) if self.plane else Contact(0.5 * self.radius, 0.5 * plane_modulus)
 
 
-IMPACTS = (
-    Impact("two glass spheres, 20 m/s", 48e9, 0.20, 2800.0, 0.010, 20.0, False, 10696.9),
-    Impact("two limestone spheres, 20 m/s", 20e9, 0.25, 2500.0, 0.010, 20.0, False, 7108.2),
-    Impact("aluminium sphere on a rigid plane, 0.2 m/s", 70e9, 0.30, 2699.0, 0.100, 0.2, True, 11369.9),
-    Impact("magnesium sphere on a rigid plane, 0.2 m/s", 40e9, 0.35, 1800.0, 0.100, 0.2, True, 7232.7),
-)
+IMPACTS = tuple(Impact(*row) for row in NUMBERS["impacts"])
 IMPACT_TOLERANCE = 1e-5
 """Of the printed peaks: they have five or six digits."""
 
@@ -122,16 +117,7 @@ class Kept(NamedTuple):
     places: tuple
 
 
-KEPT = (
-    Kept(
-        "two spheres", 0.75 * 3.33333e10, 2800.0, 0.01, 0.0101, 20.0, False, 2e-8, (500, 1508, 2508),
-        (9.9999999999997261e-03, 9.8629436218504573e-03, 9.9982053375566714e-03),
-    ),
-    Kept(
-        "sphere and wall", 0.75 * 7.11111e10, 7000.0, 0.0025, 0.00255, 3.9, True, 1e-8, (1300, 2138, 3038),
-        (2.4993000166951690e-03, 2.4773193520144258e-03, 2.5017266321382694e-03),
-    ),
-)  # fmt: skip
+KEPT = tuple(Kept(*row) for row in NUMBERS["kept"])
 KEPT_TOLERANCE = 1e-12
 """Of the places: a choice of ours, far below what a wrong digit of E*, a step or a wrong half makes."""
 
@@ -306,46 +292,20 @@ def plastic_laws():
 # --- roughness
 
 
-GT_CODE = (
-    # μ, separation d/σ at the centre of the undeformed sphere, P/(E* √R σ^1.5), a*/a_H
-    (4.0, 2.5, 0.0037582493, 7.110847),
-    (4.0, 1.0, 0.22698403, 2.237325),
-    (4.0, -0.5, 1.7771631, 1.452098),
-    (4.0, -4.0, 11.490584, 1.162766),
-    (4.0, -12.0, 53.866964, 1.068791),
-    (17.0, 2.5, 0.015632424, 4.434843),
-    (17.0, 1.0, 0.63312845, 1.656110),
-    (17.0, -0.5, 3.1200154, 1.267523),
-    (17.0, -4.0, 14.711481, 1.105172),
-    (17.0, -12.0, 60.224854, 1.044830),
-)
-GT_PAPER = (
-    # α, μ, p(0)/p0, a*/a_H
-    *((0.05, 4.0, 0.933, 1.045), (0.05, 17.0, 0.956, 1.030), (0.2, 4.0, 0.806, 1.141), (0.2, 17.0, 0.855, 1.104)),
-    *((1.0, 4.0, 0.475, 1.525), (1.0, 17.0, 0.535, 1.437), (5.0, 4.0, 0.164, 2.64), (5.0, 17.0, 0.186, 2.48)),
-)
-YV_PAPER = (
-    # N_H, α, p(0)/p0
-    *((10.0, 0.1, 0.876), (10.0, 1.0, 0.498), (10.0, 10.0, 0.1015)),
-    *((30.0, 0.1, 0.919), (30.0, 1.0, 0.547), (30.0, 10.0, 0.111)),
-    *((100.0, 0.1, 0.937), (100.0, 1.0, 0.589), (100.0, 10.0, 0.120)),
-)
-
-
 def _force(alpha):
     return 4.0 / 3.0 * alpha**-1.5
 
 
 def greenwood_tripp():
     """Rows: Greenwood & Tripp's contact against another author's code."""
-    for mu, separation, force, radius in GT_CODE:
+    for mu, separation, force, radius in NUMBERS["gt-code"]:
         here = solve("greenwood-tripp", mu, np.array([force]))
         # the force at that separation, from the one at ours: dP = K dδ
         found = force - float((here.approach[0] + separation) * here.stiffness[0])
         what = f"μ = {mu:g}, separation {separation:g} σ"
         yield near(f"force: {what}", PYTHON, force, found, 1e-3, "gt-code", "E* √R σ^1.5")
         yield near(f"a*/a_H: {what}", PYTHON, radius, here.effective_radius[0], 1e-3, "gt-code")
-    for alpha, mu, pressure, radius in GT_PAPER:
+    for alpha, mu, pressure, radius in NUMBERS["gt-paper"]:
         here = solve("greenwood-tripp", mu, np.array([_force(alpha)]))
         what = f"α = {alpha:g}, μ = {mu:g}"
         yield near(
@@ -363,24 +323,17 @@ def central_pressures():
 
 def yip_venart():
     """Rows: p(0)/p0 as Yip & Venart print it."""
-    for number, alpha, pressure in YV_PAPER:
+    for number, alpha, pressure in NUMBERS["yv-paper"]:
         here = solve("yip-venart", number, np.array([_force(alpha)]))
         yield near(f"p(0)/p0: N_H = {number:g}, α = {alpha:g}", PYTHON, pressure, here.central_pressure[0], 7e-3, "yv-paper")
 
 
-GRANITE = (
-    # test, then for each law displacement gained from 0.1 N to 100 N [µm] and K at 10 N [N/mm]
-    ("SS(18-18)", (10.6, 6484), (13.4, 5170), (14.1, 4288), (14.5, 4854), (11.3, 4936)),
-    ("SS(12-18)", (11.3, 6077), (16.3, 3905), (17.8, 3325), (18.5, 3767), (13.4, 3974)),
-    ("SF(12)", (9.5, 7238), (17.2, 3264), (18.8, 3143), (20.8, 3300), (13.0, 4886)),
-    ("RS(18-18)", (10.8, 6404), (17.1, 3498), (18.5, 3224), (20.0, 3463), (13.7, 4257)),
-)
 GRANITE_LAWS = (HERTZ, RMS, POHRT_POPOV, YIP_VENART, BAHRAMI)
 
 
 def granite():
     """Rows: displacement and stiffness of the granite tests."""
-    for name, *values in GRANITE:
+    for name, *values in NUMBERS["granite"]:
         test = find_test(name)
         for law_name, (displacement, stiffness) in zip(GRANITE_LAWS, values, strict=True):
             options = {**options_for(law_name, test), **({"constant": 1.605} if law_name == BAHRAMI else {})}
