@@ -4,29 +4,26 @@ Forces of an engine are compared step by step with the same law in Python, at th
 arithmetic makes of the positions. The smallest overlap two spheres can have is the spacing of doubles at R1 + R2, since
 engines take it as (R1 + R2) - distance: some 2e-16 of the larger sphere; none below exists inside an engine.
 
-Engines are driven through `yade_extremes.Yade` (in YADE's process) and `liggghts_extremes.Liggghts`
-(LIGGGHTS's library in a process of its own), and through `lammps_extremes.Lammps` (LAMMPS's, likewise); all
+Engines are driven through `yade_extremes.Yade` (in YADE's process) and `plugin_extremes.Plugin` (LIGGGHTS and LAMMPS); both
 offer `two_spheres`, `let_go` and `stopped_by`.
 """
 
-import importlib
 import itertools
 import math
 import pickle
-import sys
 from typing import NamedTuple
 
 import numpy as np
 
 from demlaws.contact import Contact
+from demlaws.core.loops import loading_part
 from demlaws.core.unloading import GIVEN
-from demlaws.errors import DemlawsError, quiet
-from demlaws.lammps.run import command
+from demlaws.errors import quiet
 from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
-from studies.costs.costs import answer_of, available, under_yade
+from studies.costs.costs import under_yade
 from studies.extremes import stability
 from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case
 
@@ -38,7 +35,6 @@ LARGEST_SPHERE = 2.5  # [m]
 RATIOS = (1.0, 30.0, 1e3, 1e6)  # of the radii
 TOPS = (1e-9, 1e-6, 1e-3, 0.1, 1.0)  # of the largest overlap
 KINDS = ("ladder", "kink", "again", "broken")
-RETURN = 1e-11  # work returned by a closed path over force times overlap at its top: rounding stays below
 # of a packing's energy, at a thirtieth of dl.timestep: a step across the kink at a contact's maximum overlap costs up to
 # (ω dt)²/4 of the energy in it
 DRIFT = 5e-3
@@ -60,7 +56,10 @@ class Group(NamedTuple):
     @property
     def floor(self):
         """Overlap [m] below which a Python table goes on straight, where the engines' reader keeps to its power law."""
-        return self.law.params.grid.floor * self.law.params.length if self.case.evaluation == "table" else 0.0
+        if self.case.evaluation != "table":
+            return 0.0
+        loading = loading_part(self.law.params)
+        return loading.grid.floor * loading.length
 
     @property
     def size(self):
@@ -173,7 +172,6 @@ class Compared(NamedTuple):
     to_law: float  # worst relative error of the force of first loading against the law's closed form
     decades: dict  # decade of δ/R → the same against the law or table that the engine was given, in ε
     later: float  # worst error on unloading and reloading over the largest force so far, in ε
-    returned: float  # most work that one of them returned, over force × overlap at its top
     reload: float  # force at exactly the overlap of before, in ε
     broken: int  # contacts closed again whose force is not the virgin one
 
@@ -216,23 +214,14 @@ def compare(group, prescribed, kinds, overlap, force):
     rest = ~apart & ~first & held & (peak > 1e-290)
     later = float(np.max(wrong[rest] / peak[rest], initial=0.0)) / EPS
     stray = int(np.count_nonzero(apart & (force != 0.0)))  # a force between bodies that do not touch
-    returned, reload = 0.0, 0.0
-    for k in range(pairs):
-        x, f = np.maximum(overlap[:, k], 0.0), force[:, k]
-        work = np.concatenate([[0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * np.diff(x))])
-        begin = 0
-        for n in np.flatnonzero(x == 0.0) if kinds[k] == "ladder" else ():
-            if n > begin + 1:
-                scale = float(np.max(f[begin : n + 1] * x[begin : n + 1]))
-                returned = max(returned, (work[begin] - work[n]) / scale if scale > 0.0 else 0.0)
-            begin = n
-        if kinds[k] == "again" and f[0] > 0.0:
-            same = overlap[:, k] == overlap[0, k]
-            reload = max(reload, float(np.max(np.abs(f[same] / f[0] - 1.0))) / EPS)
+    reload = 0.0
+    for k in np.flatnonzero((kinds == "again") & (force[0] > 0.0)):
+        same = overlap[:, k] == overlap[0, k]
+        reload = max(reload, float(np.max(np.abs(force[same, k] / force[0, k] - 1.0))) / EPS)
     made = (kinds == "broken") & ~apart  # at two overlaps in turn, the larger first
     usual = np.where(overlap == overlap[0], force[0], force[2])
     anew = int(np.count_nonzero(made & ((force != usual) | (wrong_by_law > 1e-4 * exact))))
-    return Compared(int(np.count_nonzero(~finite)), to_law, decades, later, float(returned), reload, anew + stray)
+    return Compared(int(np.count_nonzero(~finite)), to_law, decades, later, reload, anew + stray)
 
 
 # --- a thousand spheres
@@ -398,14 +387,15 @@ def measure(engine, case, quick=False, seed=5):
         return Figures(engine.name, *case, pairs, steps, Compared.joined(parts), packings)
 
 
-# --- engines in processes of their own
+# --- all cases
 
 
-def answer(engine, request):
-    """In an engine's process: measure the cases of `request` and print each result as a line that `run` understands."""
-    results = (measure(engine, Case(*case, engine.evaluation), request["quick"]) for case in request["cases"])
-    for found in itertools.chain(results, [stops(engine)] if request["stops"] else []):
-        print("PROGRESS " + pickle.dumps(found).hex(), flush=True)
+def results(engine, request):
+    """`Figures` of each case of `request`, then what stops the engine if that is asked."""
+    for case in request["cases"]:
+        yield measure(engine, Case(*case, engine.evaluation), request["quick"])
+    if request["stops"]:
+        yield stops(engine)
 
 
 def stops(engine):
@@ -425,19 +415,18 @@ def run(engine, laws=None, unloadings=None, quick=False, stops=True, progress=la
 
     The last item, if `stops`, is a list of (what was done to a body, the message or None).
     """
-    request = {"cases": [case[:2] for case in cases(laws, unloadings)], "quick": quick, "stops": stops}
-    results = []
+    from studies.extremes.plugin_extremes import Plugin
 
-    def ended(text):
-        results.append(pickle.loads(bytes.fromhex(text)))
-        progress(results[-1])
+    request = {"cases": [case[:2] for case in cases(laws, unloadings)], "quick": quick, "stops": stops}
+    found = []
+
+    def ended(result):
+        found.append(result)
+        progress(result)
 
     if engine == "YADE":
-        under_yade("extremes/yade_extremes.py", request, ended)
-        return results
-    if problem := available(engine.lower()):
-        raise DemlawsError(problem)
-    importlib.import_module(f"demlaws.{engine.lower()}").build()
-    environment = command("none", plugin=False)[1] if engine == "LAMMPS" else None
-    answer_of(engine, [sys.executable, "-m", f"studies.extremes.{engine.lower()}_extremes"], environment, request, ended)
-    return results
+        under_yade("extremes/yade_extremes.py", request, lambda text: ended(pickle.loads(bytes.fromhex(text))))
+    else:
+        for result in results(Plugin(engine), request):
+            ended(result)
+    return found

@@ -1,5 +1,7 @@
 """The extremes inside YADE: how `demlaws.extremes` drives it. `python -m studies.extremes --yade` runs this file under YADE."""
 
+import pickle
+
 import numpy as np
 import yade
 import yade.utils
@@ -10,7 +12,7 @@ from demlaws.laws.registry import find
 from demlaws.materials import GRANITE
 from demlaws.yade import Law2_ScGeom_MindlinPhys_Demlaws
 from studies.extremes import stability
-from studies.extremes.extremes import POISSON, Balance, answer
+from studies.extremes.extremes import POISSON, Balance, results
 from studies.under_yade import serve
 
 O = yade.O  # noqa: E741  YADE's name
@@ -163,5 +165,11 @@ class Yade:
         return None
 
 
+def answer(request):
+    """Print each result as a line that `extremes.run` understands."""
+    for found in results(Yade(), request):
+        print("PROGRESS " + pickle.dumps(found).hex(), flush=True)
+
+
 if __name__ == "__main__":
-    serve(lambda request: answer(Yade(), request))
+    serve(answer)

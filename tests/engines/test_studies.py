@@ -3,8 +3,8 @@
 import pytest
 from examples import shared
 
-from demlaws.lammps.run import command
 from studies.extremes import extremes, report
+from studies.extremes.plugin_extremes import Plugin
 from studies.trade import candidates, packings, trade
 from studies.validation import engines
 from studies.validation.jobs import kept_jobs
@@ -70,12 +70,8 @@ def test_extremes(engine):
     ],
 )
 @plugins
-def test_numbers_that_are_not_finite_stop(engine, monkeypatch, touching, where, value, messages):
-    from studies.extremes.liggghts_extremes import stopped_by
-
-    if engine == "lammps":
-        monkeypatch.setenv("LD_LIBRARY_PATH", command("none", plugin=False)[1].get("LD_LIBRARY_PATH", ""))
-    assert messages[engine == "lammps"] in stopped_by(touching, where, value, NAMES[engine])
+def test_numbers_that_are_not_finite_stop(engine, touching, where, value, messages):
+    assert messages[engine == "lammps"] in Plugin(NAMES[engine]).stopped_by(touching, where, value)
 
 
 @pytest.mark.parametrize("engine", [pytest.param("yade", marks=pytest.mark.slow), "liggghts", "lammps"])
