@@ -32,7 +32,7 @@ def model(heights, radius):
 
 def read_csv(name):
     """Rows of a file beside this one, as dicts."""
-    with open(Path(__file__).with_name(name), newline="") as file:
+    with open(Path(__file__).with_name(name), newline="", encoding="utf-8") as file:
         return list(csv.DictReader(file))
 
 

@@ -31,53 +31,8 @@ def _number(row):
     return "–" if math.isnan(row.found) else f"{row.found:{'.15g' if fine else '.7g'}}"
 
 
-IMPACTS = "Agrees with the peak forces of Chung & Ooi and with the positions that LAMMPS keeps, in Python and in every engine"
-EVALUATED = "Reproduces the equations of the paper; no third-party number was found"
-CONCLUSIONS = {
-    # law → rows that concern it (in "group: what"), and what they show
-    "hertz": (
-        r"^Hertz impacts|^LAMMPS's own(?!.*hooke)|^Oblique|peak force|\bhertz(?! unloading)|K_t of|Hertz at",
-        f"{IMPACTS}. With partial slip it follows measured oblique impacts and finite elements; without it, the default "
-        "of engines, it does not. A packing of smooth grains stiffens less with pressure than sand.",
-    ),
-    "rms": (r"\brms:", "Agrees with a second program on four granite contacts; no points of these tests are public"),
-    "pohrt-popov": (
-        r"pohrt-popov",
-        "Follows elastic boundary elements within 15 % if the longest wavelength of the roughness is below the contact "
-        "size, otherwise within 30 %. A packing of rough grains stiffens with pressure like sand.",
-    ),
-    "goddard": (r"goddard", "Gives the force of Sneddon's cone at small overlap; no third-party number was found"),
-    "rough-plastic": (
-        r"^Restitution of|restitution at V/V_y|rough-plastic",
-        "The rebound agrees with Thornton & Ning's equation. One limit pressure does not reproduce the finite elements of a "
-        "yielding sphere: at best within 18 %.",
-    ),
-    "bahrami": (
-        r"\bbahrami:",
-        "Agrees with a second program on four granite contacts; the paper's equations need two corrections",
-    ),
-    "yip-venart": (r"yip-venart|^Plastic asperities", "Agrees with a second program; the paper contains figures only"),
-    "greenwood-tripp": (
-        r"^Elastic rough|^Central pressure",
-        "Agrees with the public code of another author within 0.1 %, and with the values that Jamari & Schipper took from "
-        "the paper",
-    ),
-    "asperity": (
-        r"asperity model",
-        "Exact on a smooth ball. On rough maps its load is 50 to 135 % of that of boundary elements, because asperities do not "
-        "interact.",
-    ),
-    "thornton-ning": (r"thornton-ning", EVALUATED),
-    "jackson-green": (r"jackson-green:", f"{EVALUATED}. These equations are fits to the finite elements of Jackson & Green"),
-    "kogut-etsion": (r"kogut-etsion:", f"{EVALUATED}. These equations are fits to the finite elements of Kogut & Etsion"),
-    "conical-damage": (r"conical-damage", EVALUATED),
-    "walton-braun": (
-        r"walton-braun|dem0\d-hooke|^Pairwise",
-        "As a linear law it agrees with LAMMPS's hooke in LAMMPS's own tests and with the imposed motions of ON-DEM",
-    ),
-    "luding": (r"luding", EVALUATED),
-    "eepa": (r"eepa", EVALUATED),
-}
+CONCLUSIONS = {row["law"]: (row["rows"], row["result"]) for row in read_csv("conclusions.csv")}
+"""Law → regular expression of the rows that concern it (in "group: what"), and what they show."""
 
 
 def evidence(groups, pattern):
