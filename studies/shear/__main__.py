@@ -5,7 +5,7 @@ import sys
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.shear import figure, gas, packing, springs
+from studies.shear import figure, gas, springs
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -27,7 +27,6 @@ def parser():
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--springs", type=int, nargs="+", help="errors of partial slip with these numbers of springs")
-    parser.add_argument("--packing", nargs="+", metavar="SHEAR", help="25 oedometer cycles and shear to the peak, in YADE")
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
     return parser
@@ -47,36 +46,12 @@ def run(arguments):
     if arguments.springs:
         print_springs(arguments.springs)
         return
-    if arguments.packing:
-        print_packings(arguments.packing)
-        return
     print("angle (degrees)     " + "".join(f"{angle:7.1f}" for angle in ANGLE) + "     rms")
     print("measured            " + "".join(f"{value:7.3f}" for value in MEASURED))
     for model, values in table().items():
         print(f"{model:20s}" + "".join(f"{value:7.3f}" for value in values) + f"{misfit(values):8.3f}")
     if arguments.figure is not None:
         print(plots.save(figure.draw(), arguments.figure))
-
-
-def print_packings(choices):
-    """A row per shear model: means over the copies of a packing, and half the spread between the copies."""
-    print("| shear | settlement (µm) | loss in cycle 1, 2, 25 (J/m²) | in cycles 2-25 | largest stress ratio | dilation (%) |")
-    print("|---|---|---|---|---|---|")
-    for shear in choices:
-        copies = list(packing.measure(shear))
-
-        def cell(of, copies=copies):
-            values = [of(copy) for copy in copies]
-            return f"{sum(values) / len(values):.3g} ± {0.5 * (max(values) - min(values)):.1g}"
-
-        cells = [
-            cell(lambda copy: 1e6 * copy.settlement),
-            ", ".join(cell(lambda copy, n=n: copy.losses[n]) for n in (0, 1, -1)),
-            cell(lambda copy: copy.losses[1:].sum()),
-            cell(lambda copy: copy.peak),
-            cell(lambda copy: 100.0 * copy.dilation),
-        ]
-        print(f"| {shear} | {' | '.join(cells)} |", flush=True)
 
 
 def print_springs(counts):
