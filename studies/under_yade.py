@@ -1,4 +1,4 @@
-"""What programs that `studies.costs.costs.answer_of` starts begin and end with; SPECIFICATION RESULT (JSON files)."""
+"""What programs that `studies.engines.under_yade` starts begin and end with; SPECIFICATION RESULT (JSON files)."""
 
 import json
 import os

@@ -183,7 +183,7 @@ def missing(path):
 
 UNDER_YADE = (
     "demlaws.yade",
-    *(f"studies.{study}.yade_" for study in ("costs", "extremes", "trade", "softening")),
+    *(f"studies.{study}.yade_" for study in ("extremes", "trade", "softening")),
     "studies.validation.in_yade",
 )
 """Modules that import YADE when they are imported."""

@@ -9,7 +9,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.errors import DemlawsError
-from studies.costs.costs import under_yade
+from studies.engines import under_yade
 
 NAMES = ("roughness", "modulus")
 UNITS = (1e-6, 1e9)  # samples are in µm and GPa

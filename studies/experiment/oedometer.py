@@ -17,7 +17,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import HERTZ, POHRT_POPOV
-from studies.costs.costs import under_yade
+from studies.engines import under_yade
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "oedometer.jsonl"

@@ -7,7 +7,7 @@ from tqdm import tqdm
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.arguments import law_name, whole
 from demlaws.laws.registry import find
-from studies.costs.costs import available
+from studies.engines import available
 from studies.extremes import extremes, report, stability
 
 

@@ -23,7 +23,7 @@ from demlaws.laws.registry import registry
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
-from studies.costs.costs import under_yade
+from studies.engines import under_yade
 from studies.extremes import stability
 from studies.extremes.stability import DIMENSIONS, EPS, GRANITE, Case
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from demlaws.cli import Parser, execute
-from studies.costs.costs import under_yade
+from studies.engines import under_yade
 
 HERE = Path(__file__).parent
 # of the vertical stress in unloading [Pa]; not near the turn, where the inertia of the bed carries up to 20 kPa

@@ -1,14 +1,14 @@
 """What users trade: modulus, loading rate, time step. The same processes with softer grains, faster, and in longer steps.
 
-Granite spheres, rough, in YADE and LIGGGHTS: pressed in an oedometer, cycled there, poured, sheared to the peak. Each run is a
-`Run`; what it gave is one row of a file of JSON lines (`KEPT`), so that a study that was stopped goes on. `ERRORS` of a
-softened run are those against the same process at full modulus, its overlaps divided by s^(2/3); the scatter of the unscaled
-run over copies shaken by `packings.SHAKEN` of a radius says what is chance.
+Granite spheres, rough, in YADE: pressed in an oedometer, cycled there, poured, sheared to the peak. Each run is a `Run`; its
+results are one row of a file of JSON lines (`KEPT`), so that a study that was stopped goes on. Rows of LIGGGHTS, measured with
+version 0.2.0, are kept beside them. `ERRORS` of a softened run are those against the same process at full modulus, its
+overlaps divided by s^(2/3); the scatter of the unscaled run over copies shaken by `packings.SHAKEN` of a radius says what is
+chance.
 """
 
 import json
 import math
-import tempfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,19 +17,19 @@ import numpy as np
 from demlaws.advice.modulus import STUDY_STEP
 from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
-from demlaws.errors import DemlawsError, EngineStopped
+from demlaws.errors import DemlawsError
 from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ, POHRT_POPOV
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
+from studies.engines import under_yade
 from studies.trade import packings
 from studies.trade.candidates import GRANITE, RADII, SURFACE
 from studies.trade.packings import SHAKEN, slope
 
 KEPT = Path(__file__).with_name("softening.jsonl")
 """The rows of the study that this version of demlaws is advised by."""
-ENGINES = ("yade", "liggghts")
 STRESS = 3.75e5
 DEEP = 0.038  # [m] height of the packing of 150
 DIAMETER = 2.0 * float(np.mean(RADII))
@@ -151,12 +151,12 @@ def _copies(run, count):
     return [run._replace(copy=n) for n in range(count)]
 
 
-def plan(engine: str, quick: bool = False) -> list[Run]:
-    """The runs in one engine whose rows are kept. quick: some minutes, those of E, E/10 and E/100, loaded and unloaded once."""
-    runs = [run for run in load() if run.engine == engine]
+def plan(quick: bool = False) -> list[Run]:
+    """The runs in YADE whose rows are kept. quick: some minutes, those of E, E/10 and E/100, loaded and unloaded once."""
+    runs = [run for run in load() if run.engine == "yade"]
     if not quick:
         return runs
-    return [r for r in runs if r.factor in (1.0, 10.0, 100.0) and r == Run(engine, "cycles", r.factor, r.scaled, copy=r.copy)]
+    return [r for r in runs if r.factor in (1.0, 10.0, 100.0) and r == Run("yade", "cycles", r.factor, r.scaled, copy=r.copy)]
 
 
 OTHERS: tuple[dict[str, Any], ...] = (
@@ -272,23 +272,14 @@ def execute(runs: list[Run], path: Path, progress: Any = lambda run: None) -> No
             file.write(json.dumps(row) + "\n")
         progress(run)
 
-    for engine in dict.fromkeys(run.engine for run in left):
-        own = [run for run in left if run.engine == engine]
-        if engine == "yade":
-            _in_yade(own, keep)
-        else:
-            from studies.softening import liggghts_softening
+    for kind in dict.fromkeys((run.size, run.short) for run in left):
+        own = [run for run in left if (run.size, run.short) == kind]
 
-            for run in own:
-                if run.density != 1.0:
-                    raise DemlawsError(f"{label(run)}: a density factor is run in YADE only")
-                with tempfile.TemporaryDirectory() as scratch:
-                    way = getattr(liggghts_softening, run.process)
-                    try:
-                        found = way(Path(scratch), scene(run.size, run.short), run.given())
-                    except EngineStopped as error:
-                        found = {"failed": str(error)}
-                    keep(run, found)
+        def ended(text, own=own):
+            message = json.loads(text)
+            keep(own[message["number"]], message["found"])
+
+        under_yade("softening/yade_softening.py", {**scene(*kind), "runs": [run.given() for run in own]}, ended)
 
 
 LATTICE = 4e-3
@@ -320,19 +311,6 @@ def scene(size, short=0.0):
     radii, centres = packings.packing(setup)
     given = setup.given(size * radii, size * centres, size * setup.width)
     return {**given, "loose": (size * setup.start()[0]).tolist()}
-
-
-def _in_yade(runs, keep):
-    from studies.costs.costs import under_yade
-
-    for kind in dict.fromkeys((run.size, run.short) for run in runs):
-        own = [run for run in runs if (run.size, run.short) == kind]
-
-        def ended(text, own=own):
-            message = json.loads(text)
-            keep(own[message["number"]], message["found"])
-
-        under_yade("softening/yade_softening.py", {**scene(*kind), "runs": [run.given() for run in own]}, ended)
 
 
 # --- what a run gave

@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-import numpy as np
-
 from demlaws.contact import Surface
 from demlaws.errors import quiet
 from demlaws.laws.names import HERTZ, POHRT_POPOV, RMS, ROUGH_PLASTIC
@@ -48,13 +46,6 @@ class Way(NamedTuple):
 
 
 RICHEST = Way("rough-plastic, thornton", ROUGH_PLASTIC, "thornton", options=(("yield_pressure", GRANITE_YIELD_PRESSURE),))
-
-
-def close_packing(side, radius, overlap):
-    """Centres of side³ equal spheres with 4 to 5 contacts each, overlapping by `overlap` [m]."""
-    i, j, k = np.indices((side,) * 3)
-    x, y, z = 2 * i + (j + k) % 2, 3**0.5 * (j + (k % 2) / 3), 2 * 6**0.5 / 3 * k
-    return np.stack([x, y, z], -1).reshape(-1, 3) * (radius - 0.5 * overlap)
 
 
 def ways(engine):

@@ -7,7 +7,7 @@ import numpy as np
 from demlaws.grains import Case
 from demlaws.lammps.export import Models, models, wall_lines
 from demlaws.lammps.run import HEAD, run
-from studies.trade.liggghts_oedometer import DRAG, EVERY, data_of, grains, held_state, timed
+from studies.trade.liggghts_oedometer import EVERY, data_of, grains, held_state, numbers, timed
 
 START = """\
 boundary        f f f
@@ -93,20 +93,13 @@ def oedometer(folder, given, way, ranks=1):
     names = [line.split()[1] for line in plates if line.startswith("fix")]
     pushed = [f"c_pushed[{n + 1}]" for n in range(len(names))] if len(names) > 1 else ["c_pushed"]
     values = {
-        "dt": given["dt"],
-        "drag": DRAG * given["density"] * 4 / 3 * np.pi * min(radii) ** 3,
+        **numbers(given),
         "walls": "\n".join(wall_lines(said, walls)),
         "plates": "\n".join(line for line in plates if line.startswith("fix")),
         "columns": " ".join(f"f_{name}[4]" for name in names),
         "sum": "+".join(pushed),
         "named": " ".join(pushed),
-        "area": width * width,
-        "settle": round(given["settle"] / given["dt"]),
-        "speed": given["speed"],
-        "back": given["back"],
-        "full": given["stress"],
         "hold": round(given["hold"] / given["dt"] / EVERY) * EVERY,
-        "every": EVERY,
     }
     text = HEAD + START + "\n".join(said.pairs) + "\n" + CASE.format(**values)
     (folder / "in.oedometer").write_text(text)
@@ -118,7 +111,7 @@ def oedometer(folder, given, way, ranks=1):
     return {
         "height": float(log["centre"][0]),
         "branches": [rows[: peak + 1].tolist(), rows[end:].tolist()],
-        "held": {**held_state(given, forces[forces > 0.0]), "plate": float(rows[end, 0]), "stress": float(rows[end, 1])},
+        "held": {**held_state(given, forces), "plate": float(rows[end, 0]), "stress": float(rows[end, 1])},
         "steps": int(log["Step"][-1]),
         "seconds": seconds,
     }

@@ -2,33 +2,31 @@
 
 import resource
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
+from demlaws.errors import quiet
 from demlaws.grains import Case, Grain
 from demlaws.liggghts.build import library_path
 from demlaws.liggghts.export import table_words
 from demlaws.liggghts.run import HEAD, run
-from studies.trade.peers import edinburgh_fit
+from studies.trade import candidates
 
 DRAG = 3e3  # of the smaller grain's speed [1/s]: the same for every law; damping in contacts differs, and edinburgh bears none
 
-START = """\
+CASE = """\
 processors      1 1 1
 read_data       start.data
 neighbor        4e-4 bin
 neigh_modify    delay 0
-"""
-MATERIAL = """\
 fix             m1 all property/global youngsModulus peratomtype {young}
 fix             m2 all property/global poissonsRatio peratomtype {poisson}
-fix             m3 all property/global coefficientRestitution peratomtypepair {types} {restitution}
-fix             m4 all property/global coefficientFriction peratomtypepair {types} {friction}
+fix             m3 all property/global coefficientRestitution peratomtypepair {restitution}
+fix             m4 all property/global coefficientFriction peratomtypepair {friction}
 {more}pair_style      gran model {model} tangential history {words}
 pair_coeff      * *
 timestep        {dt:.10g}
-"""
-CASE = """\
 fix             gravity all gravity 9.81 vector 0 0 -1
 fix             drag all viscous {drag:.10g}
 fix             floor all wall/gran model {model} tangential history primitive type 3 zplane 0.0 {words}
@@ -47,28 +45,14 @@ thermo_style    custom step v_centre v_top ke
 thermo_modify   norm no lost ignore format float %.12g
 thermo          1000
 run             {settle}
-"""
-FORCES = """\
-dump            {name} all local 1 post/{name}.txt c_contacts[1] c_contacts[2] c_contacts[3]
-run             0
-undump          {name}
-"""
-TOUCHING = "variable        touching equal ${{top}}\n"
-PRESS = (
-    CASE
-    + TOUCHING
-    + """\
+variable        touching equal ${{top}}
 fix             plate all mesh/surface/stress file plate.stl type 3 move 0 0 ${{touching}}
 fix             press all wall/gran model {model} tangential history mesh n_meshes 1 meshes plate {words}
 variable        stress equal f_plate[3]/{area:.10g}
-variable        touched equal ${{touching}}
-variable        way equal -{speed:.10g}
-thermo_style    custom step v_stress v_touched v_centre v_way
+variable        speed equal -{speed:.10g}
+thermo_style    custom step v_stress v_touching v_centre v_speed
 thermo_modify   norm no lost ignore format float %.12g
 thermo          {every}
-variable        turn loop {cycles}
-label           again
-variable        way equal -{speed:.10g}
 fix             drive all move/mesh mesh plate linear 0. 0. -{speed:.10g}
 label           pressing
 run             {every}
@@ -76,26 +60,20 @@ if              "${{stress}} >= {full:.10g}" then "jump SELF pressed"
 jump            SELF pressing
 label           pressed
 unfix           drive
-variable        way equal 0.0
-if              "${{turn}} > 1" then "jump SELF held"
+variable        speed equal 0.0
 run             {hold}
-variable        least equal {least}
-"""
-    + FORCES.format(name="forces")
-    + """\
-label           held
-variable        way equal {back:.10g}
+variable        least equal 0.8*${{stress}}
+dump            forces all local 1 post/forces.txt c_contacts[1] c_contacts[2] c_contacts[3]
+run             0
+undump          forces
+variable        speed equal {back:.10g}
 fix             drive all move/mesh mesh plate linear 0. 0. {back:.10g}
 label           easing
 run             {every}
 if              "${{stress}} < ${{least}}" then "jump SELF eased"
 jump            SELF easing
 label           eased
-unfix           drive
-next            turn
-jump            SELF again
 """
-)
 EVERY = 40  # steps between two readings of the plate
 
 
@@ -117,27 +95,18 @@ def data_of(centres, radii, width, density, types=3):
     return data_text((side, side, (side[0], centres[:, 2].max() + 6.0 * max(radii))), atoms, types=types)
 
 
-def flat(axis, *spans):
-    """A mesh file: a flat wall across `axis`, of two triangles; spans: (low, high) [m] along the other two axes."""
-    (a, b), (c, d) = spans
-    normal = " ".join(str(int(k == axis)) for k in range(3))
+def plate(width):
+    """A mesh file: a square plate at height 0, of two triangles, 4 mm wider than the box of this width [m] on each side."""
+    low, high = (f"{x:.9g}" for x in (-0.004, width + 0.004))
     facets = ""
-    for three in (((a, c), (b, c), (b, d)), ((a, c), (b, d), (a, d))):
-        places = [" ".join(f"{v:.9g}" for v in np.insert(place, axis, 0.0)) for place in three]
-        vertices = "".join(f"   vertex {place}\n" for place in places)
-        facets += f" facet normal {normal}\n  outer loop\n{vertices}  endloop\n endfacet\n"
+    for third, second in ((f"{high} {high}", f"{high} {low}"), (f"{low} {high}", f"{high} {high}")):
+        vertices = "".join(f"   vertex {place} 0\n" for place in (f"{low} {low}", second, third))
+        facets += f" facet normal 0 0 1\n  outer loop\n{vertices}  endloop\n endfacet\n"
     return f"solid flat\n{facets}endsolid flat\n"
-
-
-EDGE = 0.004  # [m] by which a wall reaches beyond the packing
 
 
 def grains(given):
     """One `Grain` a size, smallest first."""
-    if "grains" in given:
-        return given["grains"]
-    from studies.trade import candidates
-
     return [Grain(radius, candidates.GRANITE, candidates.SURFACE) for radius in sorted(set(given["radii"]))]
 
 
@@ -147,14 +116,32 @@ def pairwise(values):
     return "3 " + " ".join(f"{v:.12g}" for v in (a, b, d, b, c, e, d, e, e))
 
 
-def edinburgh(law, contacts, load):
-    """Property lines of stock edinburgh that follows a law on the contacts 11, 12, 22, 1-wall, 2-wall near `load` [N].
+class EdinburghFit(NamedTuple):
+    """Stock edinburgh/stiffness, P = k1 δ^n; ratio: k2/k1."""
+
+    exponent: float
+    stiffness: float
+    ratio: float
+
+
+def edinburgh_fit(law, load):
+    """The model with the overlap and tangent of `law` (one contact) at `load` [N] of first loading, and its plastic overlap."""
+    with quiet():
+        overlap = float(law.overlap(load))
+        exponent = float(law.stiffness(overlap)) * overlap / load
+        plastic = float(law.follow(np.array([overlap])).plastic_overlap[0]) if law.state_size else 0.0
+    kept = (max(plastic, 0.0) / overlap) ** exponent
+    return EdinburghFit(exponent, load / overlap**exponent, 1.0 / (1.0 - kept))
+
+
+def edinburgh(laws, load):
+    """Property lines of stock edinburgh that follows the laws of the contacts 11, 12, 22, 1-wall, 2-wall near `load` [N].
 
     The model has one exponent for all pairs: that of the first.
     """
-    fits = [edinburgh_fit(law(contact), load) for contact in contacts]
+    fits = [edinburgh_fit(law, load) for law in laws]
     exponent = fits[0].exponent
-    stiffness = [load / float(law(contact).overlap(load)) ** exponent for contact in contacts]
+    stiffness = [load / float(law.overlap(load)) ** exponent for law in laws]
     unloading = pairwise([f.ratio for f in fits])
     return edinburgh_lines(pairwise(stiffness), unloading, f"{exponent:.12g}", pairwise([0.0] * 5))
 
@@ -174,61 +161,31 @@ def edinburgh_lines(loading, unloading, exponent, none="1 0"):
 
 def model_lines(folder, given, way):
     """(model, words, further property lines) of a way; its tables are written to `folder`."""
-    from studies.trade import candidates
-
     two = grains(given)
     if way["model"] == "hertz":
         return "hertz", "tangential_damping on", ""
     if way["model"] == "edinburgh":
         contacts = [two[0].contact(two[0]), two[0].contact(two[1]), two[1].contact(two[1])]
         contacts += [g.contact(g, wall=True) for g in two]
-
-        def richest(contact):
-            return candidates.RICHEST.bind(contact)
-
-        return "edinburgh/stiffness", "", edinburgh(richest, contacts, given["mean_force"])
+        laws = [candidates.RICHEST.bind(contact) for contact in contacts]
+        return "edinburgh/stiffness", "", edinburgh(laws, given["mean_force"])
     case = Case(way["law"], tuple(two), way["unloading"], dict(way["options"]), way["rtol"])
     words, _ = table_words(case, folder)
     return "demlaws/table", words, ""
 
 
-def prepare(path, given, way, centres, case, drag=DRAG, **more):
-    """Write data, plate, tables and the input `path` of a test; whether it needs the plugin. more: other numbers of `case`."""
-    folder = path.parent
-    (folder / "post").mkdir(parents=True, exist_ok=True)
-    radii, width, dt = given["radii"], given["width"], given["dt"]
-    (folder / "start.data").write_text(data_of(centres, radii, width, given["density"]))
-    (folder / "plate.stl").write_text(flat(2, (-EDGE, width + EDGE), (-EDGE, width + EDGE)))
-    model, words, lines = model_lines(folder, given, way)
-    friction, none = given["friction"], 0.0
-    values = {
-        "model": model,
-        "words": words,
-        "more": lines,
-        "types": 3,
-        "young": " ".join([f"{given['young']:.10g}"] * 3),
-        "poisson": " ".join([f"{given['poisson']:.10g}"] * 3),
-        "restitution": pairwise([1.0] * 5)[2:],
-        "friction": pairwise([friction, friction, friction, none, none])[2:],
-        "dt": dt,
-        "drag": drag * given["density"] * 4 / 3 * np.pi * min(radii) ** 3,
-        "width": width,
-        "area": width * width,
-        "settle": round(given["settle"] / dt),
+def numbers(given):
+    """Numbers of the test that inputs of LIGGGHTS and LAMMPS state alike."""
+    return {
+        "dt": given["dt"],
+        "drag": DRAG * given["density"] * 4 / 3 * np.pi * min(given["radii"]) ** 3,
+        "area": given["width"] ** 2,
+        "settle": round(given["settle"] / given["dt"]),
         "speed": given["speed"],
+        "back": given["back"],
         "full": given["stress"],
-        "hold": round(given["hold"] / dt),
+        "every": EVERY,
     }
-    path.write_text((HEAD + START + MATERIAL + case).format(**values, **more))
-    return model == "demlaws/table"
-
-
-def carry_out(path, plugin):
-    """(log, forces [N] of the contacts at the end of the hold, processor seconds) of an input."""
-    if plugin:
-        library_path()  # compiled before the clock starts
-    log, seconds = timed(lambda: run(path, plugin=plugin))
-    return log, contact_forces(path.parent / "post" / "forces.txt"), seconds
 
 
 def timed(function):
@@ -239,35 +196,46 @@ def timed(function):
     return result, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
-def contact_forces(path):
-    """Normal forces [N] of the contacts that a local dump holds, those that carry one."""
-    forces = np.linalg.norm(np.loadtxt(path, skiprows=9), axis=1)
-    return forces[forces > 0.0]
-
-
-def press(path, given, way, centres, drag=DRAG, **more):
-    """Rest, compression, hold, unloading to `least`, repeated `cycles` times; returns the results like yade_oedometer.py."""
-    log, forces, seconds = carry_out(path, prepare(path, given, way, centres, PRESS, drag, back=given["back"], **more))
-    step, stress, speed = log["Step"], log["stress"], log["way"]
-    height = log["touched"] + np.append(0.0, np.cumsum(speed[1:] * np.diff(step))) * given["dt"]
-    turns = np.flatnonzero((speed[1:] != speed[:-1]) & (speed[1:] != 0.0)) + 1
-    branches = [part.tolist() for part in np.split(np.stack([height, stress], 1), turns)]
-    if len(branches) != 2 * more["cycles"]:
-        raise RuntimeError(f"{len(branches)} branches of {more['cycles']} cycles")
-    end = int(np.append(turns[0], np.flatnonzero(speed == 0.0))[-1])
-    held = {**held_state(given, forces), "plate": float(height[end]), "stress": float(stress[end])}
-    about = {"steps": int(step[-1]), "seconds": seconds}
-    return {"height": float(log["centre"][0]), "branches": branches, "held": held, **about}
+def oedometer(folder, given, way):
+    """One way through the test; what it wrote, as YADE's does (see studies.trade.packings.outcome)."""
+    folder, radii = Path(folder), given["radii"]
+    (folder / "post").mkdir(parents=True, exist_ok=True)
+    (folder / "start.data").write_text(data_of(np.array(given["centres"]), radii, given["width"], given["density"]))
+    (folder / "plate.stl").write_text(plate(given["width"]))
+    model, words, lines = model_lines(folder, given, way)
+    friction = given["friction"]
+    values = {
+        **numbers(given),
+        "model": model,
+        "words": words,
+        "more": lines,
+        "young": " ".join([f"{given['young']:.10g}"] * 3),
+        "poisson": " ".join([f"{given['poisson']:.10g}"] * 3),
+        "restitution": pairwise([1.0] * 5),
+        "friction": pairwise([friction, friction, friction, 0.0, 0.0]),
+        "width": given["width"],
+        "hold": round(given["hold"] / given["dt"]),
+    }
+    path = folder / "in.oedometer"
+    path.write_text((HEAD + CASE).format(**values))
+    plugin = model == "demlaws/table"
+    if plugin:
+        library_path()  # compiled before the clock starts
+    log, seconds = timed(lambda: run(path, plugin=plugin))
+    forces = np.linalg.norm(np.loadtxt(folder / "post" / "forces.txt", skiprows=9), axis=1)
+    height = log["touching"] + np.append(0.0, np.cumsum(log["speed"][1:] * np.diff(log["Step"]))) * given["dt"]
+    rows, up = np.stack([height, log["stress"]], 1), int(np.argmax(log["speed"] > 0.0))
+    held = {**held_state(given, forces), "plate": float(height[up - 1]), "stress": float(log["stress"][up - 1])}
+    return {
+        "height": float(log["centre"][0]),
+        "branches": [rows[:up].tolist(), rows[up - 1 :].tolist()],
+        "held": held,
+        "steps": int(log["Step"][-1]),
+        "seconds": seconds,
+    }
 
 
 def held_state(given, forces):
-    """Forces [N] between grains, and how many contacts a grain has."""
+    """Forces [N] of the grains' contacts that carry one, and how many contacts a grain has."""
+    forces = forces[forces > 0.0]
     return {"forces": forces.tolist(), "coordination": 2.0 * forces.size / len(given["radii"])}
-
-
-def oedometer(folder, given, way):
-    """One way through the test; what it wrote, as YADE's does (see studies.trade.packings.outcome)."""
-    path, own = Path(folder) / "in.oedometer", {"least": "0.8*${stress}", "every": EVERY, "cycles": 1}
-    found = press(path, given, way, np.array(given["centres"]), **own)
-    found["branches"][1].insert(0, [found["held"]["plate"], found["held"]["stress"]])
-    return found

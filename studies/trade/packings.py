@@ -7,7 +7,6 @@ the time that the run took. Errors are those against the richest law, rough-plas
 Thornton unloading; that law once more from positions shaken by 1e-9 of the radius says how much of them is chance.
 """
 
-import importlib
 import math
 import tempfile
 from dataclasses import asdict, dataclass
@@ -21,6 +20,8 @@ from demlaws.grains import Grain
 from demlaws.laws.names import HERTZ
 from demlaws.make import law as bind_law
 from demlaws.timestep import timestep
+from studies.engines import available, under_yade
+from studies.trade import lammps_oedometer, liggghts_oedometer
 from studies.trade.candidates import GRANITE, RADII, STONE, SURFACE, Way, ways
 
 SHAKEN = 1e-9
@@ -155,10 +156,17 @@ def errors(found, richest):
     )
 
 
+def _for_yade(way, file):
+    """A way as the scripts under YADE take it; a table is written to `file`."""
+    if not way.rtol:
+        return {**way._asdict(), "options": dict(way.options), "given": way.law}
+    largest = Grain(max(RADII), GRANITE, SURFACE)
+    way.bind(largest.contact(largest)).save(file)
+    return {**way._asdict(), "options": {}, "given": str(file)}
+
+
 def run(engine, setup=None, chosen=None, progress=lambda label: None):
     """`Outcome` of every way of an engine (or of the chosen ones), the richest first. Raises where the engine is missing."""
-    from studies.costs.costs import available, describe, under_yade
-
     missing = available(engine)
     if missing:
         raise DemlawsError(missing)
@@ -167,14 +175,13 @@ def run(engine, setup=None, chosen=None, progress=lambda label: None):
     radii, centres = packing(setup)
     shift = SHAKEN * np.random.default_rng(1).uniform(-1.0, 1.0, centres.shape) * min(RADII)
     given = setup.given(radii, centres)
-    largest = Grain(max(RADII), GRANITE, SURFACE)
     raw = []
     with tempfile.TemporaryDirectory() as scratch:
         if engine == "yade":
-            described = [describe(way, scratch, largest.contact(largest), n) for n, way in enumerate(chosen)]
+            described = [_for_yade(way, Path(scratch) / f"{n}.tbl") for n, way in enumerate(chosen)]
             raw = under_yade("trade/yade_oedometer.py", {**given, "shift": shift.tolist(), "ways": described}, progress)
         else:
-            oedometer = importlib.import_module(f"studies.trade.{engine}_oedometer").oedometer
+            oedometer = {"liggghts": liggghts_oedometer, "lammps": lammps_oedometer}[engine].oedometer
             for number, way in enumerate(chosen):
                 progress(f"{number + 1} {way.label}")
                 places = (centres + shift if way.shaken else centres).tolist()

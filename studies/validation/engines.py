@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from demlaws.laws.names import HERTZ
-from studies.costs.costs import available, under_yade
+from studies.engines import available, under_yade
 from studies.validation import lammps_tests
 from studies.validation.in_lammps import answer as in_lammps
 from studies.validation.in_liggghts import answer as in_liggghts

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from demlaws.advice.soften import Softening
-from studies.costs.costs import available
+from studies.engines import available
 from studies.softening import results, study
 from studies.softening.study import Run
 
@@ -63,7 +63,7 @@ def test_what_an_engine_is_told():
 def test_a_study_goes_on(tmp_path):
     """Rows that are there are not made again; a line that a stop cut off is."""
     path = tmp_path / "rows.jsonl"
-    runs = study.plan("yade", quick=True)[:2]
+    runs = study.plan(quick=True)[:2]
     rows = [json.dumps({"run": r._asdict(), **study.summary(r, _raw(r))}) for r in runs]
     path.write_text(rows[0] + "\n" + rows[1][:100])
     assert study.missing(runs, study.load(path)) == runs[1:]
@@ -108,22 +108,3 @@ def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tm
     assert len(runs) == 15
     study.execute(runs, tmp_path / "rows.jsonl")
     _is_similar(results.similarity(study.load(tmp_path / "rows.jsonl")), 1e4)
-
-
-@pytest.mark.slow
-@pytest.mark.liggghts
-def test_shear_in_liggghts_is_that_of_yade(tmp_path):
-    """150 grains of E/10 between walls that keep 100 kPa, sheared to 15 %: LIGGGHTS's servo walls against the kept rows of
-    YADE's, whose copies differ by 4 % in strength."""
-    if available("liggghts"):
-        pytest.skip(available("liggghts"))
-    run = Run("liggghts", "shear", stress=1e5, inertial=3e-3, factor=10.0)
-    study.execute([run], tmp_path / "rows.jsonl")
-    found = study.load(tmp_path / "rows.jsonl")[run]
-    kept = [v for r, v in study.load().items() if r._replace(copy=0) == run._replace(engine="yade")]
-    yade = {name: np.mean([v[name] for v in kept]) for name in ("peak", "dilation", "first_coordination", "coordination")}
-    assert len(kept) == 3
-    assert found["first_coordination"] == pytest.approx(yade["first_coordination"], rel=0.03)
-    assert found["coordination"] == pytest.approx(yade["coordination"], rel=0.1)
-    assert found["peak"] == pytest.approx(yade["peak"], rel=0.15)
-    assert found["dilation"] == pytest.approx(yade["dilation"], rel=0.1)

@@ -2,12 +2,12 @@
 
 import itertools
 
-import numpy as np
 import pytest
 
 import demlaws as dl
-from studies.trade import peers, trade
+from studies.trade import trade
 from studies.trade.__main__ import main
+from studies.trade.liggghts_oedometer import edinburgh_fit
 
 
 @pytest.fixture(scope="module")
@@ -43,11 +43,9 @@ def test_command(capsys):
 
 def test_edinburgh_meets_the_law_at_its_load():
     law = dl.law("pohrt-popov", trade.GRANITE, "hertz")
-    fit = peers.edinburgh_fit(law, 20.0)
-    overlaps, _ = peers.reference_paths(law, np.array([20.0]))
-    found = peers.edinburgh_force(fit, overlaps)
-    assert found[0, 0] == pytest.approx(20.0, rel=1e-12)
-    assert np.all(np.diff(found[0]) <= 0.0)
-    largest, mean, load = peers.edinburgh_error(law, np.geomspace(5.0, 20.0, 5))
-    assert 0.0 < mean < largest < 0.2
-    assert 5.0 <= load <= 20.0
+    fit = edinburgh_fit(law, 20.0)
+    overlap = float(law.overlap(20.0))
+    assert fit.stiffness * overlap**fit.exponent == pytest.approx(20.0, rel=1e-12)
+    assert fit.exponent * 20.0 / overlap == pytest.approx(float(law.stiffness(overlap)), rel=1e-12)
+    plastic = overlap * (1.0 - 1.0 / fit.ratio) ** (1.0 / fit.exponent)
+    assert plastic == pytest.approx(float(law.follow([overlap]).plastic_overlap[0]), rel=1e-9)

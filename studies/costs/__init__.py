@@ -1,1 +1,0 @@
-"""What laws cost inside the engines."""
