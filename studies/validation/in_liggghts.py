@@ -160,9 +160,7 @@ def impact(job, folder, engine=LIGGGHTS):
     log = engine.run(folder / "in.impact")
     if "after" in job:
         return {"places": [float(log["place"][list(log["Step"]).index(step)]) for step in job["after"]]}
-    force = log["force"]
-    parted = bool(np.any((np.maximum.accumulate(force) > 0.0) & (force == 0.0)))
-    return {"peak": float(force.max()), "restitution": float(log["speed"][-1] / job["speed"]), "parted": parted}
+    return {"peak": float(log["force"].max()), "restitution": float(log["speed"][-1] / job["speed"])}
 
 
 def lattice(job, folder, engine=LIGGGHTS):

@@ -72,7 +72,7 @@ def impact(job):
         if peak[1]:
             break
     rebound = mover.state.vel[2] - (0.0 if job["plane"] else O.bodies[0].state.vel[2])
-    return {"peak": peak[0], "restitution": rebound / speed, "parted": bool(peak[1])}
+    return {"peak": peak[0], "restitution": rebound / speed}
 
 
 def collisions(job):
