@@ -1,21 +1,17 @@
 """Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz and shear, in a block of touching spheres.
 
     python tests/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
-    python tests/benchmarks/bench_engines.py lammps --count [--springs 12]
+    python tests/benchmarks/bench_engines.py lammps --springs 12
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
 every law. The laws are timed in turn, round after round. Printed are medians of the ratio to the stock model of the same
 round, the ratio of the fastest rounds (what is left where other programs share the machine), and the parallel efficiency
-T1/(n Tn) of the fastest rounds. --springs: partial slip, too. --portable: the plugin compiled for any processor. --count:
-instructions per step instead of times, under valgrind, of 1,000 spheres with the portable plugin: independent of other programs
-on the machine.
+T1/(n Tn) of the fastest rounds. --springs: partial slip, too. --portable: the plugin compiled for any processor.
 """
 
 import argparse
-import re
 import statistics
-import subprocess
 import tempfile
 import warnings
 from importlib import import_module
@@ -111,25 +107,6 @@ def variables(engine, name, ranks, steps, warm):
     return {"steps": steps, "warm": warm, "model": f"{ours if table else stock} 1.0 0.5 damping viscoelastic"}
 
 
-def count(engine, folder):
-    """Print the instructions per step of every law."""
-    command = import_module(f"demlaws.{engine}.run").command
-    write_block(folder / "block.data", 10)
-    print(f"{'law':{WIDTH}} {'instructions per step':>22} {'over stock':>11}")
-    stock = None
-    for name in (STOCK, *OURS):
-        collected = []
-        for steps in (61, 1):
-            values = variables(engine, name, 1, steps, 1)
-            line, environment = command("in.cost", 1, values, plugin=name in OURS, portable=True)
-            tool = ["valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null"]
-            done = subprocess.run([*tool, *line], cwd=folder, env=environment, capture_output=True, text=True)
-            collected.append(int(re.search(r"Collected : (\d+)", done.stderr)[1]))
-        step = (collected[0] - collected[1]) / 60
-        stock = stock or step
-        print(f"{name:{WIDTH}} {step:22.0f} {step / stock:11.3f}", flush=True)
-
-
 def prepare(engine, folder, more=""):
     """Write input and tables."""
     (folder / "in.cost").write_text((LIGGGHTS if engine == "liggghts" else LAMMPS) + RUN + more)
@@ -180,7 +157,6 @@ def main():
     parser.add_argument("--warm", type=int, default=100, help="steps before the clock starts")
     parser.add_argument("--sides", type=int, nargs="+", default=[22, 46], help="spheres along an edge (22: 10,648; 46: 97,336)")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
-    parser.add_argument("--count", action="store_true", help="count instructions, in valgrind, instead of time")
     parser.add_argument("--springs", type=int, nargs="*", default=[], help="partial slip, too, with these numbers of springs")
     options = parser.parse_args()
     for name in ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
@@ -188,10 +164,7 @@ def main():
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
         prepare(options.engine, folder)
-        if options.count:
-            count(options.engine, folder)
-        else:
-            measure(options.engine, folder, options)
+        measure(options.engine, folder, options)
 
 
 if __name__ == "__main__":
