@@ -3,9 +3,9 @@
 import inputs_for_lammps
 import numpy as np
 import pytest
-from inputs import modulus, part, simulate
+from inputs import ENERGY, LOAD_UNLOAD, modulus, part, simulate
 from inputs_for_liggghts import properties
-from spheres import both
+from spheres import both, save_law, spheres
 
 import demlaws as dl
 from demlaws.errors import EngineStopped
@@ -79,6 +79,20 @@ def test_energies_of_contacts_that_overlap_from_the_start(engine, tmp_path, unlo
     total = log["KinEng"] + log["e[1]"] + log["e[2]"]
     assert np.ptp(total) <= 1e-4 * total[0]
     assert log["e[1]"][-1] == 0 and log["e[2]"][-1] >= log["e[2]"][0]
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "moves"),
+    [("rough", "", LOAD_UNLOAD), ("rough elastic", "shear elastic", [(-0.2, 0, 600), (0, 0.05, 300), (40, 0, 40)])],
+)
+@both
+def test_what_was_dissipated_stays_when_lists_are_built_in_every_step(engine, tmp_path, name, words, moves):
+    """LIGGGHTS drops the history of a contact that opens in such a step: plastic flow, and what its shear had stored."""
+    save_law(tmp_path, name)
+    text = spheres(engine, words, moves, **ENERGY)
+    often = text.replace("neigh_modify    delay 0", "neigh_modify    every 1 delay 0 check no")
+    rarely, always = (simulate(engine, tmp_path, one)["e[2]"] for one in (text, often))
+    assert rarely[-1] > 0.0 and always == pytest.approx(rarely, rel=1e-9)
 
 
 @pytest.mark.parametrize("ranks", [1, 2])

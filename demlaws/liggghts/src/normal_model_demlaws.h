@@ -109,8 +109,9 @@ public:
       error->all(FLERR, (std::string("model demlaws/table: units ") + update->unit_style +
                          ": a table is in metres and pascals; use units si, cgs, micro or nano")
                             .c_str());
-    // walls have no contact flags: without this factor surfacesClose() is never called for them
-    if (state_size_ > 0 && wall_) neighbor->register_contact_dist_factor(1.01);
+    // Without this factor surfacesClose() is never called for walls, which have no contact flags, nor where a pair
+    // opens in a step in which lists are built; there the energy that it had dissipated would be dropped.
+    if (state_size_ > 0 && (wall_ || instance_->ledger.readers)) neighbor->register_contact_dist_factor(1.01);
     types_ = registry.max_type() + 1;
     pairs_.assign(types_ * types_, demlaws::TypePair());
     demlaws::Fingerprints &used = instance_->used[instance_->owner], before;
