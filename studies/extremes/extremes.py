@@ -37,7 +37,7 @@ TOPS = (1e-9, 1e-6, 1e-3, 0.1, 1.0)  # of the largest overlap
 KINDS = ("ladder", "kink", "again", "broken")
 # of a packing's energy, at a thirtieth of dl.timestep: a step across the kink at a contact's maximum overlap costs up to
 # (ω dt)²/4 of the energy in it
-DRIFT = 5e-3
+DRIFT = 5e-4
 PACKINGS = {"soft": (1e5, 0.0, 1e6), "stiff": (1e13, 0.1, 100.0)}  # E* [Pa], σ over the smallest R, ratio of the radii
 
 
