@@ -7,7 +7,6 @@ import numpy as np
 
 from demlaws.advice.soften import Softening
 from studies.softening.study import DEEP, STRESS, Run, label, similar
-from studies.trade.trade import pareto
 
 FIRST = ("low", "loading", "unloading", "exponent", "coordination", "forces", "work")
 OF_PROCESS = {"cycles": (*FIRST, "settlement"), "pour": ("height", "coordination", "forces"), "shear": ("peak", "coordination")}
@@ -20,19 +19,11 @@ ABSOLUTE = ("exponent", "forces")  # compared by difference
 
 def values(run: Run, row: dict) -> dict:
     """What a row says of the grains as they are: lengths, stiffness and work unstretched."""
-    if "failed" in row:
-        return {}
     stretch, found = Softening(run.factor).overlap, dict(row)
-    for name, exponent in (
-        ("low", 1),
-        ("loading", 1),
-        ("unloading", 1),
-        ("settlement", -1),
-        ("put_in", -1),
-        ("given_back", -1),
-    ):
-        if name in found:
-            found[name] *= stretch**exponent
+    for name in found.keys() & {"low", "loading", "unloading"}:
+        found[name] *= stretch
+    for name in found.keys() & {"settlement", "put_in", "given_back"}:
+        found[name] /= stretch
     if "put_in" in found:
         found["work"] = found["put_in"] - found["given_back"]
     return found
@@ -45,16 +36,8 @@ class Point(NamedTuple):
     errors: dict  # quantity → relative error (of `ABSOLUTE`: difference) of the mean over copies
     chance: dict  # quantity → standard deviation of one copy of the process as it is
     steps: float  # of loading and unloading once, rest and hold left out, or of all the process
-    seconds: float  # those × what a step costs, measured over all rows of the engine
     copies: int
-    front: bool = False
-    unbalanced: float | None = None  # largest force that does not balance over the mean force of a contact, while it moves
-
-
-def microseconds(rows: dict, engine: str) -> float:
-    """CPU time of a step [µs], the median over an engine's rows: one cost for all, since the machine is shared."""
-    found = [1e6 * v["seconds"] / v["steps"] for r, v in rows.items() if r.engine == engine and "steps" in v]
-    return float(np.median(found)) if found else math.nan
+    unbalanced: float | None  # largest force that does not balance over the mean force of a contact, while it moves
 
 
 def _first(run):
@@ -79,11 +62,10 @@ def points(rows: dict, others: bool = False) -> list[Point]:
         errors, chance = _compare(first, found, reference)
         steps = _steps(first)
         one = found[0][0]._replace(copy=0)
-        cost = 1e-6 * microseconds(rows, first.engine) * steps
         loose = [v["unbalanced"] for _, v in found if "unbalanced" in v]
         unbalanced = float(np.mean(loose)) if loose else None
-        result.append(Point(one, errors, chance, steps, cost, len(found), unbalanced=unbalanced))
-    return _with_front(result)
+        result.append(Point(one, errors, chance, steps, len(found), unbalanced))
+    return result
 
 
 def _base_of(groups, run):
@@ -121,39 +103,24 @@ def _steps(run):
         return told["time"] / told["dt"]
     if run.process == "shear":
         return told["strain"] * DEEP / told["speed"] / told["dt"]
-    sunk = 0.0047 * DEEP * run.size * (run.stress / STRESS) ** 0.45 * Softening(run.factor).overlap
-    return 1.5 * sunk / told["speed"] / told["dt"]
-
-
-def _judged(point):
-    """Quantities by which a point is judged: the packing's stiffness; of a pour or of shear the first one."""
-    stiff = [n for n in ("low", "loading", "unloading") if n in point.errors]
-    return stiff or [n for n in OF_PROCESS[point.run.process][:1] if n in point.errors]
+    return 1.5 * run.sunk / told["speed"] / told["dt"]
 
 
 def worst(point: Point) -> float:
     """Largest error of the packing's stiffness (of a pour: of its height, of shear: of the peak strength)."""
-    return max((abs(point.errors[n]) for n in _judged(point)), default=math.nan)
-
-
-def _with_front(found):
-    marked = list(found)
-    for key in {(p.run.engine, p.run.process) for p in found}:
-        own = [n for n, p in enumerate(found) if (p.run.engine, p.run.process) == key]
-        front = pareto([(found[n].seconds, worst(found[n])) for n in own])
-        for place, n in enumerate(own):
-            marked[n] = found[n]._replace(front=place in front)
-    return marked
+    stiffness = [abs(e) for name, e in point.errors.items() if name in ("low", "loading", "unloading")]
+    first = abs(point.errors.get(OF_PROCESS[point.run.process][0], math.nan))
+    return max(stiffness, default=first)
 
 
 def table(found: list[Point]) -> str:
     """The points as text: errors in per cent (exponent and forces: as they are), chance in brackets."""
     lines = []
     for key in sorted({(p.run.engine, p.run.process) for p in found}):
-        own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.seconds)
+        own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.steps)
         names = [n for n in OF_PROCESS[key[1]] if any(n in p.errors for p in own)]
         head = " ".join(f"{n:>12}" for n in names)
-        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8} {'s':>7}  {head}   unbalanced")
+        lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8}  {head}   unbalanced")
         for p in own:
             cells = []
             for n in names:
@@ -163,13 +130,13 @@ def table(found: list[Point]) -> str:
                     cells.append(f"{p.errors[n]:+12.3f}")
                 else:
                     cells.append(f"{100 * p.errors[n]:+11.1f}%")
-            cells.append(f"{'-' if p.unbalanced is None else f'{p.unbalanced:.1g}':>12}" + "  *" * p.front)
-            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f} {p.seconds:7.2f}  {' '.join(cells)}")
+            cells.append(f"{'-' if p.unbalanced is None else f'{p.unbalanced:.1g}':>12}")
+            lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f}  {' '.join(cells)}")
         spread = [
             next((p.chance[n] for p in own if p.chance.get(n) == p.chance.get(n) and n in p.chance), math.nan) for n in names
         ]
         cells = [f"{c:12.3f}" if n in ABSOLUTE else f"{100 * c:11.1f}%" for n, c in zip(names, spread, strict=True)]
-        lines.append(f"{'chance (one copy at full modulus)':69}{' '.join(cells)}\n")
+        lines.append(f"{'chance (one copy at full modulus)':61}{' '.join(cells)}\n")
     return "\n".join(lines)
 
 

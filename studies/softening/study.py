@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.integrate import trapezoid
 
 from demlaws.advice.modulus import STUDY_STEP
 from demlaws.advice.soften import Softening
@@ -82,12 +83,6 @@ class Run(NamedTuple):
         """Surface of the grains of this run."""
         return Surface(self.rough * SURFACE.roughness, SURFACE.fractal_dimension, SURFACE.hardness)
 
-    def softened(self) -> tuple:
-        """(Young's modulus [Pa], surface of a grain, options of the law) of this run."""
-        softening = Softening(self.factor)
-        surface = softening.of(self.surface) if self.scaled else self.surface
-        return GRANITE.young / self.factor, surface, {}
-
     @property
     def unit(self) -> float:
         """Unit of the time step [s]: that of a smooth grain of the smaller size on a fixed contact at ten times the mean force,
@@ -111,28 +106,29 @@ class Run(NamedTuple):
         """Stiffness number (E*/p)^(2/3) of the softened grains."""
         return float((0.5 * GRANITE.plane_modulus / self.factor / self.stress) ** (2 / 3))
 
+    @property
+    def sunk(self) -> float:
+        """By what the plate of the oedometer sinks, about [m]."""
+        return 0.0047 * DEEP * self.size * (self.stress / STRESS) ** 0.45 * Softening(self.factor).overlap
+
     def given(self) -> dict:
         """Engine input of this run."""
-        young, surface, options = self.softened()
+        softening = Softening(self.factor)
         slower = math.sqrt(self.density)  # all of a heavier grain's motion
-        unit, overlap = slower * self.unit, Softening(self.factor).overlap
+        unit = slower * self.unit
         dt, density = self.part * unit, self.density * (GRANITE.density or DENSITY)
         rate = self.inertial / (self.size * DIAMETER * math.sqrt(density / self.stress))
         speed = rate * DEEP * self.size
-        # some 150 readings of the plate while it goes down
-        sunk = 0.0047 * DEEP * self.size * (self.stress / STRESS) ** 0.45 * overlap
         return {
             **self._asdict(),
-            "model": "",
-            "young": young,
-            "surface": vars(surface),
-            "options": options,
+            "young": GRANITE.young / self.factor,
+            "surface": vars(softening.of(self.surface) if self.scaled else self.surface),
             "dt": dt,
             "speed": speed,
             "back": speed,
             "settle": RESTING * 0.5 * unit,
             "hold": 0.25 * RESTING * 0.5 * unit,
-            "every": int(np.clip(round(sunk / (150 * speed * dt)), 1, 40)),
+            "every": int(np.clip(round(self.sunk / (150 * speed * dt)), 1, 40)),  # some 150 readings while the plate goes down
             "least": LEAST * self.stress,
             "shake": SHAKEN * self.size * min(RADII),
             "time": 0.25 * math.sqrt(self.size) * slower,
@@ -333,16 +329,15 @@ def summary(run: Run, found: dict) -> dict:
         "seconds": found["seconds"],
         "coordination": held["coordination"],
         "quantiles": [float(v) for v in np.percentile(forces / forces.mean(), QUANTILES)],
-        "mean_force": float(forces.mean()),
     }
     if "unbalanced" in found:
         row["unbalanced"] = found["unbalanced"]
     if run.process == "cycles":
         row |= _of_cycles(run, found)
     elif run.process == "pour":
-        row |= {"height": found["height"], "kinetic": held["kinetic"]}
+        row["height"] = found["height"]
     else:
-        row |= _of_shear(found)
+        row["peak"] = _strength(found["rows"])
     known = {name: value for name, value in row.items() if isinstance(value, list) or math.isfinite(value)}
     return {name: value if name == "steps" else _rounded(value) for name, value in known.items()}
 
@@ -355,12 +350,6 @@ def _crossing(rows, stress):
         return float(rows[0, 0])
     (h1, s1), (h2, s2) = rows[above - 1], rows[above]
     return float(h1 + (h2 - h1) * (stress - s1) / (s2 - s1))
-
-
-def work(rows):
-    """∫σ dh along a branch, per area [J/m²]; positive where the plate does work."""
-    rows = np.asarray(rows)
-    return float(-np.sum(0.5 * (rows[1:, 1] + rows[:-1, 1]) * np.diff(rows[:, 0])))
 
 
 def _of_cycles(run, found):
@@ -382,30 +371,20 @@ def _of_cycles(run, found):
         "loading": loading,
         "unloading": tangent(back, 0.7 * held, 1.01 * held),
         "exponent": math.log(loading / low) / math.log(0.75 / 0.15) if low > 0.0 < loading else math.nan,
-        "thickness": thickness,
-        "put_in": work(first),  # [J/m²], up to the stress
-        "given_back": -work(back),
+        "put_in": -trapezoid(first[:, 1], first[:, 0]),  # [J/m²], up to the stress
+        "given_back": trapezoid(back[:, 1], back[:, 0]),
     }
     if run.cycles > 1:
-        row |= {"settlement": peaks[0] - peaks[-1], "second": peaks[0] - peaks[1]}
+        row["settlement"] = peaks[0] - peaks[-1]
     return row
 
 
-def _of_shear(found):
-    rows = np.array(found["rows"])
-    strain = 1.0 - rows[:, 5] / rows[0, 5]
-    ratio = rows[:, 2] / (0.5 * (rows[:, 0] + rows[:, 1]))
+def _strength(rows):
+    """Largest axial over lateral stress, smoothed over 1 % of strain; rows: stresses across x, y and z, height of the box."""
+    rows = np.array(rows)
+    ratio, strain = rows[:, 2] / (0.5 * (rows[:, 0] + rows[:, 1])), 1.0 - rows[:, 3] / rows[0, 3]
     width = max(3, int(np.sum(strain < 0.01)))
-    smooth = np.convolve(ratio, np.ones(width) / width, "valid")
-    middle = np.convolve(strain, np.ones(width) / width, "valid")
-    peak = int(np.argmax(smooth))
-    volume = np.prod(rows[:, 3:6], axis=1)
-    return {
-        "peak": float(smooth[peak]),  # largest axial over lateral stress
-        "peak_strain": float(middle[peak]),
-        "dilation": float(volume[-1] / volume[0] - 1.0),
-        "first_coordination": found["before"]["coordination"],
-    }
+    return float(np.max(np.convolve(ratio, np.ones(width) / width, "valid")))
 
 
 def label(run: Run) -> str:

@@ -19,8 +19,8 @@ def grains_of(given, run, places, kind=Box):
     """The run's box of grains at `places` of the specification, moved at random, as this copy of the run wants."""
     centres = np.array(given[places])
     centres = centres + run["shake"] * np.random.default_rng(run["copy"]).uniform(-1.0, 1.0, centres.shape)
-    way = {"model": run["model"], "given": run["law"], "unloading": run["unloading"], "options": run["options"]}
-    way["shear"] = run.get("shear", "native")  # the rows that are kept were measured with YADE's own
+    # the rows that are kept were measured with YADE's own shear
+    way = {"model": "", "given": run["law"], "unloading": run["unloading"], "options": {"shear": "native"}}
     values = {**given, "young": run["young"], "surface": run["surface"], "density": run["density"]}
     made = kind(values, centres, np.array(given["radii"]), way, gravity=run["gravity"])
     O.dt = run["dt"]
@@ -44,9 +44,9 @@ class Sheared(Box):
     """Grains between six smooth walls: two sides and the plate move, to a stress or at a speed."""
 
     def state(self):
-        """Stress [Pa] on the moving walls across x, y and z, and the size [m] of the box."""
+        """Stress [Pa] on the moving walls across x, y and z, and the height [m] of the box."""
         x, y, z = O.bodies[2].state.pos[0], O.bodies[4].state.pos[1], self.plate.state.pos[2]
-        return O.forces.f(2)[0] / (y * z), O.forces.f(4)[1] / (x * z), O.forces.f(5)[2] / (x * y), x, y, z
+        return O.forces.f(2)[0] / (y * z), O.forces.f(4)[1] / (x * z), O.forces.f(5)[2] / (x * y), z
 
     def follow(self, run, axial=None):
         """Rows until the moving walls have their stress, or the plate at the speed `axial` its strain."""
@@ -55,7 +55,7 @@ class Sheared(Box):
         def reached(row):
             if axial is None:
                 return len(self.rows) > 100 and all(abs(one / run["stress"] - 1.0) < 0.02 for one in row[:3])
-            return row[5] <= (1.0 - run["strain"]) * self.rows[0][5]
+            return row[3] <= (1.0 - run["strain"]) * self.rows[0][3]
 
         return self.until(reached, 400_000 if axial is None else 2_000_000)
 
@@ -76,10 +76,8 @@ def shear(given, run):
     box.lower_onto_grains()
     next(e for e in O.engines if isinstance(e, yade.NewtonIntegrator)).gravity = (0, 0, 0)
     box.follow(run)
-    before = box.contacts()
     rows = box.follow(run, -run["speed"])
     return {
-        "before": before,
         "held": box.contacts(),
         "rows": rows[::10],
         "unbalanced": utils.unbalancedForce(),

@@ -36,7 +36,6 @@ class Way(NamedTuple):
     model: str = ""  # the engine's own: "hertz", "cdm", "edinburgh"
     options: tuple = ()  # of the law: (name, value) pairs
     shaken: bool = False
-    shear: str = "elastic"  # of the law in YADE
 
     def bind(self, contact):
         """The law on a contact; the table, where it is one."""

@@ -54,7 +54,6 @@ class Box:
                 way["unloading"],
                 {"grains": surface, "walls": surface},
                 flats="yade",
-                shear=way["shear"],
                 **way["options"],
             )  # YADE's radius at the walls, as its own laws have it
         newton = yade.NewtonIntegrator(damping=0.3, gravity=(0, 0, -gravity))
@@ -115,10 +114,10 @@ class Box:
         return float(np.average(self.centres()[:, 2], weights=[b.state.mass for b in self.spheres()]))
 
     def contacts(self):
-        """Normal forces between grains that touch [N], how many contacts a grain has (without walls'), kinetic energy [J]."""
+        """Normal forces between grains that touch [N], how many contacts a grain has (without walls')."""
         found = [i.phys.normalForce.norm() for i in O.interactions if i.isReal and min(i.id1, i.id2) > 5]
         forces = [f for f in found if f > 0.0]
-        return {"forces": forces, "coordination": 2.0 * len(forces) / len(self.spheres()), "kinetic": utils.kineticEnergy()}
+        return {"forces": forces, "coordination": 2.0 * len(forces) / len(self.spheres())}
 
 
 def press(box, run, least):
