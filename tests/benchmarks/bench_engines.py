@@ -1,21 +1,35 @@
 """Cost of a step in LIGGGHTS or LAMMPS: demlaws/table against the engine's own Hertz and shear, in a block of touching spheres.
 
     python tests/benchmarks/bench_engines.py liggghts [--ranks 1 2] [--rounds 9] [--steps 300] [--sides 22 46] [--portable]
-    python tests/benchmarks/bench_engines.py lammps --springs 12
+    python tests/benchmarks/bench_engines.py lammps --laws "pohrt-popov, hertz unloading" --sides 46 --weak --ranks 1 2 4
+    python tests/benchmarks/bench_engines.py liggghts --sides 100 --ranks 2 --rounds 1        a million spheres
 
 The block is a shaken simple cubic lattice in a periodic box (side³ spheres of three sizes, some 2 contacts each), so that no
 packing need settle first. Every sphere keeps its own velocity: contacts load, unload, open and close, the same ones under
-every law. The laws are timed in turn, round after round. Printed are medians of the ratio to the stock model of the same
-round, the ratio of the fastest rounds (what is left where other programs share the machine), and the parallel efficiency
-T1/(n Tn) of the fastest rounds. --springs: partial slip, too. --portable: the plugin compiled for any processor.
+every law. The laws are timed in turn, round after round. --springs: partial slip, too. --portable: the plugin compiled for
+any processor. Columns:
+
+step, pair     median of the ratios of the whole step and of the pair loop to the stock model of the same round
+fastest        ratio of the fastest rounds (what is left where other programs share the machine)
+efficiency     spheres moved per core and second over those of the table's first row (ranks beyond the cores share them)
+MB, restart    peak memory of the largest rank; restart file
+over light     the step over the time in which this machine's copy bandwidth, on as many cores, moves once the data that a step
+               must read and write (spheres: place, velocity, spin, size, mass, force, torque; contacts: index, history read
+               and written)
 """
 
 import argparse
+import os
 import statistics
+import subprocess
+import sys
 import tempfile
+import time
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from importlib import import_module
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -66,6 +80,7 @@ thermo_style    custom step ke v_contacts
 thermo          ${steps}
 run             ${warm}
 run             ${steps}
+write_restart   state.restart
 """
 STOCK = "Hertz, stock"
 OURS = {
@@ -74,7 +89,18 @@ OURS = {
     "pohrt-popov, hertz unloading": "hysteretic.tbl",
     "pohrt-popov, thornton unloading": "thornton.tbl",
 }
-WIDTH = 48
+HISTORY = {  # bytes per contact, from the table of docs/shear.md, Memory
+    ("liggghts", STOCK): 32,
+    ("liggghts", "pohrt-popov, hertz unloading"): 56,
+    ("lammps", STOCK): 32,
+    ("lammps", "pohrt-popov, hertz unloading"): 64,
+}
+SPHERE = 8 * (3 + 3 + 3 + 1 + 1 + 2 * 3 + 2 * 3)
+CORES = len(os.sched_getaffinity(0))
+PEAK = """import resource, subprocess, sys
+code = subprocess.call(sys.argv[1:])
+print("", 1024 * resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
+sys.exit(code)"""  # a process of its own: a child's peak begins with that of the process that starts it
 
 
 def write_block(path, side, radius=2e-3, seed=1):
@@ -107,45 +133,82 @@ def variables(engine, name, ranks, steps, warm):
     return {"steps": steps, "warm": warm, "model": f"{ours if table else stock} 1.0 0.5 damping viscoelastic"}
 
 
-def prepare(engine, folder, more=""):
+def prepare(engine, folder):
     """Write input and tables."""
-    (folder / "in.cost").write_text((LIGGGHTS if engine == "liggghts" else LAMMPS) + RUN + more)
+    (folder / "in.cost").write_text((LIGGGHTS if engine == "liggghts" else LAMMPS) + RUN)
     write_tables(folder)
 
 
-def interleaved(engine, folder, ranks, rounds, steps, warm=100, portable=False):
-    """law → ((whole step, pair loop) [s] of each round), law → contacts; of the block in `folder`."""
+def bandwidth(threads):
+    """Bytes/s read and written by copies of 256 MB arrays in so many threads at once, the fastest of nine."""
+    arrays = [(np.zeros(1 << 25), np.ones(1 << 25)) for _ in range(threads)]
+    fastest = np.inf
+    with ThreadPoolExecutor(threads) as pool:
+        for _ in range(9):
+            start = time.perf_counter()
+            list(pool.map(lambda pair: np.copyto(*pair), arrays))
+            fastest = min(fastest, time.perf_counter() - start)
+    return 2 * threads * arrays[0][0].nbytes / fastest
+
+
+class Run(NamedTuple):
+    """One law in one round."""
+
+    step: float  # s per step
+    pair: float  # of it in the pair loop
+    contacts: int
+    memory: int  # peak of the largest process [B]
+    restart: int  # file [B]
+
+
+def run(engine, folder, name, ranks, steps, warm=100, portable=False):
+    """`Run` of the block in `folder`."""
     module = import_module(f"demlaws.{engine}.run")
-    times, contacts = {name: [] for name in (STOCK, *OURS)}, {}
+    values = variables(engine, name, ranks, steps, warm)
+    line, environment = module.command("in.cost", ranks, values, plugin=name in OURS, portable=portable)
+    environment["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
+    line = [sys.executable, "-S", "-c", PEAK, *map(str, line)]
+    done = subprocess.run(line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        raise SystemExit(done.stdout[-500:])
+    log = folder / f"log.{engine}"
+    step, pair = (seconds / steps for seconds in module.timings(log))
+    contacts = int(module.read_log(log)["contacts"][-1])
+    return Run(step, pair, contacts, int(done.stdout.split()[-1]), (folder / "state.restart").stat().st_size)
+
+
+def interleaved(engine, folder, ranks, rounds, steps, laws=None, **options):
+    """law → its `Run` in each round; stock first."""
+    runs = {name: [] for name in (STOCK, *(OURS if laws is None else laws))}
     for _ in range(rounds):
-        for name, seconds in times.items():
-            values = variables(engine, name, ranks, steps, warm)
-            log = module.run(folder / "in.cost", ranks, values, plugin=name in OURS, portable=portable)
-            contacts[name] = log["contacts"][-1]
-            seconds.append(module.timings(folder / f"log.{engine}"))
-    return times, contacts
+        for name, found in runs.items():
+            found.append(run(engine, folder, name, ranks, steps, **options))
+    return runs
 
 
-def measure(engine, folder, options):
-    """Print ratios of interleaved timings for every size and number of ranks."""
-    for side in options.sides:
+def measure(folder, cases, rates, options):
+    """Print a table; cases: (side of the block, ranks); rates: cores → bytes/s of copies."""
+    heads = ("spheres", "ranks", "contacts", "µs/step", "step", "fastest", "pair", "efficiency", "MB", "restart", "over light")
+    print(f"\n{'law':48}" + "".join(f"{head:>11}" for head in heads))
+    first = {}
+    for side, ranks in cases:
         write_block(folder / "block.data", side)
-        one = {}
-        for ranks in options.ranks:
-            settings = (options.rounds, options.steps, options.warm, options.portable)
-            times, contacts = interleaved(engine, folder, ranks, *settings)
-            print(f"\n{side**3} spheres, ranks: {ranks}, {options.rounds} rounds of {options.steps} steps")
-            titles = ("step ratio", "fastest", "pair ratio", "efficiency")
-            print(f"{'law':{WIDTH}} {'contacts':>9} {'µs/step':>8}" + "".join(f"{title:>12}" for title in titles))
-            stock = times[STOCK]
-            for name, seconds in times.items():
-                step = min(s[0] for s in seconds)
-                ratio, pair = (statistics.median(s[k] / t[k] for s, t in zip(seconds, stock, strict=True)) for k in (0, 1))
-                fastest = step / min(t[0] for t in stock)
-                one.setdefault(name, step * ranks)
-                figures = (ratio, fastest, pair, one[name] / (step * ranks))
-                cells = "".join(f"{figure:12.3f}" for figure in figures)
-                print(f"{name:{WIDTH}} {contacts[name]:9.0f} {step / options.steps * 1e6:8.0f}{cells}", flush=True)
+        settings = {"laws": options.laws, "warm": options.warm, "portable": options.portable}
+        runs = interleaved(options.engine, folder, ranks, options.rounds, options.steps, **settings)
+        cores, stock = min(ranks, CORES), runs[STOCK]
+        for name, found in runs.items():
+            best, light = min(found), "-"
+            if history := HISTORY.get((options.engine, name)):
+                moved = side**3 * SPHERE + best.contacts * (4 + 2 * history)
+                light = f"{best.step * rates[cores] / moved:.1f}"
+            step, pair = (statistics.median(ours[k] / peer[k] for ours, peer in zip(found, stock, strict=True)) for k in (0, 1))
+            rate = side**3 / (best.step * cores)
+            print(
+                f"{name:48}{side**3:11}{ranks:11}{best.contacts:11}{1e6 * best.step:11.0f}{step:11.3f}"
+                f"{best.step / min(stock).step:11.3f}{pair:11.3f}{rate / first.setdefault(name, rate):11.2f}"
+                f"{best.memory / 1e6:11.0f}{best.restart / 1e6:11.1f}{light:>11}",
+                flush=True,
+            )
 
 
 def main():
@@ -156,15 +219,22 @@ def main():
     parser.add_argument("--steps", type=int, default=300)
     parser.add_argument("--warm", type=int, default=100, help="steps before the clock starts")
     parser.add_argument("--sides", type=int, nargs="+", default=[22, 46], help="spheres along an edge (22: 10,648; 46: 97,336)")
+    parser.add_argument("--weak", action="store_true", help="also 97,336 spheres per rank")
     parser.add_argument("--portable", action="store_true", help="the plugin compiled for any processor, as the wheel's is")
+    parser.add_argument("--laws", nargs="+", choices=list(OURS), metavar="LAW", help="only these laws of ours")
     parser.add_argument("--springs", type=int, nargs="*", default=[], help="partial slip, too, with these numbers of springs")
     options = parser.parse_args()
     for name in ("pohrt-popov, elastic", "pohrt-popov, hertz unloading"):
         OURS.update({f"{name}, slip, {n} springs": f"{OURS[name]} shear slip springs {n}" for n in options.springs})
+    rates = {n: bandwidth(n) for n in range(1, CORES + 1)}
+    print("copies, bytes read and written: " + ", ".join(f"{n} cores {rate / 1e9:.1f} GB/s" for n, rate in rates.items()))
+    tables = [[(side, n) for n in options.ranks] for side in options.sides]
+    if options.weak:
+        tables.append([(round(46 * n ** (1 / 3)), n) for n in options.ranks])
     with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
-        prepare(options.engine, folder)
-        measure(options.engine, folder, options)
+        prepare(options.engine, Path(scratch))
+        for cases in tables:
+            measure(Path(scratch), cases, rates, options)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ cores     the same on all cores over one core, law and copy kernel: what memory 
 start     `import demlaws` over `import numba`; `demlaws --help` over an argparse program's help; user and system time
 waits     seconds, not ratios: a user's waiting time in a new process, with an empty cache of machine code, then a full one
 liggghts, lammps, yade    a step (in YADE the interaction loop) over that with the engine's own Hertz law and shear
-surfaces  a load step of a measured map over scipy.ndimage.label of the same map
 """
 
 import argparse
@@ -57,11 +56,9 @@ class Ratio(NamedTuple):
 
 def machine():
     """What a kept ratio is valid for."""
-    model = platform.processor() or platform.machine()
-    for line in Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").is_file() else ():
-        if line.startswith("model name"):
-            model = line.partition(":")[2].strip()
-            break
+    cpuinfo = Path("/proc/cpuinfo")
+    lines = cpuinfo.read_text().splitlines() if cpuinfo.is_file() else ()
+    model = next((line.partition(":")[2].strip() for line in lines if line.startswith("model name")), platform.machine())
     return f"{model}, {os.cpu_count()} cores, numba {numba.__version__}"
 
 
@@ -171,38 +168,14 @@ def waits(contacts, rounds, every=False):
     return found
 
 
-def surfaces(contacts, rounds, every=False):
-    from scipy import ndimage
-
-    from demlaws.solvers.contact import RoughContact
-    from demlaws.surface import self_affine
-    from studies.jamari.published import published_contact
-
-    found = {}
-    for size in (1024, 2048):
-        heights = self_affine(size, 0.5e-6, 0.8, 1.3e-6, 1, periodic=True)
-        contact = RoughContact(heights, published_contact("isotropic").pair, 0.34, flat=True)
-        load = 0.2 * (size / 512) ** 2
-        cut, taken = contact.load(load).cut, ([], [])
-        for _ in range(min(rounds, 5)):
-            began = time.thread_time()
-            contact.load(load)
-            between = time.thread_time()
-            ndimage.label(contact.gap > cut)
-            taken[0].append(between - began)
-            taken[1].append(time.thread_time() - between)
-        found[f"load step / labelling, {size}²"] = ratio_of(*taken, 20.0)
-    return found
-
-
 def _steps(engine, goals, rounds):
     found = {}
     with tempfile.TemporaryDirectory() as folder:
         bench_engines.prepare(engine, Path(folder))
         bench_engines.write_block(Path(folder) / "block.data", 22)
         for ranks in (1, 2):
-            times, _ = bench_engines.interleaved(engine, Path(folder), ranks, max(3, rounds // 2), 300)
-            steps = {name: [step for step, _ in seconds] for name, seconds in times.items()}
+            runs = bench_engines.interleaved(engine, Path(folder), ranks, max(3, rounds // 2), 300)
+            steps = {name: [run.step for run in found] for name, found in runs.items()}
             stock = steps.pop(bench_engines.STOCK)
             for name, ours in steps.items():
                 found[f"{name}, {ranks} ranks"] = ratio_of(ours, stock, goals[name.endswith("unloading")])
@@ -235,7 +208,7 @@ def yade(contacts, rounds, every=False):
     return found
 
 
-PARTS = {function.__name__: function for function in (kernels, cores, start, waits, surfaces, liggghts, lammps, yade)}
+PARTS = {function.__name__: function for function in (kernels, cores, start, waits, liggghts, lammps, yade)}
 
 
 # --- what is kept
