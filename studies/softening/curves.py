@@ -71,9 +71,8 @@ class _Process:
                 (rate if factor == 1.0 else soft).append((self.place(p.run), _change(names, p, steady)))
             elif part > HALF and (factor, inertial) == (1.0, STEADY):
                 step.append((part, _change(names, p, plain)))
-        fitted_on = {*study.scenes("yade", study.OTHERS), *study.scenes("yade", study.FASTER)}
         for p in self.others:  # the scenes that are held back test the predictions
-            if p.run in fitted_on and p.run.scaled and p.run.part == HALF:
+            if p.run in study.FITTED_ON and p.run.scaled and p.run.part == HALF:
                 if p.run.factor > 1.0 and p.run.inertial == STEADY:
                     geometry.append((_numbers(p.run).depth, _change(names, p)))
                 elif p.run.factor == 1.0 and p.run.inertial > STEADY:

@@ -77,22 +77,18 @@ def _base_of(groups, run):
 def _compare(run, found, reference):
     errors, chance = {}, {}
     for name in OF_PROCESS[run.process]:
-        if name == "forces":
-            mine, base = (np.array([v["quantiles"] for _, v in rows]) for rows in (found, reference))
-            errors[name] = float(np.max(np.abs(mine.mean(0) - base.mean(0))))
-            chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) if len(base) > 1 else math.nan
-            continue
-        longest = max((r.cycles for r, v in found if name in v), default=0)
-        of = [
-            [v[name] for r, v in rows if name in v and (name != "settlement" or r.cycles == longest)]
+        key = "quantiles" if name == "forces" else name
+        longest = max((r.cycles for r, v in found if key in v), default=0)
+        mine, base = (
+            np.array([v[key] for r, v in rows if key in v and (name != "settlement" or r.cycles == longest)])
             for rows in (found, reference)
-        ]
-        if not of[0] or not of[1]:
+        )
+        if not mine.size or not base.size:
             continue
-        base = float(np.mean(of[1]))
-        scale = 1.0 if name in ABSOLUTE else base
-        errors[name] = (float(np.mean(of[0])) - base) / scale
-        chance[name] = float(np.std(of[1], ddof=1)) / abs(scale) if len(of[1]) > 1 else math.nan
+        scale = 1.0 if name in ABSOLUTE else float(base.mean())
+        error = (mine.mean(0) - base.mean(0)) / scale
+        errors[name] = float(np.abs(error).max() if name == "forces" else error)
+        chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) / abs(scale) if len(base) > 1 else math.nan
     return errors, chance
 
 

@@ -20,14 +20,13 @@ from demlaws.advice.soften import Softening
 from demlaws.contact import Surface
 from demlaws.errors import DemlawsError
 from demlaws.grains import Grain
-from demlaws.laws.names import HERTZ, POHRT_POPOV
+from demlaws.laws.names import POHRT_POPOV
 from demlaws.make import law as bind_law
 from demlaws.materials import DENSITY
-from demlaws.timestep import timestep
 from studies.engines import under_yade
 from studies.trade import packings
 from studies.trade.candidates import GRANITE, RADII, SURFACE
-from studies.trade.packings import SHAKEN, slope
+from studies.trade.packings import SHAKEN, largest_step, mean_force, slope
 
 KEPT = Path(__file__).with_name("softening.jsonl")
 """The rows of the study that this version of demlaws is advised by."""
@@ -87,18 +86,15 @@ class Run(NamedTuple):
     def unit(self) -> float:
         """Unit of the time step [s]: that of a smooth grain of the smaller size on a fixed contact at ten times the mean force,
         over √3. It is `modulus.STUDY_STEP` times the stability limit of the packing at its largest stress, so not stable."""
-        grain = Grain(self.size * min(RADII), GRANITE, SURFACE)
-        mean = math.pi * (self.size * DIAMETER) ** 2 * self.stress / (0.6 * 6)
-        hertz = bind_law(HERTZ, grain.contact(grain))
-        single = timestep(hertz, grain.mass, 10.0 * mean, other_mass=math.inf, shear_ratio=0.0)
-        return single / math.sqrt(3.0) * Softening(self.factor).step
+        force = 10.0 * mean_force(self.size * DIAMETER, self.stress)
+        return largest_step(self.size * min(RADII), force) * Softening(self.factor).step
 
     @property
     def depth(self) -> float:
         """Overlap over diameter of the softened grains at the mean force, σ scaled along."""
         grain, diameter = Grain(self.size * LATTICE, GRANITE, self.surface), 2.0 * self.size * LATTICE
         law = bind_law(self.law, grain.contact(grain))
-        overlap = float(law.overlap(math.pi * diameter**2 * self.stress / (0.6 * 6)))
+        overlap = float(law.overlap(mean_force(diameter, self.stress)))
         return overlap * Softening(self.factor).overlap / diameter
 
     @property
@@ -174,6 +170,7 @@ FASTER: tuple[dict[str, Any], ...] = tuple(
     for rate in (1e-3, 3e-3)
 )
 """The same at full modulus, loaded faster."""
+FITTED_ON = frozenset(Run("yade", "cycles", **scene) for scene in (*OTHERS, *FASTER))
 HELD_BACK: tuple[dict[str, Any], ...] = (
     {"stress": 5.0e4, "factor": 10.0},
     {"stress": 5.0e4, "factor": 10.0, "scaled": False},
@@ -200,11 +197,11 @@ SLOWER = (3.75e5, 1e5, 3e4, 1e4, 3e3)
 """Stresses [Pa] at which a lattice, and the packing from its own start, is pressed at full and at a tenth of the modulus."""
 
 
-def held_back(engine: str) -> list[Run]:
+def held_back() -> list[Run]:
     """Ten packings from which no prediction is made, as they are: those of `HELD_BACK`, each once, and two more."""
     grains = [{k: v for k, v in scene.items() if k in ("stress", "size", "rough")} for scene in HELD_BACK]
     grains += [{"stress": 2.5e5, "size": 1.2, "rough": 1.5}, {"stress": 6.0e5, "size": 2.5, "rough": 0.8}]
-    return list(dict.fromkeys(Run(engine, "cycles", **one) for one in grains))
+    return list(dict.fromkeys(Run("yade", "cycles", **one) for one in grains))
 
 
 def similar() -> list[Run]:
@@ -218,15 +215,6 @@ def similar() -> list[Run]:
         runs += [r for run in like for r in _copies(run, 5)]
         runs += [r for run in (one, *softer) for r in _copies(run, 3)]
     return runs
-
-
-def scenes(engine: str, chosen: tuple = HELD_BACK) -> list[Run]:
-    """The runs of other scenes: each softened, and two copies of it at full modulus."""
-    runs = []
-    for scene in chosen:
-        run = Run(engine, "cycles", **scene)
-        runs += [*_copies(run.reference, 2), run]
-    return list(dict.fromkeys(runs))
 
 
 # --- running

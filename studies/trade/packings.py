@@ -27,6 +27,18 @@ from studies.trade.candidates import GRANITE, RADII, STONE, SURFACE, Way, ways
 SHAKEN = 1e-9
 
 
+def mean_force(diameter, stress):
+    """Mean force [N] of the contacts in a packing under a stress [Pa], of six contacts per grain in 0.6 of the volume."""
+    return math.pi * diameter**2 * stress / (0.6 * 6)
+
+
+def largest_step(radius, force):
+    """Stability limit [s] of a smooth grain on a fixed contact at a force [N], over √3 for contacts in all directions."""
+    grain = Grain(radius, GRANITE, SURFACE)
+    law = bind_law(HERTZ, grain.contact(grain))
+    return timestep(law, grain.mass, force, other_mass=math.inf, shear_ratio=0.0) / math.sqrt(3.0)
+
+
 @dataclass(frozen=True)
 class Setup:
     """The scene. SI units."""
@@ -48,8 +60,7 @@ class Setup:
     @property
     def largest_force(self):
         """A force that few contacts pass: ten times the mean at the largest stress."""
-        mean = math.pi * (2 * np.mean(RADII)) ** 2 * self.stress / (0.6 * 6)
-        return 10.0 * float(mean)
+        return 10.0 * mean_force(float(2 * np.mean(RADII)), self.stress)
 
     def start(self):
         """Centres and radii of a loose block of grains, before anything has moved."""
@@ -77,9 +88,7 @@ class Setup:
 
     def timestep(self):
         """Stable step [s] of every way: a grain of the smaller size between stiff contacts."""
-        grain = Grain(min(RADII), GRANITE, SURFACE)
-        law = bind_law(HERTZ, grain.contact(grain))
-        return 0.5 * timestep(law, grain.mass, self.largest_force, other_mass=math.inf, shear_ratio=0.0) / math.sqrt(3.0)
+        return 0.5 * largest_step(min(RADII), self.largest_force)
 
 
 QUICK = Setup(count=150, across=5, settle=0.008, speed=0.02, hold=0.002)

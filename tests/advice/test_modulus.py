@@ -37,8 +37,7 @@ def test_held_back_scenes_are_bounded():
     """At least 9 of the 10 scenes of other radii, pressures, roughness, factors and rates that the curves do not hold."""
     found = {p.run: p for p in results.points(study.load(), others=True)}
     runs = [study.Run("yade", "cycles", **scene) for scene in study.HELD_BACK]
-    told = set(study.scenes("yade", study.OTHERS))
-    assert len(runs) == 10 and not set(runs) & told
+    assert len(runs) == 10 and not study.FITTED_ON.intersection(runs)
     bounded = 0
     for run in runs:
         advice = modulus.predict(scene_of(run), run.factor, run.inertial)
@@ -53,7 +52,7 @@ def time_to_solution(tolerance):
     """Of each held-back packing: (steps of the advised run, of the fastest that met the tolerance, error of the advised)."""
     rows, cases = study.load(), []
     found = {p.run: p for p in results.points(rows, others=True)}
-    for packing in study.held_back("yade"):
+    for packing in study.held_back():
         tried = [packing._replace(factor=s, inertial=rate, part=part) for s, rate, part in study.TRIED]
         scene = scene_of(packing, tolerance=tolerance, process="oedometer")
         ways = {(s, rate, part * modulus.STUDY_STEP): part for s, rate, part in study.TRIED}
@@ -69,10 +68,8 @@ def time_to_solution(tolerance):
 def test_time_to_solution_of_held_back_packings():
     """All steps of the process, rest and hold too, at one cost a step: at most 1.3 times those of the fastest of sixteen runs
     that met the tolerance, in at least 9 of 10 packings that no prediction is made from; and the advised run meets it."""
-    told = {*study.scenes("yade", study.OTHERS), *study.scenes("yade", study.FASTER)}
-    assert len(study.held_back("yade")) == 10 and not told & {
-        run._replace(factor=s, inertial=rate, part=part) for run in study.held_back("yade") for s, rate, part in study.TRIED
-    }
+    grains = {(run.stress, run.size, run.rough) for run in study.held_back()}
+    assert len(study.held_back()) == 10 and not grains & {(run.stress, run.size, run.rough) for run in study.FITTED_ON}
     for tolerance in TOLERANCES:
         cases = time_to_solution(tolerance)
         assert sum(mine <= 1.3 * fastest for mine, fastest, _ in cases) >= 9, (tolerance, cases)
