@@ -166,8 +166,6 @@ def run(engine, folder, name, ranks, steps, warm=100, portable=False):
     module = import_module(f"demlaws.{engine}.run")
     values = variables(engine, name, ranks, steps, warm)
     line, environment = module.command("in.cost", ranks, values, plugin=name in OURS, portable=portable)
-    if ranks > CORES:
-        environment["OMPI_MCA_rmaps_base_oversubscribe"] = "1"
     line = [sys.executable, "-S", "-c", PEAK, *map(str, line)]
     done = subprocess.run(line, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     if done.returncode:
