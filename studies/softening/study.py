@@ -314,7 +314,6 @@ def summary(run: Run, found: dict) -> dict:
         return {"failed": "no grain touches another in the end"}
     row = {
         "steps": found["steps"],
-        "seconds": found["seconds"],
         "coordination": held["coordination"],
         "quantiles": [float(v) for v in np.percentile(forces / forces.mean(), QUANTILES)],
     }

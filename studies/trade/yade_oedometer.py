@@ -16,31 +16,26 @@ GRAVITY = 9.81
 EVERY = 40  # steps between two readings of the plate
 
 
-def material(given, label, friction, model=""):
-    """A YADE material; the Conical Damage Model wants one of its own."""
-    values = {"young": given["young"], "poisson": given["poisson"], "density": given["density"], "label": label}
-    if model == "cdm":
-        return yade.FrictMatCDM(frictionAngle=friction, sigmaMax=given["cdm"][0], alpha=given["cdm"][1], **values)
-    return yade.FrictMat(frictionAngle=friction, **values)
-
-
 class Box:
     """Grains between a floor, four smooth sides and a plate that waits above."""
 
     def __init__(self, given, centres, radii, way, gravity=GRAVITY):
         O.reset()
         model, width = way["model"], given["width"]
-        O.materials.append(material(given, "grains", np.arctan(given["friction"]), model))
-        O.materials.append(material(given, "walls", 1e-4, model))  # the Conical Damage Model refuses 0
-        self.top = 10.0 * width  # out of the way
-        for axis, place, sense in ((2, 0.0, 1), (0, 0.0, 1), (0, width, -1), (1, 0.0, 1), (1, width, -1), (2, self.top, -1)):
+        kind, values = yade.FrictMat, {name: given[name] for name in ("young", "poisson", "density")}
+        if model == "cdm":
+            kind, values = yade.FrictMatCDM, {**values, "sigmaMax": given["cdm"][0], "alpha": given["cdm"][1]}
+        O.materials.append(kind(frictionAngle=np.arctan(given["friction"]), label="grains", **values))
+        O.materials.append(kind(frictionAngle=1e-4, label="walls", **values))  # the Conical Damage Model refuses 0
+        top = 10.0 * width  # out of the way
+        for axis, place, sense in ((2, 0.0, 1), (0, 0.0, 1), (0, width, -1), (1, 0.0, 1), (1, width, -1), (2, top, -1)):
             position = [width / 2] * 3
             position[axis] = place
             O.bodies.append(utils.wall(tuple(position), axis, sense=sense, material="walls"))
         self.plate = O.bodies[5]
         self.area = width * width
-        for centre, radius in zip(centres, radii, strict=True):
-            O.bodies.append(utils.sphere(tuple(map(float, centre)), float(radius), material="grains"))
+        grains = [utils.sphere(tuple(c), r, material="grains") for c, r in zip(centres.tolist(), radii, strict=True)]
+        self.spheres = [O.bodies[number] for number in O.bodies.append(grains)]
         physics = None
         if model == "hertz":
             law = yade.Law2_ScGeom_MindlinPhys_Mindlin()
@@ -66,22 +61,14 @@ class Box:
 
     def run(self, steps):
         """Run this many steps, and count them and the time they take."""
-        started = time.process_time() if O.numThreads == 1 else time.perf_counter()
+        started = time.process_time()
         O.run(int(steps), True)
-        self.seconds += (time.process_time() if O.numThreads == 1 else time.perf_counter()) - started
+        self.seconds += time.process_time() - started
         self.steps += int(steps)
-
-    def spheres(self):
-        """The bodies that are spheres."""
-        return [b for b in O.bodies if isinstance(b.shape, yade.Sphere)]
-
-    def centres(self):
-        """Centres of the spheres [m], one row each."""
-        return np.array([tuple(b.state.pos) for b in self.spheres()])
 
     def lower_onto_grains(self):
         """Put the plate where it touches the highest grain."""
-        top = max(b.state.pos[2] + b.shape.radius for b in self.spheres())
+        top = max(b.state.pos[2] + b.shape.radius for b in self.spheres)
         self.plate.state.pos = (self.plate.state.pos[0], self.plate.state.pos[1], top)
 
     def move(self, speed):
@@ -111,13 +98,13 @@ class Box:
 
     def centre(self):
         """Height of the centre of gravity [m]."""
-        return float(np.average(self.centres()[:, 2], weights=[b.state.mass for b in self.spheres()]))
+        return float(np.average([b.state.pos[2] for b in self.spheres], weights=[b.state.mass for b in self.spheres]))
 
     def contacts(self):
         """Normal forces between grains that touch [N], how many contacts a grain has (without walls')."""
         found = [i.phys.normalForce.norm() for i in O.interactions if i.isReal and min(i.id1, i.id2) > 5]
         forces = [f for f in found if f > 0.0]
-        return {"forces": forces, "coordination": 2.0 * len(forces) / len(self.spheres())}
+        return {"forces": forces, "coordination": 2.0 * len(forces) / len(self.spheres)}
 
 
 def press(box, run, least):
@@ -152,7 +139,7 @@ def press(box, run, least):
 def oedometer(given, way):
     """One way through the test."""
     centres = np.array(given["centres"]) + (np.array(given["shift"]) if way["shaken"] else 0.0)
-    box = Box(given, centres, np.array(given["radii"]), way)
+    box = Box(given, centres, given["radii"], way)
     O.dt = given["dt"]
     return press(box, {**given, "cycles": 1, "every": EVERY}, lambda held: 0.8 * held)
 

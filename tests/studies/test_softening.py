@@ -26,7 +26,6 @@ def _raw(run, stiffness=1e8, shift=0.0, cycles=2):
         "branches": branches,
         "held": {"forces": forces, "coordination": 4.0, "plate": held, "stress": run.stress},
         "steps": 1000,
-        "seconds": 0.1,
     }
 
 
