@@ -12,6 +12,12 @@ PRESS = [(-0.2, 0, 1000)]
 GRAN = "model demlaws/table tangential history"
 WALL = f"fix floor all wall/gran {GRAN} primitive type 1 zplane -0.01 "
 DEMLAWS = "model demlaws/table tangential demlaws surfaceRoughness on table"
+HEAT = """\
+fix heat all heat/gran initial_temperature 300. area_correction yes
+fix t1 all property/global thermalConductivity peratomtype 5. 5.
+fix t2 all property/global thermalCapacity peratomtype 10. 10.
+fix t3 all property/global youngsModulusOriginal peratomtype 60.6e9 60.6e9
+"""
 TWICE, ORDER = "two tables", "wrong keyword order"
 MODELS = "works with tangential off, no_history, history, demlaws"
 
@@ -38,6 +44,7 @@ LIGGGHTS = [  # pair style, line of a wall or (old, new) of the text, words of t
     ("model demlaws/table table law.tbl tangential history", "", ORDER),
     (f"{GRAN} table law.tbl", f"{WALL} table law.tbl table other.tbl", TWICE),
     (f"{GRAN} table law.tbl", WALL.replace("primitive", "table law.tbl primitive"), ORDER),
+    (f"{GRAN} table law.tbl", HEAT, "area_correction"),
     (f"{DEMLAWS} law.tbl", ("units           si", "units lj"), "units lj"),
     (f"{DEMLAWS} law.tbl", ("1e-6 2e-6", "2.4 2e-6"), "did you mean µm"),
     (f"{DEMLAWS} law.tbl", ("2 0.5 0.5 0.5 0.5", "2 0.5 -0.5 -0.5 0.5"), "coefficientFriction"),
@@ -93,23 +100,23 @@ def test_lammps(engine, folder, words, named):
     assert named in refused(engine, folder, text)
 
 
+@pytest.mark.parametrize(
+    ("words", "more", "named"),
+    [
+        ("shear secant", "", "secant"),
+        ("shear tangent", "", "tangent"),
+        ("", "compute e right demlaws/energy", "compute demlaws/energy"),  # of some contacts
+    ],
+)
 @both
-def test_energy_of_some_contacts(engine, folder):
-    assert "compute demlaws/energy" in refused(
-        engine, folder, spheres(engine, "", PRESS, more="compute e right demlaws/energy")
-    )
+def test_words_of_both(engine, folder, words, more, named):
+    assert named in refused(engine, folder, spheres(engine, words, PRESS, more=more))
 
 
 @pytest.mark.parametrize("engine", ["lammps"])
 def test_energy_without_its_list_of_pairs(engine, folder):
     more = "compute e all demlaws/energy\nthermo_style custom c_e[1]\nuncompute demlaws_pairs\nrun 10\n"
     assert "demlaws_pairs, was deleted" in refused(engine, folder, inputs_for_lammps.two_spheres(LAMMPS, PRESS) + more)
-
-
-@both
-def test_shear_words(engine, folder):
-    for word in ("secant", "tangent"):
-        assert word in refused(engine, folder, spheres(engine, f"shear {word}", PRESS))
 
 
 @both

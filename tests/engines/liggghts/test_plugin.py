@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from inputs import error_of, modulus, save
-from inputs_for_liggghts import refused, simulate, two_spheres
+from inputs_for_liggghts import simulate, two_spheres
 
 import demlaws as dl
 from demlaws.make import example
@@ -14,36 +14,27 @@ LOAD_UNLOAD = [(-0.2, 0, 5000), (0.2, 0, 3000), (-0.2, 0, 4000), (0.2, 0, 9000),
 GRAN = "pair_style gran model demlaws/table tangential history "
 
 
-def test_tables_of_pairs(tmp_path, granite_pair):
-    law = dl.law("pohrt-popov", granite_pair, unloading="hertz")
-    save(dl.law("hertz", granite_pair), tmp_path / "hertz.tbl")
-    save(law, tmp_path / "rough.tbl", rtol=1e-8)
-    log = simulate(tmp_path, two_spheres(GRAN + "table hertz.tbl pairtable 2 1 rough.tbl pairtable 1 2 rough.tbl", LOAD_UNLOAD))
-    contact = granite_pair.with_values(modulus=modulus())
-    assert error_of(log, dl.law("pohrt-popov", contact, unloading="hertz")) <= 3e-8
+def test_tables_of_pairs(folder, law, granite_pair):
+    save(dl.law("hertz", granite_pair), folder / "hertz.tbl")
+    text = two_spheres(GRAN + "table hertz.tbl pairtable 2 1 law.tbl pairtable 1 2 law.tbl", LOAD_UNLOAD)
+    assert error_of(simulate(folder, text), law) <= 3e-8
 
 
 @pytest.mark.parametrize(
     "tangential, rolling",
     [("off", "off"), ("off", "epsd2"), ("no_history", "cdt"), *(("history", r) for r in ("off", "cdt", "epsd", "epsd2"))],
 )
-def test_sub_models_leave_the_normal_force_alone(tmp_path, granite_pair, tangential, rolling):
-    contact = granite_pair.with_values(modulus=modulus())
-    law = dl.law("pohrt-popov", contact, unloading="hertz")
-    table = save(law, tmp_path / "law.tbl", rtol=1e-8)
-    style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table {table}"
-    log = simulate(tmp_path, two_spheres(style, LOAD_UNLOAD, every=100))
-    assert error_of(log, law) <= 3e-8
+def test_sub_models_leave_the_normal_force_alone(folder, law, tangential, rolling):
+    style = f"pair_style gran model demlaws/table tangential {tangential} rolling_friction {rolling} table law.tbl"
+    assert error_of(simulate(folder, two_spheres(style, LOAD_UNLOAD, every=100)), law) <= 3e-8
 
 
-def test_limit_force(tmp_path, granite_pair):
+def test_limit_force(folder):
     """With strong damping a contact that opens pulls, unless limitForce is on."""
-    law = dl.law("pohrt-popov", granite_pair, unloading="hertz")
-    table = save(law, tmp_path / "law.tbl")
     force = {}
     for limit in ("off", "on"):
-        style = GRAN + f"table {table} limitForce {limit}"
-        force[limit] = simulate(tmp_path, two_spheres(style, LOAD_UNLOAD[:2], restitution=0.06))["force"]
+        style = GRAN + f"table law.tbl limitForce {limit}"
+        force[limit] = simulate(folder, two_spheres(style, LOAD_UNLOAD[:2], restitution=0.06))["force"]
     assert force["off"].min() < 0
     assert np.array_equal(force["on"], np.maximum(force["off"], 0))
 
@@ -105,43 +96,26 @@ def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
 # --- warnings
 
 
-CONTACT = dl.Contact(radius=4.35e-3, modulus=modulus(), roughness=2.4e-6, fractal_dimension=2.22, hardness=6.266e9)
 PRESS = [(-0.2, 0, 3000), (0.2, 0, 1500)]
 
 
-def test_roughness_above_a_tenth_of_the_radius(tmp_path):
-    """Reported once, with the value, and counted."""
-    save(dl.law("pohrt-popov", CONTACT), tmp_path / "law.tbl")
-    text = two_spheres(GRAN + "table law.tbl surfaceRoughness on", PRESS, every=1)
-    simulate(tmp_path, text.replace("1e-6 2e-6", "6e-4 2e-6"))
-    said = (tmp_path / "log.liggghts").read_text()
-    assert said.count("WARNING: model demlaws/table") == said.count("0.138 of the radius 0.00435 m, above 0.1") == 1
-    assert "contact steps were rougher than a tenth of R" in said
+@pytest.mark.parametrize(
+    ("roughness", "young", "named"),
+    [
+        ("6e-4 2e-6", 60.6e9, "0.138 of the radius 0.00435 m, above 0.1"),
+        ("1e-6 2e-6", 60.6e11, "100 times the effective modulus of law.tbl"),  # LIGGGHTS itself refuses those below 5e6 Pa
+    ],
+)
+def test_a_value_far_from_those_of_the_table_is_reported_once(folder, roughness, young, named):
+    text = two_spheres(GRAN + "table law.tbl surfaceRoughness on", PRESS, every=1, young=young)
+    simulate(folder, text.replace("1e-6 2e-6", roughness))
+    said = (folder / "log.liggghts").read_text()
+    assert said.count(named) == 1
+    assert ("contact steps were rougher than a tenth of R" in said) == (young == 60.6e9)
 
 
-def test_modulus_far_from_that_of_the_table(tmp_path):
-    """LIGGGHTS itself refuses moduli below 5e6 Pa."""
-    save(dl.law("hertz", CONTACT), tmp_path / "law.tbl")
-    simulate(tmp_path, two_spheres(GRAN + "table law.tbl", PRESS, young=60.6e11))
-    assert "100 times the effective modulus of law.tbl" in (tmp_path / "log.liggghts").read_text()
-
-
-HEAT = """\
-fix heat all heat/gran initial_temperature 300. area_correction yes
-fix t1 all property/global thermalConductivity peratomtype 5. 5.
-fix t2 all property/global thermalCapacity peratomtype 10. 10.
-fix t3 all property/global youngsModulusOriginal peratomtype 60.6e9 60.6e9
-"""
-
-
-def test_area_correction_is_refused(tmp_path):
-    save(dl.law("hertz", CONTACT), tmp_path / "law.tbl")
-    refused(tmp_path, two_spheres(GRAN + "table law.tbl", PRESS, more=HEAT))
-
-
-def test_a_type_that_no_particle_has(tmp_path):
+def test_a_type_that_no_particle_has(folder):
     """The matrix of friction ends at the largest type of particles and walls; it was read up to that of the box."""
-    save(dl.law("hertz", CONTACT), tmp_path / "law.tbl")
     text = two_spheres("pair_style gran model demlaws/table tangential demlaws table law.tbl", PRESS)
-    log = simulate(tmp_path, text.replace("create_atoms    2 single", "create_atoms    1 single"))
+    log = simulate(folder, text.replace("create_atoms    2 single", "create_atoms    1 single"))
     assert log["Step"][-1] == 4500

@@ -38,14 +38,6 @@ def lattice(kind):
     return yade.O
 
 
-def limits():
-    from demlaws.yade.snapshot import snapshot
-
-    found = snapshot()
-    springs = np.transpose(found["springs"])
-    return from_contacts(found["pairs"], found["normals"], *springs, found["masses"])
-
-
 def growth(omega, dt, steps):
     """Largest kinetic energy in a run of `steps` over that at its start."""
     start, largest = yade.utils.kineticEnergy(), 0.0
@@ -70,7 +62,10 @@ def test_energy_is_bounded_at_the_advised_step(omega, kind):
 
 def limits_of(omega):
     """Exact limit [s] of the contacts as they are; equal to the closed form of the lattice."""
-    found = limits()
+    from demlaws.yade.snapshot import snapshot
+
+    scene = snapshot()
+    found = from_contacts(scene["pairs"], scene["normals"], *np.transpose(scene["springs"]), scene["masses"])
     stiffness = 1.5 * FORCE / HERTZ.overlap(FORCE)
     mass = 4.0 / 3.0 * math.pi * RADIUS**3 * GRANITE.density
     number = 2.0 * len([i for i in omega.interactions if i.isReal]) / len(omega.bodies)
