@@ -80,7 +80,7 @@ class _Process:
         pairs = {"geometry": geometry, "step": step}
         if self.process != "pour":
             pairs |= {"rate": rate, "soft_rate": soft}
-        chance = max((plain.chance[n] for n in names if plain.chance.get(n) == plain.chance.get(n)), default=0.0)
+        chance = max((plain.chance[n] for n in names if n in plain.chance), default=0.0)
         return {**{name: error_curve(one) for name, one in pairs.items() if one}, "chance": float(f"{chance:.4g}")}
 
 

@@ -59,12 +59,10 @@ def points(rows: dict, others: bool = False) -> list[Point]:
         reference = groups.get(_first(first.reference)) if first.process == "cycles" else _base_of(groups, first)
         if other != others or not reference:
             continue
-        errors, chance = _compare(first, found, reference)
-        steps = _steps(first)
-        one = found[0][0]._replace(copy=0)
         loose = [v["unbalanced"] for _, v in found if "unbalanced" in v]
         unbalanced = float(np.mean(loose)) if loose else None
-        result.append(Point(one, errors, chance, steps, len(found), unbalanced))
+        one, compared = found[0][0]._replace(copy=0), _compare(first, found, reference)
+        result.append(Point(one, *compared, _steps(first), len(found), unbalanced))
     return result
 
 
@@ -88,7 +86,8 @@ def _compare(run, found, reference):
         scale = 1.0 if name in ABSOLUTE else float(base.mean())
         error = (mine.mean(0) - base.mean(0)) / scale
         errors[name] = float(np.abs(error).max() if name == "forces" else error)
-        chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) / abs(scale) if len(base) > 1 else math.nan
+        if len(base) > 1:
+            chance[name] = float(np.max(np.std(base, axis=0, ddof=1))) / abs(scale)
     return errors, chance
 
 
@@ -109,8 +108,14 @@ def worst(point: Point) -> float:
     return max(stiffness, default=first)
 
 
+def _cell(name, value, sign="+"):
+    if value is None:
+        return f"{'-':>12}"
+    return f"{value:{sign}12.3f}" if name in ABSOLUTE else f"{100 * value:{sign}11.1f}%"
+
+
 def table(found: list[Point]) -> str:
-    """The points as text: errors in per cent (exponent and forces: as they are), chance in brackets."""
+    """The points as text: errors in per cent (exponent and forces: as they are), and the scatter of one copy."""
     lines = []
     for key in sorted({(p.run.engine, p.run.process) for p in found}):
         own = sorted((p for p in found if (p.run.engine, p.run.process) == key), key=lambda p: p.steps)
@@ -118,20 +123,10 @@ def table(found: list[Point]) -> str:
         head = " ".join(f"{n:>12}" for n in names)
         lines.append(f"{key[1]} in {key[0]}\n{'':46}{'κ':>6} {'steps':>8}  {head}   unbalanced")
         for p in own:
-            cells = []
-            for n in names:
-                if n not in p.errors:
-                    cells.append(f"{'-':>12}")
-                elif n in ABSOLUTE:
-                    cells.append(f"{p.errors[n]:+12.3f}")
-                else:
-                    cells.append(f"{100 * p.errors[n]:+11.1f}%")
+            cells = [_cell(n, p.errors.get(n)) for n in names]
             cells.append(f"{'-' if p.unbalanced is None else f'{p.unbalanced:.1g}':>12}")
             lines.append(f"{label(p.run):46}{p.run.kappa:6.0f} {p.steps:8.0f}  {' '.join(cells)}")
-        spread = [
-            next((p.chance[n] for p in own if p.chance.get(n) == p.chance.get(n) and n in p.chance), math.nan) for n in names
-        ]
-        cells = [f"{c:12.3f}" if n in ABSOLUTE else f"{100 * c:11.1f}%" for n, c in zip(names, spread, strict=True)]
+        cells = [_cell(n, next((p.chance[n] for p in own if n in p.chance), None), sign="") for n in names]
         lines.append(f"{'chance (one copy at full modulus)':61}{' '.join(cells)}\n")
     return "\n".join(lines)
 
