@@ -40,48 +40,26 @@ class Case(NamedTuple):
     told: bool = False  # whether the fit is given the noise
 
 
+HERTZ, ROUGH, YIELDING = ("hertz", "elastic", PAIR), ("pohrt-popov", "hertz", PAIR), ("rough-plastic", "hertz", CONE)
+MODULUS, FRACTAL = {"modulus": 32.32e9}, {"roughness": 2.4e-6, "fractal_dimension": 2.22}
+CONICAL = {"roughness": 5.04e-6, "fractal_dimension": 2.22}
 CASES = (
-    Case("hertz", "hertz", "elastic", PAIR, {"modulus": 32.32e9}, ("modulus",), LOADING, 5e-8),
-    Case("inside", "pohrt-popov", "hertz", PAIR, {"roughness": 2.4e-6, "fractal_dimension": 2.22}, (), CYCLE, 1e-7),
-    Case("at its bound", "pohrt-popov", "hertz", PAIR, {"roughness": 2.4e-6, "fractal_dimension": 2.0}, (), CYCLE, 1e-7),
-    Case("near its bound", "pohrt-popov", "hertz", PAIR, {"roughness": 2.4e-6, "fractal_dimension": 2.02}, (), CYCLE, 1e-7),
-    Case("upper bound", "pohrt-popov", "hertz", PAIR, {"roughness": 2.4e-6, "fractal_dimension": 2.99}, (), CYCLE, 1e-7),
-    Case(
-        "compliance", "hertz", "elastic", PAIR, {"modulus": 32.32e9, COMPLIANCE: 1e-8}, ("modulus", COMPLIANCE), LOADING, 2e-8
-    ),
-    Case(
-        "no compliance", "hertz", "elastic", PAIR, {"modulus": 32.32e9, COMPLIANCE: 0.0}, ("modulus", COMPLIANCE), LOADING, 2e-8
-    ),
-    Case("from afar", "hertz", "elastic", PAIR, {"modulus": 32.32e9}, ("modulus",), FROM_AFAR, 2e-8, 5e-3),
-    Case("from afar, noise told", "hertz", "elastic", PAIR, {"modulus": 32.32e9}, ("modulus",), FROM_AFAR, 2e-8, 5e-3, True),
+    Case("hertz", *HERTZ, MODULUS, ("modulus",), LOADING, 5e-8),
+    Case("inside", *ROUGH, FRACTAL, (), CYCLE, 1e-7),
+    Case("at its bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.0}, (), CYCLE, 1e-7),
+    Case("near its bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.02}, (), CYCLE, 1e-7),
+    Case("upper bound", *ROUGH, {**FRACTAL, "fractal_dimension": 2.99}, (), CYCLE, 1e-7),
+    Case("compliance", *HERTZ, {**MODULUS, COMPLIANCE: 1e-8}, ("modulus", COMPLIANCE), LOADING, 2e-8),
+    Case("no compliance", *HERTZ, {**MODULUS, COMPLIANCE: 0.0}, ("modulus", COMPLIANCE), LOADING, 2e-8),
+    Case("from afar", *HERTZ, MODULUS, ("modulus",), FROM_AFAR, 2e-8, 5e-3),
+    Case("from afar, noise told", *HERTZ, MODULUS, ("modulus",), FROM_AFAR, 2e-8, 5e-3, True),
     *(
         Case(f"force noise, {law}{known}", law, "hertz", PAIR, truth, (), CYCLE, 5e-8, 0.3, bool(known))
-        for law, truth in (
-            ("rms", {"roughness": 2.4e-6}),
-            ("pohrt-popov", {"roughness": 2.4e-6, "fractal_dimension": 2.22}),
-        )
+        for law, truth in (("rms", {"roughness": 2.4e-6}), ("pohrt-popov", FRACTAL))
         for known in ("", ", told")
     ),
-    Case(
-        "yield",
-        "rough-plastic",
-        "hertz",
-        CONE,
-        {"roughness": 5.04e-6, "fractal_dimension": 2.22, "yield_pressure": 1.66e9},
-        (),
-        CYCLE,
-        1e-7,
-    ),
-    Case(
-        "yield at the last load",
-        "rough-plastic",
-        "hertz",
-        CONE,
-        {"roughness": 5.04e-6, "fractal_dimension": 2.22, "yield_pressure": 2.8e9},
-        (),
-        CYCLE,
-        1e-7,
-    ),
+    Case("yield", *YIELDING, {**CONICAL, "yield_pressure": 1.66e9}, (), CYCLE, 1e-7),
+    Case("yield at the last load", *YIELDING, {**CONICAL, "yield_pressure": 2.8e9}, (), CYCLE, 1e-7),
 )
 
 
