@@ -37,6 +37,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.unloading import RULES
+from demlaws.files import write_atomically
 from demlaws.yade.run import run as run_in_yade
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -247,9 +248,7 @@ def keep(file, where, ratios):
         "version": dl.__version__,
         "ratios": {name: [round(r.value, 4), round(r.noise, 4), r.goal] for name, r in sorted(ratios.items())},
     }
-    temporary = file.with_suffix(".tmp")
-    temporary.write_text(json.dumps(everything, indent=1, ensure_ascii=False) + "\n")
-    temporary.replace(file)
+    write_atomically(file, json.dumps(everything, indent=1, ensure_ascii=False) + "\n")
 
 
 def main(arguments=None):
