@@ -2,14 +2,21 @@
 
 import importlib
 import math
+import os
 import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
 from processes import parted
 
+import demlaws as dl
 from demlaws.errors import DemlawsError
 
+GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
+ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
+HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
+"""PYTHONPATH of a process in another folder."""
 LOAD_UNLOAD = [(-0.2, 0, 1000), (0.2, 0, 600), (-0.2, 0, 800), (0.2, 0, 1800), (-0.2, 0, 800)]
 ENERGY = {"more": "compute e all demlaws/energy", "columns": "c_e[1] c_e[2]"}
 SCENE = """\

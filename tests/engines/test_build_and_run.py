@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from examples import shared
-from inputs import part
+from inputs import GRANITE, HOME, ROUGH, part
 from spheres import ENGINES, both
 
 import demlaws as dl
@@ -18,10 +18,7 @@ from demlaws import cli, engines
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.grains import Grain
 
-GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
 STEEL = dl.Material(200e9, 0.3)
-ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
-HOME = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
 
 
 @pytest.fixture

@@ -54,10 +54,8 @@ OUR_ROLL = {"normal": "demlaws/table law.tbl 60.6e9 1.0 0.25", "damping": "demla
 ROLL = "{normal} tangential linear_nohistory 0.0 0.0 rolling sds 1e5 0.0 10.0 damping {damping}"
 
 
-def rolled(folder, normal, damping, first=""):
-    return simulate(
-        folder, HEAD + ROLLING.format(lines=f"{first}pair_coeff * 2 {ROLL.format(normal=normal, damping=damping)}\n")
-    )
+def rolling(model, first=""):
+    return HEAD + ROLLING.format(lines=f"{first}pair_coeff {'* 2' if first else '* *'} {ROLL.format(**model)}")
 
 
 def straight(torque):
@@ -70,7 +68,7 @@ def test_rolling_and_twisting_where_a_pair_changes_its_order(folder, motion):
     """Stock turns the sign of the displacement then: the torque of a steady roll or twist drops to zero and grows again."""
     torques = []
     for model in STOCK_ROLL, OUR_ROLL:
-        text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**model).replace('rolling', motion)}\n")
+        text = rolling(model).replace("rolling sds", f"{motion} sds")
         if motion == "twisting":
             text = text.replace("omega 0 0.1 0", "omega 0.1 0 0").replace("property/atom tqy", "property/atom tqx")
         torques.append(simulate(folder, text)["torque"])
@@ -84,16 +82,16 @@ def test_type_pairs_of_unlike_history(folder):
     rescale = "tangential mindlin_rescale NULL 1.0 0.5"
     other = f"pair_coeff 1 1 {STOCK.replace('tangential mindlin NULL 1.0 0.5', rescale)}\n"
     same = f"pair_coeff 1 1 {ROLL.format(**STOCK_ROLL)}\n"
-    alone, beside = (rolled(folder, **STOCK_ROLL, first=first)["torque"] for first in (same, other))
+    alone, beside = (simulate(folder, rolling(STOCK_ROLL, first))["torque"] for first in (same, other))
     assert np.abs(beside - alone).max() > 0.1 * np.abs(alone).max()
     for first in (other, f"pair_coeff 1 1 {TABLE}\n"):
         with pytest.raises(DemlawsError, match=r"different numbers of history values.*give every pair"):
-            rolled(folder, **OUR_ROLL, first=first)
+            simulate(folder, rolling(OUR_ROLL, first))
 
 
 def test_the_state_is_the_same_seen_from_either_sphere(folder):
     """LAMMPS turns the sign of history values when a pair changes its order, unless a model says otherwise; ours does."""
-    text = HEAD + ROLLING.format(lines=f"pair_coeff * * {ROLL.format(**OUR_ROLL)}\n")
+    text = rolling(OUR_ROLL)
     more = "compute c all pair/local p13 p14 force cutoff radius\ncompute k all reduce sum c_c[1] c_c[2] c_c[3] inputs local\n"
     text = text.replace("thermo_style    custom step c_torque", more + "thermo_style custom step c_k[1] c_k[2] c_k[3]")
     text = text.replace("velocity        right set 0 0 -0.01", "velocity right set 0.002 0 -0.01")  # unloading

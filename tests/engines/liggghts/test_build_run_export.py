@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from inputs import part
+from inputs import GRANITE, HOME, ROUGH, part
 
 import demlaws as dl
 import demlaws.liggghts as lg
@@ -16,9 +16,6 @@ from demlaws.liggghts.check import TWO_PARTICLES, versions
 from demlaws.liggghts.run import executable
 
 build_module = part("liggghts", "build")
-
-GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9, density=2650.0)
-ROUGH = dl.Surface(roughness=1.7e-6, fractal_dimension=2.22)
 
 
 def printed(*words):
@@ -138,8 +135,7 @@ def test_the_case_runs_in_the_liggghts_that_is_named(tmp_path):
     (tmp_path / "bin").mkdir()
     (tmp_path / "bin" / "liggghts").write_text("#!/bin/sh\nexit 7\n")
     (tmp_path / "bin" / "liggghts").chmod(0o755)
-    home = os.pathsep.join(p for p in (str(Path(dl.__file__).parents[1]), os.environ.get("PYTHONPATH")) if p)
-    environment = {**os.environ, "PYTHONPATH": home, "DEMLAWS_LIGGGHTS": str(tmp_path / "own liggghts")}
+    environment = {**os.environ, "PYTHONPATH": HOME, "DEMLAWS_LIGGGHTS": str(tmp_path / "own liggghts")}
     environment["PATH"] = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
     result = subprocess.run([str(tmp_path / "run.sh")], env=environment, capture_output=True, text=True)
     assert result.returncode == 0, result.stdout[-2000:] + result.stderr
