@@ -4,7 +4,7 @@ import inputs_for_lammps
 import inputs_for_liggghts
 import numpy as np
 import pytest
-from inputs import LOAD_UNLOAD, modulus, moves_of
+from inputs import ENERGY, LOAD_UNLOAD, modulus, moves_of, simulate
 
 import demlaws as dl
 from demlaws.shear import sheared
@@ -61,6 +61,20 @@ def continued(engine, text, moves, **watch):
     if engine == "lammps":
         return inputs_for_lammps.continued(moves, **watch)
     return "".join(line for line in inputs_for_liggghts.again(text).splitlines(True) if "run " not in line) + moves_of(moves)
+
+
+def assert_goes_on(engine, folder, text, moves, ranks, **watch):
+    """A restart file is written before `moves`: new processes, on as many ranks and on one, go on to the last bits."""
+    whole = simulate(engine, folder, text + "write_restart now.restart\n" + moves_of(moves), ranks)
+    for later in {1, ranks}:
+        again = text.replace(f"{ranks} 1 1", f"{later} 1 1")
+        rest = simulate(engine, folder, continued(engine, again, moves, **watch, **ENERGY), later)
+        rows = np.isin(whole["Step"], rest["Step"])
+        assert rest["Step"].size == rows.sum() > 100
+        for column in ("force", "side", "e[1]", "e[2]"):
+            scale = np.abs(whole[column]).max()
+            np.testing.assert_allclose(rest[column], whole[column][rows], rtol=1e-12, atol=1e-12 * scale, err_msg=column)
+    return whole, rest
 
 
 def gas(engine, friction, shear, **more):

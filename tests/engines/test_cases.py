@@ -46,19 +46,3 @@ def test_peak_force_and_rebound_agree_in_all_four(common, engine):
     assert len(rows) == 12 and {row[2] for row in rows} == {"Python", "YADE", "LIGGGHTS", "LAMMPS"}
     for name, unloading, other, _, _, force, speed in rows:
         assert max(force, speed) <= 1e-9, (name, unloading, other, force, speed)
-
-
-RULES = ("elastic", "table", "thornton")
-OTHER = [
-    *(("liggghts", case, rule) for case in ("walls", "restart", "migration", "energy") for rule in RULES),
-    *(("lammps", case, rule) for case in ("restart", "energy") for rule in RULES),
-    ("liggghts", "two_spheres", "table"),
-    ("liggghts", "two_spheres", "thornton"),
-]
-
-
-@pytest.mark.parametrize("engine, case, unloading", shared(OTHER, lambda one: one[1] == "restart" and one[2] == "thornton"))
-def test_case_with_other_unloading(common, engine, case, unloading, tmp_path):
-    """On two ranks the sphere of `energy` slides from one to the other in its first contact."""
-    ranks = 2 if case in ("energy", "migration") else 1
-    simulate_and_check(common, engine, case, tmp_path, ranks, {"unloading": unloading}, unloading=unloading)

@@ -70,7 +70,7 @@ def test_columns_of_the_history(tmp_path, granite_pair, tangential, rolling, fir
     assert row[-1] == pytest.approx(log["overlap"][-1], rel=1e-4)
 
 
-@pytest.mark.parametrize("unloading", ["elastic", "hertz"])
+@pytest.mark.parametrize("unloading", ["elastic", "hertz", "thornton"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_slow_sphere_crosses_the_edge_of_a_mesh(tmp_path, unloading, way):
     """Within 1e-8 m of an edge both triangles claim the sphere: one force all the same, in both directions."""

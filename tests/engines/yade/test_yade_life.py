@@ -1,5 +1,6 @@
 """Saving, loading, switching, erasing, failing: what happens around the forces."""
 
+import itertools
 import subprocess
 import sys
 from pathlib import Path
@@ -279,14 +280,9 @@ def test_bad_arguments(omega, arguments):
 def test_laws_by_pair(omega):
     """A table for one pair, another for the next."""
     steel = dl.Surface(roughness=0.5e-6, fractal_dimension=2.6)
-    tables = {}
-    for names, surface in (
-        (("granite", "granite"), GRANITE.combined(GRANITE)),
-        (("granite", "steel"), GRANITE.combined(steel)),
-        (("steel", "steel"), steel.combined(steel)),
-        (("", "granite"), GRANITE),
-        (("", "steel"), steel),
-    ):
+    surfaces, tables = {"": dl.Surface(), "granite": GRANITE, "steel": steel}, {}
+    for names in (pair for pair in itertools.combinations_with_replacement(surfaces, 2) if any(pair)):
+        surface = surfaces[names[0]].combined(surfaces[names[1]])
         contact = dl.Contact(0.005, 32e9, surface.roughness, surface.fractal_dimension)
         tables[names] = dl.law("pohrt-popov", contact, "hertz").tabulate(1e-5)
     law = functor(tables, None, {"granite": GRANITE, "steel": steel}, bridge="native")
