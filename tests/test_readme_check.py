@@ -20,9 +20,7 @@ def run(tmp_path, monkeypatch, text):
     "text",
     [
         "SS(18–18) crosses at 57.5 N<!-- check: one 0.05 --> by its equations",
-        "1. The crossover\nis **57.5** <!--check: one 0.1%-->",
         "shift of 1.3–4.1 µm<!-- check: pair 0.05 --> a decade, 57.5<!-- check: one 0.05 -->",
-        "| 1.3 | 4.1 |<!-- check: pair 0.05 -->",
         "from 1.3 × to 4.1 ×<!-- check: pair 5% -->",
     ],
 )
@@ -34,11 +32,9 @@ def test_marked_numbers_that_hold(tmp_path, monkeypatch, text):
     "text",
     [
         "crosses at 57.6 N<!-- check: one 0.05 -->",
-        "\n\n−57.5 N<!-- check: one 0.05 -->",
         "another paragraph 1.3\n\n4.1<!-- check: pair 0.05 -->",
         "57.5<!-- check: two 0.05 -->",
         "57.5<!-- check: one -->",
-        "57.5 and no mark",
         "1<!-- check: none 100% -->",
     ],
 )

@@ -91,15 +91,17 @@ def fitted(case, seed):
 
 
 def coverage(case, seeds):
-    """Quantity → share of the sets whose interval holds the truth; and the mean error over the truth."""
-    inside, bias = {}, {}
+    """Quantity → share of the sets whose interval holds the truth; median error over the truth; rms error over the stated."""
+    inside, bias, spread = {}, {}, {}
     for seed in seeds:
         best = fitted(case, seed)
         for name, truth in {**case.truth, ZERO: MEET}.items():
             estimate = best.parameters[name]
             inside.setdefault(name, []).append(estimate.low <= truth * (1 + 1e-12) and truth * (1 - 1e-12) <= estimate.high)
             bias.setdefault(name, []).append(estimate.value / truth - 1.0 if truth else np.nan)
-    return {name: float(np.mean(hits)) for name, hits in inside.items()}, {n: float(np.median(b)) for n, b in bias.items()}
+            spread.setdefault(name, []).append((estimate.value - truth) / estimate.error)
+    held, median = ({n: float(mean(v)) for n, v in one.items()} for mean, one in ((np.mean, inside), (np.median, bias)))
+    return held, median, {name: float(np.std(values)) for name, values in spread.items()}
 
 
 def main():
@@ -114,7 +116,7 @@ def main():
     for case in CASES:
         if arguments.only in case.name:
             start = time.process_time()
-            held, bias = coverage(case, range(sets))
+            held, bias, _ = coverage(case, range(sets))
             text = ", ".join(f"{name} {100 * share:.1f} % ({100 * bias[name]:+.1f} %)" for name, share in held.items())
             print(f"{case.name:24} {text}   [{(time.process_time() - start) / sets:.2f} s a fit]", flush=True)
 
