@@ -66,4 +66,4 @@ class Source(NamedTuple):
 with open(Path(__file__).with_name("sources.csv"), newline="", encoding="utf-8") as _file:
     SOURCES = {row.pop("key"): Source(**row) for row in csv.DictReader(_file)}
 NUMBERS = {name: one["rows"] for name, one in json.loads(Path(__file__).with_name("published.json").read_text()).items()}
-"""Tables of published numbers; the file says what each is and what its columns are."""
+"""Tables of published numbers; published.json has a description and column titles of each."""

@@ -1,4 +1,4 @@
-"""The tests of Jamari & Schipper: what the command prints and draws, and the repeated contact of 2008."""
+"""The tests of Jamari & Schipper: printed and drawn by the command, and the repeated contact of 2008."""
 
 import numpy as np
 import pytest
