@@ -1,17 +1,19 @@
-"""Every script in yade_scripts, quickly, as a reader of the README would start it."""
+"""The command that starts YADE, and every script in yade_scripts, quickly, as a reader of the README would start it."""
 
 import json
 import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 import size
 
-import demlaws
-from demlaws.yade.run import run
+import demlaws as dl
+from demlaws.cli import main
+from demlaws.yade import run
 
-PACKAGE = Path(demlaws.__file__).parent
+PACKAGE = Path(dl.__file__).parent
 SCRIPTS = Path(__file__).parents[3] / "yade_scripts"
 SAID = {
     "two_spheres": "largest error",
@@ -45,9 +47,93 @@ def test_script(name, tmp_path):
 
 def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
     (tmp_path / "script.py").write_text(size.SCRIPT)
-    run(tmp_path / "script.py", [tmp_path / "found.json"], capture_output=True)
+    run.run(tmp_path / "script.py", [tmp_path / "found.json"], capture_output=True)
     files = json.loads((tmp_path / "found.json").read_text())["loaded"]
     loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in files}
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
     others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "solvers/ellipsoid", "criterion", "curves/tabulate"}
     assert not loaded & (others | {"batch", "files", "path", "results", "shear"})
+
+
+# --- the command
+
+
+@pytest.mark.parametrize(
+    ("first", "python"),
+    [
+        ("#!/usr/bin/python3.13", (3, 13)),
+        ("#! {folder}/python3", (3, 99)),
+        ("#!/usr/bin/env python3.12", (3, 12)),
+        ("#!/bin/sh", None),
+    ],
+)
+def test_python_and_modules_of_a_start_script(tmp_path, first, python):
+    """Debian's names python3.13; YADE's own cmake names the python3 that it found, which links to one."""
+    script, modules = tmp_path / "yade", tmp_path / "lib" / "yade-mine" / "py"
+    (tmp_path / "python3").symlink_to("python3.99")
+    script.write_text(f"{first.format(folder=tmp_path)}\nimport sys\nsys.path.insert(1,'{modules}')\n")
+    assert (run.python_of(script), run.modules_of(script)) == (python, modules)
+    script.write_text("#!/bin/sh\nexec /opt/yade/bin/yade\n")
+    assert run.modules_of(script) is None
+
+
+@pytest.mark.parametrize(("version", "major"), [("1.24.2", 1), ("2.2.4", 2)])
+def test_numpy_of_the_systems_packages(tmp_path, monkeypatch, version, major):
+    metadata = tmp_path / f"numpy-{version}.dist-info" / "METADATA"
+    metadata.parent.mkdir()
+    metadata.write_text(f"Metadata-Version: 2.1\nName: numpy\nVersion: {version}\n")
+    assert run.numpy_built_for(tmp_path) == major and run.numpy_built_for(tmp_path / "empty") is None
+    monkeypatch.setattr(np, "__version__", "2.4.0")
+    monkeypatch.setattr(run, "numpy_built_for", lambda: major)
+    if major == 2:
+        run.environment()
+    else:
+        with pytest.raises(dl.DemlawsError, match="'numpy<2'"):
+            run.environment()
+
+
+@pytest.mark.slow
+def test_run_keeps_the_interpreter(tmp_path):
+    """As yade does: input after the script sees its variables; -x leaves; options and arguments go through."""
+    script = tmp_path / "script.py"
+    script.write_text("import sys, yade\nanswer = 6 * 7\nprint('arguments', sys.argv[1:], 'threads', yade.O.numThreads)\n")
+    command = [sys.executable, "-m", "demlaws", "yade", "run"]
+    options = {"capture_output": True, "text": True, "timeout": 1200, "cwd": tmp_path, "input": "print('typed', answer)\n"}
+    stays = subprocess.run([*command, "--nice=1", "-j2", str(script), "-a", "b"], **options)
+    assert "arguments ['-a', 'b'] threads 2" in stays.stdout and "typed 42" in stays.stdout
+    leaves = subprocess.run([*command, "-x", str(script)], **options)
+    assert "threads 1" in leaves.stdout and "typed" not in leaves.stdout and leaves.returncode == 0
+
+
+def test_command_lines(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(
+        run, "run", lambda *arguments, **options: seen.append((arguments, options)) or subprocess.CompletedProcess([], 3)
+    )
+    assert main(["yade", "run", "--gui", "--cores=0,1", "-f5", "s.py", "-x", "--threads"]) == 3  # YADE's own status
+    arguments, options = seen[0]
+    assert arguments == ("s.py", ["-x", "--threads"], 1, True, None)
+    assert options == {"stay": True, "yade_options": ["--cores=0,1", "-f5"]}
+    script = tmp_path / "s.py"
+    script.write_text("")
+    line = run.command(script, gui=True, stay=True, options=["--cores=0,1"])
+    assert line[1:] == ["-j1", "--cores=0,1", str(script)]
+    assert run.command(script)[1:] == ["-n", "-x", "-j1", str(script)]
+    batch = run.command(script, threads=2, batch=str(script), options=["--cores=0,1"])
+    assert batch[0].endswith("yade-batch") and batch[1:] == ["--job-threads=2", "--cores=0,1", str(script), str(script)]
+    for name in ("", "nowhere.py", "scene", "scene.txt"):  # a folder; YADE ignores the others and ends with status 0
+        if name.startswith("scene"):
+            (tmp_path / name).write_text("raise ValueError")
+        with pytest.raises(dl.DemlawsError):
+            run.command(tmp_path / name)
+    (tmp_path / "scene.yade.bz2").write_text("")
+    assert run.command(tmp_path / "scene.yade.bz2")[-1].endswith("scene.yade.bz2")
+
+
+def test_quick_check():
+    command = [sys.executable, "-m", "demlaws", "yade", "check", "--quick", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=3000)
+    assert done.returncode == 0, done.stdout + done.stderr
+    lines = json.loads(done.stdout)["text"]
+    assert any("native bridge: available" in line for line in lines)
+    assert sum(line.startswith(tuple(dl.laws())) for line in lines) == 2
