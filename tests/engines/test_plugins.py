@@ -236,14 +236,6 @@ def test_what_is_no_table_stops_every_rank(engine, tmp_path, file, ranks):
 
 
 @both
-def test_a_bad_row_is_named_by_its_line(engine, folder):
-    lines = (folder / "law.tbl").read_text().splitlines(keepends=True)
-    lines[40] = lines[40].replace(".", ",", 1)
-    (folder / "law.tbl").write_text("".join(lines))
-    assert "line 41" in refused(engine, folder, spheres(engine, "", LOAD_UNLOAD[:1]))
-
-
-@both
 @pytest.mark.parametrize("case", ["rank 1 has none", "rank 1 has another", "rank 0 has none"])
 def test_the_table_is_that_of_rank_0(engine, folder, granite_pair, case):
     """The pair lies on the border of the ranks. Where rank 0 has none, all stop: none hangs (the timeout is the test)."""

@@ -495,7 +495,7 @@ def test_another_build_or_version_passes(bridge, monkeypatch, name, value):
 
 
 @pytest.mark.parametrize(
-    "doctored", ["two places", "no place", "another class", "a moved member", "precision", "GO", "TABLE", "BODY_BY_ID"]
+    "doctored", ["two places", "another class", "a moved member", "precision", "GO", "TABLE", "BODY_BY_ID"]
 )
 def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     import yade.config
@@ -504,11 +504,9 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
 
     def read(start, size, kind):
         words = real(start, size, kind).copy()
-        if doctored == "two places" and kind is bridge.ctypes.c_double:
+        if kind is bridge.ctypes.c_double:
             written = words[np.isin(words, [1.2345e33, 2.4691e33, 3.7037e33])]  # what `_find` looks for
             words[-1] = written[0] if written.size else words[-1]
-        elif doctored == "no place":
-            words[:] = 0
         return words
 
     def moved(cls, name, *more, **options):
@@ -516,7 +514,6 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
 
     changes = {
         "two places": (bridge, "read_memory", read),
-        "no place": (bridge, "read_memory", read),
         "another class": (bridge, "_symbol_at", lambda location: "_ZTVN4yade5OtherE"),
         "a moved member": (bridge, "_find", moved),
         "precision": (yade.config, "highPrecisionBits", 80),
