@@ -90,6 +90,8 @@ def test_what_was_dissipated_stays_when_lists_are_built_in_every_step(engine, tm
     """LIGGGHTS drops the history of a contact that opens in such a step: plastic flow, and what its shear had stored."""
     save_law(tmp_path, name)
     text = spheres(engine, words, moves, **ENERGY)
+    if engine == "liggghts" and not words:  # the normal model alone
+        text = text.replace("tangential demlaws", "tangential off")
     often = text.replace("neigh_modify    delay 0", "neigh_modify    every 1 delay 0 check no")
     rarely, always = (simulate(engine, tmp_path, one)["e[2]"] for one in (text, often))
     assert rarely[-1] > 0.0 and always == pytest.approx(rarely, rel=1e-9)
