@@ -1,13 +1,11 @@
 """Stock edinburgh of LIGGGHTS on one contact."""
 
 import numpy as np
-import pytest
 from natives import in_liggghts, until_free
 
 import demlaws as dl
 
 
-@pytest.mark.slow
 def test_liggghts_own_and_ours_on_the_same_path():
     """Equal until the force is 0; below the plastic overlap stock moves it back with the bodies, and reloads from there."""
     law = dl.law("eepa", dl.Contact(4e-3, 32e9), softness=0.8, stiffness_ratio=2.5)
