@@ -86,7 +86,7 @@ validation: engines $(VENV)/.plots
 experiment: engines $(VENV)/.plots
 	$(BIN)/python -m studies.experiment $(EXPERIMENT)
 
-# TRADE=--quick for some minutes
+# TRADE=--quick for half a minute
 trade: engines $(VENV)/.plots
 	$(BIN)/python -m studies.trade --softening results/softening.jsonl $(TRADE)
 	$(BIN)/python -m studies.trade --keep
