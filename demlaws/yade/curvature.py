@@ -5,7 +5,7 @@ quadratic by weighted least squares around each node of the grid that is near th
 are interpolated and added in the common tangent plane, which gives the principal relative radii of the gap, Rx ≥ Ry. Hertz's
 elliptical contact of these has the force of a sphere with R = 2 Rm/γ̄³, 1/Rm = 1/Rx + 1/Ry, γ̄ by exact elliptic integrals
 (`solvers.ellipsoid`). [The equivalent R is our derivation from Johnson 1985, Eq. 4.26; the force is exact, the true contact
-area is smaller than that sphere's, and the mean pressure higher: by 3 % at Rx/Ry = 2, 10 % at 4, 31 % at 16 (`area_share`).]
+area is smaller than that sphere's, ᾱ β̄ γ̄² of it: by 3 % at Rx/Ry = 2, 10 % at 4, 31 % at 16.]
 """
 
 import functools
@@ -17,7 +17,7 @@ import yade
 
 from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.errors import DemlawsError
-from demlaws.solvers.ellipsoid import quick_factors, shape_factors
+from demlaws.solvers.ellipsoid import quick_factors
 from demlaws.yade import layout as at
 from demlaws.yade.layout import FIELD, OF_SHAPE, PLANE, SPHERE
 from demlaws.yade.layout import SHAPE_RECORD as RECORD
@@ -33,12 +33,6 @@ FAR = 100.0
 KIND_AT, INDEX_AT, TENSORS_AT, COUNTS_AT, LOW_AT, SIZE_AT = (
     OF_SHAPE[name] for name in ("kind", "index", "tensors", "n0", "low0", "size")
 )
-
-
-def area_share(ratio):
-    """True contact area of Hertz's ellipse over that of the sphere with the same force, for this ratio Rx/Ry ≥ 1."""
-    alpha, beta, gamma, _ = shape_factors(ratio)
-    return alpha * beta * gamma**2
 
 
 # --- the fit

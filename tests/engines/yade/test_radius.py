@@ -317,13 +317,6 @@ def test_periodic_boundaries_are_refused(omega):
     stops("not available with periodic boundaries")
 
 
-@pytest.mark.parametrize(("ratio", "share"), [(1, 1.0), (2, 0.973), (4, 0.902), (16, 0.687)])
-def test_the_area_of_the_equivalent_sphere(ratio, share):
-    from demlaws.yade.curvature import area_share
-
-    assert area_share(ratio) == pytest.approx(share, abs=1e-3)
-
-
 # --- clumps: overlapping members make two contacts where the grain has one
 
 CLUMP_OVERLAP = 1e-5

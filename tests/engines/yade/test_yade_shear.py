@@ -9,6 +9,7 @@ from shear_paths import GRANITE_RATIO, PATHS, overlaps_at
 from yade_scenes import GRANITE, POISSON, YOUNG, functor, material, set_engines, sphere, yade
 
 import demlaws as dl
+from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.driver import sheared
 from demlaws.make import example
 from demlaws.yade.shear import SPRINGS
@@ -94,6 +95,16 @@ def test_friction_limits_a_damped_contact_that_slides():
 # --- partial slip
 
 
+def slip_along(law, overlaps, displacements, friction, springs):
+    """Shear force of `dl.driver.sheared(..., "slip")`, with 128 times as many points of the unloading curve."""
+    results, rows = np.empty((6, len(overlaps))), (np.zeros((2, springs)), np.empty((2, 128 * SAMPLES)))
+    largest = float(np.max(law.shear_stiffness(overlaps, 1.0, "elastic")))
+    still = np.zeros(len(overlaps))
+    state = law.new_state(1).arrays
+    slip_loop(law.rule, law.params, overlaps, displacements, still, GRANITE_RATIO, friction, largest, state, *rows, results)
+    return results[2]
+
+
 @pytest.mark.parametrize(
     ("name", "rule"),
     shared(
@@ -111,8 +122,10 @@ def test_partial_slip_is_that_of_python(omega, name, rule):
     surfaces = {} if name == "hertz" else {"granite": GRANITE}
     law = functor(name, rule, surfaces, bridge="native", shear="slip", **one.options)
     reached, _, shear, normal = taken_along(law, overlaps, sideways, friction=0.5)
+    expected = slip_along(one, reached, sideways, 0.5, SPRINGS)
+    assert -shear == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
     close = sheared(one, reached, sideways, GRANITE_RATIO, "slip", friction=0.5, springs=SPRINGS)
-    assert -shear == pytest.approx(close.shear_force, abs=1e-4 * np.abs(shear).max())
+    assert expected == pytest.approx(close.shear_force, abs=1e-4 * np.abs(expected).max())
     assert np.any(np.abs(shear) < 0.2 * normal) and np.any(np.abs(shear) > 0.49 * normal)
     totals = law.totals()
     assert totals.shear_stored == pytest.approx(close.stored[-1], rel=1e-3)
