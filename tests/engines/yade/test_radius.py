@@ -143,7 +143,7 @@ def test_a_contact_that_rotates(omega):
 CHOICES = {"body": "body", "curvature": "curvature", "edge": 3e-3}
 
 
-def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5):
+def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5, bridge="native"):
     """A cube with rounded edges, on a corner on a wall: (state, distance from its centre to the contact)."""
     omega.reset()
     stone = material()
@@ -153,7 +153,7 @@ def on_corner(omega, radius, edge=3e-3, half=8e-3, overlap=4e-5):
     turned = yade.Quaternion()
     turned.setFromTwoVectors(yade.Vector3(1, 1, 1), yade.Vector3(0, 0, -1))
     omega.bodies[1].state.ori = turned
-    functor = law(radius)
+    functor = law(radius, bridge=bridge)
     engines(functor)
     omega.step()
     omega.step()
@@ -170,6 +170,9 @@ def test_a_scanned_grain_with_rounded_edges(omega):
     assert forces["body"] == pytest.approx(1, rel=1e-2) and forces["edge"] == pytest.approx(1, rel=1e-9)
     assert forces["curvature"] == pytest.approx(1, rel=0.05)
     assert reach / 3e-3 > 3.8
+    public, _ = on_corner(omega, "curvature", bridge="public")
+    native, _ = on_corner(omega, "curvature")
+    assert (public.radius[0], public.force[0]) == pytest.approx((native.radius[0], native.force[0]), rel=1e-12)
 
 
 # --- choices, refusals
