@@ -6,7 +6,8 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 
 TEXT = (Path(__file__).parents[1] / "trade.md").read_text().replace("−", "-")
-ENGINES = ("YADE", "LIGGGHTS")
+COSTS = {"YADE": "interaction loop", "LIGGGHTS": "step"}
+ENGINES = tuple(COSTS)
 
 
 def rows(heading):
@@ -26,7 +27,7 @@ def only(name):
     return [engine for engine in ENGINES if name.endswith(f"({engine})")] or ENGINES
 
 
-steps = {name: [cell.split()[0] for cell in cells[1:]] for name, cells in rows("One contact")}
+steps = {name.removesuffix(" (version 0.2.0)"): cells[1:] for name, cells in rows("One contact")}
 packing = dict(rows("A packing"))
 scatter = next(cells for name, cells in packing.items() if name.startswith("random scatter"))
 fig, axes = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True, layout="constrained")
@@ -42,12 +43,14 @@ for column, (ax, engine) in enumerate(zip(axes, ENGINES, strict=True)):
         step, error = float(steps[law][column]), errors(cells, column)
         ax.plot(step, error, "*" if best else "o", ms=16 if best else 7, color="tab:red" if best else "tab:blue")
         side = (
-            {"ha": "right", "xytext": (-9, 0)} if step > 1.5 else {"ha": "left", "xytext": (-9, 13) if step < 0.9 else (9, 0)}
+            {"ha": "right", "xytext": (-9, 0)}
+            if step > 1.5
+            else {"ha": "left", "xytext": (-9, 13) if law == "hertz" else (9, 0)}
         )
         ax.annotate(law + (" (recommended)" if best else ""), (step, error), **small, **side)
     ax.axvline(1.0, color="0.6", lw=0.8, ls=":")
-    ax.set(yscale="log", xlabel="time of a step / step with the engine's own Hertz", title=engine, ylim=(0.1, 200))
+    ax.set(yscale="log", xlabel=f"time of the {COSTS[engine]} / with the engine's own Hertz", title=engine, ylim=(0.1, 200))
     ax.grid(alpha=0.3)
-axes[0].set(ylabel="largest error of the packing's stiffness (%)", xlim=(0.7, 1.7))
+axes[0].set(ylabel="largest error of the packing's stiffness (%)", xlim=(0.7, 1.1))
 axes[1].set(xlim=(0.7, 2.5))
 fig.savefig("trade.png", dpi=130)
