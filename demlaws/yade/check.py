@@ -46,7 +46,7 @@ def main(select=each_once):
         layout = native.layout()
     except native.BridgeUnavailable as error:
         print(f"native bridge: not available: {error}")
-        print("scripts run by the public-API way, at some ten times the cost")
+        print("scripts run by the public-API way, at some twenty times the cost")
         return 1
     offset, index, _ = layout.slot
     print(f"native bridge: available; go is entry {index} of the table that the functor holds at byte {offset}")

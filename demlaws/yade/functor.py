@@ -183,7 +183,7 @@ def _take_up(functor, bridge, stacklevel):
         raise DemlawsError(f"shear='slip' needs the native bridge, which is not available: {binding.reason}")
     if binding.attachment is None and bridge == "auto":
         warnings.warn(
-            f"the native bridge is not available ({binding.reason}); YADE's public API is used, at about ten times the cost",
+            f"the native bridge is not available ({binding.reason}); YADE's public API is used, at about twenty times the cost",
             BridgeWarning,
             stacklevel=stacklevel,
         )
