@@ -322,7 +322,7 @@ def central_pressures():
 
 
 def yip_venart():
-    """Rows: p(0)/p0 as Yip & Venart print it."""
+    """Rows: p(0)/p0 against a second program of ours: the paper has figures only."""
     for number, alpha, pressure in NUMBERS["yv-paper"]:
         here = solve("yip-venart", number, np.array([_force(alpha)]))
         yield near(f"p(0)/p0: N_H = {number:g}, α = {alpha:g}", PYTHON, pressure, here.central_pressure[0], 7e-3, "yv-paper")

@@ -10,8 +10,21 @@ from references import REFERENCES
 
 import demlaws as dl
 from demlaws.laws.bahrami import CONTINUOUS, PRINTED
+from studies.validation.published import SPEEDS, restitution_of, yield_speed
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
+
+
+def test_restitution_of_thornton_and_ning():
+    """e of their Eqs. 10 and 44 over V/V_y 1 to 1000; at high speed 1.185 (V_y/V)^¼."""
+    contact, mass = dl.Contact(0.005, 30e9), 0.01
+    pressure = 1e-3 * contact.modulus
+    law = dl.law("thornton-ning", contact, yield_pressure=pressure)
+    speed = yield_speed(contact, pressure, mass)
+    for ratio in SPEEDS:
+        found = dl.driver.impact(law, mass, ratio * speed, 40000).restitution
+        assert found == pytest.approx(restitution_of(ratio), rel=1e-5)
+    assert restitution_of(1000.0) == pytest.approx(1.185 * 1000**-0.25, rel=0.02)
 
 
 @pytest.mark.parametrize("name", ["jackson-green", "kogut-etsion"])

@@ -83,6 +83,19 @@ def _is_similar(found, stress):
     return by
 
 
+def test_the_kept_similarity_is_what_the_page_says():
+    """Within chance at 10 kPa; the deviation falls with overlap over diameter; a packing whose gaps do not scale stays off."""
+    found = results.similarity(study.load())
+    by = _is_similar(found, 1e4)
+    assert by[True, False].deviation["loading"] > 0.1  # not overlap over diameter: gaps
+    lattice = sorted((s for s in found if s.run.scatter and s.run.scaled and s.run.stress >= 1e4), key=lambda s: -s.run.depth)
+    assert [s.run.stress for s in lattice] == [3.75e5, 1e5, 3e4, 1e4]
+    off = [abs(s.deviation["loading"]) for s in lattice]
+    assert off == sorted(off, reverse=True) and off[0] < 0.03 and off[0] / lattice[0].run.depth < 6.0
+    text = results.similarity_table(found)
+    assert "lattice, gaps scaled, σ alone, 10 kPa" in text and len(text.splitlines()) == 2 + len(found)
+
+
 @pytest.mark.yade
 @pytest.mark.slow
 def test_a_packing_of_a_tenth_of_the_modulus_is_similar_where_sigma_is_scaled(tmp_path):
