@@ -77,6 +77,11 @@ struct Instance {
     }
     return found;
   }
+  // LIGGGHTS calls surfacesClose() only with this factor for walls, which have no contact flags, and where a pair opens
+  // in a step in which lists are built; there the energy that it had dissipated would be dropped.
+  void see_contacts_end(bool wall) const {
+    if (wall || ledger.readers) key_->neighbor->register_contact_dist_factor(1.01);
+  }
   ~Instance() {
     std::map<LAMMPS *, std::weak_ptr<Instance>>::iterator it = all().find(key_);
     if (it != all().end() && it->second.expired()) all().erase(it);

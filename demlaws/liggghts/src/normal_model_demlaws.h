@@ -109,9 +109,7 @@ public:
       error->all(FLERR, (std::string("model demlaws/table: units ") + update->unit_style +
                          ": a table is in metres and pascals; use units si, cgs, micro or nano")
                             .c_str());
-    // Without this factor surfacesClose() is never called for walls, which have no contact flags, nor where a pair
-    // opens in a step in which lists are built; there the energy that it had dissipated would be dropped.
-    if (state_size_ > 0 && (wall_ || instance_->ledger.readers)) neighbor->register_contact_dist_factor(1.01);
+    if (state_size_ > 0) instance_->see_contacts_end(wall_);
     types_ = registry.max_type() + 1;
     pairs_.assign(types_ * types_, demlaws::TypePair());
     demlaws::Fingerprints &used = instance_->used[instance_->owner], before;

@@ -47,8 +47,7 @@ public:
       for (int j = 1; j <= types; ++j)
         if (!(friction_[i][j] >= 0.))
           error->all(FLERR, "tangential model demlaws: coefficientFriction must not be negative");
-    // else surfacesClose() is never called at walls, nor where a contact opens in a step in which lists are built
-    if (wall_ || instance_->ledger.readers) neighbor->register_contact_dist_factor(1.01);
+    instance_->see_contacts_end(wall_);
     if (slips_ != (normal_->shear() == demlaws::SLIP_SHEAR))
       error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'shear' was known: "
                         "define it below the pair_style line");
