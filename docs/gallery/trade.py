@@ -27,7 +27,7 @@ def only(name):
     return [engine for engine in ENGINES if name.endswith(f"({engine})")] or ENGINES
 
 
-steps = {name.removesuffix(" (version 0.2.0)"): cells[1:] for name, cells in rows("One contact")}
+steps = {name: cells[1:] for name, cells in rows("One contact")}
 packing = dict(rows("A packing"))
 scatter = next(cells for name, cells in packing.items() if name.startswith("random scatter"))
 fig, axes = plt.subplots(1, 2, figsize=(9.6, 4.2), sharey=True, layout="constrained")
@@ -42,12 +42,11 @@ for column, (ax, engine) in enumerate(zip(axes, ENGINES, strict=True)):
         best = law == "pohrt-popov, Hertz unloading"
         step, error = float(steps[law][column]), errors(cells, column)
         ax.plot(step, error, "*" if best else "o", ms=16 if best else 7, color="tab:red" if best else "tab:blue")
-        side = (
-            {"ha": "right", "xytext": (-9, 0)}
-            if step > 1.5
-            else {"ha": "left", "xytext": (-9, 13) if law == "hertz" else (9, 0)}
-        )
-        ax.annotate(law + (" (recommended)" if best else ""), (step, error), **small, **side)
+        place = (-9, 13) if law == "hertz" else (9, 0)
+        if step > 1.5:
+            place = (-9, 0)
+        align = "right" if step > 1.5 else "left"
+        ax.annotate(law + (" (recommended)" if best else ""), (step, error), xytext=place, ha=align, **small)
     ax.axvline(1.0, color="0.6", lw=0.8, ls=":")
     ax.set(yscale="log", xlabel=f"time of the {COSTS[engine]} / with the engine's own Hertz", title=engine, ylim=(0.1, 200))
     ax.grid(alpha=0.3)

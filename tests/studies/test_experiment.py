@@ -47,3 +47,18 @@ def test_what_the_page_claims():
     roughest = next(values for label, values in found.items() if "0.3" in label)
     assert roughest[:, 0].min() > found["hertz"][:, 0].max()  # roughness makes it worse
     assert "measured" in table(rows, 1000)
+
+
+def test_what_the_page_claims_of_rolling():
+    """It brings K0 to the measured one, takes 5 to 15 % of the strain, and both fall further with its stiffness."""
+    rows, measured = oedometer.read(), numbers(oedometer.measured())
+    found = {label: values.mean(axis=0) for label, values in outcomes(rows, 1000).items()}
+    free = (oedometer.CASES[0].label, oedometer.CASES[2].label, oedometer.CASES[5].label)
+    rolling = [case.label for case in oedometer.CASES if case.rolling]
+    for without, label in zip(free, rolling, strict=True):
+        assert found[without][3] > measured[3] + 0.05 and found[label][3] == pytest.approx(measured[3], abs=0.02)
+        assert 0.85 < found[label][0] / found[without][0] < 0.95
+    few = outcomes(rows, oedometer.FEW)
+    order = [oedometer.CASES[5].label, oedometer.CALIBRATED, *(case.label for case in oedometer.STIFFER)]
+    strains, ratios = np.array([few[label][0, [0, 3]] for label in order]).T
+    assert np.all(np.diff(strains) < -0.03) and np.all(np.diff(ratios) < -0.02)

@@ -34,8 +34,14 @@ def test_a_row_written_and_read(tmp_path, capsys):
     assert "| levelset | rough | edge |" in capsys.readouterr().out
 
 
+def test_the_kept_runs_are_those_of_the_study():
+    kept = shapes.read(shapes.HERE / "angular.csv")
+    assert {(row["shape"], row["law"], row["radius"]) for row in kept} <= set(shapes.RUNS)
+    assert all(row["heights"].size == 2 * shapes.SETUP["cycles"] + 1 for row in kept)
+
+
 def test_small_strain_moduli_are_kept(tmp_path, monkeypatch, capsys):
-    """A missing run is added in kPa and MPa; a kept one is not repeated."""
+    """A missing run is added in kPa and MPa; a kept one is not repeated. Of the kept moduli the edge radius has the lowest."""
     calls = []
 
     def run(case, folder, progress, task):
@@ -50,3 +56,7 @@ def test_small_strain_moduli_are_kept(tmp_path, monkeypatch, capsys):
     assert calls == [("sphere", "hertz", "body", "small")]
     assert shapes.main(["--small"]) == 0 and len(calls) == 1  # the kept runs are printed, none is started
     assert "| levelset | rough | curvature |" in capsys.readouterr().out
+    kept = list(csv.reader((shapes.HERE / "small_strain.csv").read_text().splitlines()))
+    modulus = {(row[0], row[2]): [float(r[4]) for r in kept if (r[0], r[2]) == (row[0], row[2])] for row in kept}
+    assert all(np.array(modulus["levelset", "edge"]) < 0.6 * np.array(modulus["levelset", "body"]))
+    assert all(np.diff(modulus["clump", "body"][:3]) > 0)
