@@ -6,8 +6,9 @@ the springs that touched between two values of K_t; they have one stretch:
     Q = Σ (bound[i] - bound[i-1]) stretch[i],    stored energy = ½ Σ (bound[i] - bound[i-1]) |stretch[i]|²
 
 - K_t falls: the springs above the new K_t open. Their force and their energy are lost.
-- K_t rises: a level without stretch is added. The two neighbours whose union loses least energy,
-  ½ k1 k2/(k1 + k2) |s1 - s2|², become one with the mean stretch (k1 s1 + k2 s2)/(k1 + k2), which keeps Q.
+- K_t rises: a level without stretch is added. The two neighbours with the smallest (k1 + k2) |s1 - s2|² become one with the
+  mean stretch (k1 s1 + k2 s2)/(k1 + k2), which keeps Q. (Their union loses ½ k1 k2/(k1 + k2) |s1 - s2|²; the pair that loses
+  least would nearly always be that of the new level, which a short step makes small, and the result would depend on the step.)
 - A displacement is added to every stretch; Coulomb's limit reduces all of them in proportion.
 
 Energy is never created, on any path [our derivation]. With one level Q falls with K_t and is kept where K_t rises, so that a
@@ -39,9 +40,9 @@ def touch(bound, stretch, stiffness):
         u, v = stretch[0, i], stretch[1, i]
         if i < top:
             u, v = u - stretch[0, i + 1], v - stretch[1, i + 1]
-        loss = width * above / (width + above) * (u * u + v * v) if width > 0.0 and above > 0.0 else 0.0
-        if loss < least:
-            joined, least = i, loss
+        apart = (width + above) * (u * u + v * v) if width > 0.0 and above > 0.0 else 0.0
+        if apart < least:
+            joined, least = i, apart
         below = bound[i]
     below = bound[joined - 1] if joined > 0 else 0.0
     upper = bound[joined + 1] if joined < top else stiffness
