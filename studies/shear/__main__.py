@@ -5,7 +5,7 @@ import sys
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.shear import figure, gas, springs
+from studies.shear import figure, gas, memory, springs
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -27,6 +27,9 @@ def parser():
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--springs", type=int, nargs="+", help="errors of partial slip with these numbers of springs")
+    parser.add_argument(
+        "--memory", action="store_true", help="shear force kept, and creep, of a contact whose overlap vibrates"
+    )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
     return parser
@@ -42,6 +45,9 @@ def run(arguments):
         print("|---|---|---|---|---|---|---|")
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
+        return
+    if arguments.memory:
+        memory.print_table()
         return
     if arguments.springs:
         print_springs(arguments.springs)
