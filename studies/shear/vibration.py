@@ -3,18 +3,22 @@
 A model of shear that loses force in each vibration lets the block slide below Coulomb's limit, and the heap sink, without end.
 """
 
+import itertools
 import json
+import sys
 import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from tqdm import tqdm
 
 import demlaws as dl
 from demlaws import lammps, liggghts
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from studies.engines import under_yade
+from studies.shear.cyclic import settlement
 from studies.trade.liggghts_oedometer import data_text
 
 YOUNG, POISSON, DENSITY, FRICTION, RESTITUTION = 1e8, 0.25, 2600.0, 0.5, 0.5
@@ -98,7 +102,7 @@ def heap():
     """330 grains of 4 mm between walls, on a floor of fixed grains; gravity swings by ±20 %."""
     size, generator = 0.004, np.random.default_rng(7)
     places = np.array([(x, y, z) for z in range(19) for y in range(2) for x in range(9)])[:330] * 1.06 * size
-    places = places + [-4.24 * size, 0.0036, 0.006] + generator.uniform(-1e-4, 1e-4, places.shape)
+    places = places + np.array([-4.24 * size, 0.0036, 0.006]) + generator.uniform(-1e-4, 1e-4, places.shape)
     floor = [(size, (size * x, size * (y + 0.5), 0.0)) for x in range(-22, 23) for y in range(3)]
     walls = {"x": [-0.09, 0.09], "y": [0.0, 0.012]}
     down = (0.0, 0.0, -1.0)
@@ -124,12 +128,11 @@ def _contacts(engine, model, scene):
         for name, axis, place in sides:
             lines += f"fix {name} grains wall/gran model {terms(f'primitive type 2 {axis}plane {place:.10g}')}\n"
         return lines
-    normal = (
-        f"demlaws/table {table} {YOUNG} {RESTITUTION} {POISSON} {words}"
-        if table
-        else f"hertz/material {YOUNG} {RESTITUTION} {POISSON}"
-    )
-    model = f"{normal} tangential {'demlaws' if table else 'mindlin NULL'} 1.0 {FRICTION} damping {'demlaws/tangent' if table else 'tsuji'}"
+    if table:
+        model = f"demlaws/table {table} {YOUNG} {RESTITUTION} {POISSON} {words} tangential demlaws 1.0 {FRICTION}"
+        model += " damping demlaws/tangent"
+    else:
+        model = f"hertz/material {YOUNG} {RESTITUTION} {POISSON} tangential mindlin NULL 1.0 {FRICTION} damping tsuji"
     lines = f"pair_style granular\npair_coeff * * {model}\n"
     for name, axis, place in sides:
         ends = f"{place:.10g} NULL" if place <= 0.0 else f"NULL {place:.10g}"
@@ -183,22 +186,28 @@ def run(engine, name, model, cycles, rows=50):
 def run_all(name, engines, models, cycles, out):
     """Append a line per engine and model to `out` (JSON lines) and print it; runs that it already has are left out."""
     done = [json.loads(line) for line in out.read_text().splitlines()] if out.exists() else []
-    for engine in engines:
-        for model in models:
-            case = {"scene": name, "engine": engine, "model": model, "cycles": cycles}
-            if any(case.items() <= row.items() for row in done):
-                continue
+    for engine, model in tqdm(list(itertools.product(engines, models)), disable=not sys.stderr.isatty()):
+        case = {"scene": name, "engine": engine, "model": model, "cycles": cycles}
+        if any(case.items() <= row.items() for row in done):
+            continue
+        if name == "oedometer":
+            height, thickness = settlement(model, cycles)
+            rows = np.stack([np.arange(1.0, height.size + 1.0), 0.0 * height, height], 1)
+            case["thickness"] = thickness
+        else:
             rows = run(engine, name, model, cycles)
-            with open(out, "a") as file:
-                file.write(json.dumps({**case, "rows": rows.tolist()}) + "\n")
-            print(describe(case, rows), flush=True)
+        with open(out, "a") as file:
+            file.write(json.dumps({**case, "rows": [[float(f"{v:.9g}") for v in row] for row in rows.tolist()]}) + "\n")
+        print(describe(case, rows), flush=True)
 
 
 def describe(case, rows):
     """One line: movement in nm in the first tenth, the last half and, per cycle, there."""
-    column = 1 if case["scene"] == "block" else 2
-    cycle, place = rows[:, 0], 1e9 * rows[:, column]
+    cycle, place = rows[:, 0], 1e9 * rows[:, 1 if case["scene"] == "block" else 2]
     tenth, half = np.interp([0.1 * case["cycles"], 0.5 * case["cycles"]], cycle, place)
-    trend = np.polyfit(cycle[cycle >= 0.5 * case["cycles"]], place[cycle >= 0.5 * case["cycles"]], 1)[0]
-    label = f"{case['scene']}, {case['engine']}, {case['model']}, {case['cycles']:,} cycles"
-    return f"{label}: {tenth - place[0]:+.1f} nm in the first tenth, {place[-1] - half:+.2f} nm in the last half, {trend:+.2e} nm per cycle"
+    late = cycle >= 0.5 * case["cycles"]
+    trend = np.polyfit(cycle[late], place[late], 1)[0]
+    return (
+        f"{case['scene']}, {case['engine']}, {case['model']}, {case['cycles']:,} cycles: {tenth - place[0]:+.1f} nm in the first "
+        f"tenth, {place[-1] - half:+.2f} nm in the last half, {trend:+.2e} nm per cycle"
+    )
