@@ -208,6 +208,6 @@ def describe(case, rows):
     late = cycle >= 0.5 * case["cycles"]
     trend = np.polyfit(cycle[late], place[late], 1)[0]
     return (
-        f"{case['scene']}, {case['engine']}, {case['model']}, {case['cycles']:,} cycles: {tenth - place[0]:+.1f} nm in the first "
-        f"tenth, {place[-1] - half:+.2f} nm in the last half, {trend:+.2e} nm per cycle"
+        f"{case['scene']}, {case['engine']}, {case['model']}, {case['cycles']:,} cycles: {tenth - place[0]:+.1f} nm in the "
+        f"first tenth, {place[-1] - half:+.2f} nm in the last half, {trend:+.2e} nm per cycle"
     )
