@@ -13,6 +13,7 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.fastmath import sqrt
+from demlaws.core.levels import EMPTY
 from demlaws.core.numba_compat import INLINED, kernel, loop
 from demlaws.core.unloading import GIVEN
 from demlaws.yade import objects
@@ -65,10 +66,10 @@ def energy_of_levels(row):
 
 
 @kernel
-def distance_of_levels(width1, stretch1, width2, stretch2):
-    """Measure of what the union of two levels changes (demlaws.core.levels)."""
+def distance_of_levels(width1, stretch1, width2, stretch2, empty):
+    """Measure of what the union of two levels changes (demlaws.core.levels); empty: width [N/m] below which a level is empty."""
     apart = minus_scaled(stretch1, 1.0, stretch2)
-    return (width1 + width2) * dot(apart, apart) if width1 > 0.0 and width2 > 0.0 else 0.0
+    return (width1 + width2) * dot(apart, apart) if width1 > empty and width2 > empty else 0.0
 
 
 @kernel
@@ -80,7 +81,7 @@ def push_level(row, stiffness):
     for level in range(count):
         above = vector(row.stretch[level + 1]) if level + 1 < count else rest
         width_above = width(row, level + 1) if level + 1 < count else top
-        distance = distance_of_levels(width(row, level), vector(row.stretch[level]), width_above, above)
+        distance = distance_of_levels(width(row, level), vector(row.stretch[level]), width_above, above, EMPTY * stiffness)
         if level == 0 or distance < least:
             joined, least = level, distance
     for level in range(count):
