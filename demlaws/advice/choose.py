@@ -25,6 +25,7 @@ from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
 from demlaws.law import Law, Table
 from demlaws.laws.definition import bulk_yield
+from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
@@ -422,8 +423,10 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
             for breach in law.breaches(judge.smallest, judge.largest):
                 breach_reasons.add(breach.reason)
                 notes.append(f"the reference itself ({reference.name}) leaves its range: {breach}")
+    # the reference has roughness: what leaving it out costs is computed, too
+    one = scene.contacts(scene.effective_radii()[1])[0]
+    breach_reasons.update(limit.reason for limit in find(HERTZ).limits(one) if limit.minimum_force > 0.0)
     if find(reference.name).before_yield is not None:  # the reference yields: what leaving that out costs is computed
-        one = scene.contacts(scene.effective_radii()[1])[0]
         breach_reasons.update(limit.reason for limit in bulk_yield(one))
 
     def judge_plan(plan):
