@@ -100,7 +100,8 @@ SHAPE = np.dtype(
 
 def pair_dtype(shape_fields):
     """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
-    return np.dtype([("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")], *shape_fields])
+    # fields that all pairs have come last: numba takes a record for another one that it begins with
+    return np.dtype([*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")]])
 
 
 def row_dtype(levels, own_fields, springs):
@@ -112,14 +113,13 @@ def row_dtype(levels, own_fields, springs):
     slip its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, has the code of the row, negative for a smooth
     pair.
     """
-    fields = [("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), *_HISTORY]
+    fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), *_HISTORY]
     if levels:
         fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
-    fields += [("hertz", "f8"), *own_fields]
     if springs:
         fields += [("tangent", "f8", (2, 3)), ("share", "f8"), ("scale", "f8"), ("end", "f8", (springs,))]
         fields += [("compression", "f8", (springs,)), ("spring", "f8", (2, springs))]
-    return np.dtype(fields)
+    return np.dtype([*fields, ("hertz", "f8")])
 
 
 def saved_fields(row):

@@ -1,10 +1,10 @@
 """Shear at a contact: how the elastic shear force follows K_t, and the energy of shear. Compiled code, as `kernel`.
 
 `Levels`: the springs of a contact in levels, ordered by the K_t at which they touched (demlaws.core.levels): level i covers K_t
-from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their force
-and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native` leaves
-the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the displacement of
-the step, and turns vectors with the contact.
+from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their
+force and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native`
+leaves the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the
+displacement of the step, and turns vectors with the contact.
 """
 
 from typing import NamedTuple
