@@ -34,6 +34,7 @@ _TABLES = (
     "free_count",
     "shapes",  # address of SHAPE of each body
     "shape_count",
+    "normal_offset",  # of ScGeom [bytes]
     "functor_offset",  # bytes from the start of the functor to what the native `go` gets as `this`
     "alarm",  # address of the guard's PyRunner.nDone, or 0: a zero written there has it run before the next step's contacts
 )
