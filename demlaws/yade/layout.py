@@ -84,7 +84,7 @@ CONTEXT = _context()
 
 # A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], state of the
 # unloading rule; K_t of the last step [N/m], the energy of shear that the contact stores and that it has lost [J].
-_HISTORY = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
+_HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
 _HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost")]]
 CONTACT = np.dtype(_HISTORY)
 RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])

@@ -293,8 +293,8 @@ def _turned(v, axes):
 
 
 def find_axes(rotate):
-    """Byte offsets in ScGeom of the two axes by which ScGeom::rotate, at this address, turns a vector v: to v - v × axis, by the
-    first and then by the second; None where it does something else.
+    """Byte offsets in ScGeom of the two axes by which ScGeom::rotate, at this address, turns a vector v: to v - v × axis, first
+    by the one and then by the other; None where it does something else.
 
     They are no attributes: they are where a change of memory changes what rotate does.
     """
