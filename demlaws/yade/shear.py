@@ -13,6 +13,7 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.fastmath import sqrt
+from demlaws.core.levels import EMPTY
 from demlaws.core.numba_compat import INLINED, kernel, loop
 from demlaws.core.unloading import GIVEN
 from demlaws.yade import objects
@@ -68,14 +69,15 @@ def energy_of_levels(row):
 def push_level(row, stiffness):
     """K_t rises to `stiffness` [N/m]: a level without stretch on top; the two nearest neighbours become one. Their loss [J]."""
     count, rest = len(row.bound), (0.0, 0.0, 0.0)
-    joined, least, lower, upper, below = 0, 0.0, 0.0, 0.0, 0.0
+    joined, least, lower, upper, below, empty, gap = 0, 0.0, 0.0, 0.0, 0.0, EMPTY * stiffness, 0.0
     for level in range(count):
         bound, above = row.bound[level], row.bound[level + 1] if level + 1 < count else stiffness
         next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
         apart = minus_scaled(vector(row.stretch[level]), 1.0, next_stretch)
-        distance = (above - below) * dot(apart, apart) if bound > below and above > bound else 0.0
+        square = dot(apart, apart)
+        distance = (above - below) * square if bound - below > empty and above - bound > empty else 0.0
         if level == 0 or distance < least:
-            joined, least, lower, upper = level, distance, bound - below, above - bound
+            joined, least, lower, upper, gap = level, distance, bound - below, above - bound, square
         below = bound
     both = lower + upper
     part = upper / both if both > 0.0 else 0.0
@@ -85,7 +87,7 @@ def push_level(row, stiffness):
         assign(row.stretch[level], minus_scaled(scaled(1.0 - share, vector(row.stretch[level])), -share, next_stretch))
         above = row.bound[level + 1] if level + 1 < count else stiffness
         row.bound[level] = row.bound[level] if level < joined else above
-    return 0.5 * lower * part * (least / both) if least > 0.0 else 0.0
+    return 0.5 * lower * part * gap
 
 
 @kernel

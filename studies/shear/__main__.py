@@ -1,11 +1,12 @@
 """`python -m studies.shear`: oblique impacts, the closed gas, pictures of shear."""
 
 import sys
+from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.shear import figure, gas, memory, springs
+from studies.shear import figure, gas, memory, springs, vibration
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -30,6 +31,13 @@ def parser():
     parser.add_argument(
         "--memory", action="store_true", help="shear force kept, and creep, of a contact whose overlap vibrates"
     )
+    parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
+    parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
+    parser.add_argument("--models", nargs="+", choices=vibration.MODELS, default=vibration.MODELS, help="with --vibrate")
+    parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
+    )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
     return parser
@@ -48,6 +56,9 @@ def run(arguments):
         return
     if arguments.memory:
         memory.print_table()
+        return
+    if arguments.vibrate:
+        vibration.run_all(arguments.vibrate, arguments.engines, arguments.models, arguments.cycles, arguments.out)
         return
     if arguments.springs:
         print_springs(arguments.springs)
