@@ -93,6 +93,7 @@ template <class Model> __attribute__((always_inline)) inline void sum(Model *m, 
 
 template <bool LATE> struct Abi {
   struct Model;
+  template <class RULED> struct Final; // of normal models: hooks.h
 
   struct SubMod {
     virtual ~SubMod() {
@@ -139,6 +140,7 @@ template <bool LATE> struct Abi {
 
   struct DampingMod : public SubMod {
     virtual double calculate_forces() = 0;
+    double get_damp_prefactor() const { return damp_prefactor; }
     double damp_prefactor = 0., damp = 0.;
 
   protected:
