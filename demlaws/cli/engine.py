@@ -87,8 +87,12 @@ def register(add):
         out = arguments.out or output(arguments.input + ".demlaws")
         out, conversion = convert_file(arguments.input, name, arguments.table, out)
         record(file=out, notes=conversion.notes)
-        print("\n".join([*conversion.report(arguments.input), f"wrote {out}"]))
-        return 0 if all(note.served for note in conversion.notes) else 1
+        print(
+            "\n".join(
+                [*conversion.report(arguments.input), "no line converted, no file written" if out is None else f"wrote {out}"]
+            )
+        )
+        return 0 if conversion.complete else 1
 
     def run(arguments):
         _refuse_mpirun(name)
@@ -132,7 +136,13 @@ def register(add):
     exports.set_defaults(func=export)
 
     text = example(CONVERT_EXAMPLE.format(name=name))
-    converts = parts.add_parser("convert", help="replace the contact model of an input by demlaws/table", **text)
+    converts = parts.add_parser(
+        "convert",
+        help="replace the contact model of an input by demlaws/table",
+        description="Replaces the contact model of an input by demlaws/table, also in `if`, in hybrid styles and in variables. "
+        "Exit status: 0 if every granular line was converted, 1 if lines remain that are named with the reason.",
+        **text,
+    )
     converts.add_argument("input", help="input script with stock models")
     converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
     converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
