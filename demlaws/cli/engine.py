@@ -75,6 +75,7 @@ def register(add):
     def export(arguments):
         grains, unloading, options = _grains_of(arguments)
         values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
+        values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
         path = part("export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
         if stock:
@@ -196,6 +197,10 @@ def _grain_arguments(export):
         export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
     export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
     export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)s)")
+    export.add_argument(
+        "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"
+    )
+    export.add_argument("--levels", type=whole(high=8), help="levels of the shear model, 1 to 8 (default 3)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 

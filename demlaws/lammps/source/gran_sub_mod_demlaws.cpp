@@ -31,6 +31,8 @@ static bool has_outputs(LAMMPS *lmp) {
   return !lmp->force->pair || !utils::strmatch(lmp->force->pair_style, "^hybrid");
 }
 
+static bool reads_restart(const Input *input) { return !strcmp(input->command, "read_restart"); }
+
 // --- commands that give particles new numbers
 
 static std::map<std::string, Input::CommandCreator> unguarded;
@@ -90,7 +92,7 @@ void GranSubModNormalDemlaws::coeffs_to_local() {
   } else std::copy(coeffs, coeffs + num_coeffs, table->coeffs);
   table->coeffs_to_local();
 
-  if (!strcmp(input->command, "read_restart")) {
+  if (reads_restart(input)) {
     Range::of(lmp).has_contacts = true;
     // the cut-off of the pair style is not in the file, and LAMMPS leaves its memory as it was
     PairGranular *const pair = dynamic_cast<PairGranular *>(force->pair);
@@ -132,6 +134,7 @@ void GranSubModTangentialDemlaws::coeffs_to_local() {
   gm->sub_models[TANGENTIAL] = gm->tangential_model = made;
   made->coeffs_to_local();
   made->settle();
+  made->compare(reads_restart(input), gm->contact_type != PAIR);
   delete this;
 }
 
@@ -165,6 +168,7 @@ int FixDemlaws::setmask() { return FixConst::PRE_FORCE | FixConst::MIN_PRE_FORCE
 
 void FixDemlaws::init() {
   Range &range = Range::of(lmp);
+  range.of_restart = 0;
   bool keeps = false;
   PairGranular *pair = nullptr, *last;
   for (int n = 1;; n++) { // of hybrid there may be several

@@ -10,6 +10,22 @@ namespace {
 __attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
 __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
 
+// A restart file, while its pair_coeff lines are read.
+struct Reading {
+  bool active;
+  FILE *file; // on rank 0
+  // The number that comes next.
+  int next(const Ranks &ranks) const {
+    int number = 0;
+    if (file) {
+      const long here = ftell(file);
+      if (fread(&number, sizeof number, 1, file) != 1) number = 0;
+      fseek(file, here, SEEK_SET);
+    }
+    return ranks.gather(number)[0];
+  }
+} reading = {false, NULL};
+
 // GranularModel::calculate_forces for a pair of particles, where Table::plan() found that it can be done here.
 template <bool LATE> template <class RULED> struct Abi<LATE>::Final : public RULED {
   template <class... ARGUMENTS> explicit Final(ARGUMENTS &&...given) : RULED(given...) {}
@@ -61,12 +77,13 @@ template <class ABI> struct Hooks {
   // GranularModel::construct_sub_model for names of demlaws.
   static void construct(void *model, const std::string &name, int type, bool outputs) {
     Model *const m = (Model *)model;
-    if (type == NORMAL && name != "demlaws/table")
-      raise(*m->of.error, true,
-            name + ": this restart file was written by demlaws 0.2 or older, which kept other numbers of a contact; "
-                   "continue with that version");
     delete m->sub_models[type];
-    if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
+    m->sub_models[type] = NULL;
+    if (name.find(' ') != std::string::npos) { // of a restart file of 0.2.0: demlaws/table FILE
+      void *const lmp = m->of.lmp, *const error = *m->of.error;
+      Models::set_table(m, lmp, error, name.substr(name.find(' ') + 1), outputs)
+          ->expect(reading.next(Ranks(lmp, error)));
+    } else if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
     else if (type == DAMPING) m->sub_models[type] = m->damping_model = new typename Models::Tangent(m, name);
     else m->sub_models[type] = m->tangential_model = new Passive(m, name);
   }
@@ -96,9 +113,11 @@ template <class ABI> struct Hooks {
   }
 
   // Before GranularModel::init.
-  static void before_init(void *model) {
+  static void before_init(void *model, bool wall) {
     Passive *const passive = dynamic_cast<Passive *>(((Model *)model)->tangential_model);
-    if (passive) passive->settle();
+    if (!passive) return;
+    passive->settle();
+    passive->compare(reading.active, wall);
   }
 
   // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the
