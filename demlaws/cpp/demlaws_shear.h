@@ -33,28 +33,24 @@ inline int levels_size(int count) { return 4 * count; }
 // The numbers are the caller's. M: number of levels, known when compiled; 0: only when run.
 template <int M> class Levels {
 public:
-  Levels(double *numbers, int count)
-      : bound_(numbers), stretch_(numbers + (M ? M : count)), last_((M ? M : count) - 1) {}
+  Levels(double *numbers, int count) : numbers_(numbers), count_(M ? M : count) { read(); }
 
   double energy() const {
     double sum = 0.;
-    for (int i = 0; i <= last(); i++) sum += stiffness(i) * dot(stretch(i), stretch(i));
+    for (int i = 0; i < count(); i++) sum += stiffness(i) * dot(stretch_[i], stretch_[i]);
     return 0.5 * sum;
   }
 
-  __attribute__((noinline)) static ShearStep step_of(int count, double now, double limit, const double *normal,
-                                                     const double *displacement, double *numbers) {
-    return Levels(numbers, count).step(now, limit, normal, displacement);
-  }
   // One step: K_t, Coulomb's limit mu P [N], unit normal and tangential displacement of the step, all of now.
-  inline ShearStep step(double now, double limit, const double *normal, const double *displacement) {
+  __attribute__((always_inline)) inline ShearStep step(double now, double limit, const double *normal,
+                                                       const double *displacement) {
     ShearStep step;
     step.before = energy();
     sum_forces(step.force);
     step.work = 0.5 * dot(step.force, displacement);
     press(now);
-    for (int i = 0; i <= last(); i++) {
-      double *const s = stretch(i);
+    for (int i = 0; i < count(); i++) {
+      double *const s = stretch_[i];
       for (int k = 0; k < 3; k++) s[k] += displacement[k];
       const double along = dot(s, normal);
       for (int k = 0; k < 3; k++) s[k] -= along * normal[k]; // the tangent plane has turned
@@ -65,39 +61,59 @@ public:
     if (step.slides) {
       const double scale = limit / std::sqrt(square);
       for (int k = 0; k < 3; k++) step.force[k] *= scale;
-      for (int k = 0; k < 3 * last() + 3; k++) stretch_[k] *= scale;
+      for (int i = 0; i < count(); i++)
+        for (int k = 0; k < 3; k++) stretch_[i][k] *= scale;
     }
     step.work += 0.5 * dot(step.force, displacement);
     step.energy = energy();
+    write();
     return step;
+  }
+  __attribute__((noinline)) static ShearStep step_of(int count, double now, double limit, const double *normal,
+                                                     const double *displacement, double *numbers) {
+    return Levels(numbers, count).step(now, limit, normal, displacement);
   }
 
 private:
-  double *const bound_, *const stretch_;
-  const int last_;
-  int last() const { return M ? M - 1 : last_; }
-  double *stretch(int i) const { return stretch_ + 3 * i; }
+  double *const numbers_;
+  const int count_;
+  // copies, since the compiler cannot know that no other number changes with those of the caller
+  double bound_[M ? M : MOST_LEVELS], stretch_[M ? M : MOST_LEVELS][3];
+
+  int count() const { return M ? M : count_; }
   double stiffness(int i) const { return i ? bound_[i] - bound_[i - 1] : bound_[0]; }
   static double dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-
+  void read() {
+    for (int i = 0; i < count(); i++) {
+      bound_[i] = numbers_[i];
+      for (int k = 0; k < 3; k++) stretch_[i][k] = numbers_[count() + 3 * i + k];
+    }
+  }
+  void write() const {
+    for (int i = 0; i < count(); i++) {
+      numbers_[i] = bound_[i];
+      for (int k = 0; k < 3; k++) numbers_[count() + 3 * i + k] = stretch_[i][k];
+    }
+  }
   void sum_forces(double *force) const {
     force[0] = force[1] = force[2] = 0.;
-    for (int i = 0; i <= last(); i++)
-      for (int k = 0; k < 3; k++) force[k] += stiffness(i) * stretch(i)[k];
+    for (int i = 0; i < count(); i++)
+      for (int k = 0; k < 3; k++) force[k] += stiffness(i) * stretch_[i][k];
   }
 
   // K_t is now `now`. The springs that touch make one level too many: of all neighbours those become one whose union
   // loses least, k1 k2 / (2 (k1 + k2)) |s1 - s2|^2, the lowest of equals. That is nearly always the last level with the
   // new one; where K_t falls, the new level is empty.
   inline void press(double now) {
-    for (int i = 0; i <= last(); i++) bound_[i] = std::min(bound_[i], now);
-    double *const top = stretch(last());
-    const double held = stiffness(last()), all = held + now - bound_[last()];
-    int lowest = last();
-    double least = held * (now - bound_[last()]) * dot(top, top), of = all;
-    for (int i = 0; i < last(); i++) {
+    const int last = count() - 1;
+    for (int i = 0; i <= last; i++) bound_[i] = std::min(bound_[i], now);
+    double *const top = stretch_[last];
+    const double held = stiffness(last), all = held + now - bound_[last];
+    int lowest = last;
+    double least = held * (now - bound_[last]) * dot(top, top), of = all;
+    for (int i = 0; i < last; i++) {
       double apart[3];
-      for (int k = 0; k < 3; k++) apart[k] = stretch(i)[k] - stretch(i + 1)[k];
+      for (int k = 0; k < 3; k++) apart[k] = stretch_[i][k] - stretch_[i + 1][k];
       const double both = stiffness(i) + stiffness(i + 1), loss = stiffness(i) * stiffness(i + 1) * dot(apart, apart);
       if (loss * of < least * both) { // loss / both < least / of, without a division
         lowest = i;
@@ -105,25 +121,32 @@ private:
         of = both;
       }
     }
-    if (__builtin_expect(lowest < last(), 0)) return join(lowest, now);
-    const double share = held < all ? held / all : 1.;
+    if (__builtin_expect(lowest < last, 0)) {
+      join(numbers_, count(), lowest, now);
+      return read();
+    }
+    const double share = all > 0. ? held / all : 0.; // 1 where K_t falls
     for (int k = 0; k < 3; k++) top[k] *= share;
-    bound_[last()] = now;
+    bound_[last] = now;
   }
   // Levels i and i + 1 become one, the new level stands on top.
-  __attribute__((noinline)) void join(int i, double now) {
-    const double both = stiffness(i) + stiffness(i + 1), share = stiffness(i) / both;
-    for (int k = 0; k < 3; k++) stretch(i)[k] = share * stretch(i)[k] + (1. - share) * stretch(i + 1)[k];
-    std::copy(stretch(i + 1) + 3, stretch(last()) + 3, stretch(i + 1));
-    std::copy(bound_ + i + 1, bound_ + last() + 1, bound_ + i);
-    std::fill(stretch(last()), stretch(last()) + 3, 0.);
-    bound_[last()] = now;
+  __attribute__((noinline)) static void join(double *bound, int count, int i, double now) {
+    double *const stretch = bound + count, *const joined = stretch + 3 * i, *const end = stretch + 3 * count;
+    const double below = i ? std::min(bound[i - 1], now) : 0., first = std::min(bound[i], now) - below,
+                 both = std::min(bound[i + 1], now) - below, share = first / both;
+    for (int k = 0; k < 3; k++) joined[k] = share * joined[k] + (1. - share) * joined[k + 3];
+    std::copy(joined + 6, end, joined + 3);
+    std::fill(end - 3, end, 0.);
+    std::copy(bound + i + 1, stretch, bound + i);
+    for (double *b = bound; b < stretch; b++) *b = std::min(*b, now);
+    stretch[-1] = now;
   }
 };
 
 // One step of a contact with `count` levels: see Levels.
-inline ShearStep shear_step(int count, double stiffness, double limit, const double *normal, const double *displacement,
-                            double *numbers) {
+__attribute__((always_inline)) inline ShearStep shear_step(int count, double stiffness, double limit,
+                                                           const double *normal, const double *displacement,
+                                                           double *numbers) {
   switch (count) {
   case 1:
     return Levels<1>(numbers, count).step(stiffness, limit, normal, displacement);
