@@ -9,7 +9,7 @@
 namespace {
 
 using namespace LAMMPS_NS::Granular_NS;
-const ContactType WALL_REGION = WALLREGION;
+const int LAST_TYPE = 3; // SURFACE, of package GRANSURF, which releases before 4 Jul 2026 have not
 
 // What a sub-model knows of its instance of LAMMPS.
 struct Instance {

@@ -44,7 +44,10 @@ public:
   void end() { wall_ = NULL; }
   // A contact of a wall: where nothing has announced its forces, those of all walls begin with the first one.
   void meet() {
-    if (!wall_) begin(this);
+    if (wall_) return;
+    const auto known = walls_.find(this);
+    if (known == walls_.end() || known->second.step != now()) begin(this);
+    wall_ = this;
   }
   // A contact of this wall: what it stores, what its plastic flow took that no step has booked yet.
   void enter(double stored, double pending) {

@@ -12,7 +12,8 @@
 
 namespace {
 
-enum ContactType { PAIR = 0, WALL = 1, WALL_REGION = 2 }; // those that demlaws knows
+// those that demlaws knows; the last one is that of package GRANSURF
+enum ContactType { PAIR = 0, WALL = 1, WALL_REGION = 2, LAST_TYPE = 3 };
 
 // Pointers: the instance, then references to 21 members of it.
 struct Pointers {

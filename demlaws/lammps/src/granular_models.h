@@ -223,7 +223,7 @@ template <class ABI> struct Granular {
   protected:
     template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
       Model *const m = gm;
-      if (__builtin_expect(m->contact_type > WALL_REGION, 0)) refuse_contact();
+      if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
       stiffness_ = now.stiffness;
@@ -316,7 +316,7 @@ template <class ABI> struct Granular {
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;
       what << title() << ": contacts of type " << gm->contact_type
-           << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran or wall/gran/region";
+           << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran, wall/gran/region or surfaces";
       raise(*of.error, false, what.str());
     }
   };

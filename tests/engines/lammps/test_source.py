@@ -1,5 +1,6 @@
 """LAMMPS with the models built in (`make lammps-source`; DEMLAWS_LAMMPS_SOURCE names it) beside LAMMPS with the plugin."""
 
+import itertools
 import os
 
 import numpy as np
@@ -203,3 +204,99 @@ thermo_modify format float %.17e norm no
 thermo 1
 timestep 1e-7
 """
+
+
+# --- triangles (package GRANSURF of 4 Jul 2026)
+
+
+def stl(path, corners, height):
+    """A file of the squares between `corners` along x and y, cut into triangles, at z = height(x)."""
+    lines = ["solid ground"]
+    for (x1, x2), (y1, y2) in itertools.product(itertools.pairwise(corners), repeat=2):
+        square = [(x, y, height(x)) for x, y in ((x1, y1), (x2, y1), (x2, y2), (x1, y2))]
+        for triangle in ((0, 1, 2), (0, 2, 3)):
+            a, b, c = (np.array(square[k]) for k in triangle)
+            normal = np.cross(b - a, c - a) / np.linalg.norm(np.cross(b - a, c - a))
+            points = [f"vertex {x:.12g} {y:.12g} {z:.12g}" for x, y, z in (a, b, c)]
+            lines += [
+                f"facet normal {normal[0]:.12g} {normal[1]:.12g} {normal[2]:.12g}",
+                "outer loop",
+                *points,
+                "endloop",
+                "endfacet",
+            ]
+    path.write_text("\n".join([*lines, "endsolid ground", ""]))
+
+
+def rolling(folder, wall, model, start, speed, gravity=3000):
+    """Log of a sphere of 10 mm that is pressed on a wall and moves along it: place, speed, spin, force. wall: with MODEL."""
+    text = f"""{HEAD}boundary f f f
+region box block -0.03 0.03 -0.03 0.03 -0.02 0.03 units box
+create_box 2 box
+create_atoms 1 single {start} units box
+set group all diameter 0.01 density 2650
+neighbor 1e-3 bin
+neigh_modify delay 0 every 1 check yes
+pair_style granular
+pair_coeff * * {model}
+{wall.replace("MODEL", f"granular {model}")}
+fix weight all gravity {gravity} vector 0 0 -1
+fix move all nve/sphere
+velocity all set {speed}
+compute e all demlaws/energy
+compute p all property/atom x y z vx vy vz omegax omegay fx fy fz
+compute s all reduce sum c_p[*]
+thermo_style custom step c_e[1] c_e[2] c_s[*]
+thermo_modify format float %.17e norm no
+timestep 1e-7
+thermo 20
+run 30000
+"""
+    return simulate(folder, text)
+
+
+def surfaces():
+    """Programs with package GRANSURF."""
+    found = []
+    with pytest.MonkeyPatch.context() as patch:
+        for name, program in ((PLUGIN, os.environ.get("DEMLAWS_LAMMPS")), (SOURCE, BUILT)):
+            if program:
+                patch.setenv("DEMLAWS_LAMMPS", program)
+                found += [name] if "GRANSURF" in lm.versions().packages else []
+    return found
+
+
+@pytest.mark.parametrize(
+    "start, speed", [("-0.011 -0.0123 0.00501", "0.8 1.0 -0.01"), ("-0.011 -0.011 0.00501", "0.8 0.8 -0.01")]
+)
+@pytest.mark.parametrize("way", surfaces())
+def test_a_sphere_on_triangles_is_one_on_a_plane(tmp_path, use, way, start, speed):
+    """Over edges, and over a corner and along an edge."""
+    use(way)
+    dl.law("pohrt-popov", ROUGH.with_values(radius=5e-3), "hertz").tabulate(rtol=1e-7).save(tmp_path / "law.tbl")
+    model = "demlaws/table law.tbl 60.6e9 0.9 0.25 tangential demlaws 1.0 0.3 damping demlaws/tangent"
+    stl(tmp_path / "ground.stl", np.linspace(-0.02, 0.02, 5), lambda x: 0.0)
+    plane = rolling(tmp_path, "fix floor all wall/gran MODEL zplane 0 NULL", model, start, speed)
+    ground = rolling(tmp_path, "fix floor all surface/global input stl 1 1 ground.stl model * * MODEL", model, start, speed)
+    assert plane["e[1]"].max() > 0 and np.abs(plane["s[7]"]).max() > 10
+    for column, values in plane.items():
+        assert np.abs(ground[column] - values).max() <= 1e-9 * max(np.abs(values).max(), 1e-12), column
+
+
+@pytest.mark.parametrize("way", surfaces())
+def test_the_table_of_hertz_over_a_ridge_is_stock_hertz(tmp_path, use, way):
+    use(way)
+    dl.law("hertz", ROUGH.with_values(radius=5e-3)).tabulate(rtol=1e-10).save(tmp_path / "law.tbl")
+    stl(tmp_path / "ground.stl", np.array([-0.02, -0.01, -0.003, 0.005, 0.02]), lambda x: -0.4 * abs(x + 0.003))
+    words = "tangential linear_history 1e6 0.1 0.3 damping viscoelastic"
+    wall, start, speed = (
+        "fix floor all surface/global input stl 1 1 ground.stl model * * MODEL",
+        "-0.0055 -0.0123 0.00441",
+        "1.6 0.5 0.6",
+    )
+    stock = rolling(tmp_path, wall, f"hertz/material 60.6e9 0.3 0.25 {words}", start, speed, 100)
+    table = rolling(tmp_path, wall, f"demlaws/table law.tbl 60.6e9 0.3 0.25 {words}", start, speed, 100)
+    touches = np.abs(stock["s[9]"]) > 0
+    assert stock["s[1]"][0] < -0.003 < stock["s[1]"][-1] and touches.sum() > 20
+    for column in ("s[1]", "s[3]", "s[4]", "s[6]", "s[8]", "s[11]"):
+        assert np.abs(table[column] - stock[column]).max() <= 1e-7 * np.abs(stock[column]).max(), column
