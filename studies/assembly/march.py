@@ -11,7 +11,7 @@ from demlaws.core.shear import shear_stiffness
 def march(choice, rule, p, state, steps, given, goal, size, bodies, pairs, contacts, results):
     """Move by `steps` at most; returns how many were done: fewer if a neighbour list may be incomplete.
 
-    given: radius, mass, friction, K_t/K, drag [1/s], dt, feedback [1/s], largest strain rate [1/s], skin [m]. goal: three normal
+    given: radius, mass, friction, K_t/K, drag [1/s], dt, feedback [1/s], largest strain rate [1/s], skin [m]. goal: normal
     stresses [Pa]; the box does not strain along an axis whose goal is 0. size: (3,). bodies: (5, n, 3) places, velocities
     beside the affine ones, spins, distances moved since the neighbours were found, and forces. pairs: (m, 5) both bodies and
     how many boxes the second one is shifted. contacts: (m, 6) shear force, normal force, K, the normal stiffness of shear.

@@ -35,6 +35,7 @@ class Contacts(NamedTuple):
 
     pairs: np.ndarray  # (n, 2)
     normals: np.ndarray  # (n, 3), from the first body to the second
+    length: np.ndarray  # between the centres [m]
     force: np.ndarray  # normal [N]
     stiffness: np.ndarray  # K of the branch on which the contact is [N/m]
     unloading: np.ndarray  # K of unloading [N/m]
@@ -137,7 +138,7 @@ class Packing:
         if not np.all(np.isfinite(self.bodies[0])):
             raise DemlawsError("the packing flew apart: the step is too long")
 
-    def compress(self, goal, tolerance=2e-3, balance=1e-3, share=0.3, drag=0.1, viscous=5e-3, limit=100_000):
+    def compress(self, goal, tolerance=5e-3, balance=1e-3, share=0.3, drag=0.1, viscous=5e-3, limit=200_000):
         """Bring the normal stresses to `goal` [Pa] (0: the box keeps its size there) and the forces to balance.
 
         share, drag: of √(m/K) of the stiffest contact the step, of √(K/m) of a mean one the drag; viscous: largest strain rate
@@ -167,5 +168,11 @@ class Packing:
         normal = self.contacts[on, 3]
         shear = np.linalg.norm(self.contacts[on, :3], axis=1) / (max(self.friction, 1e-9) * normal)
         return Contacts(
-            self.pairs[on, :2], apart[on] / distance[on, None], normal, self.contacts[on, 4], self.contacts[on, 5], shear
+            self.pairs[on, :2],
+            apart[on] / distance[on, None],
+            distance[on],
+            normal,
+            self.contacts[on, 4],
+            self.contacts[on, 5],
+            shear,
         )

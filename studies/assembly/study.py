@@ -1,7 +1,8 @@
 """Moduli of packings over pressure for laws and roughnesses; a row per state in `moduli.csv`.
 
 Packings of equal spheres in a periodic box are made at 2 kPa with smooth spheres: "dense" without friction, "loose" with it.
-With a law they are then compressed from 10 kPa to 1 MPa, with friction, isotropically or along z alone ("oedometric"). Stiffnesses:
+With a law they are then compressed from 10 kPa to 1 MPa, with friction, isotropically or along z alone
+("oedometric"). Stiffnesses:
 
 - tangent: K of the law's curve, K_t = K_t/K times it: what a wave sees if asperities stay elastic
 - tenth: the same with a tenth of K_t
@@ -22,7 +23,7 @@ import demlaws as dl
 from demlaws.errors import quiet
 from demlaws.laws.names import HERTZ, POHRT_POPOV
 from studies.assembly.packing import Bead, Packing
-from studies.assembly.stiffness import STRAINS, Linear, first_loading, moduli, prestress
+from studies.assembly.stiffness import first_loading, moduli, prestress
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "moduli.csv"
@@ -92,7 +93,7 @@ def start(packing, count, seed, store=STORE):
 
 
 def begin(series, store=STORE):
-    """The `Packing` of a series before its first pressure: spheres of its size, moved together by the change of mean overlap."""
+    """The `Packing` of a series before its first pressure: spheres of its size, closer by the change of the mean overlap."""
     kept, bead = start(series.packing, series.count, series.seed, store), BEADS[series.bead]
     scale, law, force = bead.diameter / GLASS.diameter, series.bound(), START * bead.diameter**2
     closer = float(law.overlap(force) - dl.law(HERTZ, law.contact).overlap(force)) / bead.diameter
@@ -112,22 +113,22 @@ def states(series, pressures=PRESSURES, store=STORE):
 def stiffnesses(series, law, contacts, size, first):
     """Columns of the moduli of one state [Pa]."""
     bead, along = BEADS[series.bead], series.path == "oedometric"
-    diameter, ratio = bead.diameter, bead.shear_ratio
+    ratio = bead.shear_ratio
 
     def both(*args):
-        found = moduli(contacts, diameter, size, *args)
+        found = moduli(contacts, size, *args)
         return (found.along, found.across, found.bulk) if along else (found.longitudinal, found.shear, found.bulk)
 
     smooth = dl.law(HERTZ, law.contact)
     row = dict(zip(("M", "G", "B"), both(ratio), strict=True))
     row |= dict(zip(("M_tenth", "G_tenth"), both(0.1 * ratio)[:2], strict=True))
     row |= dict(zip(("M_hertz", "G_hertz"), both(ratio, smooth.stiffness(smooth.overlap(contacts.force)))[:2], strict=True))
-    if first and series.law != HERTZ:
+    if first and series.law != HERTZ and not along:
         after = contacts._replace(unloading=smooth.stiffness(smooth.overlap(contacts.force)))
         pushed, sheared = np.zeros((3, 3)), np.zeros((3, 3))
         pushed[2, 2], sheared[0, 2], sheared[2, 0] = -1.0, 0.5, 0.5
-        row["M_first"] = first_loading(after, diameter, size, ratio, pushed)
-        row["G_first"] = first_loading(after, diameter, size, ratio, sheared)
+        row["M_first"] = first_loading(after, size, ratio, pushed)
+        row["G_first"] = first_loading(after, size, ratio, sheared)
     return row
 
 
@@ -135,7 +136,7 @@ def frozen(series, law, contacts, size, pressure):
     """M and G with these contacts, their forces in proportion to the pressure."""
     bead, along = BEADS[series.bead], series.path == "oedometric"
     stiffness = law.stiffness(law.overlap(contacts.force * pressure / FROZEN))
-    found = moduli(contacts, bead.diameter, size, bead.shear_ratio, stiffness)
+    found = moduli(contacts, size, bead.shear_ratio, stiffness)
     return (
         {"M_frozen": found.along, "G_frozen": found.across}
         if along
@@ -157,10 +158,10 @@ def rows(series, pressures=PRESSURES, store=STORE):
             "sliding": float(np.mean(contacts.shear > 0.999)),
             "force_N": float(contacts.force.mean()),
             "overlap_nm": 1e9 * float(law.overlap(contacts.force.mean())),
-            "prestress": prestress(contacts, bead.diameter, bead.shear_ratio),
+            "prestress": prestress(contacts, bead.shear_ratio),
             "steps": packing.steps,
         }
-        row |= stiffnesses(series, law, contacts, packing.size, series.seed == 1)
+        row |= stiffnesses(series, law, contacts, packing.size, series.seed == 1 and series.packing == "dense")
         if pressure == FROZEN:
             kept = contacts, packing.size.copy()
         found.append(row | {"seconds": time.process_time() - began})
@@ -171,9 +172,17 @@ def rows(series, pressures=PRESSURES, store=STORE):
 
 
 def wanted(count, seeds):
-    """All series: CORE in all packings, then MORE in those of up to three seeds."""
-    for chosen, last in ((CORE, seeds), (MORE, min(seeds, 3))):
-        for seed, case, packing, path in itertools.product(range(1, last + 1), chosen, PACKINGS, PATHS):
+    """All series, those first that the page needs most."""
+    few = min(seeds, 3)
+    for chosen, last, packing, paths in (
+        (CORE, seeds, "dense", PATHS),
+        (CORE, few, "loose", PATHS[1:]),
+        (MORE, min(seeds, 2), "dense", PATHS),
+        (CORE, few, "loose", PATHS[:1]),
+        (CORE, seeds, "loose", PATHS),
+        (MORE, few, "loose", PATHS),
+    ):
+        for seed, case, path in itertools.product(range(1, last + 1), chosen, paths):
             yield Series(*case, packing, path, count, seed)
 
 
@@ -192,18 +201,23 @@ def read(path=RESULTS):
         return [{name: value(cell) for name, cell in row.items()} for row in csv.DictReader(text)]
 
 
-def run(count, seeds, path=RESULTS, store=STORE, progress=print):
+def append(path, fields, found):
+    """Add rows (dicts) to a CSV file, with a head if it is new."""
+    new = not Path(path).is_file()
+    with open(path, "a", newline="") as file:
+        writer = csv.DictWriter(file, fields)
+        if new:
+            writer.writeheader()
+        writer.writerows({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()} for row in found)
+
+
+def run(series, path=RESULTS, store=STORE, progress=print):
     """Run the series that `path` lacks; a series is written when it is complete."""
     done = {tuple(row[name] for name in FIELDS[:8]) for row in read(path)}
-    for series in wanted(count, seeds):
-        if tuple(series) in done:
+    for one in dict.fromkeys(series):
+        if tuple(one) in done:
             continue
         with quiet():  # rms and greenwood-tripp below the loads for which they were made: the page reports it
-            found = rows(series, store=store)
-        new = not Path(path).is_file()
-        with open(path, "a", newline="") as file:
-            writer = csv.DictWriter(file, FIELDS)
-            if new:
-                writer.writeheader()
-            writer.writerows({k: f"{v:.5g}" if isinstance(v, float) else v for k, v in row.items()} for row in found)
-        progress(" ".join(map(str, series)))
+            found = rows(one, store=store)
+        append(path, FIELDS, found)
+        progress(" ".join(map(str, one)))
