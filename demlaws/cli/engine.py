@@ -66,6 +66,7 @@ def register(add):
     def export(arguments):
         grains, unloading, options = _grains_of(arguments)
         values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
+        values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
         path = part("export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
         if stock:
@@ -78,8 +79,12 @@ def register(add):
         out = arguments.out or output(arguments.input + ".demlaws")
         out, conversion = convert_file(arguments.input, name, arguments.table, out)
         record(file=out, notes=conversion.notes)
-        print("\n".join([*conversion.report(arguments.input), f"wrote {out}"]))
-        return 0 if all(note.served for note in conversion.notes) else 1
+        print(
+            "\n".join(
+                [*conversion.report(arguments.input), "no line converted, no file written" if out is None else f"wrote {out}"]
+            )
+        )
+        return 0 if conversion.complete else 1
 
     def run(arguments):
         _refuse_mpirun(name)
@@ -117,7 +122,13 @@ def register(add):
     exports.set_defaults(func=export)
 
     text = example(CONVERT_EXAMPLE.format(name=name))
-    converts = parts.add_parser("convert", help="replace the contact model of an input by demlaws/table", **text)
+    converts = parts.add_parser(
+        "convert",
+        help="replace the contact model of an input by demlaws/table",
+        description="Replaces the contact model of an input by demlaws/table, also in `if`, in hybrid styles and in variables. "
+        "Exit status: 0 if every granular line was converted, 1 if lines remain that are named with the reason.",
+        **text,
+    )
     converts.add_argument("input", help="input script with stock models")
     converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
     converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
@@ -171,6 +182,10 @@ def _grain_arguments(export):
         export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
     export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
     export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)s)")
+    export.add_argument(
+        "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"
+    )
+    export.add_argument("--levels", type=whole(high=8), help="levels of the shear model, 1 to 8 (default 3)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 

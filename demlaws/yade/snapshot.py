@@ -24,6 +24,10 @@ def _mass(body):
 def _stiffness(contact, bodies):
     """(K_n, K_t) [N/m]. On first loading of a law with history K_t follows the stiffness of unloading, which is the larger."""
     phys = contact.phys
+    if max(getattr(phys, "kr", 0.0), getattr(phys, "ktw", 0.0)) > 0.0:
+        raise DemlawsError("its contacts resist rolling or twisting (kr, ktw), which the limit does not include")
+    if getattr(phys, "tangensOfFrictionAngle", 1.0) == 0.0:
+        return phys.kn, 0.0
     if isinstance(phys, yade.MindlinPhys):
         materials = [Material(m.young, m.poisson) for m in (bodies[contact.id1].mat, bodies[contact.id2].mat)]
         return max(phys.kn, phys.ks / shear_ratio(*materials)), phys.ks
@@ -41,6 +45,7 @@ def snapshot():
         "normals": [tuple(c.geom.normal) for c in contacts],
         "springs": [_stiffness(c, bodies) for c in contacts],
         "masses": [_mass(body) for body in bodies.values()],
+        "blocked": [[axis in body.state.blockedDOFs for axis in "xyzXYZ"] for body in bodies.values()],
         "dt": yade.O.dt,
         "rayleigh": min(
             (rayleigh_step(b.shape.radius, b.mat.density, b.mat.young, b.mat.poisson) for b in grains), default=None

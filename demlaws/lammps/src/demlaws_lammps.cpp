@@ -44,7 +44,7 @@ struct Layout {
   void (*compute)(void *);
   void (*construct)(void *, const std::string &, int, bool);
   int (*add)(void *, char **, int, int, int, bool);
-  void (*before_init)(void *);
+  void (*before_init)(void *, bool);
   void (*after_init)(void *, bool, bool &, bool &, std::vector<int> &);
   template <bool LATE> static const Layout *of() {
     typedef Granular<LATE> All;
@@ -142,7 +142,10 @@ void *pair_now = NULL; // the pair style whose lines are being read
 
 struct PairNow {
   explicit PairNow(void *pair) { pair_now = pair; }
-  ~PairNow() { pair_now = NULL; }
+  ~PairNow() {
+    pair_now = NULL;
+    reading = {false, NULL};
+  }
 };
 
 // A position that is not a number touches nothing: a particle with one would drop out of the model silently.
@@ -194,7 +197,7 @@ void demlaws_construct(void *model, std::string name, int type) {
   layout->construct(model, name, type, !under_hybrid(model));
 }
 void demlaws_init(void *model) {
-  if (layout) layout->before_init(model);
+  if (layout) layout->before_init(model, !pair_now);
   Stock::get().init(model);
   if (!layout) return;
   bool has_table, keeps;
@@ -221,6 +224,7 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
 }
 void demlaws_pair_restart(void *pair, FILE *file) {
   PairNow now(pair);
+  reading = {true, file};
   Stock::get().pair_restart(pair, file);
   if (!Histories::all()[pair].ours) return;
   Range::of(instance_of(pair)).has_contacts = true;
@@ -236,6 +240,7 @@ void demlaws_pair_init(void *pair) {
             "whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and "
             "the same tangential, rolling and twisting models");
   Stock::get().pair_init(pair);
+  Range::of(instance_of(pair)).of_restart = 0;
   if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
 }
 

@@ -22,6 +22,22 @@ inline double number(void *error, const std::string &of, const char *text) {
 __attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
 __attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
 
+// A restart file, while its pair_coeff lines are read.
+struct Reading {
+  bool active;
+  FILE *file; // on rank 0
+  // The number that comes next.
+  int next(const Ranks &ranks) const {
+    int number = 0;
+    if (file) {
+      const long here = ftell(file);
+      if (fread(&number, sizeof number, 1, file) != 1) number = 0;
+      fseek(file, here, SEEK_SET);
+    }
+    return ranks.gather(number)[0];
+  }
+} reading = {false, NULL};
+
 // The material that makes E* and G* of the pair those of the two materials: stock hertz/material takes E* for E here,
 // so that `mindlin NULL` is too soft by about half.
 inline void join(double E1, double nu1, double E2, double nu2, double &E, double &nu) {
@@ -51,7 +67,21 @@ template <bool LATE> struct Granular {
     using NormalMod::nsvector;
     using NormalMod::of;
     using NormalMod::poiss;
-    enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, SHEAR, SPRINGS, FINGERPRINT, COEFFICIENTS };
+    enum {
+      YOUNG,
+      ETA,
+      POISSON,
+      ROUGHNESS,
+      TOLERANCE,
+      EXTRAPOLATE,
+      SHEAR,
+      SPRINGS,
+      FINGERPRINT,
+      LEVELS,
+      RATIO,
+      COEFFICIENTS
+    };
+    enum { COEFFICIENTS_0_2 = LEVELS }; // of restart files of 0.2.0, whose contacts have one level
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
     enum { MOST_STATE = 3 };
 
@@ -71,6 +101,7 @@ template <bool LATE> struct Granular {
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = 12.;
       coeffs[FINGERPRINT] = table.fingerprint();
+      coeffs[LEVELS] = demlaws::LEVELS;
     }
 
     void coeffs_to_local() {
@@ -83,6 +114,9 @@ template <bool LATE> struct Granular {
             "Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from "
             "-1 to 0.5");
       if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
+      if (!demlaws::may_have_levels(coeffs[LEVELS])) refuse("levels must be a whole number from 1 to 8");
+      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= 4. / 3.)) refuse("shear_ratio must be above 0, at most 4/3");
+      this->num_coeffs = COEFFICIENTS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse(
             "this is not the table that the restart file was written with: bring that file back, or write pair_coeff "
@@ -107,11 +141,11 @@ template <bool LATE> struct Granular {
       coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
       coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
       coeffs[EXTRAPOLATE] = std::min(a[EXTRAPOLATE], b[EXTRAPOLATE]);
-      if (a[SHEAR] != b[SHEAR] || a[SPRINGS] != b[SPRINGS])
-        refuse("both types must have the same 'shear' and 'springs' to be mixed");
-      coeffs[SHEAR] = a[SHEAR];
-      coeffs[SPRINGS] = a[SPRINGS];
-      coeffs[FINGERPRINT] = a[FINGERPRINT];
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO})
+        if (a[word] != b[word])
+          refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
+                 "pair_coeff for this pair of types, too");
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FINGERPRINT}) coeffs[word] = a[word];
       coeffs_to_local();
     }
 
@@ -127,13 +161,20 @@ template <bool LATE> struct Granular {
     double stiffness() const { return stiffness_; }
     // For the tangential model: that of K_t, and K_t over it; whether there are springs, and how much they are pressed.
     double shear_stiffness() const { return shear_stiffness_; }
-    double shear_ratio() const { return 2. * (1. - poiss) / (2. - poiss); }
+    double shear_ratio() const { return coeffs[RATIO] > 0. ? coeffs[RATIO] : 2. * (1. - poiss) / (2. - poiss); }
     bool slips() const { return shear_ == demlaws::SLIP_SHEAR; }
     demlaws::Compression compression() const {
       return law_.compression(gm->Reff, gm->delta, gm->history + history_index);
     }
     double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
+
+    // Of a restart file, with so many numbers.
+    void expect(int numbers) {
+      if (numbers != COEFFICIENTS_0_2) return;
+      this->num_coeffs = numbers;
+      coeffs[LEVELS] = 1.;
+    }
 
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
     // model are at work; else LAMMPS's own.
@@ -322,7 +363,7 @@ template <bool LATE> struct Granular {
     using TangentialMod::gm;
     using TangentialMod::history_index;
     Passive(Model *m, const std::string &named)
-        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(m->of.lmp)), normal_(NULL), springs_(0) {
+        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(m->of.lmp)), normal_(NULL), springs_(0), levels_(0) {
       this->name = named;
       this->nondefault_history_transfer = 1;
     }
@@ -340,13 +381,15 @@ template <bool LATE> struct Granular {
       normal_ = dynamic_cast<Table *>(gm->normal_model);
       if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
       springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
-      this->size_history = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::STRETCH_SIZE;
+      levels_ = (int)normal_->coeffs[Table::LEVELS];
+      this->size_history = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::levels_size(levels_);
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
       // scalars are the same seen from either particle, stretches are opposite
       std::fill(this->transfer_history_factor, this->transfer_history_factor + this->size_history, -1.);
-      std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : 1), 1.);
-      this->k = 2. * normal_->shear_ratio() * normal_->effective_modulus(); // K_t over the contact radius: twisting
+      std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : levels_), 1.);
+      ratio_ = normal_->shear_ratio();
+      this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
     }
     void calculate_forces() {
       Model *const m = gm;
@@ -356,13 +399,13 @@ template <bool LATE> struct Granular {
         std::copy(numbers, numbers + this->size_history, copy);
         numbers = copy;
       }
-      const double stiffness = normal_->shear_stiffness(), ratio = normal_->shear_ratio(), dt = keep ? m->dt : 0.,
+      const double stiffness = normal_->shear_stiffness(), ratio = ratio_, dt = keep ? m->dt : 0.,
                    limit = this->mu * normal_->Fncrit;
       const double displacement[3] = {m->vtr[0] * dt, m->vtr[1] * dt, m->vtr[2] * dt};
       const demlaws::ShearStep step =
           springs_ ? demlaws::SpringRow(numbers, springs_)
                          .step(stiffness, ratio, limit, normal_->compression(), m->nx, displacement)
-                   : demlaws::shear_step(ratio * stiffness, limit, m->nx, displacement, *(demlaws::Stretch *)numbers);
+                   : demlaws::shear_step(levels_, ratio * stiffness, limit, m->nx, displacement, numbers);
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->damp_prefactor;
       const double damping = step.slides ? 0. : this->damp;
       for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * m->vtr[k];
@@ -387,7 +430,8 @@ template <bool LATE> struct Granular {
     }
     Ledger &ledger_;
     const Table *normal_;
-    int springs_; // 0: the contact sticks until it slides
+    int springs_, levels_; // springs_ 0: the contact sticks until it slides
+    double ratio_ = 0.;    // K_t / K
   };
 
   // In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
@@ -441,6 +485,7 @@ template <bool LATE> struct Granular {
         raise(*m->of.error, true, std::string("demlaws/table: ") + problem.what());
       }
       if (!outputs) made->nsvector = 0;
+      if (reading.active) ((Table *)made)->expect(reading.next(Ranks(m->of.lmp, *m->of.error)));
       Range::of(m->of.lmp).used = true;
     } else if (type == DAMPING) made = m->damping_model = new Tangent(m, name);
     else made = m->tangential_model = new Passive(m, name);
@@ -457,7 +502,7 @@ template <bool LATE> struct Granular {
       if (at + 4 > count)
         raise(error, true,
               "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-              "[extrapolation on] [shear elastic|loading|slip] [springs N]");
+              "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
       name += std::string(" ") + arg[at++];
     }
     double c[Table::FINGERPRINT] = {0.};
@@ -477,6 +522,7 @@ template <bool LATE> struct Granular {
     if (type != NORMAL) return at;
     std::copy(c, c + 3, into);
     ((Table *)m->normal_model)->check_order();
+    bool levels = false;
     for (int values; at < count; at += values + 1) {
       const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
       values = word == "against" ? 2 : 1;
@@ -497,8 +543,14 @@ template <bool LATE> struct Granular {
       } else if (word == "roughness") {
         into[Table::ROUGHNESS] = given(1);
         if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
+      } else if (word == "shear_ratio") {
+        into[Table::RATIO] = given(1);
+        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: shear_ratio must be above 0, at most 4/3");
       } else if (word == "springs") into[Table::SPRINGS] = given(1);
-      else if (word == "radius_tolerance") into[Table::TOLERANCE] = given(1);
+      else if (word == "levels") {
+        into[Table::LEVELS] = given(1);
+        levels = true;
+      } else if (word == "radius_tolerance") into[Table::TOLERANCE] = given(1);
       else if (word == "against") {
         const double E = given(1), nu = given(2);
         if (!(E > 0.) || !(nu > -1. && nu <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
@@ -507,18 +559,33 @@ template <bool LATE> struct Granular {
         join(into[0], into[2], E, nu, into[0], into[2]);
       } else break;
     }
+    if (levels && into[Table::SHEAR] == demlaws::SLIP_SHEAR)
+      raise(error, true, "demlaws/table: partial slip has springs, not levels: leave 'levels' out");
     m->sub_models[type]->coeffs_to_local();
     return at;
   }
 
   // Before GranularModel::init.
-  static void before_init(void *model) {
+  static void before_init(void *model, bool wall) {
     Model *const m = (Model *)model;
     Passive *const passive = dynamic_cast<Passive *>(m->tangential_model);
-    if (passive) return passive->settle();
+    if (passive) {
+      passive->settle();
+      int &of_restart = Range::of(m->of.lmp).of_restart;
+      if (reading.active) of_restart = passive->size_history;
+      else if (wall && of_restart && of_restart != passive->size_history)
+        raise(
+            *m->of.error, true,
+            "demlaws/table: the contacts of the restart file keep " + std::to_string(of_restart) +
+                " values for shear, this wall " + std::to_string(passive->size_history) +
+                ": write the words 'levels', 'shear' and 'springs' that the wall had; files of 0.2.0 have 'levels 1'");
+      return;
+    }
     const Table *const table = dynamic_cast<Table *>(m->normal_model);
     if (!table || !m->tangential_model) return;
     if (table->slips()) raise(*m->of.error, true, table->name + ": 'shear slip' needs  tangential demlaws XT MU");
+    if (table->coeffs[Table::RATIO] > 0.)
+      raise(*m->of.error, true, table->name + ": 'shear_ratio' needs  tangential demlaws XT MU");
     const std::string &name = m->tangential_model->name;
     if (name.compare(0, 7, "mindlin") || name == "mindlin_rescale/force") return;
     Range::of(m->of.lmp).announce(

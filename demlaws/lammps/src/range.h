@@ -13,6 +13,7 @@ struct Range {
   bool used = false;         // there is a table
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
+  int of_restart = 0;        // until the first run: what the tangential models of a restart file keep per contact
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;

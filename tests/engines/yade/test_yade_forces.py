@@ -153,7 +153,7 @@ def test_bodies_come_and_go(omega, monkeypatch):
             omega.bodies.erase(body)
     recorder.exact("rough-plastic", "hertz", yield_pressure=1.66e9)
     assert len(recorder.lives) == 72
-    assert attachment.context.words[layout.ROWS_USED] <= 40
+    assert attachment.context["rows_used"] <= 40
 
 
 @pytest.mark.parametrize("way", ["native", "public"])

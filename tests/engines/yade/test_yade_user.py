@@ -490,7 +490,7 @@ def test_another_build_or_version_passes(bridge, monkeypatch, name, value):
     monkeypatch.setattr(yade.config, name, value)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        assert functor(bridge="native").way == "native" and bridge.layout().slot
+        assert functor(bridge="native").way == "native" and bridge.find_layout().slot
     assert (dy.BridgeWarning in [one.category for one in caught]) == (name == "version")
 
 
@@ -520,4 +520,4 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     }
     monkeypatch.setattr(*changes.get(doctored) or (bridge, doctored, getattr(bridge, doctored) + "x"))
     with pytest.raises(bridge.BridgeUnavailable):
-        bridge.layout()
+        bridge.find_layout()
