@@ -39,6 +39,7 @@ def parser():
         "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
     )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
+    parser.add_argument("--creep", type=output, help="picture of creep under vibration, with the runs of vibration.jsonl")
     parser.set_defaults(func=run)
     return parser
 
@@ -53,6 +54,9 @@ def run(arguments):
         print("|---|---|---|---|---|---|---|")
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
+        return
+    if arguments.creep is not None:
+        print(plots.save(figure.draw_creep(), arguments.creep))
         return
     if arguments.memory:
         memory.print_table()
