@@ -79,6 +79,7 @@ struct Law {
   Pair pair;
   Watch watch;
   std::shared_ptr<SpringCurve> springs; // of partial slip
+  double mark = 0.;                     // kept by the contacts that began under this law: never 0
 
   // modulus: E* in the engine's units, of which a metre and a pascal are so many; roughness [m]. Returns a doubt about
   // the modulus, or ""; throws for a pair that the table does not serve.
@@ -88,6 +89,9 @@ struct Law {
     pair = Pair::checked(table, modulus / pascal, roughness);
     pair.in_units(modulus, metre, pascal);
     watch = Watch(pair);
+    // as float: another computer may round a mixed modulus otherwise
+    const float numbers[2] = {(float)(modulus / pascal), (float)roughness};
+    mark = 1. + crc32(table.fingerprint(), (const char *)numbers, sizeof numbers);
     springs.reset();
     if (shear != SLIP_SHEAR) return doubt;
     if (!has_springs(pair.rule))
@@ -100,6 +104,13 @@ struct Law {
     return Compression(pair, springs.get(), radius, overlap, state);
   }
 };
+
+// Of a contact whose mark is another law's.
+inline std::string other_law() {
+  return "this contact began under another law (table, modulus or roughness of its types), whose overlaps it keeps; "
+         "give "
+         "bodies another law while they do not touch, or begin anew from positions (write_data, read_data)";
+}
 
 } // namespace demlaws
 #endif
