@@ -15,6 +15,19 @@ class Ranks {
 public:
   int me = 0, count = 1;
   virtual ~Ranks() {}
+  // Before the first message: a rank without the plugin stops with an error and waits for the others for ever, and they
+  // for it. Ends the run then.
+  void meet() const {
+    if (count == 1) return;
+    start();
+    for (int n = 0; !arrived(); n++) {
+      if (n == 1000 * PATIENCE)
+        end("demlaws/table: rank " + std::to_string(me) + " has waited for the others for " + std::to_string(PATIENCE) +
+            " s: there is a rank that runs without the plugin; give LD_PRELOAD or LAMMPS_PLUGIN_PATH to all ranks " +
+            "(mpirun -x LD_PRELOAD), as `demlaws liggghts run` and `demlaws lammps run` do");
+      usleep(1000);
+    }
+  }
   // Rank 0's bytes to all.
   void share(std::string &bytes) const {
     if (count == 1) return;
@@ -31,6 +44,10 @@ public:
   }
 
 private:
+  static const int PATIENCE = 10; // [s]
+  virtual void start() const {}   // a barrier that does not block; where all ranks have the same code it is not needed
+  virtual bool arrived() const { return true; }
+  virtual void end(const std::string &why) const { throw std::runtime_error(why); } // ends all ranks, whatever they do
   virtual void broadcast(void *bytes, int size) const = 0;
   virtual void collect(const void *mine, int size, void *all) const = 0;
 };
@@ -40,6 +57,7 @@ private:
 inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   static std::map<std::pair<std::string, uint32_t>, std::unique_ptr<Table>> tables;
   std::string data, problem;
+  ranks.meet();
   if (ranks.me == 0) {
     try {
       data = Table::contents(path);

@@ -113,13 +113,22 @@ struct Units {
 
 class Mpi : public Ranks {
 public:
-  explicit Mpi(LAMMPS *lmp) : world_(lmp->world) {
+  explicit Mpi(LAMMPS *lmp) : error_(lmp->error), world_(lmp->world) {
     me = lmp->comm->me;
     count = lmp->comm->nprocs;
   }
 
 private:
+  Error *const error_;
   const MPI_Comm world_;
+  mutable MPI_Request barrier_;
+  void start() const { MPI_Ibarrier(world_, &barrier_); }
+  bool arrived() const {
+    int all = 0;
+    MPI_Test(&barrier_, &all, MPI_STATUS_IGNORE);
+    return all != 0;
+  }
+  void end(const std::string &why) const { error_->one(FLERR, why.c_str()); }
   void broadcast(void *bytes, int size) const { MPI_Bcast(bytes, size, MPI_BYTE, 0, world_); }
   void collect(const void *mine, int size, void *all) const {
     MPI_Allgather(const_cast<void *>(mine), size, MPI_BYTE, all, size, MPI_BYTE, world_);
