@@ -1,4 +1,4 @@
-"""One contact under normal and tangential displacement: passive shear without slip, and partial slip."""
+"""One contact under normal and tangential displacement: shear without slip before sliding, and partial slip."""
 
 import math
 from typing import NamedTuple
@@ -6,8 +6,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from demlaws.core.levels import DEFAULT_LEVELS, levels_loop
 from demlaws.core.shear import CHOICES, DEFAULT, SLIP
-from demlaws.core.slip import SAMPLES, one_spring_loop, slip_loop
+from demlaws.core.slip import SAMPLES, slip_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
 from demlaws.units import number, real, unmasked, whole
@@ -42,6 +43,7 @@ def sheared(
     shear: str = DEFAULT,
     friction: float | None = None,
     springs: int = 32,
+    levels: int | None = None,
 ) -> Sheared:
     """Shear force and energies of one contact along a path of overlaps and tangential displacements [m].
 
@@ -63,6 +65,9 @@ def sheared(
     springs : int
         Number of springs of "slip" for the stiffest point of the path. The force converges with its square: 32 springs
         are within 1e-3 of the limit for all laws here, 8 within 1.2e-2.
+    levels : int, optional
+        Number of levels of "elastic" and "loading" (default 3): groups of springs that touched at similar stiffness and share
+        one displacement. With 1 the contact loses its shear force if its overlap vibrates; 2 or more keep it.
 
     Returns
     -------
@@ -75,7 +80,9 @@ def sheared(
 
     Notes
     -----
-    Every choice is passive: `dissipated` never falls on any path, so that no closed path returns work. At constant overlap δ
+    Every choice is passive: `dissipated` never falls on any path, so that no closed path returns work. Without slip,
+    dQ = K_t ds; where K_t falls, the springs that touched last open and their force is lost, and where K_t rises, new springs
+    begin without force [our derivation]. At constant overlap δ
     "slip" gives Q = μ [P(δ) - P(δ - ratio s/μ)], with P the unloading curve (Jäger 1998; Ciavarella 1998), for Hertz the
     solutions of Cattaneo (1938), Mindlin (1949) and Mindlin & Deresiewicz (1953). For contacts with a history the springs are
     those of the curve on which the contact would unload now [our derivation].
@@ -106,6 +113,8 @@ def sheared(
     ratio = number(ratio, "ratio", high=4.0 / 3.0)
     if not isinstance(shear, str) or shear not in (*CHOICES, SLIP):
         raise DemlawsError(f"shear must be {', '.join(map(repr, (*CHOICES, SLIP)))}, got {shear!r}")
+    if shear == SLIP and levels is not None:
+        raise DemlawsError("partial slip has springs, not levels: give springs=, or another shear= than 'slip'")
     if shear == SLIP and friction is None:
         raise DemlawsError("partial slip needs the coefficient of friction: give friction=")
     limit = math.inf if friction is None else number(friction, "friction", allow_low=True)
@@ -119,7 +128,9 @@ def sheared(
         slip_loop(law.rule, params, depth, first, second, ratio, limit, largest, state.arrays, *rows, results)
     else:
         tag = CHOICES[shear].tag
-        one_spring_loop(tag, law.rule, params, depth, first, second, ratio, limit, state.arrays, results)
+        count = DEFAULT_LEVELS if levels is None else whole(levels, "levels", high=100_000)
+        rows = np.zeros(count), np.zeros((2, count))
+        levels_loop(tag, law.rule, params, depth, first, second, ratio, limit, state.arrays, *rows, results)
     force, stiffness, *forces, work, stored = results
     shear_force = forces[0] if along.ndim == 1 else np.stack(forces, -1)
     return Sheared(depth, along, force, ratio * stiffness, shear_force, work, stored)

@@ -1,9 +1,6 @@
-"""Shear of one contact: one spring (no slip before sliding) or a row of springs (partial slip). Both are passive.
+"""Partial slip of one contact: a row of springs, which creates no energy.
 
-One spring: dQ = K_t ds. Where K_t falls, the part of the contact that opens takes its share of the force and its energy along;
-where K_t rises, the new part of the contact is not stretched and the force is kept.
-
-Partial slip: the method of dimensionality reduction (Popov & Heß 2015, Method of Dimensionality Reduction in Contact Mechanics
+The method of dimensionality reduction (Popov & Heß 2015, Method of Dimensionality Reduction in Contact Mechanics
 and Friction) replaces a contact by independent springs. A spring that touches at overlap z has the normal stiffness
 dK = P''(z) dz. Here a spring is named by κ = K(z), the stiffness of the contact when the spring touched, so that springs have
 equal stiffness and keep their place when the unloading curve moves [our derivation]:
@@ -23,7 +20,7 @@ import numpy as np
 from demlaws.core.dispatch import gather, scatter, step, unloaded
 from demlaws.core.fastmath import sqrt
 from demlaws.core.numba_compat import kernel, loop
-from demlaws.core.shear import shear_stiffness, unloading_stiffness
+from demlaws.core.shear import unloading_stiffness
 
 SAMPLES = 512
 """Points at which `slip_loop` reads the unloading curve."""
@@ -40,32 +37,6 @@ def stretched(u, v, du, dv, limit):
     if length > limit:
         new_u, new_v = new_u * (limit / length), new_v * (limit / length)
     return u, v, new_u, new_v
-
-
-@loop
-def one_spring_loop(choice, rule, p, overlap, along, across, ratio, friction, state, results):
-    """One contact along a path of overlaps and displacements [m] in two directions of its tangent plane, as one spring.
-
-    choice: the normal stiffness to which K_t is proportional (`demlaws.core.shear`). friction: may be infinite. results:
-    (6, points) for normal force, that stiffness, both shear forces, work and stored energy of shear.
-    """
-    u, v, previous, work = 0.0, 0.0, 0.0, 0.0
-    for n in range(overlap.size):
-        force, tangent, new = step(rule, p, overlap[n], gather(state, 0))
-        scatter(state, 0, new)
-        top = shear_stiffness(choice, rule, p, overlap[n], force, tangent, new) if overlap[n] > 0.0 else 0.0
-        if top > previous:
-            u, v = u * (previous / top), v * (previous / top)
-        previous = top
-        stiffness = ratio * top
-        limit = friction * force / stiffness if stiffness > 0.0 else 0.0
-        du = along[n] - along[n - 1] if n > 0 else 0.0
-        dv = across[n] - across[n - 1] if n > 0 else 0.0
-        before_u, before_v, u, v = stretched(u, v, du, dv, limit)
-        work += 0.5 * stiffness * ((before_u + u) * du + (before_v + v) * dv)
-        results[0, n], results[1, n] = force, top
-        results[2, n], results[3, n] = stiffness * u, stiffness * v
-        results[4, n], results[5, n] = work, 0.5 * stiffness * (u * u + v * v)
 
 
 @kernel
@@ -135,7 +106,7 @@ def slip_step(top, previous, share, force, ratio, friction, du, dv, compression,
 
 @loop
 def slip_loop(rule, p, overlap, along, across, ratio, friction, largest, state, stretch, curve, results):
-    """`one_spring_loop` with a row of springs, by the stiffness with which the contact would unload.
+    """`levels.levels_loop` with a row of springs, by the stiffness with which the contact would unload.
 
     largest: stiffness [N/m] that the springs share equally, not below that of the contact at any point of the path. stretch:
     (2, springs) zeros. curve: (2, SAMPLES) for the unloading curve.

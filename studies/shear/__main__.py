@@ -1,11 +1,12 @@
 """`python -m studies.shear`: oblique impacts, the closed gas, pictures of shear."""
 
 import sys
+from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.shear import figure, gas, springs
+from studies.shear import figure, gas, memory, springs, vibration
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -27,6 +28,16 @@ def parser():
     parser.add_argument("--shear", nargs="+", default=["elastic", "slip"], help="with --gas (default elastic slip)")
     parser.add_argument("--steps", type=int, default=150_000, help="in 30 ms, with --gas (default 150,000)")
     parser.add_argument("--springs", type=int, nargs="+", help="errors of partial slip with these numbers of springs")
+    parser.add_argument(
+        "--memory", action="store_true", help="shear force kept, and creep, of a contact whose overlap vibrates"
+    )
+    parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
+    parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
+    parser.add_argument("--models", nargs="+", choices=vibration.MODELS, default=vibration.MODELS, help="with --vibrate")
+    parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
+    )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
     parser.set_defaults(func=run)
     return parser
@@ -42,6 +53,12 @@ def run(arguments):
         print("|---|---|---|---|---|---|---|")
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
+        return
+    if arguments.memory:
+        memory.print_table()
+        return
+    if arguments.vibrate:
+        vibration.run_all(arguments.vibrate, arguments.engines, arguments.models, arguments.cycles, arguments.out)
         return
     if arguments.springs:
         print_springs(arguments.springs)

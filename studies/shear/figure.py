@@ -11,8 +11,8 @@ from studies.shear.gas import CONTACT
 from studies.shear.oblique import ANGLE, MEASURED, MODELS, impact
 
 RATIO, FRICTION, LOAD = 2 * (1 - 0.25) / (2 - 0.25), 0.5, 10.0
-LABELS = {"displacement kept": "displacement kept", "force kept": "force kept", "elastic": "elastic (default)", "slip": "slip"}
-COLOURS = {"displacement kept": "#999999", "force kept": "#c49a6c", "elastic": "#1f77b4", "slip": "#d62728"}
+LABELS = {name: "elastic (default)" if name == "elastic" else name for name in MODELS}
+COLOURS = dict(zip(MODELS, ("#999999", "#c49a6c", "#9ecae1", "#1f77b4", "#d62728"), strict=True))
 
 
 def draw():
@@ -37,7 +37,13 @@ def draw():
     for model in MODELS:
         right.plot(angles, [impact(angle, model, steps=1500, springs=32).tangential for angle in angles], color=COLOURS[model])
     right.plot(ANGLE, MEASURED, "ko", ms=5)
-    places = {"displacement kept": (6, 0.985), "force kept": (6.5, 0.935), "elastic": (8, 0.865), "slip": (1.5, 0.665)}
+    places = {
+        "displacement kept": (6, 0.985),
+        "force kept": (6.5, 0.935),
+        "one level": (8, 0.865),
+        "elastic": (2, 0.76),
+        "slip": (1.5, 0.665),
+    }
     for model, (x, y) in places.items():
         right.annotate(LABELS[model], (x, y), color=COLOURS[model], fontsize=9)
     right.annotate("measured", (42, 0.74), fontsize=9)

@@ -11,6 +11,7 @@ import numpy as np
 
 import demlaws as dl
 from demlaws.core.dispatch import step
+from demlaws.core.levels import DEFAULT_LEVELS, slide, touch
 from demlaws.core.numba_compat import loop
 from demlaws.core.slip import SAMPLES, compress, read_unloading_curve, slip_step
 
@@ -23,7 +24,8 @@ SPHERE, PLATE = dl.Material(young=380e9, poisson=0.23), dl.Material(young=70e9, 
 MODELS = {
     "displacement kept": "LIGGGHTS history, LAMMPS mindlin: Q = K_t s",
     "force kept": "YADE's Hertz-Mindlin: dQ = K_t ds, Q kept while K_t falls",
-    "elastic": "demlaws: dQ = K_t ds, Q falls with K_t",
+    "one level": "demlaws with levels=1: dQ = K_t ds, Q falls with K_t",
+    "elastic": "demlaws: the same with three levels",
     "slip": "demlaws: partial slip",
 }
 
@@ -37,13 +39,14 @@ class Impact(NamedTuple):
 
 
 @loop
-def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, springs, largest):
+def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, levels, springs, largest):
     """Velocity Verlet from touch to separation: tangential velocity of the centre and ω R afterwards [m/s].
 
-    model: 0 displacement kept, 1 force kept, 2 force that falls with K_t, 3 springs.
+    model: 0 displacement kept, 1 force kept, 2 levels, 3 springs.
     """
     overlap, approach, velocity, spin = 0.0, normal, sideways, 0.0
     force, shear, held, stretch = 0.0, 0.0, 0.0, 0.0
+    bound, stretches = np.zeros(levels), np.zeros((2, levels))
     row, curve, compression = np.zeros((2, springs)), np.empty((2, SAMPLES)), np.empty(springs)
     for _ in range(10_000_000):
         approach -= 0.5 * dt * force / mass
@@ -60,9 +63,10 @@ def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, sp
             shear = slip_step(
                 stiffness, held, largest / springs, force, ratio, friction, moved, 0.0, compression, carried, row
             )[0]
+        elif model == 2:
+            touch(bound, stretches, ratio * stiffness)
+            shear = slide(bound, stretches, moved, 0.0, friction * force)[0]
         else:
-            if model == 2 and stiffness < held:
-                shear *= stiffness / held
             stretch += moved
             shear = ratio * stiffness * stretch if model == 0 else shear + ratio * stiffness * moved
             if abs(shear) > friction * force:
@@ -76,11 +80,13 @@ def oblique_loop(rule, p, mass, normal, sideways, ratio, friction, dt, model, sp
 
 
 def rebound(law, mass, friction, ratio, normal, sideways, model, steps=2000, springs=64):
-    """(tangential velocity, ω R) [m/s] after an impact with one of MODELS; ratio: K_t/K."""
+    """(tangential velocity, ω R) [m/s] after an impact with one of MODELS, or with a number of levels; ratio: K_t/K."""
     peak, duration = dl.driver.elastic_contact(law, mass, normal)
-    number, largest = list(MODELS).index(model), 1.01 * float(law.stiffness(peak))
+    levels = {"one level": 1, "elastic": DEFAULT_LEVELS}.get(model, model)
+    number = 2 if isinstance(levels, int) else {"displacement kept": 0, "force kept": 1, "slip": 3}[model]
+    levels, largest = levels if number == 2 else 1, 1.01 * float(law.stiffness(peak))
     return oblique_loop(
-        law.rule, law.params, mass, normal, sideways, ratio, friction, duration / steps, number, springs, largest
+        law.rule, law.params, mass, normal, sideways, ratio, friction, duration / steps, number, levels, springs, largest
     )
 
 
