@@ -42,6 +42,8 @@ _CHOICES = (
     "plane_flats",  # 1: R of a sphere on a facet, wall or box is the sphere's radius
     "radius_mode",
     "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never
+    "own_damping",  # the same of contacts with viscous damping
+    "own_period",  # the same in a periodic scene
     "may_be_unlisted",  # 1: materials without a surface are meant so
 )
 _NOTES = (  # of native code for the guard

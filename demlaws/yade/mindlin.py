@@ -162,10 +162,9 @@ def apply_forces(context, contact, law, geom, interaction, first, second, force)
 
 
 @kernel
-def own_step(mode, context, contact, row):
+def own_step(mode, context, contact, geom, phys, row):
     """The native law for a contact that `handles`."""
     law = view(contact.functor - context.functor_offset, objects.Functor)
-    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
     interaction = view(contact.interaction, objects.Interaction)
     first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
     second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
@@ -203,18 +202,31 @@ def own_step(mode, context, contact, row):
     return 1
 
 
+def exponent_of_damping(phys):
+    """Exponent of another kind of viscous damping, which some versions of YADE have; 0: not used."""
+
+
+@overload(exponent_of_damping, jit_options=INLINED)
+def _exponent_of_damping(phys):
+    if "damping_exponent" in phys.fields:
+        return lambda phys: phys.damping_exponent
+    return lambda phys: 0.0
+
+
 @kernel
-def handles(context, contact, row):
-    """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, and no other
-    contact has its physics."""
+def handles(context, contact, geom, phys, row):
+    """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, no other contact
+    has its physics, and the self-test has passed for its damping and its cell."""
+    if not (context.own_step != 0 and geom.penetrationDepth > 0.0 and row.overlap > 0.0):
+        return False
     law = view(contact.functor - context.functor_offset, objects.Functor)
-    overlap = view(contact.geom, objects.ScGeom).penetrationDepth
+    damped, periodic = phys.betan != 0.0 or phys.betas != 0.0, view(law.scene, objects.Scene).isPeriodic != 0
     return (
-        context.own_step != 0
-        and overlap > 0.0
-        and row.overlap > 0.0
-        and row.interaction == contact.interaction
+        row.interaction == contact.interaction
         and law.options == 0
+        and exponent_of_damping(phys) == 0.0
+        and (context.own_damping != 0 or not damped)
+        and (context.own_period != 0 or not periodic)
     )
 
 
@@ -246,8 +258,9 @@ def _advance(step, mode, context, contact, row):
         return lambda step, mode, context, contact, row: native_step(mode, context, contact, row)
 
     def either(step, mode, context, contact, row):
-        if handles(context, contact, row):
-            return own_step(mode, context, contact, row)
+        geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+        if handles(context, contact, geom, phys, row):
+            return own_step(mode, context, contact, geom, phys, row)
         return native_step(mode, context, contact, row)
 
     return either

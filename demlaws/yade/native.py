@@ -57,6 +57,10 @@ ROTATE = f"_ZNK4yade6ScGeom6rotateE{CONST_VECTOR.replace('K', '', 1)}"
 APPLY = f"_ZN4yade10LawFunctor24applyForceAtContactPointE{CONST_VECTOR}S5_iS5_iS5_"
 OPTIONS = ("includeAdhesion", "calcEnergy", "includeMoment", "neverErase")
 """Options of Mindlin's law with which `mindlin.own_step` is not used."""
+DAMPING_EXPONENTS = ("alpha", "beta")
+"""Names that MindlinPhys had for the exponent of another viscous damping."""
+OWN = ("own_step", "own_damping", "own_period")
+"""Fields of the context by which contacts without damping, with damping and in periodic scenes do without the native `go`."""
 NOT_TRIED = "not tried"
 SINGLE_BASE = "_ZTVN10__cxxabiv120__si_class_type_infoE"
 ROUND_SHAPES = ("Sphere", "GridNode", "GridConnection", "PFacet", "ChainedCylinder")
@@ -118,6 +122,7 @@ class Layout:
             self.step, self.step_refused = mindlin.OwnStep(), NOT_TRIED  # the self-test decides
             found = {name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}}
         self.addresses["normal_offset"] = found["ScGeom"]["normal"][-1]
+        self.allowed = dict.fromkeys(OWN, 0)  # by the self-test
         objects.define(**found)
         self.interaction = objects.Interaction
 
@@ -196,6 +201,8 @@ class Layout:
         if options != list(range(options[0], options[0] + 4)):
             raise BridgeUnavailable(f"{LAW} has its options at {options}")
         self.addresses |= {"apply_force": symbol(self.library, APPLY), "functor_offset": self.slot[0]}
+        exponents = [name for name in DAMPING_EXPONENTS if hasattr(yade.MindlinPhys, name)]
+        exponent = {"damping_exponent": ("f8", find_number(yade.MindlinPhys, exponents[0]))} if exponents else {}
         vectors = ("shearForce", "shearViscous", "normalViscous", "usElastic", "usTotal")
         return {
             "Functor": {"scene": ("i8", find_word(functor, scene)), "options": ("u4", options[0])},
@@ -206,6 +213,7 @@ class Layout:
             },
             "Cell": {"hSize": ("f8", (3, 3), find_cell_size(O.cell)), "shiftVelocity": ("f8", (3, 3), find_shift_velocity())},
             "MindlinPhys": {name: ("f8", find_number(yade.MindlinPhys, name)) for name in ("ks", "betan")}
+            | exponent
             | {name: (*objects.VECTOR, find_vector(yade.MindlinPhys, name)) for name in vectors},
             "State": {name: (*objects.VECTOR, find_vector(yade.State, name)) for name in ("vel", "angVel")}
             | {"mass": ("f8", find_number(yade.State, "mass")), "blockedDOFs": ("u4", find_degrees_of_freedom())},
@@ -343,7 +351,8 @@ class Attachment:
         for name, classes in (("geometry", found.geometries), ("round_shape", found.round_shapes)):
             context[f"{name}_classes"][: len(classes)] = classes
             context[f"{name}_count"] = len(classes)
-        context["own_step"] = found.step_refused is None
+        for name in OWN:
+            context[name] = found.allowed[name]
         context["generation"] = 1 + int.from_bytes(os.urandom(3), "little")
         context["surfaces"], context["label_hashes"] = len(pairs.labels), pairs.hashes.ctypes.data
         context["pair_numbers"], context["pairs"] = pairs.numbers.ctypes.data, pairs.records.ctypes.data
