@@ -135,13 +135,14 @@ def approach_velocity(scene, geom, interaction, first, second):
 
 
 @kernel
-def damped_force(context, contact, law, geom, phys, first, second, size):
-    """Normal force [N] less its viscous part, of which the force is at most; writes both. size: without damping [N]."""
+def damped_force(contact, law, geom, phys, row, first, second, size):
+    """Normal force [N] less its viscous part, which is at most as large; writes both. size: without damping [N]."""
     scene = view(law.scene, objects.Scene)
     interaction = view(contact.interaction, objects.Interaction)
     coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.kn) * phys.betan
-    viscous = min(coefficient * approach_velocity(scene, geom, interaction, first, second), size)
-    normal = vector(geom.normal)
+    velocity, normal = approach_velocity(scene, geom, interaction, first, second), vector(geom.normal)
+    viscous = min(coefficient * velocity, size)
+    row.viscous += viscous * velocity * scene.dt
     assign(phys.normalViscous, scaled(viscous, normal))
     assign(phys.normalForce, scaled(size - viscous, normal))
     return size - viscous
@@ -175,7 +176,7 @@ def own_step(mode, context, contact, geom, phys, row):
     assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
     damped = phys.betan != 0.0 or phys.betas != 0.0
     if damped:
-        normal_force = damped_force(context, contact, law, geom, phys, first, second, normal_force)
+        normal_force = damped_force(contact, law, geom, phys, row, first, second, normal_force)
     increment = vector(geom.shearInc)
     shear_force = trial_force(mode, context, geom, phys, row, increment)
     stretch = minus_scaled(turned(context, geom, vector(phys.usElastic)), 1.0, increment)
@@ -191,6 +192,7 @@ def own_step(mode, context, contact, geom, phys, row):
         scene = view(law.scene, objects.Scene)
         coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.ks) * phys.betas
         viscous = scaled(coefficient / scene.dt, increment)
+        row.viscous += dot(viscous, increment)
     phys.isSliding = sliding
     assign(phys.shearElastic, shear_force)
     assign(phys.usElastic, stretch)
@@ -248,6 +250,18 @@ def trial_of_one_spring(context, geom, phys, increment):
     return minus_scaled(turned(context, geom, vector(phys.shearElastic)), phys.ks, increment)
 
 
+@kernel
+def viscous_loss(context, contact, geom, phys):
+    """Energy [J] that the viscous forces of the native law's own step have taken."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    scene, interaction = view(law.scene, objects.Scene), view(contact.interaction, objects.Interaction)
+    first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
+    second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
+    along = dot(vector(phys.normalViscous), vector(geom.normal))
+    loss = along * approach_velocity(scene, geom, interaction, first, second) * scene.dt
+    return loss + dot(vector(phys.shearViscous), vector(geom.shearInc))
+
+
 def advance(step, mode, context, contact, row):
     """Mindlin's law; returns whether the contact lasts."""
 
@@ -261,7 +275,10 @@ def _advance(step, mode, context, contact, row):
         geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
         if handles(context, contact, geom, phys, row):
             return own_step(mode, context, contact, geom, phys, row)
-        return native_step(mode, context, contact, row)
+        keep = native_step(mode, context, contact, row)
+        if geom.penetrationDepth > 0.0 and (phys.betan != 0.0 or phys.betas != 0.0 or exponent_of_damping(phys) != 0.0):
+            row.viscous += viscous_loss(context, contact, geom, phys)
+        return keep
 
     return either
 

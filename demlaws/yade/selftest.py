@@ -177,7 +177,7 @@ def _compare(binding):
         raise SelfTestFailed("the native code received unknown contacts")
     if native.find_layout().step_refused == native.NOT_TRIED:
         try_own_step(binding.context, functor, deepest)
-    binding.account = 0.0, 0, 0.0
+    binding.account = 0.0, 0, 0.0, 0.0
     binding.attachment.forget_rows()
     binding.attachment.watched_by(None)
     return steps, wrong / largest

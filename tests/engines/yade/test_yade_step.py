@@ -157,6 +157,19 @@ def test_a_rough_law_with_and_without_the_native_go(omega, shear):
     assert mine.shear_dissipated == pytest.approx(totals.shear_dissipated, rel=1e-9) and mine.shear_dissipated > 0.0
 
 
+@pytest.mark.parametrize("periodic", [False, True])
+def test_viscous_dissipation_is_that_of_yade(omega, periodic):
+    """As YADE counts it with calcEnergy, in our step and in YADE's own."""
+    damping = {"en": 0.6, "es": 0.6}
+    stock = yade.Law2_ScGeom_MindlinPhys_Mindlin(calcEnergy=True)
+    seen(box_of_stones(stock, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), periodic))
+    expected = stock.normDampDissip + stock.shearDampDissip
+    for options in ({}, {"calcEnergy": True}):
+        law = functor("hertz", "elastic", {}, bridge="native", shear="native", flats="yade", **options)
+        seen(box_of_stones(law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), periodic))
+        assert law.totals().viscous == pytest.approx(expected, rel=1e-9) and expected > 0.0
+
+
 def test_on_two_threads(tmp_path):
     under_yade(
         """
