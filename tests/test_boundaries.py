@@ -119,6 +119,7 @@ UPWARD = {
     ("engines.py", "__init__"): "the version",
     ("liggghts/export.py", "__init__"): "the version",
     ("lammps/export.py", "__init__"): "the version",
+    ("lammps/source.py", "__init__"): "the version",
     ("cli/__init__.py", "__init__"): "the version",
     ("yade/run.py", "__init__"): "the folder that YADE is to find",
     ("yade/check.py", "__init__"): "run by YADE as a user's script is",

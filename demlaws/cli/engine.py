@@ -1,7 +1,9 @@
-"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run."""
+"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run; lammps also: source."""
 
 import argparse
+import contextlib
 import os
+import sys
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
@@ -58,7 +60,14 @@ def register(add):
         return getattr({"liggghts": liggghts, "lammps": lammps}[name], part_name)
 
     def build(arguments):
-        print(part("build")(portable=arguments.portable, force=arguments.force))
+        from demlaws.lammps.run import refusal
+
+        plugin = part("build")(portable=arguments.portable, force=arguments.force)
+        print(plugin)
+        if name == "lammps":
+            with contextlib.suppress(DemlawsError):  # no LAMMPS here: built for another machine
+                if reason := refusal(plugin):
+                    print(f"demlaws: {reason}", file=sys.stderr)
 
     def check(arguments):
         part("check")()
@@ -110,6 +119,12 @@ def register(add):
     builds.add_argument("--portable", action="store_true", help="for any x86-64 processor, for clusters with different nodes")
     builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
     builds.set_defaults(func=build)
+
+    if name == "lammps":
+        text = example("  demlaws lammps source ~/lammps/src/GRANULAR")
+        sources = parts.add_parser("source", help="write the models as sources of LAMMPS, to be compiled with it", **text)
+        sources.add_argument("folder", help="folder src/GRANULAR of LAMMPS's sources, 4 Feb 2025 or later")
+        sources.set_defaults(func=lambda arguments: print(part("source")(arguments.folder)))
 
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
     checks.set_defaults(func=check)
