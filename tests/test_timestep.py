@@ -103,6 +103,8 @@ def test_few_grains_with_many_contacts(ratio):
         exact, contacts = limits_of_hubs(count, ratio)
         assert 0.8 < packing_limit(1.0, 1.0, contacts.mean(), ratio) / exact < 1.0
         assert 0.4 < packing_limit(1.0, 1.0, contacts.mean(), ratio, largest_coordination=12) / exact < 1.0
+    # two grains with one contact each: the bound is the limit
+    assert packing_limit(1e6, 1e-3, 1.0, ratio, largest_coordination=1) == pytest.approx(pair_limit(1e6, 1e-3, 1e-3, ratio))
     exact, contacts = limits_of_hubs(8, ratio)
     assert packing_limit(1.0, 1.0, contacts.mean(), ratio, largest_coordination=contacts.max()) < exact
 

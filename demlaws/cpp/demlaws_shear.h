@@ -25,6 +25,8 @@ struct ShearStep {
 };
 
 static const int LEVELS = 3, MOST_LEVELS = 8; // by default; at most
+static const double EMPTY_LEVEL = 1e-9;       // of K_t: a level of less stiffness counts as empty
+static const double MANY = 1e200;             // times any difference of stiffness: above any energy
 inline bool may_have_levels(double count) { return count == (int)count && count >= 1. && count <= MOST_LEVELS; }
 inline int levels_size(int count) { return 4 * count; }
 
@@ -75,6 +77,7 @@ public:
   }
 
 private:
+  template <int> friend class Levels;
   double *const numbers_;
   const int count_;
   // copies, since the compiler cannot know that no other number changes with those of the caller
@@ -101,45 +104,55 @@ private:
       for (int k = 0; k < 3; k++) force[k] += stiffness(i) * stretch_[i][k];
   }
 
-  // K_t is now `now`. The springs that touch make one level too many: of all neighbours those become one whose union
-  // loses least, k1 k2 / (2 (k1 + k2)) |s1 - s2|^2, the lowest of equals. That is nearly always the last level with the
-  // new one; where K_t falls, the new level is empty.
+  // (k1 + k2) |s1 - s2|^2 of levels i and i + 1, or 0 if one of them is empty; without a branch, since the processor
+  // could not predict it.
+  double apart(int i, double empty) const {
+    double difference[3];
+    for (int k = 0; k < 3; k++) difference[k] = stretch_[i][k] - stretch_[i + 1][k];
+    return measure(stiffness(i), stiffness(i + 1), dot(difference, difference), empty);
+  }
+  static double measure(double low, double high, double square, double empty) {
+    return std::max(std::min((low + high) * square, MANY * (std::min(low, high) - empty)), 0.);
+  }
+  // K_t is now `now`. Where it falls, springs open; where it rises, those that touch make one level too many: the two
+  // neighbours with the smallest (k1 + k2) |s1 - s2|^2 become one, the lowest of equals; an empty level joins any
+  // other. They are nearly always the last level and the new one.
   inline void press(double now) {
     const int last = count() - 1;
+    const double empty = EMPTY_LEVEL * now, rise = now - bound_[last];
     for (int i = 0; i <= last; i++) bound_[i] = std::min(bound_[i], now);
     double *const top = stretch_[last];
-    const double held = stiffness(last), all = held + now - bound_[last];
-    int lowest = last;
-    double least = held * (now - bound_[last]) * dot(top, top), of = all;
-    for (int i = 0; i < last; i++) {
-      double apart[3];
-      for (int k = 0; k < 3; k++) apart[k] = stretch_[i][k] - stretch_[i + 1][k];
-      const double both = stiffness(i) + stiffness(i + 1), loss = stiffness(i) * stiffness(i + 1) * dot(apart, apart);
-      if (loss * of < least * both) { // loss / both < least / of, without a division
-        lowest = i;
-        least = loss;
-        of = both;
-      }
-    }
-    if (__builtin_expect(lowest < last, 0)) {
-      join(numbers_, count(), lowest, now);
+    const double held = stiffness(last), all = held + std::max(rise, 0.);
+    // negative where K_t does not rise: the new level, which is empty, joins the last one
+    const double with_new = std::min(measure(held, rise, dot(top, top), empty), MANY * (rise - empty) - 1.);
+    double others = MANY;
+    for (int i = 0; i < last; i++) others = std::min(others, apart(i, empty));
+    if (__builtin_expect(others <= with_new, 0)) {
+      Levels<0>::join(numbers_, count(), now);
       return read();
     }
     const double share = all > 0. ? held / all : 0.; // 1 where K_t falls
     for (int k = 0; k < 3; k++) top[k] *= share;
     bound_[last] = now;
   }
-  // Levels i and i + 1 become one, the new level stands on top.
-  __attribute__((noinline)) static void join(double *bound, int count, int i, double now) {
-    double *const stretch = bound + count, *const joined = stretch + 3 * i, *const end = stretch + 3 * count;
-    const double below = i ? std::min(bound[i - 1], now) : 0., first = std::min(bound[i], now) - below,
-                 both = std::min(bound[i + 1], now) - below, share = first / both;
-    for (int k = 0; k < 3; k++) joined[k] = share * joined[k] + (1. - share) * joined[k + 3];
-    std::copy(joined + 6, end, joined + 3);
-    std::fill(end - 3, end, 0.);
-    std::copy(bound + i + 1, stretch, bound + i);
-    for (double *b = bound; b < stretch; b++) *b = std::min(*b, now);
-    stretch[-1] = now;
+  // The two nearest of the old levels become one; the new level stands on top.
+  __attribute__((noinline, cold)) static void join(double *numbers, int count, double now) {
+    Levels levels(numbers, count);
+    levels.join(now);
+    levels.write();
+  }
+  void join(double now) {
+    int i = 0;
+    for (int n = 1; n + 1 < count(); n++)
+      if (apart(n, EMPTY_LEVEL * now) < apart(i, EMPTY_LEVEL * now)) i = n;
+    const double both = stiffness(i) + stiffness(i + 1), share = both > 0. ? stiffness(i) / both : 0.;
+    for (int k = 0; k < 3; k++) stretch_[i][k] = share * stretch_[i][k] + (1. - share) * stretch_[i + 1][k];
+    for (; i + 1 < count(); i++) {
+      bound_[i] = bound_[i + 1];
+      for (int k = 0; k < 3 && i + 2 < count(); k++) stretch_[i + 1][k] = stretch_[i + 2][k];
+    }
+    std::fill(stretch_[i], stretch_[i] + 3, 0.);
+    bound_[i] = now;
   }
 };
 

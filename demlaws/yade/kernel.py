@@ -97,8 +97,8 @@ def is_flat(context, body):
 @kernel
 def is_among(vtable, classes, count):
     """Whether an object that begins with this word is of one of the classes."""
-    for n in range(count):
-        if classes[n] == vtable:  # noqa: SIM110  compiled code has no generators
+    for n in range(count):  # noqa: SIM110  compiled code has no generators
+        if classes[n] == vtable:
             return True
     return False
 

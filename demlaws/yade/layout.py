@@ -34,6 +34,7 @@ _TABLES = (
     "free_count",
     "shapes",  # address of SHAPE of each body
     "shape_count",
+    "normal_offset",  # of ScGeom [bytes]
     "functor_offset",  # bytes from the start of the functor to what the native `go` gets as `this`
     "alarm",  # address of the guard's PyRunner.nDone, or 0: a zero written there has it run before the next step's contacts
 )
@@ -83,7 +84,7 @@ CONTEXT = _context()
 
 # A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], state of the
 # unloading rule; K_t of the last step [N/m], the energy of shear that the contact stores and that it has lost [J].
-_HISTORY = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
+_HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
 _HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost")]]
 CONTACT = np.dtype(_HISTORY)
 RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
@@ -100,7 +101,8 @@ SHAPE = np.dtype(
 
 def pair_dtype(shape_fields):
     """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
-    return np.dtype([("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")], *shape_fields])
+    # fields that all pairs have come last: numba takes a record for another one that it begins with
+    return np.dtype([*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")]])
 
 
 def row_dtype(levels, own_fields, springs):
@@ -112,14 +114,13 @@ def row_dtype(levels, own_fields, springs):
     slip its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, has the code of the row, negative for a smooth
     pair.
     """
-    fields = [("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), *_HISTORY]
+    fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), *_HISTORY]
     if levels:
         fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
-    fields += [("hertz", "f8"), *own_fields]
     if springs:
         fields += [("tangent", "f8", (2, 3)), ("share", "f8"), ("scale", "f8"), ("end", "f8", (springs,))]
         fields += [("compression", "f8", (springs,)), ("spring", "f8", (2, springs))]
-    return np.dtype(fields)
+    return np.dtype([*fields, ("hertz", "f8")])
 
 
 def saved_fields(row):

@@ -65,19 +65,29 @@ def body_of(context, number, scene):
     return view(pointee(call_body_by_id(context.body_by_id, (number, scene))), objects.Body)
 
 
+def turned(context, geom, a):
+    """A tangential vector, turned with the contact in this step as ScGeom::rotate does."""
+
+
+@overload(turned, jit_options=INLINED)
+def _turned(context, geom, a):
+    if not set(objects.AXES) <= set(geom.fields):
+        return lambda context, geom, a: rotated(context, geom, a)
+    return lambda context, geom, a: turned_by(turned_by(a, geom.orthonormal_axis), geom.twist_axis)
+
+
 @kernel
-def turned(context, contact, a):
-    """A tangential vector, turned with the contact in this step."""
+def turned_by(a, axis):
+    """a - a × axis."""
+    return minus_scaled(a, 1.0, cross(a, vector(axis)))
+
+
+@kernel
+def rotated(context, geom, a):
+    """`turned` by ScGeom::rotate itself."""
     place = on_stack(a)
-    call_rotate(context.rotate, (contact.geom, place))
+    call_rotate(context.rotate, (geom.normal.ctypes.data - context.normal_offset, place))
     return vector(array(place, 3, np.float64))
-
-
-@kernel
-def turned_field(context, contact, field):
-    """A field of a tangential vector, after it was turned there."""
-    call_rotate(context.rotate, (contact.geom, field.ctypes.data))
-    return vector(field)
 
 
 @kernel
@@ -168,9 +178,9 @@ def own_step(mode, context, contact, row):
     if damped:
         normal_force = damped_force(context, contact, law, geom, phys, first, second, normal_force)
     increment = vector(geom.shearInc)
-    shear_force = trial_force(mode, context, contact, phys, row, increment)
-    stretch = minus_scaled(turned_field(context, contact, phys.usElastic), 1.0, increment)
-    assign(phys.usTotal, minus_scaled(turned_field(context, contact, phys.usTotal), 1.0, increment))
+    shear_force = trial_force(mode, context, geom, phys, row, increment)
+    stretch = minus_scaled(turned(context, geom, vector(phys.usElastic)), 1.0, increment)
+    assign(phys.usTotal, minus_scaled(turned(context, geom, vector(phys.usTotal)), 1.0, increment))
     limit, square = phys.tangensOfFrictionAngle * abs(normal_force), dot(shear_force, shear_force)
     sliding = square > limit * limit
     viscous = (0.0, 0.0, 0.0)
@@ -208,7 +218,7 @@ def handles(context, contact, row):
     )
 
 
-def trial_force(mode, context, contact, phys, row, increment):
+def trial_force(mode, context, geom, phys, row, increment):
     """Elastic shear force after the step's displacement `increment` [m], before Coulomb's limit: turned with the contact."""
 
 
@@ -221,9 +231,9 @@ def follow(mode, context, contact, row):
 
 
 @kernel
-def trial_of_one_spring(context, contact, phys, increment):
+def trial_of_one_spring(context, geom, phys, increment):
     """`trial_force` of a force without further memory."""
-    return minus_scaled(turned_field(context, contact, phys.shearElastic), phys.ks, increment)
+    return minus_scaled(turned(context, geom, vector(phys.shearElastic)), phys.ks, increment)
 
 
 def advance(step, mode, context, contact, row):

@@ -25,6 +25,7 @@ from demlaws.yade.omega import O, scratch_scene, set_engines
 from demlaws.yade.search import (
     BridgeUnavailable,
     address,
+    find_axes,
     find_cell_size,
     find_degrees_of_freedom,
     find_flag,
@@ -106,6 +107,9 @@ class Layout:
             "rotate": symbol(self.library, ROTATE),
         }
         found = self._find_members()
+        axes = find_axes(self.addresses["rotate"])
+        if axes is not None:
+            found["ScGeom"] |= {name: (*objects.VECTOR, place) for name, place in zip(objects.AXES, axes, strict=True)}
         try:
             further = self.find_step()
         except (BridgeUnavailable, AttributeError, TypeError) as error:
@@ -113,6 +117,7 @@ class Layout:
         else:
             self.step, self.step_refused = mindlin.OwnStep(), NOT_TRIED  # the self-test decides
             found = {name: found.get(name, {}) | further.get(name, {}) for name in {**found, **further}}
+        self.addresses["normal_offset"] = found["ScGeom"]["normal"][-1]
         objects.define(**found)
         self.interaction = objects.Interaction
 

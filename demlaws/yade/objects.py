@@ -6,6 +6,8 @@ Compiled code takes them from here when it is compiled, and `identity` is part o
 from demlaws.yade.records import record
 
 VECTOR = ("f8", (3,))
+AXES = ("orthonormal_axis", "twist_axis")
+"""Members of ScGeom by which vectors turn with the contact: the change of its normal, and the turn about it."""
 ScGeom = MindlinPhys = Interaction = Body = State = Material = Functor = Scene = Cell = None
 
 

@@ -21,7 +21,7 @@ class Held:
 
     def __init__(self, pairs):
         # the normal of the last step: vectors are turned by its change
-        self.saved_dtype = np.dtype([*pairs.saved.descr, ("normal", "f8", (3,))])
+        self.saved_dtype = np.dtype([("normal", "f8", (3,)), *pairs.saved.descr])
         self.keys, self.objects, self.rows, self.tangents = [], [], np.zeros(0, self.saved_dtype), ()
 
     def _rows(self, contacts):

@@ -283,3 +283,47 @@ def find_cell_size(cell):
     if len(places) != 1:
         raise BridgeUnavailable(f"Cell.hSize is not at one place of the object, but at {places}")
     return places[0]
+
+
+def _turned(v, axes):
+    """A vector as ScGeom::rotate turns it, by the change of the normal and then about it."""
+    for axis in axes:
+        v = v - np.cross(v, axis)
+    return v
+
+
+def find_axes(rotate):
+    """Byte offsets in ScGeom of the two axes by which ScGeom::rotate, at this address, turns a vector v: to v - v × axis, first
+    by the one and then by the other; None where it does something else.
+
+    They are no attributes: they are where a change of memory changes what rotate does.
+    """
+    call = ctypes.CFUNCTYPE(ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p)(rotate)
+    geom = yade.ScGeom()
+    start, size = window(geom)
+    memory = read_memory(start, size, ctypes.c_double)
+    kept, vectors = memory.copy(), np.random.default_rng(1).uniform(-1.0, 1.0, (3, 3))
+
+    def turned(vector):
+        place = vector.copy()
+        call(start, place.ctypes.data)
+        return place
+
+    try:
+        memory[1:] = 0.0
+        acting = []
+        for n in range(1, memory.size):
+            memory[n] = 0.5
+            acting += [n] if any((turned(vector) != vector).any() for vector in vectors) else []
+            memory[n] = 0.0
+        if len(acting) != 6:
+            return None
+        memory[acting] = np.random.default_rng(2).uniform(-1.0, 1.0, 6)
+        places = acting[0], acting[3]
+        for first, second in (places, places[::-1]):
+            axes = memory[first : first + 3], memory[second : second + 3]
+            if all(np.allclose(turned(vector), _turned(vector, axes), rtol=0.0, atol=1e-14) for vector in vectors):
+                return 8 * first, 8 * second
+    finally:
+        memory[:] = kept
+    return None

@@ -1,10 +1,10 @@
 """Shear at a contact: how the elastic shear force follows K_t, and the energy of shear. Compiled code, as `kernel`.
 
 `Levels`: the springs of a contact in levels, ordered by the K_t at which they touched (demlaws.core.levels): level i covers K_t
-from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their force
-and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native` leaves
-the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the displacement of
-the step, and turns vectors with the contact.
+from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their
+force and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native`
+leaves the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the
+displacement of the step, and turns vectors with the contact.
 """
 
 from typing import NamedTuple
@@ -13,6 +13,7 @@ import numpy as np
 from numba.extending import overload
 
 from demlaws.core.fastmath import sqrt
+from demlaws.core.levels import EMPTY
 from demlaws.core.numba_compat import INLINED, kernel, loop
 from demlaws.core.unloading import GIVEN
 from demlaws.yade import objects
@@ -65,67 +66,67 @@ def energy_of_levels(row):
 
 
 @kernel
-def distance_of_levels(width1, stretch1, width2, stretch2):
-    """Measure of what the union of two levels changes (demlaws.core.levels)."""
-    apart = minus_scaled(stretch1, 1.0, stretch2)
-    return (width1 + width2) * dot(apart, apart) if width1 > 0.0 and width2 > 0.0 else 0.0
+def push_level(row, stiffness):
+    """K_t rises to `stiffness` [N/m]: a level without stretch on top; the two nearest neighbours become one. Their loss [J]."""
+    count, rest = len(row.bound), (0.0, 0.0, 0.0)
+    joined, least, lower, upper, below, empty, gap = 0, 0.0, 0.0, 0.0, 0.0, EMPTY * stiffness, 0.0
+    for level in range(count):
+        bound, above = row.bound[level], row.bound[level + 1] if level + 1 < count else stiffness
+        next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
+        apart = minus_scaled(vector(row.stretch[level]), 1.0, next_stretch)
+        square = dot(apart, apart)
+        distance = (above - below) * square if bound - below > empty and above - bound > empty else 0.0
+        if level == 0 or distance < least:
+            joined, least, lower, upper, gap = level, distance, bound - below, above - bound, square
+        below = bound
+    both = lower + upper
+    part = upper / both if both > 0.0 else 0.0
+    for level in range(count):  # without a branch, which a processor would often guess wrong
+        share = 0.0 if level < joined else part if level == joined else 1.0
+        next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
+        assign(row.stretch[level], minus_scaled(scaled(1.0 - share, vector(row.stretch[level])), -share, next_stretch))
+        above = row.bound[level + 1] if level + 1 < count else stiffness
+        row.bound[level] = row.bound[level] if level < joined else above
+    return 0.5 * lower * part * gap
 
 
 @kernel
-def push_level(row, stiffness):
-    """K_t rises to `stiffness` [N/m]: a level without stretch on top; the two nearest neighbours become one."""
-    count, rest = len(row.bound), (0.0, 0.0, 0.0)
-    top = stiffness - row.bound[count - 1]
-    joined, least = 0, 0.0
-    for level in range(count):
-        above = vector(row.stretch[level + 1]) if level + 1 < count else rest
-        width_above = width(row, level + 1) if level + 1 < count else top
-        distance = distance_of_levels(width(row, level), vector(row.stretch[level]), width_above, above)
-        if level == 0 or distance < least:
-            joined, least = level, distance
-    for level in range(count):
-        if level < joined:
-            continue
-        above = vector(row.stretch[level + 1]) if level + 1 < count else rest
-        if level == joined:
-            width1, width2 = width(row, level), width(row, level + 1) if level + 1 < count else top
-            if width1 + width2 > 0.0:
-                part = width2 / (width1 + width2)
-                above = minus_scaled(scaled(1.0 - part, vector(row.stretch[level])), -part, above)
-        assign(row.stretch[level], above)
-    for level in range(count):
-        if level >= joined:
-            row.bound[level] = row.bound[level + 1] if level + 1 < count else stiffness
+def cut_levels(row, stiffness):
+    """K_t falls to `stiffness` [N/m]: the springs that touched above it open. Their energy [J]."""
+    loss, below, below_now = 0.0, 0.0, 0.0
+    for level in range(len(row.bound)):
+        stretch, bound = vector(row.stretch[level]), row.bound[level]
+        now = min(bound, stiffness)
+        loss += 0.5 * ((bound - below) - (now - below_now)) * dot(stretch, stretch)
+        row.bound[level], below, below_now = now, bound, now
+    return loss
 
 
 @kernel
 def relax_levels(row, stiffness):
-    """K_t is now `stiffness` [N/m]: levels above it open, or a level is pushed."""
-    top = len(row.bound) - 1
-    if stiffness > row.bound[top]:
-        push_level(row, stiffness)
-    elif stiffness < row.bound[top]:
-        for level in range(len(row.bound)):
-            row.bound[level] = min(row.bound[level], stiffness)
+    """K_t is now `stiffness` [N/m]; energy [J] that is lost by this."""
+    if stiffness > row.bound[len(row.bound) - 1]:
+        return push_level(row, stiffness)
+    return cut_levels(row, stiffness)
 
 
 @overload(trial_force, jit_options=INLINED)
-def _trial_force(mode, context, contact, phys, row, increment):
+def _trial_force(mode, context, geom, phys, row, increment):
     if mode.instance_class is not Levels:
-        return lambda mode, context, contact, phys, row, increment: trial_of_one_spring(context, contact, phys, increment)
+        return lambda mode, context, geom, phys, row, increment: trial_of_one_spring(context, geom, phys, increment)
 
-    def displaced(mode, context, contact, phys, row, increment):
-        move_levels(context, contact, row, increment)
+    def displaced(mode, context, geom, phys, row, increment):
+        move_levels(context, geom, row, increment)
         return force_of_levels(row)
 
     return displaced
 
 
 @kernel
-def move_levels(context, contact, row, increment):
+def move_levels(context, geom, row, increment):
     """Turn the stretches with the contact and add the displacement of the step."""
     for level in range(len(row.bound)):
-        assign(row.stretch[level], minus_scaled(turned(context, contact, vector(row.stretch[level])), 1.0, increment))
+        assign(row.stretch[level], minus_scaled(turned(context, geom, vector(row.stretch[level])), 1.0, increment))
 
 
 @kernel
@@ -158,7 +159,7 @@ def _follow(mode, context, contact, row):
         geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
         if not geom.penetrationDepth > 0.0:
             return
-        move_levels(context, contact, row, vector(geom.shearInc))
+        move_levels(context, geom, row, vector(geom.shearInc))
         if phys.isSliding != 0:
             reduce_levels(row, vector(phys.shearElastic))
 
@@ -197,17 +198,18 @@ def move_loop(rows, motion, sliding):
 
 
 def relax_shear(mode, phys, row, stiffness):
-    """Change the shear force for K_t now, `stiffness` [N/m], before Mindlin's law acts."""
+    """Change the shear force for K_t now, `stiffness` [N/m], before Mindlin's law acts; energy [J] that is lost by this."""
 
 
 @overload(relax_shear, jit_options=INLINED)
 def _relax_shear(mode, phys, row, stiffness):
     if mode.instance_class is not Levels:
-        return lambda mode, phys, row, stiffness: None
+        return lambda mode, phys, row, stiffness: row.held - stored_energy(mode, phys, row, stiffness)
 
     def relax(mode, phys, row, stiffness):
-        relax_levels(row, stiffness)
+        loss = relax_levels(row, stiffness)
         assign(phys.shearElastic, force_of_levels(row))
+        return loss
 
     return relax
 
@@ -240,17 +242,16 @@ def account(row, stiffness, stored, loss):
 def apply_with_account(step, mode, context, contact, row, stiffness):
     """Mindlin's law, with an account of the energy of shear."""
     geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
-    held = row.held
-    relax_shear(mode, phys, row, stiffness)
-    first, old = stored_energy(mode, phys, row, stiffness), vector(phys.shearElastic)
+    held, loss = row.held, relax_shear(mode, phys, row, stiffness)
+    first, old = held - loss, vector(phys.shearElastic)
     keep = advance(step, mode, context, contact, row)
     if not stiffness > 0.0:
         account(row, 0.0, 0.0, held)
         return keep
-    last, loss = stored_energy(mode, phys, row, stiffness), held - first
+    last = stored_energy(mode, phys, row, stiffness)
     if phys.isSliding != 0 and first + last > 0.0:
         increment, new = vector(geom.shearInc), vector(phys.shearElastic)  # its work on the body is positive against the force
-        loss -= 0.5 * (dot(turned(context, contact, old), increment) + dot(new, increment)) + (last - first)
+        loss -= 0.5 * (dot(turned(context, geom, old), increment) + dot(new, increment)) + (last - first)
     account(row, stiffness, last, loss)
     return keep
 

@@ -169,7 +169,7 @@ def apply_to_springs(step, mode, context, contact, row, stiffness):
         assign(row.tangent[0], (0.0, 0.0, 0.0))
         return keep
     displacement = scaled(-1.0, vector(geom.shearInc))  # positive along the force that it makes
-    normal, first = vector(geom.normal), turned(context, contact, old_first)
+    normal, first = vector(geom.normal), turned(context, geom, old_first)
     length = sqrt(dot(first, first))
     if length > 0.0:
         first = (first[0] / length, first[1] / length, first[2] / length)

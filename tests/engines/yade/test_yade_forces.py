@@ -132,7 +132,7 @@ def test_material_outside_the_scene_list(omega):
 
 def test_bodies_come_and_go(omega, monkeypatch):
     """Contacts end because bodies are erased, others begin with new bodies, whose history is where that of others was."""
-    from demlaws.yade import layout, native
+    from demlaws.yade import native
 
     monkeypatch.setattr(native, "FEW_ROWS", 4)
     monkeypatch.setattr("demlaws.yade.scene.PERIOD", 5)

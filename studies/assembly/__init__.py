@@ -1,0 +1,1 @@
+"""Small-strain stiffness, wave speeds and settlement of packings with rough contacts (see `study`)."""

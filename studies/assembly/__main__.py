@@ -1,0 +1,62 @@
+"""`python -m studies.assembly`: moduli and wave speeds of packings over pressure, their exponents, table and picture."""
+
+import sys
+from pathlib import Path
+
+from demlaws import plots
+from demlaws.cli import Parser, example, execute
+from demlaws.cli.output import output
+from studies.assembly import probe, report, study
+
+QUICK = [
+    study.Series(law=law, sigma=sigma, path=path, count=200)
+    for law, sigma in (("hertz", 0.0), ("pohrt-popov", 0.5))
+    for path in study.PATHS
+]
+
+
+def parser():
+    """The command line."""
+    parser = Parser(
+        prog="python -m studies.assembly",
+        description="Exponents of small-strain moduli and wave speeds over pressure; missing runs are added.",
+        **example("  python -m studies.assembly --report --figure small-strain.png\n  python -m studies.assembly --quick"),
+    )
+    parser.add_argument("--grains", type=int, default=1000, help="spheres per packing (default: 1000)")
+    parser.add_argument("--seeds", type=int, default=5, help="packings of each kind (default: 5)")
+    parser.add_argument("--results", type=Path, default=study.RESULTS, help="file of results")
+    parser.add_argument("--store", type=Path, default=study.STORE, help="folder of initial packings")
+    parser.add_argument("--quick", action="store_true", help="four series of 200 spheres, two minutes")
+    parser.add_argument("--probe", action="store_true", help="compare moduli with small strains in LAMMPS")
+    parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
+    parser.add_argument("--figure", type=output, help="picture of the exponents")
+    parser.set_defaults(func=run)
+    return parser
+
+
+def run(arguments):
+    """Run what is missing, then print the tables."""
+
+    def progress(text):
+        print(text, file=sys.stderr, flush=True)
+
+    if arguments.probe:
+        probe.run_probes(arguments.grains, store=arguments.store, progress=progress)
+        print(probe.table())
+        return
+    if not arguments.report:
+        series = QUICK if arguments.quick else study.wanted(arguments.grains, arguments.seeds)
+        study.run(series, arguments.results, arguments.store, progress)
+    rows = study.read(arguments.results)
+    print(report.tables(rows))
+    if arguments.figure is not None:
+        print(plots.save(report.draw(rows), arguments.figure))
+
+
+def main(arguments=None):
+    """Run with these arguments (default: the command line's); the exit status."""
+    return execute(parser, arguments)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

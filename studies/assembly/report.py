@@ -1,0 +1,165 @@
+"""Exponents over pressure from the rows of `study`: tables and picture."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from demlaws.laws.names import HERTZ, POHRT_POPOV
+
+ALL, LOW = (10.0, 1000.0), (10.0, 100.0)
+"""Ranges of pressure [kPa]."""
+MEASURED = {"G0": 0.5, "c_L": 0.3817, "c_T": 0.2809, "ratio": 1.6}
+ALLOWED = {"G0": (0.45, 0.55), "ratio": (1.5, 1.7)}
+"""Of the numbers given as "around" (see the criteria in docs/validation/small-strain.md)."""
+KINDS = {
+    "G": "tangent",
+    "G_tenth": "K_t/10",
+    "G_hertz": "after reversal",
+    "G_first": "first step",
+    "G_frozen": "frozen contacts",
+}
+
+
+class Case(NamedTuple):
+    """What the packings of one line of the table share."""
+
+    bead: str
+    law: str
+    sigma_um: float
+    dimension: float
+    packing: str
+
+
+def cases(rows):
+    """`Case` → (path, seed) → rows in order of the pressure."""
+    found = {}
+    for row in rows:
+        case = Case(*(row[name] for name in Case._fields))
+        found.setdefault(case, {}).setdefault((row["path"], int(row["seed"])), []).append(row)
+    return {
+        case: {key: sorted(some, key=lambda row: row["kPa"]) for key, some in series.items()} for case, series in found.items()
+    }
+
+
+def exponent(rows, column, span=ALL, speed=False):
+    """Exponent of a modulus over pressure, or of the wave speed that belongs to it."""
+    chosen = [row for row in rows if span[0] <= row["kPa"] <= span[1]]
+    value = np.array([row[column] / (row["solid"] if speed else 1.0) for row in chosen])
+    return float(np.polyfit(np.log([row["kPa"] for row in chosen]), np.log(value), 1)[0]) * (0.5 if speed else 1.0)
+
+
+def spread(values):
+    """Mean and standard deviation of the seeds (NaN for one)."""
+    values = np.array(list(values))
+    return (float(values.mean()) if len(values) else np.nan), (float(values.std(ddof=1)) if len(values) > 1 else np.nan)
+
+
+def speeds(series, suffix=""):
+    """Name → (mean, standard deviation) of the exponents of c_L and c_T and of c_L/c_T, oedometric, 10 to 100 kPa."""
+    chosen = [rows for (path, _), rows in series.items() if path == "oedometric"]
+    ratio = [
+        np.mean([np.sqrt(row["M" + suffix] / row["G" + suffix]) for row in rows if row["kPa"] <= LOW[1]]) for rows in chosen
+    ]
+    return {
+        "c_L": spread(exponent(rows, "M" + suffix, LOW, True) for rows in chosen),
+        "c_T": spread(exponent(rows, "G" + suffix, LOW, True) for rows in chosen),
+        "ratio": spread(ratio),
+    }
+
+
+def exponents(series, span=ALL):
+    """Kind of stiffness → (mean, standard deviation) of the exponent of G0, isotropic."""
+    chosen = [rows for (path, _), rows in series.items() if path == "isotropic"]
+    found = {column: spread(exponent(rows, column, span) for rows in chosen) for column in KINDS if column != "G_first"}
+    first = [rows for rows in chosen if not np.isnan(rows[0]["G_first"])]
+    return found | {"G_first": spread(exponent(rows, "G_first", span) for rows in first)}
+
+
+def cell(value):
+    """Mean ± standard deviation."""
+    mean, deviation = value
+    if np.isnan(mean):
+        return "–"
+    return f"{mean:.3f}" + ("" if np.isnan(deviation) else f" ± {deviation:.3f}")
+
+
+def name(case):
+    """Law and roughness of a case."""
+    rough = "" if case.law == HERTZ else f", σ = {case.sigma_um:g} µm"
+    dimension = f", Df = {case.dimension:g}" if case.law == POHRT_POPOV and case.dimension not in (2.2, 2.22) else ""
+    return f"{case.law}{rough}{dimension}"
+
+
+def tables(rows):
+    """Text of both tables: exponents of G0, exponents of wave speeds."""
+    lines = ["| bead, law | packing | seeds | " + " | ".join(KINDS.values()) + " |", "|---" * (3 + len(KINDS)) + "|"]
+    found = cases(rows)
+    for case, series in found.items():
+        seeds = sum(path == "isotropic" for path, _ in series)
+        if seeds:
+            values = exponents(series)
+            lines.append(
+                f"| {case.bead}, {name(case)} | {case.packing} | {seeds} | " + " | ".join(cell(values[k]) for k in KINDS) + " |"
+            )
+    lines += [
+        "",
+        "| bead, law | packing | seeds | c_L | c_T | c_L/c_T | c_L, K_t/10 | c_T, K_t/10 | c_L/c_T, K_t/10 |",
+        "|---" * 9 + "|",
+    ]
+    for case, series in found.items():
+        seeds = sum(path == "oedometric" for path, _ in series)
+        if seeds:
+            values = [*speeds(series).values(), *speeds(series, "_tenth").values()]
+            lines.append(f"| {case.bead}, {name(case)} | {case.packing} | {seeds} | " + " | ".join(map(cell, values)) + " |")
+    return "\n".join(lines)
+
+
+def local(series, column, path):
+    """σ/δ and exponent between neighbouring pressures, means of the seeds; δ is the overlap at the mean force."""
+    chosen = [rows for (p, _), rows in series.items() if p == path]
+    if not chosen:
+        return np.zeros(0), np.zeros(0)
+    x, y = [], []
+    for rows in chosen:
+        overlap, value = (np.log([row[name] for row in rows]) for name in ("overlap_nm", column))
+        pressure = np.log([row["kPa"] for row in rows])
+        x.append(np.log(1e3 * rows[0]["sigma_um"] or 1.0) - 0.5 * (overlap[1:] + overlap[:-1]))
+        y.append(np.diff(value) / np.diff(pressure))
+    return np.exp(np.mean(x, axis=0)), np.mean(y, axis=0)
+
+
+MARKS = {("glass", "dense"): "o", ("glass", "loose"): "s", ("granite", "dense"): "^", ("granite", "loose"): "v"}
+
+
+def draw(rows):
+    """Local exponents of G0 (isotropic), and of M and G along the load (oedometric), over σ/δ."""
+    from demlaws.plots import colour, figure
+
+    fig, axes = figure(columns=3, width=4.4, height=3.8)
+    panels = (("G", "isotropic", "G0, isotropic"), ("G", "oedometric", "G, oedometric"), ("M", "oedometric", "M, oedometric"))
+    found = cases(rows)
+    for ax, (column, path, title) in zip(axes, panels, strict=True):
+        labelled = set()
+        for case, series in found.items():
+            x, y = local(series, column, path)
+            if case.law == HERTZ:
+                if len(y) and case == Case("glass", HERTZ, 0.0, 2.2, case.packing):
+                    style = "-" if case.packing == "dense" else "--"
+                    ax.axhline(y.mean(), color="0.5", lw=1, ls=style, label=f"hertz, {case.packing}")
+                continue
+            if case.dimension not in (2.2, 2.22):
+                continue
+            label = None if case.law in labelled else case.law
+            labelled.add(case.law)
+            mark = MARKS[case.bead, case.packing]
+            ax.plot(x, y, mark, ms=4, mfc="none", color=colour(case.law), label=label)
+        ax.set(xscale="log", xlabel="σ/δ", title=title, ylim=(0.3, 1.0))
+    axes[0].axhspan(*ALLOWED["G0"], color="k", alpha=0.08, lw=0)
+    axes[0].annotate("measured: usually around 0.5", (0.03, 0.5), xycoords=("axes fraction", "data"), va="center", fontsize=8)
+    for ax, speed in ((axes[1], "c_T"), (axes[2], "c_L")):
+        ax.axhline(2.0 * MEASURED[speed], color="k", lw=0.8, ls=":")
+        text = f"measured: 2 × {MEASURED[speed]}"
+        ax.annotate(text, (0.03, 2.0 * MEASURED[speed]), xycoords=("axes fraction", "data"), va="bottom", fontsize=8)
+    axes[0].set(ylabel="exponent between neighbouring pressures")
+    axes[0].legend(fontsize=7, loc="upper left")
+    return fig

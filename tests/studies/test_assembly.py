@@ -1,0 +1,102 @@
+"""Small-strain stiffness of packings: known lattices, power laws, LAMMPS, and the kept results."""
+
+import numpy as np
+import pytest
+
+from studies.assembly import probe, report, study
+from studies.assembly.__main__ import main
+from studies.assembly.packing import Contacts
+from studies.assembly.stiffness import Linear, first_loading
+
+DIAMETER, K, RATIO = 1e-3, 1e6, 0.8
+
+
+def lattice(force=1.0, unloading=K, across=3):
+    """`Contacts` of a simple cubic lattice in a periodic box, and the box [m]."""
+    cells = np.argwhere(np.ones((across,) * 3))
+    number = np.arange(across**3).reshape((across,) * 3)
+    pairs, normals = [], []
+    for axis in np.eye(3, dtype=int):
+        pairs += [(number[tuple(cell)], number[tuple((cell + axis) % across)]) for cell in cells]
+        normals += [axis] * len(cells)
+    same = np.ones(len(pairs))
+    contacts = Contacts(
+        np.array(pairs), np.array(normals, float), DIAMETER * same, force * same, K * same, unloading * same, 0.0 * same
+    )
+    return contacts, np.full(3, across * DIAMETER)
+
+
+def test_a_cubic_lattice_has_its_known_moduli():
+    """M = K/d along its axes; G = K_t/(2 d): the grains turn by half the shear angle."""
+    contacts, size = lattice()
+    found = Linear(contacts, size, contacts.stiffness, RATIO * contacts.stiffness).moduli()
+    assert found.along == pytest.approx(K / DIAMETER) and found.longitudinal == pytest.approx(K / DIAMETER)
+    assert found.across == pytest.approx(0.5 * RATIO * K / DIAMETER) and found.bulk == pytest.approx(K / (3 * DIAMETER))
+
+
+def test_forces_carried_soften_the_shear_of_a_lattice():
+    """Simple shear γ turns the contacts along z: -P/d in addition to the shear springs, with grains that turn freely."""
+    contacts, size = lattice(force=50.0)
+    linear = Linear(contacts, size, contacts.stiffness, RATIO * contacts.stiffness, contacts.force)
+    gradient = np.zeros((3, 3))
+    gradient[0, 2] = 1.0
+    assert linear.modulus(gradient) == pytest.approx(0.5 * RATIO * K / DIAMETER - 50.0 / DIAMETER**2)
+
+
+def test_a_first_step_takes_the_stiffness_of_loading_where_contacts_close():
+    contacts, size = lattice(unloading=3.0 * K)
+    for sign, stiffness in ((-1.0, K), (1.0, 3.0 * K)):
+        strain = sign * np.diag([0.0, 0.0, 1.0])
+        assert first_loading(contacts, size, RATIO, strain) == pytest.approx(stiffness / DIAMETER)
+
+
+def test_exponents_of_power_laws_are_found():
+    pressure = np.geomspace(10.0, 1000.0, 5)
+    rows = [{"kPa": p, "M": p**0.7, "G": 2.0 * p**0.5, "solid": 0.6} for p in pressure]
+    assert report.exponent(rows, "M") == pytest.approx(0.7)
+    assert report.exponent(rows, "G", report.LOW, speed=True) == pytest.approx(0.25)
+
+
+@pytest.fixture(scope="module")
+def quick(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("assembly")
+    line = ["--quick", "--results", str(folder / "moduli.csv"), "--store", str(folder)]
+    assert main(line) == 0
+    return line, study.read(folder / "moduli.csv")
+
+
+def test_a_quick_run_with_the_contacts_kept_has_the_exponent_of_one_contact(quick):
+    """1/3 with Hertz; below its threshold Pohrt-Popov has K ∝ P^(0.2567 Df). New contacts add to both."""
+    for case, series in report.cases(quick[1]).items():
+        found, (isotropic,) = report.exponents(series), [rows for (path, _), rows in series.items() if path == "isotropic"]
+        single = 1 / 3 if case.law == "hertz" else 0.2567 * 2.2
+        assert found["G_frozen"][0] == pytest.approx(single, abs=1e-3)
+        assert found["G"][0] > found["G_frozen"][0]
+        assert found["G_hertz"][0] == pytest.approx(1 / 3, abs=0.03)
+        assert isotropic[-1]["side_kPa"] == pytest.approx(1000.0, rel=5e-3)
+
+
+def test_a_second_run_adds_nothing(quick, capsys):
+    line, rows = quick
+    assert main(line) == 0
+    assert len(study.read(line[2])) == len(rows) == 4 * len(study.PRESSURES) and "| glass, hertz |" in capsys.readouterr().out
+
+
+def test_a_state_is_in_balance_under_its_law(tmp_path):
+    series = study.Series(law="pohrt-popov", sigma=0.5, count=200)
+    ((pressure, packing),) = study.states(series, [10e3], tmp_path)
+    assert packing.stress == pytest.approx(np.full(3, pressure), rel=5e-3)
+    contacts = packing.carrying()
+    force = series.bound().force(DIAMETER - contacts.length)  # after the last, tiny motion
+    assert contacts.force == pytest.approx(force, abs=1e-3 * force.mean())
+    assert contacts.shear.max() <= 1.0 + 1e-9
+
+
+@pytest.mark.lammps
+@pytest.mark.slow
+def test_moduli_agree_with_small_strains_in_lammps(tmp_path):
+    probe.run_probes(200, tmp_path / "probes.csv", tmp_path, [study.Series(law="pohrt-popov", sigma=0.5)])
+    for row in study.read(tmp_path / "probes.csv"):
+        assert row["exact"] == pytest.approx(row["engine"], rel=2e-4) and row["linear"] == pytest.approx(
+            row["engine"], rel=2e-3
+        )
