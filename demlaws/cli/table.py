@@ -35,7 +35,9 @@ def register(add):
     points.add_argument(
         "--force-noise", type=force, metavar="N", help="standard uncertainty of the force in N (default: from the scatter)"
     )
-    points.add_argument("--residual", type=length, help="plastic overlap in m after unloading (default: from the points)")
+    points.add_argument(
+        "--plastic-overlap", type=length, help="plastic overlap in m after unloading (default: from the points)"
+    )
     table.add_argument(
         "--rtol",
         type=plain,
@@ -80,11 +82,11 @@ def measured_table(arguments):
         unloading = (back.displacement[peak:end] - arguments.zero, back.force[peak:end])
         curves.append(unloading)
     table = Table.from_points(
-        *curves[0],
+        np.column_stack(curves[0]),
         contact_from(arguments),
-        unloading=unloading,
+        unloading=unloading if isinstance(unloading, str) else np.column_stack(unloading),
         uncertainty=arguments.force_noise,
-        residual=None if arguments.residual is None else arguments.residual - arguments.zero,
+        plastic_overlap=None if arguments.plastic_overlap is None else arguments.plastic_overlap - arguments.zero,
         rtol=1e-3 if arguments.rtol is None else arguments.rtol,
         description=f"points of {arguments.points.name}",
     )
