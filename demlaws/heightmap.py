@@ -9,9 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from demlaws import units
+from demlaws import plausibility, units
 from demlaws.contact import Surface
-from demlaws.errors import DemlawsError
+from demlaws.errors import DemlawsError, MapWarning, warn
 
 UNITS = {**units.UNITS["m"], "µm": 1e-6, "μm": 1e-6}
 
@@ -114,6 +114,11 @@ class HeightMap:
         return float(np.nanstd(self.heights))
 
     @property
+    def robust_sq(self):
+        """1.4826 times the median of |z - median(z)| [m]: Sq of Gaussian heights, which spikes do not change."""
+        return plausibility.robust_sq(self.heights)
+
+    @property
     def sa(self):
         """Sa = ⟨|z - ⟨z⟩|⟩ [m] over the pixels that are there."""
         return float(np.nanmean(np.abs(self.heights - np.nanmean(self.heights))))
@@ -199,6 +204,14 @@ class HeightMap:
         straight = np.abs(curvatures) <= 1e-9 * np.max(np.abs(curvatures))
         first, second = np.where(straight, math.inf, 1.0 / np.where(straight, 1.0, curvatures))
         return float(first), float(second)
+
+    def despiked(self, threshold=plausibility.HIGHEST):
+        """The map with spikes and fillers as missing pixels.
+
+        Spikes differ from the median of their 5 × 5 surroundings (scipy.ndimage.median_filter) by more than `threshold` times
+        the robust spread of such differences.
+        """
+        return plausibility.despiked(self, units.number(threshold, "threshold"))
 
     def filled(self):
         """Missing pixels replaced by smooth averages of their surroundings (coarse to fine); others untouched."""
@@ -302,10 +315,17 @@ class HeightMap:
         return 3.0 - float(hursts[np.argmin([misfit(h) for h in hursts])])
 
     def surface(self, hardness=None, wavelengths=None):
-        """The `demlaws.Surface` of this map: Sq, and Df by box counting (as the granite tests did) kept within [2, 3]."""
+        """The `demlaws.Surface` of this map: Sq, and Df by box counting (as the granite tests did) kept within [2, 3].
+
+        A `MapWarning` is issued for spikes, fillers, slopes above 1, and a Df out of this range.
+        """
         dimension = None
+        plausibility.advise(self)
         if self.sq > 0 and min(self.shape) >= 64:
-            dimension = min(max(self.fractal_dimension_by_boxes(wavelengths), 2.0), 3.0)
+            measured = self.fractal_dimension_by_boxes(wavelengths)
+            for text in plausibility.dimension_doubts(measured, None):
+                warn(f"height map: {text}", MapWarning)
+            dimension = min(max(measured, 2.0), 3.0)
         return Surface(roughness=self.sq, fractal_dimension=dimension, hardness=hardness)
 
 

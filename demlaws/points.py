@@ -4,6 +4,7 @@ import contextlib
 import csv
 import math
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from demlaws.errors import DemlawsError
 from demlaws.files import read_text
-from demlaws.units import LARGEST_OVERLAP, unmasked
+from demlaws.units import LARGEST_OVERLAP, UNITS, unmasked
 
 UNLOADED = 0.02
 """Part of the largest force so far by which the force must fall to count as unloading, rather than as noise."""
@@ -44,20 +45,24 @@ class Points(NamedTuple):
 
 
 _COLUMNS = {
-    "displacement": (("displacement", "overlap"), {"m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}),
-    "force": (("force", "load"), {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}),
+    "displacement": (("displacement", "overlap", "depth", "penetration"), UNITS["m"]),
+    "force": (("force", "load"), UNITS["N"]),
 }
-_UNIT = re.compile(r"[(\[_ ]\s*([A-Za-zµμ]+)\s*[)\]]?\s*$")
+_UNIT = re.compile(r"(?:[(\[]\s*([A-Za-zµμ]+)\s*[)\]]?|[_ /]\s*([A-Za-zµμ]+))\s*$")
 """The unit at the end of a title."""
 _THOUSANDS = re.compile(r"[-+]?\d{1,3},\d{3}$")
 _COMMENTS = ("#", "%", "//")
+
+
+def _plain(unit):
+    return unit.replace("µ", "u").replace("μ", "u")
 
 
 def _unit(title, column, where):
     """Factor to SI of a title's unit, as written; another spelling only where it can mean nothing else."""
     units = _COLUMNS[column][1]
     match = _UNIT.search(title.strip())
-    unit = (match.group(1) if match else "").replace("µ", "u").replace("μ", "u")
+    unit = _plain((match[1] or match[2]) if match else "")
     if unit in units:
         return units[unit]
     similar = [name for name in units if name.lower() == unit.lower()]
@@ -111,6 +116,10 @@ def _header(lines, path):
         mark = next((m for m in (";", "\t", ",") if m in text), None)
         titles = _split(text, mark)
         if all(_find(titles, column) for column in _COLUMNS) and len(titles) > 1:
+            below = [cell.strip(" ()[]") for cell in _split(lines[number + 1], mark)] if len(lines) > number + 1 else []
+            if any(_plain(cell) in units for cell in below for _, units in _COLUMNS.values()):  # a line of units
+                titles = [f"{title} ({cell})" for title, cell in zip(titles, below, strict=False)]
+                number += 1
             return number, titles, mark
         if comment is None:
             need = "two columns named displacement and force are needed, with units, separated by commas, semicolons or tabs"
@@ -128,7 +137,8 @@ def read_points(path):
 
     Columns are split by commas, semicolons, tabs or blanks; unless by commas, decimal commas are read. Lines that begin
     with #, % or // are comments (the titles may be in one); further columns are left aside. Of several that may be the
-    force or the displacement the one named so alone is taken. Raises DemlawsError that names the file and the line.
+    force or the displacement the one named so alone is taken. The units may also stand in a line below the titles. "-" is
+    standard input. Raises DemlawsError that names the file and the line.
     """
     path = Path(path)
     lines = read_text(path, "points ").splitlines()
@@ -158,16 +168,21 @@ def read_points(path):
     if len(values) < 3:
         raise DemlawsError(f"{path}: {len(values)} points; at least 3 points are needed")
     displacement, force = np.array(values).T
-    return Points(displacement, force, path.name)
+    return Points(displacement, force, "standard input" if str(path) == "-" else path.name)
 
 
 # --- points of a contact that a law is to follow
 
 
 def columns_of(points):
-    """Displacement and force of (n, 2) values or `Points`."""
+    """Displacement [m] and force [N] of `Points`, of (n, 2) values, or of a table with titles: a DataFrame, a structured
+    array, a dict. Titles are read as those of files ("Depth (nm)"); "displacement" and "force" alone are in SI."""
     if hasattr(points, "displacement"):
         points = np.column_stack([unmasked(points.displacement), unmasked(points.force)])
+    titles = getattr(getattr(points, "dtype", None), "names", None) or getattr(points, "columns", None)
+    titles = list(points) if isinstance(points, Mapping) else [] if titles is None or callable(titles) else list(titles)
+    if titles and all(isinstance(title, str) for title in titles):
+        points = _titled(points, titles)
     try:
         array = np.asarray(unmasked(points), dtype=float)
     except (TypeError, ValueError):
@@ -177,6 +192,23 @@ def columns_of(points):
     if not np.all(np.isfinite(array)):
         raise DemlawsError("points contain NaN or infinite values: remove those rows")
     return array.T
+
+
+def _titled(points, titles):
+    """Columns of displacement [m] and force [N], found by their titles."""
+    columns = []
+    for column, (words, _) in _COLUMNS.items():
+        if not _find(titles, column):
+            raise DemlawsError(f"points have the columns {', '.join(titles)}: name one {column!r} or '{column} (unit)'")
+        bare = [place for place, title in enumerate(titles) if title.strip().lower() in words]
+        place, unit = (bare[0], 1.0) if len(bare) == 1 else _place(titles, column, "points")
+        try:
+            columns.append(unit * np.asarray(unmasked(points[titles[place]]), float))
+        except (TypeError, ValueError):
+            raise DemlawsError(f"points: the column {titles[place]!r} must be numbers") from None
+    if columns[0].shape != columns[1].shape:
+        raise DemlawsError(f"points: {columns[0].size} displacements and {columns[1].size} forces: give one force for each")
+    return np.column_stack(columns)
 
 
 def refuse_other_units(displacement, force, contact, compliance):

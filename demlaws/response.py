@@ -271,7 +271,7 @@ class Response:
 
         def part(piece):
             states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
-            return batch_loop(self.rule, params, overlap[piece], states, (lowest,), (most,), force[piece], stiffness[piece])
+            return batch_loop(self.rule, params, overlap[piece], states, lowest, most, force[piece], stiffness[piece])
 
         good = all(in_threads(part, n)) if parallel and n >= 16 * PIECE else part(slice(None))
         if not good and arrays and self.contact.size is not None:
@@ -306,7 +306,7 @@ class Response:
             end = np.minimum(LARGEST_OVERLAP * radius, self._curve_end())
             small = np.minimum(SMALL_OVERLAP * radius, end).ravel()
             most = first_loading(self.params, small)[0] if self.state_size else small
-            self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE[0])))
+            self._end = end, (float(np.min(end)), float(min(np.min(most), FINITE)))
         return self._end
 
     def _largest_unloading_force(self):

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from demlaws import units
-from demlaws.errors import DemlawsError
+from demlaws import plausibility, units
+from demlaws.errors import DemlawsError, MapWarning, did_you_mean, warn
 from demlaws.files import as_path, read_text, write_atomically
 from demlaws.heightmap import UNITS, HeightMap, box_correction, length, self_affine
 
@@ -22,7 +22,13 @@ __all__ = ["UNITS", "HeightMap", "box_correction", "length", "read", "self_affin
 _MISSING_WORDS = {"", "nan", "na", "n/a", "null", "none", "bad", "***", "---", "-", "inf", "-inf"}
 
 
-def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightMap:
+def read(
+    path: str | os.PathLike,
+    pixel: Any = None,
+    unit: str = "m",
+    missing: float | None = None,
+    channel: str | None = None,
+) -> HeightMap:
     """Read a height map.
 
     Parameters
@@ -35,10 +41,16 @@ def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightM
         (# Width: 1.6 mm) headers contain it.
     unit : str
         Unit of the heights.
+    missing : float, optional
+        Number that stands for missing pixels, in the file's unit (-9999).
+    channel : str, optional
+        Name of the channel in an instrument's file that has several; default: its first channel with heights, which a
+        warning names.
 
     Returns
     -------
     HeightMap
+        A `MapWarning` names spikes, fillers, and slopes that no instrument measures.
 
     Raises
     ------
@@ -54,6 +66,13 @@ def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightM
     >>> same.shape, round(same.sq * 1e6, 6)
     ((64, 64), 2.0)
     """
+    heights, scale = read_unchecked(path, pixel, unit, missing, channel)
+    plausibility.advise(heights, scale)
+    return heights
+
+
+def read_unchecked(path, pixel=None, unit="m", missing=None, channel=None):
+    """As `read`, without the check of plausibility; the map, and metres per unit of height in the file."""
     path = as_path(path)
     if not path.is_file():
         raise DemlawsError(f"no such height map: {path}")
@@ -61,6 +80,7 @@ def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightM
         raise DemlawsError(f"{path} is empty: was the measurement exported?")
     if not isinstance(unit, str) or unit not in UNITS:
         raise DemlawsError(f"unit = {unit!r}: the units of height are {', '.join(UNITS)}")
+    filler = None if missing is None else float(units.real(missing, "missing"))
     suffix = path.suffix.lower()
     pixels = None if pixel is None else _pixel_pair(pixel)
     if suffix == ".npy":
@@ -74,12 +94,23 @@ def read(path: str | os.PathLike, pixel: Any = None, unit: str = "m") -> HeightM
     elif suffix in (".csv", ".txt", ".tsv", ".asc"):
         heights, header = _read_text(path)
     else:
-        return _read_instrument(path, pixels)
+        heights, pixels, scale = _read_instrument(path, pixels, channel)
+        return _map(heights, pixels, scale, filler)
+    if channel is not None:
+        raise DemlawsError(f"channel = {channel!r}: {path.name} has one channel only")
+    plausibility.refuse_list_of_points(heights, path)
     pixels = pixels or header.get("pixel")
     if pixels is None:
         raise DemlawsError(f"{path} does not say its pixel size: give pixel (command line: --pixel 0.8um)")
     scale = header.get("scale", UNITS[unit])
-    return HeightMap(np.asarray(heights, float) * scale, *pixels)
+    return _map(np.asarray(heights, float), pixels, scale, filler)
+
+
+def _map(heights, pixels, scale, filler):
+    """`HeightMap` of heights in a unit of `scale` metres, in which `filler` is a missing pixel; and the scale."""
+    if filler is not None:
+        heights = np.where(heights == filler, np.nan, heights)
+    return HeightMap(heights * scale, *pixels), scale
 
 
 def _pixel_pair(pixel):
@@ -157,7 +188,8 @@ def _split(text):
     return text.split()
 
 
-def _read_instrument(path, pixels):
+def _read_instrument(path, pixels, channel):
+    """Heights, pixel sizes [m] and metres per unit of height of a file that SurfaceTopography reads."""
     try:
         import SurfaceTopography
     except ImportError:
@@ -166,7 +198,8 @@ def _read_instrument(path, pixels):
             "or export the map as .csv, .asc or .npy"
         ) from None
     try:
-        topography = SurfaceTopography.read_topography(str(path))
+        reader = SurfaceTopography.open_topography(str(path))
+        topography = _channel(reader, path, channel).topography()
         if topography.dim != 2:
             raise DemlawsError(f"{path} is a line scan: a height map has two dimensions")
         heights = np.ma.filled(np.ma.asarray(topography.heights(), float), np.nan)
@@ -180,9 +213,24 @@ def _read_instrument(path, pixels):
     if unit not in UNITS:
         raise DemlawsError(f"{path}: unit {unit!r} is not a length demlaws knows ({', '.join(UNITS)})")
     # their first axis is x
-    heights = heights.T * UNITS[unit]
+    heights = heights.T
     pixels = pixels or tuple(size * UNITS[unit] / n for size, n in zip(sizes, heights.shape[::-1], strict=True))
-    return HeightMap(heights, *pixels)
+    return heights, pixels, UNITS[unit]
+
+
+def _channel(reader, path, name):
+    """The channel of this name; without a name the reader's default, with a warning if there are others."""
+    names = [channel.name for channel in reader.channels]
+    if name is None:
+        if len(names) > 1:
+            others = ", ".join(repr(other) for other in names)
+            warn(
+                f"{path} has the channels {others}: {reader.default_channel.name!r} was read; name one (--channel)", MapWarning
+            )
+        return reader.default_channel
+    if name not in names:
+        raise DemlawsError(f"{path} has no channel {name!r}, but {', '.join(map(repr, names))}{did_you_mean(name, names)}")
+    return reader.channels[names.index(name)]
 
 
 def write(path: str | os.PathLike, heights: HeightMap) -> Path:

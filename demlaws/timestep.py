@@ -25,10 +25,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from demlaws.contact import Material
-from demlaws.core.loops import first_loading
+from demlaws.core.loops import first_loading, unloaded_loop
 from demlaws.errors import DemlawsError
 from demlaws.law import Law, as_law
-from demlaws.units import number
+from demlaws.units import SMALL_OVERLAP, number
 
 STEP_SAFETY = 0.8
 """Safety factor on the limit: at √3/2 of it (three steps per period) velocity Verlet is in resonance with any curved force law,
@@ -38,8 +38,10 @@ SOFTENING_SAFETY = 0.56
 unloading curve of another law): an oscillation about such a kink is in resonance in narrow windows of the step, which get rarer
 and slower as the step falls but do not end. Where unloading is stiffer than loading, energy is lost, and no window was found
 (docs/plastic-laws.md)."""
+LARGEST_SHEAR_RATIO = 4.0 / 3.0
+"""Largest K_t/K: 2(1-ν)/(2-ν) at ν = -1."""
 COORDINATION = 6.0
-"""Default mean number of contacts per grain."""
+"""Default mean number of contacts per grain, and the least that the estimate of a packing is made for."""
 
 
 def _mass(value, name):
@@ -56,7 +58,8 @@ def pair_limit(stiffness: float, mass1: float, mass2: float = math.inf, shear_ra
     mass1, mass2 : float
         Masses [kg]; inf is a fixed wall.
     shear_ratio : float
-        K_t/K, 2(1-ν)/(2-ν) for smooth spheres of one material, at most 1; 0 for grains without friction.
+        K_t/K: 2(1-ν)/(2-ν) for smooth spheres of one material (`shear_ratio`), less where it was measured, at most 4/3; 0
+        for grains without friction.
 
     Returns
     -------
@@ -78,10 +81,12 @@ def packing_limit(
     coordination: float = COORDINATION,
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
+    largest_coordination: float | None = None,
 ) -> float:
     """Estimate of the limit of a packing: 0.5 to 1 times the exact limit in lattices and random packings (tests).
 
-    2/ω with ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2 K_t/K), (Z + 2.5) 5 K_t/K) K/m.
+    2/ω with ω² = 2/3 (1 + 1/s)/2 max((Z + 4)(1 + 2 K_t/K), (Z + 2.5) 5 K_t/K) K/m; a Z below 6 counts as 6.
+    With `largest_coordination` the rigorous bound ω² ≤ 2 Z_max K/m max(1, 7/2 K_t/K), at most 0.65 of the exact limit.
 
     Parameters
     ----------
@@ -93,6 +98,10 @@ def packing_limit(
         K_t/K.
     size_ratio : float
         s, the mean radius over the smallest one; 1 is the safe choice: small grains have fewer contacts than others.
+    largest_coordination : float, optional
+        Z_max, the largest number of contacts of one grain. Needed outside the scope of the estimate, which is grains that are
+        the heavier the larger they are (the step is up to 1.2 of the limit if a few large grains weigh no more than the
+        small ones) and whose contacts are spread over all grains (1.1 if grains with 12 contacts touch others with one).
 
     Returns
     -------
@@ -101,13 +110,19 @@ def packing_limit(
 
     Notes
     -----
+    The bound is Irons & Treharne's (1971): with S_i the sum of K over the contacts of grain i, ω² is at most the largest
+    (S_i/m_i + S_j/m_j) max(1, 7/2 K_t/K) of all contacts, and here S_i/m_i ≤ Z_max K/m.
+
     With Z in place of Z + 4 and Z + 2.5 and s = 1 this is the bound of this module for a grain with contacts in all directions
     alike and with equal neighbours; it is exact in simple and body-centred cubic lattices. The first term is for motion, the
     second for rotation. The numbers added to Z, for grains with more contacts than the mean or with contacts along one line,
     and the dependence on s are fitted to random packings.
     """
     stiffness, mass, ratio = _stiffness(stiffness), number(mass, "mass", "kg"), _ratio(shear_ratio)
-    mean = number(coordination, "coordination", "", 0.0, 100.0, allow_low=True)
+    if largest_coordination is not None:
+        most = number(largest_coordination, "largest_coordination", "", 1.0, 1e6, allow_low=True)
+        return pair_limit(most * stiffness, mass, mass, ratio)
+    mean = max(number(coordination, "coordination", "", 0.0, 100.0, allow_low=True), COORDINATION)
     sizes = 0.5 * (1.0 + 1.0 / number(size_ratio, "size_ratio", "", 1.0, allow_low=True))
     moving, rolling = (mean + 4.0) * (1.0 + 2.0 * ratio), (mean + 2.5) * 5.0 * ratio
     return 2.0 / math.sqrt(2.0 / 3.0 * sizes * max(moving, rolling) * stiffness / mass)
@@ -170,6 +185,7 @@ def timestep(
     coordination: float = COORDINATION,
     shear_ratio: float = 1.0,
     size_ratio: float = 1.0,
+    largest_coordination: float | None = None,
 ) -> float:
     """Stable time step of velocity Verlet with contacts of a law.
 
@@ -187,8 +203,8 @@ def timestep(
     coordination : float
         Mean number of contacts per grain, of a packing.
     shear_ratio : float
-        K_t/K; 0 without friction.
-    size_ratio : float
+        K_t/K, at most 4/3; 0 without friction.
+    size_ratio, largest_coordination : float, optional
         As in `packing_limit`.
 
     Returns
@@ -215,7 +231,7 @@ def timestep(
     lossless = law.unloading_law if law.state_size else law
     falls = lossless is not None and _jumps_down(lossless, float(lossless.overlap(max_force)))
     if other_mass is None:
-        limit = packing_limit(largest, mass, coordination, shear_ratio, size_ratio)
+        limit = packing_limit(largest, mass, coordination, shear_ratio, size_ratio, largest_coordination)
     else:
         limit = pair_limit(largest, mass, _mass(other_mass, "other_mass"), shear_ratio)
     return (SOFTENING_SAFETY if falls else STEP_SAFETY) * limit
@@ -248,6 +264,48 @@ def stiffest(law: Law, max_force: float) -> float:
     return largest
 
 
+def stiffest_now(
+    law: Law, force: np.ndarray, largest_overlap: np.ndarray | None = None, overlap: np.ndarray | None = None
+) -> np.ndarray:
+    """Stiffest tangent of each contact at its present force: of loading, and of unloading after its history.
+
+    Parameters
+    ----------
+    law : Law
+        Law of the contacts, an array of n of them.
+    force : ndarray, shape (n,)
+        Present forces [N].
+    largest_overlap : ndarray, optional
+        Largest overlaps so far [m]. Default: any history that allows the force, up to overlaps of a tenth of the radius.
+    overlap : ndarray, optional
+        Upper bounds of the present overlaps [m], which bound such histories.
+
+    Returns
+    -------
+    ndarray
+        Stiffness [N/m].
+    """
+    loaded = law.overlap(force)
+    largest = law.stiffness(loaded)
+    if not law.state_size:
+        return largest
+    end = np.maximum(np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._ends()[0]), loaded)
+    histories = [np.clip(largest_overlap, loaded, end)] if largest_overlap is not None else loaded * (end / loaded) ** _SHARES
+    possible = np.ones(force.size, bool)
+    for highest in histories:
+        state = law.new_state(force.size)
+        law.evaluate(highest, state)
+        unloaded = np.minimum(unloaded_loop(law.rule, law.params, force, state.arrays), highest * (1.0 - 2.0**-36))
+        largest = np.where(possible, np.maximum(largest, law.evaluate(unloaded, state)[1]), largest)
+        if overlap is not None:  # the first history beyond the bound counts: the true one may lie just below it
+            possible &= unloaded <= overlap
+    return largest
+
+
+_SHARES = np.linspace(0.0, 1.0, 101)[:, None]
+"""Exponents of the largest overlaps between that of loading and the end."""
+
+
 def _beside_kinks(law, end):
     """Overlaps [m] just below and just above the kinks of first loading up to `end`."""
     kinks = np.array([kink for kink in law.kinks() if 0.0 < kink < end])
@@ -270,7 +328,7 @@ def _stiffness(value):
 
 
 def _ratio(value):
-    return number(value, "shear_ratio", "", 0.0, 10.0, allow_low=True)
+    return number(value, "shear_ratio", "", 0.0, LARGEST_SHEAR_RATIO, allow_low=True)
 
 
 class Limits(NamedTuple):
@@ -281,7 +339,12 @@ class Limits(NamedTuple):
 
 
 def from_contacts(
-    pairs: ArrayLike, normals: ArrayLike, stiffness: ArrayLike, shear_stiffness: ArrayLike, masses: ArrayLike
+    pairs: ArrayLike,
+    normals: ArrayLike,
+    stiffness: ArrayLike,
+    shear_stiffness: ArrayLike,
+    masses: ArrayLike,
+    blocked: ArrayLike | None = None,
 ) -> Limits:
     """Limits of spheres in contact, in their present configuration.
 
@@ -294,9 +357,11 @@ def from_contacts(
     normals : array_like, shape (n, 3)
         Unit vectors along the lines of centres, of either sign.
     stiffness, shear_stiffness : float or array_like, shape (n,)
-        Tangents K_n and K_t [N/m].
+        Tangents K_n and K_t [N/m]; K_t = 0 without friction.
     masses : array_like
         Mass of each body [kg], inf for walls and fixed bodies.
+    blocked : array_like of bool, shape (bodies, 6), optional
+        Degrees of freedom that do not move: translations, then rotations about x, y, z.
 
     Returns
     -------
@@ -328,6 +393,13 @@ def from_contacts(
     if not np.all(masses > 0.0) or np.all(np.isinf(masses[pairs])):
         raise DemlawsError("masses must be positive, and some body must be free (mass below inf)")
     rows = _springs(pairs, normals, normal, sideways, 1.0 / np.sqrt(masses))
+    if blocked is not None:
+        blocked = np.asarray(blocked, bool)
+        if blocked.shape != (len(masses), 6):
+            raise DemlawsError(f"blocked must be of shape ({len(masses)}, 6), got {blocked.shape}")
+        rows = np.where(blocked[pairs], 0.0, rows)
+        if not rows.any():
+            raise DemlawsError("no contact moves a degree of freedom that is not blocked")
     squares = _largest_eigenvalue(rows, pairs, len(masses)), _bound(rows, pairs, len(masses))
     return Limits(*(2.0 / math.sqrt(square) for square in squares))
 

@@ -51,7 +51,7 @@ def check_overlaps(overlap, radius):
 UNITS = {
     "m": {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "inch": 0.0254, "um": 1e-6, "nm": 1e-9, "pm": 1e-12},
     "Pa": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm²": 1e6, "N/mm2": 1e6},
-    "N": {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6},
+    "N": {"N": 1.0, "mN": 1e-3, "uN": 1e-6, "nN": 1e-9, "kN": 1e3, "MN": 1e6},
     "m/s": {"m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6},
     "kg": {"kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3},
     "kg/m³": {"kg/m³": 1.0, "kg/m3": 1.0, "g/cm³": 1e3, "g/cm3": 1e3},

@@ -93,7 +93,7 @@ def test_names_of_laws_are_written_in_one_file():
 LAYERS = (
     "errors lazy results",
     "core",
-    "admissible files units",
+    "admissible files plausibility units",
     "contact criterion points soundness",
     "materials heightmap surface",
     "solvers",
@@ -119,6 +119,7 @@ UPWARD = {
     ("engines.py", "__init__"): "the version",
     ("liggghts/export.py", "__init__"): "the version",
     ("lammps/export.py", "__init__"): "the version",
+    ("lammps/source.py", "__init__"): "the version",
     ("cli/__init__.py", "__init__"): "the version",
     ("yade/run.py", "__init__"): "the folder that YADE is to find",
     ("yade/check.py", "__init__"): "run by YADE as a user's script is",

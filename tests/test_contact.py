@@ -1,11 +1,14 @@
 """Materials, surfaces and contacts: derived quantities and input checks."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 import demlaws as dl
+from demlaws.units import UNITS, quantity
 
 GRANITE = dl.Material(young=60.6e9, poisson=0.25, hardness=6.266e9)
 
@@ -95,3 +98,18 @@ def test_a_contact_is_not_changed():
         contact.radius = 2e-3
     assert contact.with_values(radius=2e-3).radius == 2e-3
     assert contact.radius == 1e-3
+
+
+PREFIXES = {"p": 1e-12, "n": 1e-9, "u": 1e-6, "µ": 1e-6, "m": 1e-3, "c": 1e-2, "": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}
+OTHERS = {"inch": 0.0254, "N/mm²": 1e6, "N/mm2": 1e6, "kg": 1.0, "g": 1e-3, "mg": 1e-6, "t": 1e3, "deg": math.pi / 180}
+OTHERS |= {"g/cm³": 1e3, "g/cm3": 1e3, "°": math.pi / 180, "rad": 1.0, "kg/m³": 1.0, "kg/m3": 1.0, "m/N": 1.0}
+OTHERS |= {"mm/N": 1e-3, "um/N": 1e-6, "nm/N": 1e-9, "mm/kN": 1e-6, "um/kN": 1e-9, "m/s": 1.0, "mm/s": 1e-3, "um/s": 1e-6}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_every_spelling_of_a_unit(unit):
+    """Text with each spelling is the number in the SI unit."""
+    for symbol, factor in UNITS[unit].items():
+        expected = OTHERS.get(symbol, PREFIXES[symbol.removesuffix(unit)] if symbol.endswith(unit) else None)
+        assert factor == pytest.approx(expected, rel=1e-15)
+        assert quantity(f"2.5 {symbol}", "x", unit) == pytest.approx(2.5 * expected, rel=1e-15)

@@ -213,7 +213,7 @@ def call(function, arguments):
 HEAVY = {"choose"}  # its scene is tried in Scene
 
 
-NOWHERE = {"load_laws", "surface.read", "surface.write", "Table.load", "Table.save"}
+NOWHERE = {"load_laws", "surface.read", "surface.read_unchecked", "surface.write", "Table.load", "Table.save"}
 """Functions whose file or folder is not there: even the good call is refused."""
 NAMED = ("Contact", "Material", "Surface", "Contact.between")
 """Classes whose errors name the field."""

@@ -1,5 +1,7 @@
 """Measured points: which of them are first loading, and the files that they come in."""
 
+import io
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +10,7 @@ import pytest
 import demlaws as dl
 from demlaws import granite
 from demlaws.errors import DemlawsError
-from demlaws.points import Points, read_points
+from demlaws.points import Points, columns_of, read_points
 
 TEST = granite.find_test("SS(18-18)")
 
@@ -66,3 +68,43 @@ def test_bad_files(path):
         read_points(path)
     with pytest.raises(DemlawsError, match="cannot read points"):
         read_points(path.parent)
+
+
+def test_standard_input(monkeypatch):
+    monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((DATA / "good" / "indenter.txt").read_bytes())))
+    points = read_points("-")
+    assert points.source == "standard input"
+    np.testing.assert_allclose(points.displacement, [1.5e-6, 2e-6, 3e-6], rtol=1e-12)
+
+
+DEPTH, LOAD = np.array([1500.0, 2000.0, 3000.0]), np.array([0.5, 1.5, 3.0])
+TITLED = {
+    "indenter": {"Time (s)": LOAD, "Depth (nm)": DEPTH, "Load (µN)": 1e6 * LOAD},
+    "SI": {"force": LOAD, "displacement": 1e-9 * DEPTH},
+    "a path": {"overlap (m)": 1e-9 * DEPTH, "force (N)": LOAD, "plastic overlap (m)": LOAD},
+}
+
+
+@pytest.mark.parametrize("kind", ["dict", "frame", "structured"])
+@pytest.mark.parametrize("titles", TITLED)
+def test_titles_of_a_table_give_its_units(titles, kind):
+    """Before: a DataFrame titled "(nm)" was taken for metres, or for a wrong shape."""
+    table = TITLED[titles]
+    if kind == "frame":
+        table = pytest.importorskip("pandas").DataFrame(table)
+    elif kind == "structured":
+        table = np.rec.fromarrays(list(table.values()), names=list(table))
+    displacement, force = columns_of(table)
+    np.testing.assert_allclose(displacement, 1e-9 * DEPTH, rtol=1e-12)
+    np.testing.assert_allclose(force, LOAD, rtol=1e-12)
+
+
+def test_titles_without_a_meaning_are_refused():
+    for table in (
+        {"x (nm)": DEPTH, "y": LOAD},
+        {"depth (s)": DEPTH, "load (N)": LOAD},
+        {"depth (nm)": ["a"], "load (N)": [1.0]},
+    ):
+        with pytest.raises(DemlawsError):
+            columns_of(table)
+    np.testing.assert_array_equal(columns_of(pytest.importorskip("pandas").DataFrame(np.ones((3, 2)))), np.ones((2, 3)))

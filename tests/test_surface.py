@@ -123,7 +123,7 @@ def test_a_map_becomes_a_surface():
 
 @pytest.mark.parametrize("suffix", [".npy", ".csv", ".asc"])
 def test_files_come_back(tmp_path, suffix):
-    heights = HeightMap(self_affine((20, 30), 0.5e-6, 0.8, 1e-6, 1).heights, 0.5e-6, 1.5e-6 if suffix == ".asc" else None)
+    heights = HeightMap(self_affine((20, 30), 0.5e-6, 0.8, 0.1e-6, 1).heights, 0.5e-6, 1.5e-6 if suffix == ".asc" else None)
     holes = heights.heights.copy()
     holes[3, 4] = np.nan
     path = surface.write(tmp_path / f"map{suffix}", heights.with_heights(holes))
@@ -135,12 +135,12 @@ def test_files_come_back(tmp_path, suffix):
 @pytest.mark.parametrize("path", sorted((DATA / "good").iterdir()), ids=lambda path: path.stem)
 def test_text_formats(path):
     """Their names end with the number of missing pixels."""
-    heights = surface.read(path, pixel="2um", unit="um")
+    heights = surface.read(path, pixel="20um", unit="um")
     assert heights.shape == (4, 4)
     assert int(np.isnan(heights.heights).sum()) == int(path.stem[-1])
     assert heights.heights[0, 0] == pytest.approx(1e-6)
     assert heights.heights[0, 3] == pytest.approx(4.5e-6 if "semicolons" in path.stem else 4e-6)
-    assert heights.pixel_x == pytest.approx(2e-6)
+    assert heights.pixel_x == pytest.approx(20e-6)
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "latin-1", "utf-16", "utf-8-sig"])

@@ -6,11 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from examples import make, shared
+from examples import GRANITE, each_law_and_rule, make, options_of, quiet, shared
 from packings import CELLS, lattice, random_packing
 
 import demlaws as dl
 from demlaws.advice.scene import stable_step
+from demlaws.make import example
 from demlaws.timestep import (
     SOFTENING_SAFETY,
     STEP_SAFETY,
@@ -18,6 +19,7 @@ from demlaws.timestep import (
     packing_limit,
     pair_limit,
     stiffest,
+    stiffest_now,
 )
 
 RATIOS = (0.0, 0.3, 0.857, 1.0)
@@ -79,6 +81,91 @@ def test_lattices_with_all_contacts_alike_have_a_closed_form(kind):
         assert exact == pytest.approx(2.0 / math.sqrt(square), rel=1e-5)
 
 
+ROUND_A_HUB = np.array([v for v in itertools.product((-1, 0, 1), repeat=3) if np.dot(v, v) == 2]) / math.sqrt(2.0)
+
+
+def limits_of_hubs(count, ratio):
+    """A row of touching grains that have 12 contacts each, with neighbours that touch nothing else."""
+    row = [2.0 * k * ROUND_A_HUB[0] for k in range(count)]
+    centres = np.unique(np.round(np.concatenate([row, *(hub + 2.0 * ROUND_A_HUB for hub in row)]), 9), axis=0)
+    is_hub = np.array([min(np.linalg.norm(centre - hub) for hub in row) < 1e-6 for centre in centres])
+    between = centres[:, None] - centres[None]
+    touching = (np.abs(np.linalg.norm(between, axis=2) - 2.0) < 1e-6) & (is_hub[:, None] | is_hub[None])
+    pairs = np.argwhere(np.triu(touching))
+    limits = from_contacts(pairs, 0.5 * between[tuple(pairs.T)], 1.0, ratio, np.ones(len(centres)))
+    return limits.exact, np.bincount(pairs.ravel())
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_few_grains_with_many_contacts(ratio):
+    """The estimate of the mean number of contacts was up to 1.29 times the limit; so many contacts on a row: rigorous bound."""
+    for count in (1, 2):
+        exact, contacts = limits_of_hubs(count, ratio)
+        assert 0.8 < packing_limit(1.0, 1.0, contacts.mean(), ratio) / exact < 1.0
+        assert 0.4 < packing_limit(1.0, 1.0, contacts.mean(), ratio, largest_coordination=12) / exact < 1.0
+    # two grains with one contact each: the bound is the limit
+    assert packing_limit(1e6, 1e-3, 1.0, ratio, largest_coordination=1) == pytest.approx(pair_limit(1e6, 1e-3, 1e-3, ratio))
+    exact, contacts = limits_of_hubs(8, ratio)
+    assert packing_limit(1.0, 1.0, contacts.mean(), ratio, largest_coordination=contacts.max()) < exact
+
+
+def test_light_large_grains_need_their_number_of_contacts():
+    """Five grains of three times the radius and the same mass: the estimate is out of its scope."""
+    random = np.random.default_rng(1)
+    radius = np.where(np.arange(160) < 5, 1.5, 0.5)
+    edge = (np.sum(4 / 3 * np.pi * radius**3) / 0.66) ** (1 / 3)
+    centres = edge * random.random((160, 3))
+    for _ in range(500):
+        between = centres[:, None] - centres[None]
+        between -= edge * np.round(between / edge)
+        distance = np.linalg.norm(between, axis=2) + np.eye(160)
+        overlap = radius[:, None] + radius[None] - distance
+        np.fill_diagonal(overlap, 0.0)
+        centres = centres + 0.3 * np.sum((np.maximum(overlap, 0.0) / distance)[:, :, None] * between, axis=1)
+    pairs = np.argwhere(np.triu(overlap > 0.0))
+    stiffness = np.sqrt(1.0 / np.sum(1.0 / radius[pairs], axis=1))
+    normals = between[tuple(pairs.T)] / distance[tuple(pairs.T)][:, None]
+    contacts = np.bincount(pairs.ravel())
+    for ratio in (0.0, 0.857):
+        exact = from_contacts(pairs, normals, stiffness, ratio * stiffness, np.ones(160)).exact
+        estimate = functools.partial(packing_limit, stiffness.max(), 1.0, contacts[contacts > 0].mean(), ratio)
+        assert estimate(largest_coordination=contacts.max()) < exact < 1.3 * estimate()
+
+
+# --- the present stiffness of contacts with a history
+
+
+@each_law_and_rule
+def test_stiffest_tangent_of_a_history(name, unloading):
+    """Contacts that have carried ten times their force: known history, unknown history with and without the overlap."""
+    law = make(name, unloading)
+    grains = GRANITE.with_values(radius=GRANITE.radius * np.ones(2))
+    batch = example(name, grains, unloading, **options_of(name))
+    peak = float(quiet(law.overlap, 20.0))
+    state = law.new_state(1)
+    quiet(law.follow, [peak], state)
+    overlap = float(law.unloading_overlap(2.0, state)) if law.state_size else float(law.overlap(2.0))
+    true = max(float(quiet(law.follow, [overlap], state).stiffness[0]), float(quiet(law.stiffness, law.overlap(2.0))))
+    force = np.full(2, 2.0)
+    known = quiet(stiffest_now, batch, force, np.full(2, peak))
+    bounded = quiet(stiffest_now, batch, force, None, np.full(2, overlap * (1.0 + 1e-9)))
+    assert known == pytest.approx(true, rel=1e-6)
+    assert np.all((bounded > true * (1.0 - 1e-6)) & (bounded < 1.05 * true))
+    assert np.all(quiet(stiffest_now, batch, force) > true * (1.0 - 1e-6))
+
+
+def test_blocked_degrees_of_freedom():
+    """A face-centred lattice without rotation, whose layers move against each other; grains that move along one axis only."""
+    grains = packing("fcc")
+    blocked = np.zeros((len(grains.radius), 6), bool)
+    blocked[:, 3:] = True
+    limits = from_contacts(grains.pairs, grains.normals, 1.0, 0.857, grains.mass, blocked)
+    assert limits.exact == pytest.approx(2.0 / math.sqrt(8 * 1.857), rel=1e-5)
+    assert limits.bound <= limits.exact * (1.0 + 1e-6)
+    alone = from_contacts([[0, 1]], [X], 1.0, 0.5, [1.0, 1.0], [[0, 1, 1, 1, 1, 1]] * 2)
+    assert alone.exact == pytest.approx(math.sqrt(2.0), rel=1e-6)
+
+
 LAW = dl.law("hertz", dl.Contact(radius=2e-3, modulus=32.32e9))
 MASS = 4 / 3 * math.pi * (4e-3) ** 3 * 2680
 
@@ -132,6 +219,12 @@ def test_scene_of_unlike_grains():
         lambda: from_contacts([[0, 1]], [X], 0.0, 0.0, [1.0, 1.0]),
         lambda: from_contacts([[0, 1]], [X], 1.0, 1.0, [math.inf, math.inf]),
         lambda: from_contacts([[0, 1]], [X], 1.0, 1.0, [-1.0, 1.0]),
+        lambda: from_contacts([[0, 1]], [X], 1.0, 1.0, [1.0, 1.0], np.ones((2, 6))),
+        lambda: from_contacts([[0, 1]], [X], 1.0, 1.0, [1.0, 1.0], np.zeros((2, 3))),
+        lambda: pair_limit(1.0, 1.0, shear_ratio=1.34),
+        lambda: packing_limit(1.0, 1.0, shear_ratio=-0.1),
+        lambda: dl.timestep(LAW, 1.0, 1.0, shear_ratio=1.34),
+        lambda: packing_limit(1.0, 1.0, largest_coordination=0.5),
     ],
 )
 def test_bad_calls(call):

@@ -5,7 +5,7 @@ table, and the public way; with 1 and with 2 threads. The ratio of a law of ours
 same functor alternates between our code and its own every two steps, of which the second is timed, over the same contacts in
 the same memory; other models have scenes of their own, which take turns. The ratio is the figure; times depend on the machine.
 Start: demlaws yade run -x yade_scripts/cost.py [--quick] [--sizes 4000 15000 60000] [--threads 1 2] [--bridge] [--laws LAW ...]
-    [--every] [--out FOLDER]
+    [--every] [--damped] [--periodic] [--out FOLDER]
 Takes: about 2 min per size (quick: 20 s, fewer contacts; --bridge: half of it; --every law and rule: 15 min per size, quick: 8,
 with 6 GB at 60000, besides some eight minutes for compiling them once). Saves cost.png.
 A user-defined law: DEMLAWS_LAWS=my_law.py demlaws yade run -x yade_scripts/cost.py --bridge --laws "NAME, RULE" hertz
@@ -90,6 +90,9 @@ def scene(side, law, physics, material):
     """A new scene with a packing under `law`; returns its number."""
     number = O.addScene()
     O.switchToScene(number)
+    if "--periodic" in sys.argv:
+        O.periodic = True
+        O.cell.setBox(*[2.0 * (side + 2) * RADIUS] * 3)
     spheres(side, material)
     O.engines = [
         yade.PyRunner(command="clock.tick()", iterPeriod=1, initRun=True, dead=True, label="ticker"),
@@ -179,7 +182,8 @@ def measure_bridge(side, rounds, steps, wanted):
         try:
             given, unloading, options = (BRIDGE | EVERY)[name]()
             law = Law2_ScGeom_MindlinPhys_Demlaws(given, unloading, SURFACE, bridge="native", label=f"law{n}", **options)
-            number = scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(), granite())
+            damping = {"en": 0.5, "es": 0.5} if "--damped" in sys.argv else {}
+            number = scene(side, law, yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping), granite())
         except (dl.DemlawsError, RuntimeError) as error:  # the guard's: an overlap that the law has no force at
             print(f"REFUSED {name}: {str(error).splitlines()[0]}")
             continue
@@ -241,6 +245,8 @@ def main():
     known = list(BRIDGE | EVERY)
     parser.add_argument("--laws", nargs="+", choices=known, default=list(BRIDGE), metavar="LAW", help="some of our laws")
     parser.add_argument("--every", action="store_true", help="every law with each of its rules, native bridge only")
+    parser.add_argument("--damped", action="store_true", help="viscous damping, in our laws and in the native one beside them")
+    parser.add_argument("--periodic", action="store_true", help="a periodic cell")
     parser.add_argument("--threads", type=int, nargs="+", default=[1, 2], help="numbers of threads (default 1 2)")
     parser.add_argument("--out", default=".", help="folder of the picture")
     parser.add_argument("--child", type=int, help=argparse.SUPPRESS)
@@ -260,7 +266,7 @@ def measure(arguments, size):
     """Number of threads → what `child` found."""
     results = {}
     for threads in arguments.threads:
-        flags = [f"--{name}" for name in ("quick", "bridge") if getattr(arguments, name)]
+        flags = [f"--{name}" for name in ("quick", "bridge", "damped", "periodic") if getattr(arguments, name)]
         options = ["--child", str(size), *flags, "--laws", *arguments.laws]
         done = run(sys.argv[0], options, threads, capture_output=True, text=True)
         line = next((x for x in done.stdout.splitlines() if x.startswith("RESULT ")), None)

@@ -18,13 +18,14 @@ import numpy as np
 
 from demlaws.advice.errors import error_of
 from demlaws.advice.kept import kept
+from demlaws.advice.processes import results
 from demlaws.advice.scene import Scene, samples, stable_step, unloading_rule
 from demlaws.contact import Contact
-from demlaws.core import cache
 from demlaws.core.unloading import GIVEN
 from demlaws.errors import DemlawsError, NeedsClasses, NotPassive, quiet
 from demlaws.law import Law, Table
 from demlaws.laws.definition import bulk_yield
+from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, registry
 from demlaws.make import law as bind_law
 from demlaws.make import rebound
@@ -302,14 +303,38 @@ _NO_TABLE = (
 class _Judge:
     """Errors, step factors and state sizes of plans on one scene."""
 
-    def __init__(self, scene, reference):
-        self.scene, self.reference = scene, reference
+    def __init__(self, scene, reference, tables=True):
+        self.scene, self.reference, self.tables = scene, reference, tables
         self.samples = samples(scene)
         self.largest = max(float(s.peak.max()) for s in self.samples)
         self.smallest = min(float(s.peak.min()) for s in self.samples)
         self.exact = [reference.bind(s.contact) for s in self.samples]
         self.max_force = 1.5 * self.largest
         self.bound = {}
+        with quiet():
+            self.breaches = [b for law in self.exact for b in law.breaches(self.smallest, self.largest)]
+        self.known = {breach.reason for breach in self.breaches}  # limits that the reference passes, too
+        one = scene.contacts(scene.effective_radii()[1])[0]
+        # the reference has roughness, and may yield: the error of a law without them is computed
+        self.known |= {limit.reason for limit in find(HERTZ).limits(one) if limit.minimum_force > 0.0}
+        if find(reference.name).before_yield is not None:
+            self.known |= {limit.reason for limit in bulk_yield(one)}
+
+    def consider(self, plan):
+        """The plan and its table with their errors, and why they are ruled out."""
+        entries, label = {}, _label(plan)
+        try:
+            problem = _range_problem(self.laws(plan)[0], self.smallest, self.largest, self.known)
+            if problem and plan != self.reference:
+                return {}, {label: problem}
+            entries[plan] = self.error(plan)
+            label = _label(plan._replace(evaluation="table"))
+            table = _table_for(self, plan, entries[plan][0]) if self.tables else None
+        except DemlawsError as error:
+            return entries, {label: str(error)}
+        with contextlib.suppress(DemlawsError):  # below it is an error; here it is compiled
+            self.step(plan)
+        return (entries if table is None else {**entries, table[0]: table[1]}), {}
 
     def laws(self, plan):
         """The plan's laws on the samples, made once."""
@@ -381,7 +406,7 @@ def _left_out(judge, plan):
     return tuple(result)
 
 
-def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choices:
+def choose(scene: Scene, tables: bool = True, progress: Callable = iter, processes: int = 1) -> Choices:
     """Rank the candidate laws, rules and evaluations for a scene.
 
     Parameters
@@ -392,6 +417,8 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
         Whether tables are candidates, too.
     progress : callable
         Wraps the list of candidates, like tqdm.
+    processes : int
+        Processes that share the candidates; above 1 a script needs `if __name__ == "__main__":`, as always with processes.
 
     Returns
     -------
@@ -414,35 +441,10 @@ def choose(scene: Scene, tables: bool = True, progress: Callable = iter) -> Choi
     if not isinstance(scene, Scene):
         raise DemlawsError(f"scene must be a demlaws.Scene, got {scene!r:.60}")
     reference = reference_plan(scene)
-    judge = _Judge(scene, reference)
-    ruled_out, notes, errors = {}, [], {}
-    with quiet():
-        breach_reasons = set()
-        for law in judge.exact:
-            for breach in law.breaches(judge.smallest, judge.largest):
-                breach_reasons.add(breach.reason)
-                notes.append(f"the reference itself ({reference.name}) leaves its range: {breach}")
-    if find(reference.name).before_yield is not None:  # the reference yields: what leaving that out costs is computed
-        one = scene.contacts(scene.effective_radii()[1])[0]
-        breach_reasons.update(limit.reason for limit in bulk_yield(one))
-
-    def judge_plan(plan):
-        """The plan and its table with their errors, and why they are ruled out."""
-        entries, label = {}, _label(plan)
-        try:
-            problem = _range_problem(judge.laws(plan)[0], judge.smallest, judge.largest, breach_reasons)
-            if problem and plan != reference:
-                return {}, {label: problem}
-            entries[plan] = judge.error(plan)
-            label = _label(plan._replace(evaluation="table"))
-            table = _table_for(judge, plan, entries[plan][0]) if tables else None
-        except DemlawsError as error:
-            return entries, {label: str(error)}
-        with contextlib.suppress(DemlawsError):  # below it is an error; here it is compiled
-            judge.step(plan)
-        return (entries if table is None else {**entries, table[0]: table[1]}), {}
-
-    for entries, why in cache.shared(plans(scene, reference), judge_plan, progress):
+    judge = _Judge(scene, reference, tables)
+    notes = [f"the reference itself ({reference.name}) leaves its range: {breach}" for breach in judge.breaches]
+    ruled_out, errors = {}, {}
+    for entries, why in results(judge.consider, plans(scene, reference), processes, progress):
         errors.update(entries)
         ruled_out.update(why)
     errors = {plan: error for plan, error in errors.items() if _runs_in(plan, scene.engine)}

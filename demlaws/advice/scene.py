@@ -13,6 +13,7 @@ import numpy as np
 from demlaws.advice.errors import QUANTITIES, Sample
 from demlaws.contact import Contact, Material, Surface
 from demlaws.errors import DemlawsError, NotPassive, refuses_unknown_keywords
+from demlaws.files import read_text
 from demlaws.law import Law
 from demlaws.laws.registry import find
 from demlaws.make import law as bind_law
@@ -171,7 +172,7 @@ class Scene:
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> "Scene":
-        """A scene from a TOML file; its keys are the fields, see `demlaws choose --template`."""
+        """A scene from a TOML file ("-": standard input); its keys are the fields, see `demlaws choose --template`."""
         return _from_toml(Path(path))
 
     @property
@@ -272,10 +273,8 @@ def _from_toml(path):
         except ImportError as error:
             raise DemlawsError("scene files need Python 3.11 or 'pip install tomli'") from error
     try:
-        text = tomllib.loads(path.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise DemlawsError(f"cannot read scene {path}: {error.strerror or error}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        text = tomllib.loads(read_text(path, "scene "))
+    except tomllib.TOMLDecodeError as error:
         raise DemlawsError(f"{path}: {error}") from error
     values = {}
     try:

@@ -1,7 +1,9 @@
-"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run."""
+"""`demlaws liggghts` and `demlaws lammps`: build | check | export | convert | run; lammps also: source."""
 
 import argparse
+import contextlib
 import os
+import sys
 
 from demlaws.cli import Parser, example, option
 from demlaws.cli.arguments import density, force, law_name, length, plain, pressure, whole
@@ -58,7 +60,14 @@ def register(add):
         return getattr({"liggghts": liggghts, "lammps": lammps}[name], part_name)
 
     def build(arguments):
-        print(part("build")(portable=arguments.portable, force=arguments.force))
+        from demlaws.lammps.run import refusal
+
+        plugin = part("build")(portable=arguments.portable, force=arguments.force)
+        print(plugin)
+        if name == "lammps":
+            with contextlib.suppress(DemlawsError):  # no LAMMPS here: built for another machine
+                if reason := refusal(plugin):
+                    print(f"demlaws: {reason}", file=sys.stderr)
 
     def check(arguments):
         part("check")()
@@ -66,6 +75,7 @@ def register(add):
     def export(arguments):
         grains, unloading, options = _grains_of(arguments)
         values = {"rtol": arguments.rtol, "load": arguments.load, "count": arguments.count}
+        values |= {"shear_ratio": arguments.shear_ratio, "levels": arguments.levels}
         stock = getattr(arguments, "stock", None)
         path = part("export")(arguments.folder, arguments.law, grains, unloading, options, stock=stock, **values)
         if stock:
@@ -78,8 +88,12 @@ def register(add):
         out = arguments.out or output(arguments.input + ".demlaws")
         out, conversion = convert_file(arguments.input, name, arguments.table, out)
         record(file=out, notes=conversion.notes)
-        print("\n".join([*conversion.report(arguments.input), f"wrote {out}"]))
-        return 0 if all(note.served for note in conversion.notes) else 1
+        print(
+            "\n".join(
+                [*conversion.report(arguments.input), "no line converted, no file written" if out is None else f"wrote {out}"]
+            )
+        )
+        return 0 if conversion.complete else 1
 
     def run(arguments):
         _refuse_mpirun(name)
@@ -106,6 +120,12 @@ def register(add):
     builds.add_argument("--force", action="store_true", help="compile even if the plugin exists")
     builds.set_defaults(func=build)
 
+    if name == "lammps":
+        text = example("  demlaws lammps source ~/lammps/src/GRANULAR")
+        sources = parts.add_parser("source", help="write the models as sources of LAMMPS, to be compiled with it", **text)
+        sources.add_argument("folder", help="folder src/GRANULAR of LAMMPS's sources, 4 Feb 2025 or later")
+        sources.set_defaults(func=lambda arguments: print(part("source")(arguments.folder)))
+
     checks = parts.add_parser("check", help="test the plugin on this machine (15 s)", **example(f"  demlaws {name} check"))
     checks.set_defaults(func=check)
 
@@ -117,7 +137,13 @@ def register(add):
     exports.set_defaults(func=export)
 
     text = example(CONVERT_EXAMPLE.format(name=name))
-    converts = parts.add_parser("convert", help="replace the contact model of an input by demlaws/table", **text)
+    converts = parts.add_parser(
+        "convert",
+        help="replace the contact model of an input by demlaws/table",
+        description="Replaces the contact model of an input by demlaws/table, also in `if`, in hybrid styles and in variables. "
+        "Exit status: 0 if every granular line was converted, 1 if lines remain that are named with the reason.",
+        **text,
+    )
     converts.add_argument("input", help="input script with stock models")
     converts.add_argument("--table", required=True, help="table file of the law (`demlaws table` writes one)")
     converts.add_argument("--out", type=output, help="file to write (default: INPUT.demlaws)")
@@ -171,6 +197,10 @@ def _grain_arguments(export):
         export.add_argument(f"--{name}", type=kind, nargs="+", default=default, help=f"{text}: one, or one per type{suffix}")
     export.add_argument("--load", type=force, default=10.0, help="largest expected contact force [N] (default %(default)g)")
     export.add_argument("--rtol", type=plain, default=1e-5, help="relative tolerance of the tables (default %(default)s)")
+    export.add_argument(
+        "--shear-ratio", type=plain, help="K_t/K of all contacts, above 0, at most 4/3 (default: that of Poisson's ratio)"
+    )
+    export.add_argument("--levels", type=whole(high=8), help="levels of the shear model, 1 to 8 (default 3)")
     export.add_argument("--count", type=whole(), default=1000, help="number of grains (default %(default)s)")
 
 

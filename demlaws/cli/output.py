@@ -52,6 +52,11 @@ def record(**values):
     _results.update(values)
 
 
+def recorded(name, default):
+    """A value of the JSON document so far."""
+    return _results.get(name, default)
+
+
 def write_csv(path, titles, rows):
     """Write rows to a CSV file and print its name, or to standard output if the path is "-"."""
     from demlaws.files import csv_text, write_atomically

@@ -5,7 +5,7 @@ import math
 from demlaws.cli import example
 from demlaws.cli.arguments import force, length, plain, whole
 from demlaws.cli.contact import add_contact_arguments, contact_from, draw
-from demlaws.cli.output import Output, output, record, write_csv
+from demlaws.cli.output import Output, output, record, recorded, write_csv
 from demlaws.errors import DemlawsError
 from demlaws.laws.names import ASPERITY
 
@@ -45,6 +45,9 @@ def register(add):
     surface.add_argument("words", nargs="+", metavar="FILE", help="see above")
     surface.add_argument("--pixel", help="pixel size, if the file does not contain it: 0.8um, or 0.8um,1um for x and y")
     surface.add_argument("--unit", default="m", help="unit of the heights in a text or .npy file (default m)")
+    surface.add_argument("--missing", type=plain, help="height that stands for missing pixels, in the file's unit (-9999)")
+    surface.add_argument("--channel", help="name of the channel of an instrument's file (default: the first with heights)")
+    surface.add_argument("--despike", action="store_true", help="treat spikes and fillers as missing pixels (5 x 5 median)")
     surface.add_argument("--form", type=whole(-1, 8), help="order of the subtracted polynomial (default 2; -1: none)")
     surface.add_argument(
         "--crop",
@@ -96,8 +99,9 @@ def run_surface(arguments):
         return _summits(arguments, rest[0])
     if rest:
         raise DemlawsError(f"one height map at a time, got {' '.join(arguments.words)}")
-    _form(_cropped(arguments, first))
-    heights = _levelled(arguments, first)
+    raw = _cropped(arguments, first)
+    _form(raw)
+    heights = _without_form(arguments, raw)
     _describe(heights, arguments.wavelengths)
     _write(arguments.out, heights)
     draw(arguments.figure, lambda plots: plots.surface_figure(heights, arguments.wavelengths))
@@ -105,12 +109,34 @@ def run_surface(arguments):
 
 
 def _cropped(arguments, path):
-    """The map as it was read, without what lies outside the field of view asked for."""
+    """The map as it was read, without spikes if asked for, and without what lies outside the field of view asked for."""
+    from demlaws import plausibility, surface
+
+    heights, scale = surface.read_unchecked(path, arguments.pixel, arguments.unit, arguments.missing, arguments.channel)
+    if arguments.crop is not None:
+        heights = _field(arguments, heights)
+    if arguments.despike:
+        clean = heights.despiked()
+        count = round((clean.missing - heights.missing) * heights.heights.size)
+        record(despiked=count)
+        print(f"{count} pixels were spikes or fillers and are now missing")
+        heights = clean
+    _warn(plausibility.doubts(heights, scale))
+    return heights
+
+
+def _warn(found):
+    """Print and record reasons to doubt a map."""
+    from demlaws.errors import MapWarning, warn
+
+    record(doubts=[*recorded("doubts", []), *found])
+    for text in found:
+        warn(f"height map: {text}", MapWarning)
+
+
+def _field(arguments, heights):
     from demlaws import surface
 
-    heights = surface.read(path, arguments.pixel, arguments.unit)
-    if arguments.crop is None:
-        return heights
     sides = [surface.length(part.strip(), "--crop") for part in arguments.crop.split(",")]
     if len(sides) not in (1, 2, 4):
         raise DemlawsError(f"--crop {arguments.crop}: give width, width and height, or these and x and y of the middle")
@@ -118,7 +144,10 @@ def _cropped(arguments, path):
 
 
 def _levelled(arguments, path):
-    heights = _cropped(arguments, path)
+    return _without_form(arguments, _cropped(arguments, path))
+
+
+def _without_form(arguments, heights):
     order = 2 if arguments.form is None else arguments.form
     return heights if order == -1 else heights.without_form(order)
 
@@ -158,6 +187,8 @@ def _summits(arguments, path):
 
 
 def _describe(heights, wavelengths):
+    from demlaws import plausibility
+
     record(pixels=heights.shape[::-1], field_of_view=heights.field_of_view, missing=heights.missing)
     record(sq=heights.sq, sa=heights.sa, slope=heights.slope, form_order=heights.form_order)
     rows, columns = heights.shape
@@ -166,20 +197,27 @@ def _describe(heights, wavelengths):
     print(f"field of view {width * 1e6:.4g} x {height * 1e6:.4g} µm; {100 * heights.missing:.3g} % missing")
     form = "none" if heights.form_order is None else f"polynomial of order {heights.form_order}"
     print(f"form removed: {form}")
-    print(f"Sq = {heights.sq * 1e6:.4g} µm, Sa = {heights.sa * 1e6:.4g} µm, rms slope {heights.slope:.4g}")
+    robust = heights.robust_sq
+    record(robust_sq=robust)
+    print(
+        f"Sq = {heights.sq * 1e6:.4g} µm (robust, by the median: {robust * 1e6:.4g} µm), Sa = {heights.sa * 1e6:.4g} µm, "
+        f"rms slope {heights.slope:.4g}"
+    )
     if heights.sq == 0:
         return
+    found = {}
     for name, method in (
         ("box counting, calibrated", heights.fractal_dimension_by_boxes),
         ("plain box counting", lambda range: heights.fractal_dimension_by_boxes(range, plain=True)),
         ("spectrum", heights.fractal_dimension_by_spectrum),
     ):
         try:
-            dimension = method(wavelengths)
+            found[name] = dimension = method(wavelengths)
             record(**{f"fractal_dimension_by_{name.replace(', ', '_').replace(' ', '_')}": dimension})
             print(f"fractal dimension by {name}: Df = {dimension:.3f}")
         except DemlawsError as error:
             print(f"fractal dimension by {name}: none ({error})")
+    _warn(plausibility.dimension_doubts(found.get("box counting, calibrated"), found.get("spectrum")))
 
 
 def _write(path, heights):
@@ -211,6 +249,7 @@ def _synthetic(arguments):
 
 
 def _contact(arguments, name):
+    from demlaws.plausibility import resolution_doubts
     from demlaws.regime import assess
     from demlaws.solvers.contact import RoughContact
 
@@ -227,6 +266,7 @@ def _contact(arguments, name):
     if arguments.load is None and arguments.table is None:
         raise DemlawsError("--load missing: the load in N (or --table, for the law alone)")
     if arguments.load is not None:
+        _warn(resolution_doubts(heights, contact.pair, arguments.load))
         if contact.pair.hardness is not None:
             print(assess(contact.pair, arguments.load))
         step = contact.load(arguments.load, min(arguments.tolerance, 1.0))

@@ -1,10 +1,12 @@
 """`demlaws timestep`: the largest stable step of the contacts of a snapshot."""
 
+import math
 import subprocess
 from pathlib import Path
+from typing import Any, NamedTuple
 
 from demlaws.cli import example
-from demlaws.cli.arguments import density
+from demlaws.cli.arguments import density, plain
 from demlaws.cli.contact import add_law_arguments, law_from
 from demlaws.cli.output import record
 from demlaws.errors import DemlawsError
@@ -12,6 +14,8 @@ from demlaws.errors import DemlawsError
 LAYOUTS = {"index": (2, 3, 4, 5, 6), "c_": (7, 8, 10, 11, 12)}
 """First column of a dump of contacts → columns (from 1) of id1 id2 fx fy fz: as the exported cases of LAMMPS and of LIGGGHTS
 write them (there: pair/gran/local pos id force_normal …)."""
+LAMMPS_CASE = ["index", "c_ids[1]", "c_ids[2]", *(f"c_contacts[{i}]" for i in range(1, 8))]
+"""Columns of the contacts of an exported LAMMPS case: after the force the largest overlap, p13."""
 
 
 def register(add):
@@ -20,7 +24,10 @@ def register(add):
         description="Computes the largest stable time step of a snapshot, 2/ω_max with shear and rotation, a rigorous bound, "
         "Rayleigh's step and the recommended step. SNAPSHOT is a scene saved by YADE (O.save), or a dump of the grains of "
         "LIGGGHTS or LAMMPS; CONTACTS is then the local dump of their contacts. The last frame of a dump is used. Dumps have "
-        "no stiffness: give the law and the contact without radii. Contacts with walls are not in these dumps.",
+        "no stiffness: give the law and the contact without radii. For a law with history the largest overlap of each contact "
+        "is read (exported LAMMPS cases, or --largest-overlap); without it the stiffest tangent of all histories that allow "
+        "the forces and overlaps is used, a safe limit instead of the exact one. No contact is assumed to slide. Contacts "
+        "with walls are not in these dumps.",
         **example(
             "  demlaws timestep packing.yade.gz\n"
             "  demlaws timestep post/grains.5000.txt post/contacts.5000.txt --law pohrt-popov --unloading hertz \\\n"
@@ -38,6 +45,17 @@ def register(add):
         "2 3 4 5 6 for LAMMPS)",
     )
     parser.add_argument(
+        "--largest-overlap",
+        type=int,
+        metavar="N",
+        help="column of CONTACTS with the largest overlap so far in m (p13 of LAMMPS, δmax in the history of LIGGGHTS)",
+    )
+    parser.add_argument("--friction", type=plain, help="coefficient of friction of a dump; 0: no tangential stiffness")
+    parser.add_argument("--no-rotation", action="store_true", help="the grains of a dump do not rotate")
+    parser.add_argument(
+        "--shear-ratio", type=plain, help="K_t/K of a dump, above 0, at most 4/3 (default: from --poisson, otherwise 1)"
+    )
+    parser.add_argument(
         "--density",
         type=density,
         default=2650.0,
@@ -45,6 +63,20 @@ def register(add):
     )
     add_law_arguments(parser, law_required=False)
     parser.set_defaults(func=run)
+
+
+class Snapshot(NamedTuple):
+    """Contacts of a snapshot."""
+
+    pairs: Any
+    normals: Any
+    springs: Any  # K_n and K_t of each contact [N/m]
+    masses: Any  # [kg]
+    blocked: Any  # (bodies, 6) degrees of freedom
+    rayleigh: float | None  # [s]
+    step: float | None  # of the scene [s]; dumps do not contain it
+    history: str  # of the contacts: "known", "none" or "stiffest"
+    note: str = ""
 
 
 def run(arguments):
@@ -58,28 +90,44 @@ def run(arguments):
         if not path.is_file():
             raise DemlawsError(f"{path} does not exist")
     read = _from_yade if arguments.snapshot.name.endswith(SCENES) else _from_dumps
-    pairs, normals, springs, masses, rayleigh, dt = read(arguments)
-    if not len(pairs):
-        raise DemlawsError(f"{arguments.snapshot}: no contact in it carries a force")
-    limits = from_contacts(pairs, normals, *np.transpose(springs), masses)
-    free = np.isfinite(masses)
-    mean = np.sum(free[pairs]) / np.sum(free)
-    print(f"{len(pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
-    which = "between grains; walls are not in the dump" if dt is None else "as they are"
-    print(f"exact limit       {limits.exact:.4g} s  2/ω_max with shear and rotation, contacts {which}")
-    print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} of the exact limit")
-    if rayleigh is not None:
-        print(f"Rayleigh step     {rayleigh:.4g} s  {rayleigh / limits.exact:.2f} of the exact limit, for comparison")
-    print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} of the exact limit; less if loads still grow")
-    record(contacts=len(pairs), grains=int(np.sum(free)), exact=limits.exact, bound=limits.bound, rayleigh=rayleigh, step=dt)
-    record(recommended=STEP_SAFETY * limits.exact)
-    if dt is not None:
-        unstable = ": unstable" if dt > limits.exact else ""
-        print(f"the scene's step  {dt:.4g} s  {dt / limits.exact:.3g} of the exact limit{unstable}")
+    shot = read(arguments)
+    if not len(shot.pairs):
+        raise DemlawsError(f"{arguments.contacts or arguments.snapshot}: no contact in it carries a force")
+    springs = np.transpose(shot.springs)
+    limits = from_contacts(shot.pairs, shot.normals, *springs, shot.masses, shot.blocked)
+    free = np.isfinite(shot.masses)
+    mean = np.sum(free[shot.pairs]) / np.sum(free)
+    name = "safe limit" if shot.history == "stiffest" else "exact limit"
+    motion = "with shear and rotation" if springs[1].any() else "without friction"
+    if springs[1].any() and np.all(np.asarray(shot.blocked)[free, 3:]):
+        motion = "with shear, without rotation"
+    which = "between grains; walls are not in the dump" if shot.step is None else "as they are"
+    histories = {
+        "known": "",
+        "none": "",
+        "stiffest": "the stiffest tangent of all histories that allow the contacts' forces and overlaps",
+    }
+    print(f"{len(shot.pairs)} contacts, {np.sum(free)} grains, {mean:.3g} contacts per grain")
+    print(f"{name:<17} {limits.exact:.4g} s  2/ω_max {motion}, contacts {which}")
+    if histories[shot.history]:
+        print(f"history           {histories[shot.history]}")
+    if shot.note:
+        print(f"note              {shot.note}")
+    share = f"of the {name}"
+    print(f"rigorous bound    {limits.bound:.4g} s  {limits.bound / limits.exact:.2f} {share}")
+    if shot.rayleigh is not None:
+        print(f"Rayleigh step     {shot.rayleigh:.4g} s  {shot.rayleigh / limits.exact:.2f} {share}, for comparison")
+    print(f"recommended step  {STEP_SAFETY * limits.exact:.4g} s  {STEP_SAFETY:g} {share}; less if loads still grow")
+    record(contacts=len(shot.pairs), grains=int(np.sum(free)), exact=limits.exact, bound=limits.bound)
+    record(rayleigh=shot.rayleigh, step=shot.step, recommended=STEP_SAFETY * limits.exact)
+    record(history=shot.history, motion=motion)
+    if shot.step is not None:
+        unstable = ": unstable" if shot.step > limits.exact else ""
+        print(f"the scene's step  {shot.step:.4g} s  {shot.step / limits.exact:.3g} {share}{unstable}")
 
 
 def _from_yade(arguments):
-    """Arguments of `from_contacts`, Rayleigh's step and the scene's step [s]."""
+    """`Snapshot` of a saved scene."""
     import json
     import tempfile
 
@@ -87,6 +135,8 @@ def _from_yade(arguments):
 
     from demlaws.yade.run import run as run_in_yade
 
+    if arguments.friction is not None or arguments.shear_ratio is not None or arguments.no_rotation:
+        raise DemlawsError("a YADE scene contains friction, K_t and blocked rotations: leave out the options for dumps")
     script = Path(__file__).parent.parent / "yade" / "snapshot.py"
     with tempfile.TemporaryDirectory() as scratch:
         result = Path(scratch) / "contacts.json"
@@ -98,12 +148,21 @@ def _from_yade(arguments):
         data = json.loads(result.read_text())
     if "error" in data:
         raise DemlawsError(f"{arguments.snapshot}: {data['error']}")
-    arrays = [np.array(data[name]) for name in ("pairs", "normals", "springs", "masses")]
-    return *arrays, data["rayleigh"], data["dt"]
+    arrays = [np.array(data[name]) for name in ("pairs", "normals", "springs", "masses", "blocked")]
+    return Snapshot(*arrays, data["rayleigh"], data["dt"], "known")
+
+
+class Frame(NamedTuple):
+    """Last frame of a dump."""
+
+    step: str
+    lengths: Any  # of the box's periodic edges [m]; inf: not periodic
+    columns: dict  # name → values
+    resolution: Any  # last digits of x, y, z and radius [m]
 
 
 def _frame(path, what):
-    """Last frame of a dump of ATOMS or ENTRIES: its step, the periodic lengths of its box (inf: not periodic), its columns."""
+    """`Frame` of a dump of ATOMS or ENTRIES."""
     import numpy as np
 
     from demlaws.files import read_text
@@ -112,69 +171,132 @@ def _frame(path, what):
     frame = {lines[0].split()[0]: lines for lines in items if lines}
     try:
         names, box = frame[what][0].split()[1:], frame["BOX"]
-        rows = np.array([line.split() for line in frame[what][1:]], float).reshape(int(frame["NUMBER"][1]), len(names))
+        text = np.array([line.split() for line in frame[what][1:]]).reshape(int(frame["NUMBER"][1]), len(names))
+        columns = dict(zip(names, text.astype(float).T, strict=True))
+        places = [k for k, name in enumerate(names) if name in _PLACES]
+        resolution = _resolution(text[:, places].ravel(), columns) if len(places) == len(_PLACES) else None
         edges = [float(high) - float(low) for low, high in (line.split() for line in box[1:4])]
         periodic = [word == "pp" for word in box[0].split()[-3:]]
-        return frame["TIMESTEP"][1].strip(), np.where(periodic, edges, np.inf), dict(zip(names, rows.T, strict=True))
+        return Frame(frame["TIMESTEP"][1].strip(), np.where(periodic, edges, np.inf), columns, resolution)
     except (KeyError, IndexError, ValueError) as error:
         raise DemlawsError(
             f"{path}: its end is no complete frame of {what} in an orthogonal box; is it a text dump, and has its run ended?"
         ) from error
 
 
-def _from_dumps(arguments):
-    """Arguments of `from_contacts`, Rayleigh's step [s] or None, and None: dumps do not hold the run's step."""
-    import numpy as np
+_PLACES = ("x", "y", "z", "radius")
 
-    from demlaws.timestep import rayleigh_step
+
+def _resolution(words, columns):
+    """Last digit of the largest number of each column of places, if all are printed with as many digits as the longest."""
+    digits = max((len(word.lower().split("e")[0].lstrip("-+0.").replace(".", "")) for word in words), default=1)
+    largest = [max(map(abs, columns[name]), default=0.0) for name in _PLACES]
+    return [10.0 ** (math.floor(math.log10(size)) + 1 - digits) if size > 0.0 else 0.0 for size in largest]
+
+
+def _from_dumps(arguments):
+    """`Snapshot` of dumps."""
+    import numpy as np
 
     if arguments.contacts is None or arguments.law is None:
         raise DemlawsError(
             "a dump of grains needs CONTACTS, the dump of their contacts, and --law with the contact's quantities"
         )
-    step, lengths, atoms = _frame(arguments.snapshot, "ATOMS")
-    of_contacts, _, entries = _frame(arguments.contacts, "ENTRIES")
+    step, lengths, atoms, resolution = _frame(arguments.snapshot, "ATOMS")
+    of_contacts, _, entries, _ = _frame(arguments.contacts, "ENTRIES")
     if step != of_contacts:
         raise DemlawsError(f"{arguments.snapshot} is of step {step}, {arguments.contacts} of step {of_contacts}")
-    missing = [name for name in ("id", "x", "y", "z", "radius") if name not in atoms]
+    missing = [name for name in ("id", *_PLACES) if name not in atoms]
     if missing:
         raise DemlawsError(f"{arguments.snapshot} lacks the columns {', '.join(missing)}")
-    radius, centres = atoms["radius"], np.stack([atoms[axis] for axis in "xyz"], axis=1)
+    radius = atoms["radius"]
     volume = 4.0 / 3.0 * np.pi * radius**3
     mass = atoms["mass"] if "mass" in atoms else volume * atoms.get("density", arguments.density)
+    pairs, normals, force, largest = _contacts(arguments, atoms, lengths, entries)
+    touching = force > 0.0
+    pairs, normals, force, largest = (None if array is None else array[touching] for array in (pairs, normals, force, largest))
+    overlap = radius[pairs].sum(axis=1) - np.linalg.norm(normals, axis=1)
+    normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+    rounding = np.abs(normals) @ resolution[:3] + resolution[3]  # half a digit of each of two grains
+    ratio, rayleigh = _ratio_and_rayleigh(arguments, set(zip(radius, mass / volume, strict=True)))
+    if not len(pairs):
+        return Snapshot(pairs, normals, np.zeros((0, 2)), mass, None, rayleigh, None, "none")
+    arguments.effective_radius = 1.0 / np.sum(1.0 / radius[pairs], axis=1)
+    law = law_from(arguments)
+    stiffness, history, note = _stiffness(law, force, largest, overlap, rounding)
+    blocked = np.zeros((len(mass), 6), bool)
+    blocked[:, 3:] = arguments.no_rotation
+    springs = np.stack([stiffness, ratio * stiffness], axis=1)
+    return Snapshot(pairs, normals, springs, mass, blocked, rayleigh, None, history, note)
+
+
+def _contacts(arguments, atoms, lengths, entries):
+    """Bodies, vectors between the centres [m], normal forces [N] and largest overlaps [m] (or None) of the contacts."""
+    import numpy as np
+
     columns = arguments.columns or LAYOUTS["index" if "index" in entries else "c_"]
-    if not 1 <= min(columns) <= max(columns) <= len(entries):
-        raise DemlawsError(f"{arguments.contacts} has the columns {' '.join(entries)}: name those needed with --columns")
+    history = arguments.largest_overlap
+    if history is None and arguments.columns is None and list(entries) == LAMMPS_CASE:
+        history = 7
+    needed = [*columns, *([] if history is None else [history])]
+    if not 1 <= min(needed) <= max(needed) <= len(entries):
+        raise DemlawsError(
+            f"{arguments.contacts} has the columns {' '.join(entries)}: name those needed with --columns, --largest-overlap"
+        )
     first, second, *force = (list(entries.values())[column - 1] for column in columns)
     number = {int(name): place for place, name in enumerate(atoms["id"])}
     try:
-        pairs = np.array([(number[int(a)], number[int(b)]) for a, b in zip(first, second, strict=True)]).reshape(-1, 2)
+        pairs = [(number[int(a)], number[int(b)]) for a, b in zip(first, second, strict=True)]
     except KeyError as error:
         raise DemlawsError(f"{arguments.contacts}: grain {error} is not in {arguments.snapshot}; check --columns") from error
+    pairs = np.array(pairs, int).reshape(-1, 2)
+    centres = np.stack([atoms[axis] for axis in "xyz"], axis=1)
     between = centres[pairs[:, 0]] - centres[pairs[:, 1]]
     between -= np.where(np.isinf(lengths), 0.0, lengths) * np.round(between / lengths)
     distance = np.linalg.norm(between, axis=1)
-    if np.any(np.abs(distance / radius[pairs].sum(axis=1) - 1.0) > 0.5):
+    if np.any(np.abs(distance / atoms["radius"][pairs].sum(axis=1) - 1.0) > 0.5):
         raise DemlawsError(f"{arguments.contacts}: grains in contact are far apart or one and the same; check --columns")
-    normals = between / distance[:, None]
-    force = np.abs(np.sum(normals * np.stack(force, axis=1), axis=1))
-    pairs, normals, force = (array[force > 0.0] for array in (pairs, normals, force))
+    force = np.abs(np.sum(between * np.stack(force, axis=1), axis=1)) / distance
+    largest = None if history is None else list(entries.values())[history - 1]
+    if largest is not None and np.any(largest[force > 0.0] <= 0.0):
+        if arguments.largest_overlap is not None:
+            raise DemlawsError(
+                f"{arguments.contacts}, column {history}: the largest overlap of a loaded contact must be above 0"
+            )
+        largest = None  # a run without unloading keeps none
+    return pairs, between, force, largest
+
+
+def _ratio_and_rayleigh(arguments, kinds):
+    """K_t/K, and the smallest Rayleigh step [s] of `kinds`, (radius, density), or None."""
+    from demlaws.timestep import LARGEST_SHEAR_RATIO, rayleigh_step
+    from demlaws.units import number
+
     ratio, rayleigh = 1.0, None
     if arguments.poisson is not None and arguments.young is not None:
         young, poisson = arguments.young[0], arguments.poisson[0]
         ratio = 2.0 * (1.0 - poisson) / (2.0 - poisson)
-        kinds = set(zip(radius, mass / volume, strict=True))
         rayleigh = min(rayleigh_step(r, density, young, poisson) for r, density in kinds)
-    stiffness = _stiffness(arguments, 1.0 / np.sum(1.0 / radius[pairs], axis=1), force) if len(pairs) else force
-    return pairs, normals, np.stack([stiffness, ratio * stiffness], axis=1), mass, rayleigh, None
+    if arguments.shear_ratio is not None:
+        ratio = number(arguments.shear_ratio, "--shear-ratio", "", 0.0, LARGEST_SHEAR_RATIO)
+    if arguments.friction is not None and number(arguments.friction, "--friction", "", 0.0, allow_low=True) == 0.0:
+        ratio = 0.0
+    return ratio, rayleigh
 
 
-def _stiffness(arguments, radius, force):
-    """The larger of the tangents [N/m] of loading and of unloading of each contact."""
+def _stiffness(law, force, largest, overlap, rounding):
+    """Tangents [N/m], what is known of the contacts' history, and a note on overlaps that contradict the law."""
     import numpy as np
 
-    arguments.effective_radius = radius
-    law = law_from(arguments)
-    overlap, state = law.overlap(force), law.new_state(force.size) if law.state_size else None
-    loading = law.evaluate(overlap, state)[1].copy()
-    return np.maximum(loading, law.evaluate(overlap * (1.0 - 2.0**-36), state)[1])
+    from demlaws.timestep import stiffest_now
+
+    if not law.state_size or largest is not None:
+        return stiffest_now(law, force, largest), "known" if law.state_size else "none", ""
+    stiffness, fresh = stiffest_now(law, force, overlap=overlap + rounding), stiffest_now(law, force, law.overlap(force))
+    if np.allclose(stiffness, fresh, rtol=1e-9, atol=0.0):  # Hertz's curve, a given one: the force alone decides
+        return stiffness, "none", ""
+    small = overlap + rounding < law.overlap(force)
+    note = ""
+    if small.any():
+        note = f"{np.sum(small)} contacts overlap less than this law at their force: damping, or another law in the run"
+    return stiffness, "stiffest", note

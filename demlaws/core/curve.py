@@ -34,9 +34,10 @@ def _scale(shape, radius, modulus, roughness):
 
 def reached(kinks, u):
     """How many of the kinks lie at or below u: one comparison each, no loop, so that the caller's loop vectorises."""
+    return sum(u >= kink for kink in kinks)
 
 
-@overload(reached, jit_options={**INLINED, "nogil": True})
+@overload(reached, jit_options=INLINED)
 def _reached(kinks, u):
     return eval("lambda kinks, u: " + " + ".join(f"(1 if u >= kinks[{n}] else 0)" for n in range(len(kinks))))
 

@@ -6,14 +6,17 @@ on-disk cache valid from one process to the next. The names of these types go in
 each is unique in the package; a type from elsewhere is given a name of its own.
 """
 
+import functools
 import itertools
 
+import numba
+import numpy as np
 from numba import types
 from numba.extending import overload
 
-from demlaws.core.cache import follow, is_ours
+from demlaws.core.content import is_ours, record_dependencies
 from demlaws.core.fastmath import read_only
-from demlaws.core.numba_compat import INLINED_KERNEL, calls, kernel
+from demlaws.core.numba_compat import INLINED
 
 
 def function_of_text(arguments, lines, names):
@@ -43,10 +46,15 @@ def generic(otherwise=None):
 
         def choose(*kinds):
             bound = kernel_of(kinds[0], name)
-            return kernel(otherwise(*kinds)) if bound is None and otherwise else bound
+            return otherwise(*kinds) if bound is None and otherwise else getattr(bound, "py_func", bound)
 
-        calls(function, choose)
-        return function
+        @functools.wraps(function)
+        def call(*arguments):  # from Python
+            return choose(*map(numba.typeof, arguments))(*arguments)
+
+        call.py_func = function
+        overload(call, jit_options=INLINED, strict=False)(choose)
+        return call
 
     return decorate
 
@@ -58,7 +66,7 @@ def bind(cls, **functions):
         raise TypeError(
             f"{cls.__module__}.{cls.__name__}: no generic function is called {', '.join(unknown)}; there are {names}"
         )
-    tag = follow(cls, *functions.values())
+    tag = record_dependencies(cls, *functions.values())
     if cls not in _KERNELS:
         others = {other.__name__ for other in _KERNELS}
         if not is_ours(cls.__module__):
@@ -192,20 +200,37 @@ def fix_tables(params):
 def fix_to_recover(params):
     """`fix_tables` for a curve whose overlaps are recovered: one without a `recover` keeps its arrays, its `inverse` searches
     them."""
+    return params
 
 
-@overload(fix_to_recover, jit_options=INLINED_KERNEL)
+@overload(fix_to_recover, jit_options=INLINED)
 def _fix_to_recover(params):
     if kernel_of(params, "recover") is None:
         return lambda params: params
     return lambda params: fix_tables(params)
 
 
+def leaves(params):
+    """The per-contact arrays and shared values of a nested tuple, flat."""
+    for value in params:
+        if isinstance(value, tuple):
+            yield from leaves(value)
+        else:
+            yield value
+
+
+def map_leaves(function, params):
+    """The same nested tuple with `function` applied to each number or array in it."""
+    values = [map_leaves(function, v) if isinstance(v, tuple) else function(v) for v in params]
+    return type(params)(*values) if hasattr(params, "_fields") else tuple(values)
+
+
 def gather(arrays, i):
     """Contact i of a (nested, named) tuple whose 1-D arrays have one entry per contact."""
+    return map_leaves(lambda value: value[i] if isinstance(value, np.ndarray) and value.ndim == 1 else value, arrays)
 
 
-@overload(gather, jit_options=INLINED_KERNEL)
+@overload(gather, jit_options=INLINED)
 def _gather(arrays, i):
     source = _Source()
     text = source.read(arrays, "arrays")
@@ -214,17 +239,21 @@ def _gather(arrays, i):
 
 def scatter(arrays, i, values):
     """Store contact i: the reverse of `gather`."""
+    for array, value in zip(leaves(arrays), leaves(values), strict=True):
+        if isinstance(array, np.ndarray) and array.ndim == 1:
+            array[i] = value
 
 
-@overload(scatter, jit_options=INLINED_KERNEL)
+@overload(scatter, jit_options=INLINED)
 def _scatter(arrays, i, values):
     return function_of_text("arrays, i, values", [*_Source().write(arrays, "arrays", "values"), "return"], {})
 
 
 def scalar(value):
-    """A number, or the number in an array without dimensions (numba's np.where of numbers), in compiled code."""
+    """A number, or the number in an array without dimensions (numba's np.where of numbers)."""
+    return value[()] if isinstance(value, np.ndarray) else value
 
 
-@overload(scalar, jit_options=INLINED_KERNEL)
+@overload(scalar, jit_options=INLINED)
 def _scalar(value):
     return (lambda value: value[()]) if isinstance(value, types.Array) else (lambda value: value)

@@ -5,82 +5,82 @@ per element. The functions here cost about as much as a square root in a vectori
 bit tricks; errors quoted are measured by tests/core/test_fastmath.py in units of ε = 2.2e-16.
 """
 
+import numpy as np
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
 
-from demlaws.core.numba_compat import kernel
+from demlaws.core.numba_compat import kernel, native
 
 
-@intrinsic
-def bits(typing_context, x):
+def bits(x):
     """The IEEE-754 bit pattern of a double, as a signed 64-bit integer."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.bitcast(arguments[0], ir.IntType(64))
-
-    return types.int64(types.float64), generate
+    return np.float64(x).view(np.int64)
 
 
-@intrinsic
-def from_bits(typing_context, pattern):
+@native(bits, lambda x: types.int64(types.float64))
+def _bits(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], ir.IntType(64))
+
+
+def from_bits(pattern):
     """The double that has this bit pattern."""
-
-    def generate(context, builder, signature, arguments):
-        return builder.bitcast(arguments[0], ir.DoubleType())
-
-    return types.float64(types.int64), generate
+    return np.int64(pattern).view(np.float64)
 
 
-@intrinsic
-def sqrt(typing_context, x):
+@native(from_bits, lambda pattern: types.float64(types.int64))
+def _from_bits(context, builder, signature, arguments):
+    return builder.bitcast(arguments[0], ir.DoubleType())
+
+
+def sqrt(x):
     """Square root of a double as LLVM's own operation: math.sqrt calls a function that may set errno, which forbids
     vectorisation under a condition."""
-
-    def generate(context, builder, signature, arguments):
-        function = builder.module.declare_intrinsic("llvm.sqrt", [ir.DoubleType()])
-        return builder.call(function, arguments)
-
-    return types.float64(types.float64), generate
+    return np.sqrt(x)
 
 
-@intrinsic
-def read_only(typing_context, array):
+@native(sqrt, lambda x: types.float64(types.float64))
+def _sqrt(context, builder, signature, arguments):
+    function = builder.module.declare_intrinsic("llvm.sqrt", [ir.DoubleType()])
+    return builder.call(function, arguments)
+
+
+def read_only(array):
     """Pointer to the doubles of an array, with the promise that nothing else writes to them while it is in use.
 
     Without the promise a loop that looks up a table could not be vectorised: what it stores might change the table.
-    A pointer also carries no reference count, which numba would update for every contact.
+    A pointer also carries no reference count, which numba would update for every contact. In Python: the array.
     """
-
-    def generate(context, builder, signature, arguments):
-        data = context.make_array(array)(context, builder, arguments[0]).data
-        name, kind = "demlaws.read_only", ir.FunctionType(data.type, [data.type])
-        function = builder.module.globals.get(name)
-        if function is None:  # to LLVM a function that returns fresh memory, and cannot be looked into
-            function = ir.Function(builder.module, kind, name)
-            function.linkage = "internal"
-            function.attributes.add("noinline")
-            function.return_value.add_attribute("noalias")
-            inside = ir.IRBuilder(function.append_basic_block())
-            inside.ret(inside.asm(kind, "", "=r,0", function.args, side_effect=False))
-        return builder.call(function, [data])
-
-    return types.CPointer(types.float64)(array), generate
+    return array
 
 
-@intrinsic
-def row_of_four(typing_context, rows, number):
+@native(read_only, lambda array: types.CPointer(types.float64)(array))
+def _read_only(context, builder, signature, arguments):
+    data = context.make_array(signature.args[0])(context, builder, arguments[0]).data
+    name, kind = "demlaws.read_only", ir.FunctionType(data.type, [data.type])
+    function = builder.module.globals.get(name)
+    if function is None:  # to LLVM a function that returns fresh memory, and cannot be looked into
+        function = ir.Function(builder.module, kind, name)
+        function.linkage = "internal"
+        function.attributes.add("noinline")
+        function.return_value.add_attribute("noalias")
+        inside = ir.IRBuilder(function.append_basic_block())
+        inside.ret(inside.asm(kind, "", "=r,0", function.args, side_effect=False))
+    return builder.call(function, [data])
+
+
+def row_of_four(rows, number):
     """The four doubles of one row of a C-ordered (n, 4) array, or of what `read_only` made of it. No bounds check."""
+    return tuple(rows[number])
 
-    def generate(context, builder, signature, arguments):
-        data = arguments[0]
-        if isinstance(rows, types.Array):
-            data = context.make_array(rows)(context, builder, data).data
-        first = builder.mul(context.cast(builder, arguments[1], number, types.int64), ir.Constant(ir.IntType(64), 4))
-        places = [builder.add(first, ir.Constant(ir.IntType(64), k)) for k in range(4)]
-        return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(data, [p])) for p in places])
 
-    return types.UniTuple(types.float64, 4)(rows, number), generate
+@native(row_of_four, lambda rows, number: types.UniTuple(types.float64, 4)(rows, number))
+def _row_of_four(context, builder, signature, arguments):
+    data, (rows, number) = arguments[0], signature.args
+    if isinstance(rows, types.Array):
+        data = context.make_array(rows)(context, builder, data).data
+    first = builder.mul(context.cast(builder, arguments[1], number, types.int64), ir.Constant(ir.IntType(64), 4))
+    places = [builder.add(first, ir.Constant(ir.IntType(64), k)) for k in range(4)]
+    return context.make_tuple(builder, signature.return_type, [builder.load(builder.gep(data, [p])) for p in places])
 
 
 _SQRT_HALF_BITS = 0x3FE6A09E667F3BCD

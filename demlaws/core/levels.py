@@ -24,6 +24,8 @@ from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.shear import shear_stiffness
 
 DEFAULT_LEVELS = 3
+EMPTY = 1e-9
+"""Of K_t: a level of less stiffness counts as empty; otherwise a rise by rounding would join two levels."""
 
 
 @kernel
@@ -34,13 +36,13 @@ def touch(bound, stretch, stiffness):
         for i in range(bound.size):
             bound[i] = min(bound[i], stiffness)
         return
-    joined, least, below = top, np.inf, 0.0
+    joined, least, below, empty = top, np.inf, 0.0, EMPTY * stiffness
     for i in range(bound.size):  # level i and the one above it, at last the new one
         width, above = bound[i] - below, (bound[i + 1] if i < top else stiffness) - bound[i]
         u, v = stretch[0, i], stretch[1, i]
         if i < top:
             u, v = u - stretch[0, i + 1], v - stretch[1, i + 1]
-        apart = (width + above) * (u * u + v * v) if width > 0.0 and above > 0.0 else 0.0
+        apart = (width + above) * (u * u + v * v) if width > empty and above > empty else 0.0
         if apart < least:
             joined, least = i, apart
         below = bound[i]

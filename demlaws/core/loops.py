@@ -6,11 +6,10 @@ Params of one contact or of an array of contacts are nested tuples whose leaves 
 import math
 
 import numpy as np
-from numba.extending import register_jitable
 
 from demlaws.core import dispatch
-from demlaws.core.dispatch import gather, scatter, stored_and_dissipated
-from demlaws.core.numba_compat import INLINED, interleave, loop
+from demlaws.core.dispatch import gather, leaves, map_leaves, scatter, stored_and_dissipated
+from demlaws.core.numba_compat import kernel, loop
 from demlaws.core.unloading import Elastic, JoinedParams, JoinedShape
 from demlaws.errors import DemlawsError
 
@@ -29,37 +28,29 @@ def scale_loop(shape, radius, modulus, roughness, params):
 
 
 @loop
-def batch_loop(rule, params, overlap, state, end, most, force, stiffness):
+def batch_loop(rule, params, overlap, state, largest_overlap, expected_maximum, force, stiffness):
     """A step of every contact. Returns whether none needs a look: without a history all overlaps [m], with one all forces
-    [N] are numbers up to `most`.
+    [N] are numbers up to `expected_maximum`.
 
-    end, most: tuples of one number or of an array with one entry per contact. end: the largest overlap [m] that is answered;
-    one beyond it counts as NaN, with which every rule gives the force NaN and leaves the history as it was. A rule without
-    a history answers all the same, and a law may give a number for an overlap that is none.
+    An overlap beyond `largest_overlap` [m] counts as NaN, with which every rule gives the force NaN and leaves the history as
+    it was. A rule without a history answers all the same, and a law may give a number for an overlap that is none.
     """
     good = True
     params = dispatch.fix_tables(params)
-    # a law alone leaves registers free; with a history and its bound, more than two at a time spill them
-    if len(state) == 0:
-        interleave(4)
-    else:
-        interleave(2)
     for i in range(overlap.size):
         p = gather(params, i)
         here = float(overlap[i])
-        here = here if (here <= gather(end, i)[0]) | (len(state) == 0) else math.nan
+        here = here if (here <= largest_overlap) | (len(state) == 0) else math.nan
         new_force, new_stiffness, new_state = dispatch.step(rule, p, here, gather(state, i))
         scatter(state, i, new_state)
         force[i] = new_force
         stiffness[i] = new_stiffness
-        # last, because LLVM loses the hint where the loop ends in an inlined call
-        looked_at = here if len(state) == 0 else new_force
-        good &= looked_at <= gather(most, i)[0]
+        good &= (here if len(state) == 0 else new_force) <= expected_maximum
     return good
 
 
-UNBOUNDED = (math.inf,)
-FINITE = (np.finfo(float).max,)
+UNBOUNDED = math.inf
+FINITE = float(np.finfo(float).max)
 
 
 @loop
@@ -120,25 +111,10 @@ SMOOTHEST = 1e-40
 """σ/R below which roughness counts as this: no effect left in double precision, and no division by zero at σ = 0."""
 
 
-@register_jitable(**INLINED)
+@kernel
 def clamped_roughness(roughness, radius):
-    """Roughness [m] of one contact as laws take it: never below SMOOTHEST times the radius. For compiled code, too."""
+    """Roughness [m] of one contact as laws take it: never below SMOOTHEST times the radius."""
     return max(roughness, SMOOTHEST * radius)
-
-
-def leaves(params):
-    """The per-contact arrays and shared values of a nested tuple, flat."""
-    for value in params:
-        if isinstance(value, tuple):
-            yield from leaves(value)
-        else:
-            yield value
-
-
-def map_leaves(function, params):
-    """The same nested tuple with `function` applied to each number or array in it."""
-    values = [map_leaves(function, v) if isinstance(v, tuple) else function(v) for v in params]
-    return type(params)(*values) if hasattr(params, "_fields") else tuple(values)
 
 
 def equal_params(params, other):

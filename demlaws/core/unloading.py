@@ -140,6 +140,7 @@ def rule_of(tag_type):
 
 def rule_of_smooth_contact(rule):
     """The rule for a smooth contact in YADE, which Hertz's law computes: elastic if the rule belongs to another law."""
+    return Elastic() if rule_of(type(rule)).curve == "law" else rule
 
 
 @overload(rule_of_smooth_contact, jit_options=INLINED)

@@ -66,6 +66,14 @@ inline const Table &load_table(const Ranks &ranks, const std::string &path) {
   return *table;
 }
 
+// The springs of a curve of a loaded table, computed once: an engine sets its laws again in every `run`.
+inline std::shared_ptr<SpringCurve> spring_curve(const Curve &curve) {
+  static std::map<const Curve *, std::shared_ptr<SpringCurve>> curves;
+  std::shared_ptr<SpringCurve> &found = curves[&curve];
+  if (!found) found.reset(new SpringCurve(curve));
+  return found;
+}
+
 // The law of two materials.
 struct Law {
   Pair pair;
@@ -85,7 +93,7 @@ struct Law {
     if (!has_springs(pair.rule))
       throw std::runtime_error("'shear slip' needs unloading elastic, hertz, thornton, table or etsion, " +
                                table.path() + " has " + table.text("unloading"));
-    springs.reset(new SpringCurve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve()));
+    springs = spring_curve(pair.rule == GIVEN ? table.unloading_curve() : table.loading_curve());
     return doubt;
   }
   Compression compression(double radius, double overlap, const double *state) const {

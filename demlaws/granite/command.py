@@ -105,7 +105,7 @@ def print_claims(verdicts):
         print(f"  {claim.test}: {claim.claim}")
         for line in textwrap.wrap(claim.gives, width - 8):
             print(f"      {line}")
-        print(f"      → {claim.verdict}")
+        print(f"      → {claim.verdict}" + (f" ({claim.criterion})" if claim.criterion else ""))
     counts = {verdict: sum(c.verdict == verdict for c in verdicts) for verdict in dict.fromkeys(c.verdict for c in verdicts)}
     print("  " + "; ".join(f"{n} {verdict}" for verdict, n in counts.items()))
 
@@ -128,7 +128,7 @@ def write_csv(out, tests, runs, notes, verdicts):
     titles = ["test", "law", "between (N)", "displacement (um)", "stiffness at 1 N (N/mm)", "stiffness at 10 N (N/mm)", "notes"]
     files.append(save_csv(out / "summary.csv", titles, summary))
     if verdicts:
-        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict"], verdicts))
+        files.append(save_csv(out / "claims.csv", ["test", "claim", "run gives", "verdict", "criterion"], verdicts))
     return files
 
 

@@ -18,6 +18,7 @@ _HOMES = {
     "plugin_folder": "demlaws.lammps.build",
     "read_log": "demlaws.lammps.run",
     "run": "demlaws.lammps.run",
+    "source": "demlaws.lammps.source",
     "versions": "demlaws.lammps.run",
 }
 """Public name → the module that it is loaded from on first use: LAMMPS asks for `plugin_folder` whenever it starts."""

@@ -2,7 +2,7 @@
 
 from demlaws.engines import laws_to_check, moves, self_test
 from demlaws.lammps.build import build
-from demlaws.lammps.run import ENGINE, HEAD, command, executable, versions
+from demlaws.lammps.run import ENGINE, HEAD, executable, loaded, versions
 
 _WATCH = """\
 group           left id 1
@@ -67,9 +67,8 @@ def check(report=print):
     """Version, plugin and self-test; prints the results, raises DemlawsError at the first failure."""
     version = versions()
     report(f"binary    {executable().path}: LAMMPS {version.date}")
-    _, environment = command("in.none")
-    way = "LAMMPS_PLUGIN_PATH" if "PLUGIN" in version.packages else "LD_PRELOAD"
-    report(f"plugin    {build()} by {way}={environment[way]}")
+    ways = [f"plugin    {build()} by {name}={value}" for name, value in loaded().items()]
+    report(*ways or ["models    built into LAMMPS: no plugin is loaded"])
     for law, rtol, limit, name in laws_to_check():
         self_test(report, *follow(law, rtol=rtol), f"two spheres, {name}", limit)
     for wall in ("plane", "region"):  # the last of these laws: hertz unloading, a fine table

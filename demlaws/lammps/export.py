@@ -53,6 +53,7 @@ def models(case, folder, wall_friction=None, tangential_damping=1.0):
     def words(file, one, other=None, friction=case.friction):
         mine = grains[one].material
         text = f"demlaws/table {file} {mine.young:.12g} {case.restitution:.12g} {mine.poisson:g}"
+        text += case.shear_words
         if tables.roughness:
             text += f" roughness {math.sqrt(2.0) * tables.roughness[one - 1]:.12g}"
         if other is not None and (other.young, other.poisson) != (mine.young, mine.poisson):
@@ -96,9 +97,9 @@ def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
     law: a name, or a whole `Case`; more: further fields of `demlaws.grains.Case`: rtol, stock, load, restitution, friction,
-    count. Written are the tables (one for all pairs where the law collapses, else one per pair of types and a wall),
-    grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own hertz/material instead of tables; the
-    case needs no plugin.
+    count, shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair of types
+    and a wall), grains.data, in.case, run.sh and post/. stock="hertz", for law hertz: LAMMPS's own hertz/material instead of
+    tables; the case needs no plugin.
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     stock, grains = case.stock, case.grains

@@ -75,10 +75,11 @@ def _environment(binary):
 
 
 class Version(NamedTuple):
-    """Date and packages of a binary."""
+    """Date and packages of a binary, and whether it was built with the models in it (`demlaws lammps source`)."""
 
     date: str
     packages: frozenset
+    built_in: bool
 
 
 @functools.lru_cache
@@ -88,8 +89,8 @@ def _version_of(binary):
     if not match:
         reason = (result.stderr or result.stdout).strip().splitlines()
         raise DemlawsError(f"{binary.path} does not respond like LAMMPS: {reason[0] if reason else 'no output'} ({PACKAGES})")
-    packages = result.stdout.split("Installed packages:", 1)[-1].split("List of individual style", 1)[0]
-    version = Version(match.group(1).strip(), frozenset(packages.split()))
+    packages, _, styles = result.stdout.split("Installed packages:", 1)[-1].partition("List of individual style")
+    version = Version(match.group(1).strip(), frozenset(packages.split()), "demlaws/energy" in styles.split())
     if "GRANULAR" not in version.packages:
         raise DemlawsError(f"{binary.path} (LAMMPS {version.date}) has no package GRANULAR: {PACKAGES}")
     return version
@@ -100,19 +101,42 @@ def versions():
     return _version_of(executable())
 
 
+@functools.lru_cache
+def _refusal(binary, plugin):
+    """Why the plugin cannot be added to the binary, by itself: what it prints where it is preloaded; "": it can."""
+    environment = {**_environment(binary), "LD_PRELOAD": str(plugin)}
+    result = subprocess.run([str(binary.path), "-h"], capture_output=True, text=True, env=environment)
+    return next((line for line in result.stderr.splitlines() if "demlaws cannot be added" in line), "")
+
+
+def refusal(plugin):
+    """Why LAMMPS cannot use the plugin at this path, with the remedies; "": it can, or has the models in it."""
+    binary = executable()
+    reason = "" if versions().built_in else _refusal(binary, plugin).removeprefix("WARNING: ")
+    return reason and f"{binary.path}: {reason}"
+
+
+def loaded(portable=False):
+    """{variable: value} that loads the plugin into LAMMPS; {}: the models are in it. DemlawsError: nothing can."""
+    if versions().built_in:
+        return {}
+    plugin = build(portable)
+    if reason := refusal(plugin):
+        raise DemlawsError(reason)
+    if "PLUGIN" in versions().packages:
+        return {"LAMMPS_PLUGIN_PATH": str(plugin.parent)}
+    return {"LD_PRELOAD": ":".join(path for path in (str(plugin), os.environ.get("LD_PRELOAD")) if path)}
+
+
 class _Lammps(Engine):
     name, begins, pair_time = "LAMMPS", "Per MPI rank memory allocation", r"^Pair +\| *\S+ *\| *(\S+)"
 
     def start(self, ranks, plugin, portable):
         binary = executable()
-        environment, loading = _environment(binary), {}
+        environment = _environment(binary)
         if not plugin:
             environment.pop("LAMMPS_PLUGIN_PATH", None)
-        elif "PLUGIN" in versions().packages:
-            loading = {"LAMMPS_PLUGIN_PATH": str(build(portable).parent)}
-        else:
-            loading = {"LD_PRELOAD": ":".join(p for p in (str(build(portable)), environment.get("LD_PRELOAD")) if p)}
-        return binary.path, environment, loading, binary.mpiexec
+        return binary.path, environment, loaded(portable) if plugin else {}, binary.mpiexec
 
     def column(self, word):
         return re.sub("^[vcf]_", "", word)

@@ -19,6 +19,7 @@ from demlaws.errors import DemlawsError
 from demlaws.laws.definition import Advice, Definition, Drawing, Limit, Option, bulk_yield, plastic_asperities
 from demlaws.laws.family import CurveNumber, FamilyShape, family_params, shared_grid
 from demlaws.laws.hertz import HertzShape
+from demlaws.plausibility import advise
 from demlaws.surface import HeightMap, read, self_affine
 from demlaws.units import number
 
@@ -242,6 +243,7 @@ def _map(surface):
             "law 'asperity' needs surface, a demlaws.surface.HeightMap (form removed) or the path of a map, "
             f"got {'none' if surface is None else type(surface).__name__}"
         )
+    advise(surface)
     return surface
 
 

@@ -115,7 +115,9 @@ ROUGHNESS = Parameter(
     True,
     lambda c: (1e-7 * c.radius, 0.1 * c.radius),
     lambda c: np.clip(
-        np.array([1.0, 0.2, 5.0]) * (c.roughness if c.roughness > 0 else 3e-4 * c.radius), 2e-7 * c.radius, 0.09 * c.radius
+        np.array([1.0, 0.2, 5.0, 25.0]) * (c.roughness if c.roughness > 0 else 3e-4 * c.radius),
+        2e-7 * c.radius,
+        0.09 * c.radius,
     ),
 )
 DIMENSION = Parameter("", False, lambda c: (2.0, 3.0), lambda c: [c.fractal_dimension or 2.25, 2.1, 2.5, 2.8])

@@ -1,10 +1,13 @@
 """Hertz 1882: smooth elastic spheres."""
 
+import math
 from typing import NamedTuple
+
+import numpy as np
 
 from demlaws.core.dispatch import bind
 from demlaws.core.fastmath import hertz_coefficient, hertz_overlap, kernel, sqrt
-from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, elastic_bulk
+from demlaws.laws.definition import Advice, Definition, Drawing, Fitting, Limit, bulk_yield, elastic_bulk
 
 
 class HertzShape(NamedTuple):
@@ -46,6 +49,20 @@ def _prepare(contact):
     return HertzShape()
 
 
+SMOOTH = 0.05
+"""α = σ/δ up to which roughness changes the contact radius by at most 7 % (Johnson 1985, ch. 13)."""
+
+
+def _limits(contact):
+    limits = bulk_yield(contact)
+    overlap = np.asarray(contact.roughness) / SMOOTH
+    force = 4.0 / 3.0 * np.asarray(contact.modulus) * np.sqrt(contact.radius) * overlap**1.5
+    if np.any(force > 0.0):
+        reason = f"α > {SMOOTH:g}: this law has no roughness, which makes a contact softer at low load (pohrt-popov, rms)"
+        limits.append(Limit(float(np.max(force)), math.inf, reason))
+    return limits
+
+
 def _advise(conditions):
     drop = float(conditions.pressure_drop)
     reason = f"α = {conditions.roughness_parameter:.2g} at first: roughness lowers the pressure by {100 * (1 - drop):.0f} %"
@@ -58,6 +75,7 @@ LAW = Definition(
     equation="P = (4/3) E* √R δ^1.5",
     source="Hertz 1882; Johnson, Contact Mechanics, 1985, ch. 4",
     description="smooth elastic spheres",
+    limits=_limits,
     length="radius",
     unloading=("elastic",),  # which is Hertz's
     hertzian=True,

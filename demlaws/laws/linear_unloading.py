@@ -170,7 +170,7 @@ STRAIGHT = {
         "N/m",
         True,
         lambda c: (1e-7 * c.modulus * c.radius, 1e3 * c.modulus * c.radius),
-        lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.2]),
+        lambda c: c.modulus * c.radius * np.array([0.02, 0.002, 0.006, 0.06, 0.2]),
         option=True,
     ),
     "stiffness_ratio": Parameter("", True, lambda c: (1.001, 1e4), lambda c: [2.0, 20.0], option=True, unloading=True),

@@ -80,7 +80,8 @@ LAW = Definition(
         identifiable=False,
         parameters={
             **STRAIGHT,
-            "plasticity_depth": Parameter("", True, lambda c: (1e-6, 0.5), lambda c: [1e-3], option=True, unloading=True),
+            "stiffness_ratio": STRAIGHT["stiffness_ratio"]._replace(unloading=False),  # loading shows it beyond δ*
+            "plasticity_depth": Parameter("", True, lambda c: (1e-6, 0.5), lambda c: [1e-3], option=True),
         },
         free=("loading_stiffness", "stiffness_ratio", "plasticity_depth"),
     ),

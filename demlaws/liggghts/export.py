@@ -49,10 +49,11 @@ def stock_fit(law, load, loads=None):
 def export(folder, law=USUAL, grains=(), unloading=None, options=None, **more):
     """Write a ready case into `folder` and return its in.case: grains of all types settle in a box under gravity.
 
-    law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count. Written
-    are the tables (one for all pairs where the law collapses, else one per pair of types and a wall), in.case with its
-    property block, run.sh and post/. Walls are of the first grain's material and have the last type. With stock="hertz",
-    fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at other loads.
+    law: a name, or a whole `Case`; more: further fields of `Case`: rtol, stock, load, restitution, friction, count,
+    shear_ratio, levels. Written are the tables (one for all pairs where the law collapses, else one per pair of types and a
+    wall), in.case with its property block, run.sh and post/. Walls are of the first grain's material and have the last type.
+    With stock="hertz", fitted on the first grain's contact with itself, in.case and fit.txt state the error of the fit at
+    other loads.
     """
     case, folder = make_case(law, grains, unloading, options, more), output_folder(folder)
     if case.stock is None:
@@ -87,11 +88,13 @@ def table_words(case, folder):
     """Write the tables of a case; the words of its pair_style and wall lines, and the types' roughness where they need it."""
     tables = case.write_tables(folder, wall=case.grains[0])
     if tables.single:
-        return f"table {tables.walls[1]}{' surfaceRoughness on' if tables.roughness else ''}", tables.roughness
+        roughness = " surfaceRoughness on" if tables.roughness else ""
+        return f"table {tables.walls[1]}{roughness}{case.shear_words}", tables.roughness
     wall = len(case.grains) + 1
     # every pair of types needs a table, also the walls', which never meet
     files = [*((*pair, file) for pair, file in tables.pairs.items()), *((i, wall, file) for i, file in tables.walls.items())]
-    return " ".join(f"pairtable {i} {j} {file}" for i, j, file in [*files, (wall, wall, tables.walls[1])]), None
+    pairs = " ".join(f"pairtable {i} {j} {file}" for i, j, file in [*files, (wall, wall, tables.walls[1])])
+    return pairs + case.shear_words, None
 
 
 _LOOSE = 0.2  # volume fraction at which grains are let go

@@ -181,7 +181,7 @@ def gather_patches(parent, stats, count):
     for i in range(1, count + 1):
         if parent[i] == i:
             patches += 1
-            for n in range(12):
+            for n in range(stats.shape[1]):
                 stats[patches, n] = stats[i, n]
             parent[i] = patches
         else:

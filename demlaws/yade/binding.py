@@ -14,8 +14,7 @@ import yade.utils
 from demlaws.admissible import LARGE_RADIUS, LARGE_ROUGHNESS, LARGEST_ROUGHNESS, judge
 from demlaws.errors import DemlawsError, EngineStopped, LargeOverlap, warn
 from demlaws.units import SMALL_OVERLAP
-from demlaws.yade import layout as at
-from demlaws.yade import native
+from demlaws.yade import layout, native
 from demlaws.yade.contacts import Totals, is_ours, real_contacts, state_of, with_overlaps
 from demlaws.yade.pairs import Pairs
 from demlaws.yade.radii import ShapeWarning, body_radius_text
@@ -48,24 +47,24 @@ class Binding:
     the critical step for a time stepper, from `engines(law, timestep=…)`.
     """
 
-    def __init__(self, label, pairs, way):
+    def __init__(self, label, pairs, bridge):
         self.label, self.pairs = label, pairs
         self.attachment = self.reason = self.held = self.runner = self.share = None
-        if way != "public":
+        if bridge != "public":
             try:
                 self.attachment = native.Attachment(pairs)
             except native.BridgeUnavailable as error:
-                if way == "native":
+                if bridge == "native":
                     raise
                 self.reason = str(error)
-        self.context = at.Context() if self.attachment is None else self.attachment.context
-        self.context.words[at.UNLISTED] = pairs.needs_no_judgement
+        self.context = layout.Context() if self.attachment is None else self.attachment.context
+        self.context["may_be_unlisted"] = pairs.needs_no_judgement
         self.scene, self.left, self.guards, self.warned, self._scenes = None, None, 0, False, 0
         self._messages, self._limits = set(), {}
         self._requests = deque()
 
     @property
-    def way(self):
+    def bridge(self):
         """native or public: how the law acts."""
         return "public" if self.attachment is None else "native"
 
@@ -73,13 +72,11 @@ class Binding:
     def account(self):
         """Dissipation [J] of ended contacts, number of contacts that the law has seen begin and not end, energy [J] of shear
         that ended contacts have lost."""
-        doubles = self.context.doubles
-        return float(doubles[at.BANKED]), int(self.context.words[at.OPEN]), float(doubles[at.BANKED_SHEAR])
+        return float(self.context["banked"]), int(self.context["open"]), float(self.context["banked_shear"])
 
     @account.setter
     def account(self, values):
-        doubles = self.context.doubles
-        doubles[at.BANKED], self.context.words[at.OPEN], doubles[at.BANKED_SHEAR] = values
+        self.context["banked"], self.context["open"], self.context["banked_shear"] = values
 
     def enter(self, scene, account=(0.0, 0, 0.0)):
         """Begin to act in a scene with this account; the account of a scene that was left continues."""
@@ -103,32 +100,35 @@ class Binding:
 
     def same_as(self, other):
         """Whether two bindings are the same law: contacts of one may continue with the other."""
-        return (self.way, self.pairs.as_text(True)) == (other.way, other.pairs.as_text(True))
+        return (self.bridge, self.pairs.as_text(True)) == (other.bridge, other.pairs.as_text(True))
 
     # --- saved with the scene
 
     def as_text(self, attributes):
         """JSON from which `from_text` restores the law in another process; attributes: the functor's."""
-        content = {"way": self.way, "account": self.account, "attributes": attributes}
+        content = {"bridge": self.bridge, "account": self.account, "attributes": attributes}
         return json.dumps(content | {"pairs": self.pairs.as_text()})
 
     @classmethod
     def from_text(cls, label, text):
         """The binding described by `as_text`, in no scene, and the functor's attributes."""
         content = json.loads(text)
-        binding = cls(label, Pairs.from_text(content["pairs"]), content["way"])
+        binding = cls(label, Pairs.from_text(content["pairs"]), content["bridge"])
         return binding, content["attributes"]
 
     def history(self):
         """Text of the current scene's contacts with their history, for `restore`."""
-        saved = self.memory.saved(real_contacts())
-        return json.dumps([*saved.shape, base64.b64encode(zlib.compress(saved.tobytes())).decode()])
+        bodies, rows = self.memory.saved(real_contacts())
+        content = zlib.compress(bodies.tobytes() + rows.tobytes())
+        return json.dumps({"contacts": len(rows), "content": base64.b64encode(content).decode()})
 
     def restore(self, text):
         """Give the contacts of the current scene, which was loaded, the history that they were saved with."""
-        *shape, content = json.loads(text)
-        saved = np.frombuffer(zlib.decompress(base64.b64decode(content)), np.int64).reshape(shape)
-        self.memory.restore(saved, real_contacts())
+        saved = json.loads(text)
+        count, content = saved["contacts"], zlib.decompress(base64.b64decode(saved["content"]))
+        bodies = np.frombuffer(content, np.int64, 2 * count).reshape(count, 2)
+        rows = np.frombuffer(content, self.memory.saved_dtype, count, bodies.nbytes)
+        self.memory.restore(bodies, rows, real_contacts())
 
     @property
     def memory(self):
@@ -138,7 +138,7 @@ class Binding:
         if self.held is None:
             from demlaws.yade.public import Held
 
-            self.held = Held()
+            self.held = Held(self.pairs)
         return self.held
 
     def rows(self, contacts):
@@ -213,7 +213,7 @@ class Binding:
         self.judge_unlisted(self.context.take_unlisted())
         self.judge_shapes()
         self.warn_of_joints()
-        if self.context.take_deep():
+        if self.context.take("deep"):
             rows = self.rows(real_contacts())
             self.warn_of_deep(rows[rows["tag"] > 0])
         self.attachment.collect(real_contacts if self._scenes == 1 else None)
@@ -247,7 +247,7 @@ class Binding:
 
     def judge_unlisted(self, bodies):
         """Raise unless two bodies, of whose materials at least one has no surface, are meant to be smooth."""
-        if bodies is None or self.context.words[at.UNLISTED]:
+        if bodies is None or self.context["may_be_unlisted"]:
             return
         labels = {body.material.label for body in O.bodies if body.material is not None} | {one.label for one in O.materials}
         missing = [label for label in self.pairs.surfaces if label not in labels]  # others than the bodies' may come later
@@ -255,14 +255,14 @@ class Binding:
             from demlaws.yade.reports import unlisted_text
 
             raise EngineStopped(unlisted_text(self, bodies, missing))
-        self.context.words[at.UNLISTED] = 1
+        self.context["may_be_unlisted"] = 1
 
     def judge_shapes(self):
         """Read new shapes, give R of contacts that a function decides, and warn once where a shape has the body's R."""
-        words, radii = self.context.words, self.pairs.radii
+        radii = self.pairs.radii
         radii.refresh(self.context)
-        if radii.mode == at.FUNCTION_RADIUS and words[at.NEW_CONTACTS]:
-            words[at.NEW_CONTACTS] = 0
+        if radii.mode == layout.FUNCTION_RADIUS and self.context["new_contacts"]:
+            self.context["new_contacts"] = 0
             contacts = real_contacts()
             for contact, row in zip(contacts, self.memory.rows_of(contacts), strict=True):
                 if row["tag"] > 0 and radii.is_new(contact):
@@ -275,30 +275,26 @@ class Binding:
         number, bodies = int(row["tag"]) - 1, (contact.id1, contact.id2)
         kind = 0
         if not self.pairs.serves(number, radius, row["modulus"]):
-            kind = at.WRONG_CONTACT
+            kind = layout.WRONG_CONTACT
         elif self.pairs.roughnesses[number] > LARGEST_ROUGHNESS * radius:
-            kind = at.TOO_ROUGH
+            kind = layout.TOO_ROUGH
         if kind:
             raise EngineStopped(f"contact {bodies[0]}+{bodies[1]}{self.fault_text(kind, *bodies, radius)}")
         return radius
 
     def warn_of_shapes(self):
         """Warn once where a shape that is neither sphere nor flat has the body's R without a choice."""
-        words = self.context.words
-        if words[at.ODD_SEEN] == 1:
-            words[at.ODD_SEEN] = 2
-            contact = O.interactions[tuple(words[[at.ODD_BODY1, at.ODD_BODY2]].tolist())]
+        if self.context.take("unknown_shape"):
+            contact = O.interactions[self.context.bodies("unknown_shape")]
             text = body_radius_text(contact, float(self.memory.rows_of([contact])["radius"][0]))
             warn(f"law {self.label!r}: {text}", ShapeWarning)
 
     def warn_of_joints(self):
         """Warn once where two contacts have the same physics."""
-        words = self.context.words
-        if words[at.SHARED] == 1:
-            words[at.SHARED] = 2
+        if self.context.take("shared"):
             from demlaws.yade.reports import joint_text
 
-            warn(f"law {self.label!r}: {joint_text(*words[[at.SHARED_BODY1, at.SHARED_BODY2]])}", ShapeWarning)
+            warn(f"law {self.label!r}: {joint_text(*self.context.bodies('shared'))}", ShapeWarning)
 
     def warn_of_deep(self, rows):
         """Warn of the contacts beyond SMALL_OVERLAP of their R among rows of `layout.CONTACT`."""

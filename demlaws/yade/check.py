@@ -43,7 +43,7 @@ def main(select=each_once):
     from demlaws.yade import native
 
     try:
-        layout = native.layout()
+        layout = native.find_layout()
     except native.BridgeUnavailable as error:
         print(f"native bridge: not available: {error}")
         print("scripts run by the public-API way, at some twenty times the cost")

@@ -84,11 +84,8 @@ def state_of(pairs, contacts, rows):
     answer, _ = pairs.respond(rows)
     energies = pairs.energies(before)
     nothing = np.full(len(rows), np.nan)
-    fields = dict(zip(pairs.state_names, ("state0", "state1", "state2"), strict=False))
-    columns = {
-        name: before[fields[name]] if name in fields else nothing
-        for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")
-    }
+    fields = {name: before["state"][:, n] for n, name in enumerate(pairs.state_names)}
+    columns = {name: fields.get(name, nothing) for name in ("maximum_overlap", "plastic_overlap", "radius_ratio")}
     if not fields:
         columns["plastic_overlap"] = np.zeros(len(rows))
     overlap = before["overlap"].copy()

@@ -18,11 +18,10 @@ import yade
 from demlaws.core.numba_compat import callback, kernel, loop
 from demlaws.errors import DemlawsError
 from demlaws.solvers.ellipsoid import quick_factors
-from demlaws.yade import layout as at
-from demlaws.yade.layout import FIELD, OF_SHAPE, PLANE, SPHERE
-from demlaws.yade.layout import SHAPE_RECORD as RECORD
-from demlaws.yade.memory import load_double, load_word
-from demlaws.yade.native import address
+from demlaws.yade import layout
+from demlaws.yade.layout import FIELD, PLANE, SHAPE, SPHERE
+from demlaws.yade.records import array, cross, minus_scaled, vector, view
+from demlaws.yade.search import address
 
 WINDOW = 4.5
 """Reach of the fit in cells. Fields of YADE's fast marching method are rough on a smaller scale: at spacing R/10 the
@@ -30,9 +29,6 @@ largest error of an ellipsoid's curvature is 57 % with a reach of 2 cells, 8 % w
 BAND = 2.3  # cells from the surface within which nodes have a curvature: corners of a cell with a contact are within 1.8
 FAR = 100.0
 """A gap is flat where its smaller principal radius is above this multiple of the bodies' R."""
-KIND_AT, INDEX_AT, TENSORS_AT, COUNTS_AT, LOW_AT, SIZE_AT = (
-    OF_SHAPE[name] for name in ("kind", "index", "tensors", "n0", "low0", "size")
-)
 
 
 # --- the fit
@@ -78,11 +74,12 @@ def fit(field):
 
 
 @kernel
-def _turned_back(q, x, y, z):
-    """A vector in the axes of a body whose orientation, a quaternion (x, y, z, w), is at address q."""
-    a, b, c, w = -load_double(q), -load_double(q + 8), -load_double(q + 16), load_double(q + 24)
-    u, v, t = 2.0 * (b * z - c * y), 2.0 * (c * x - a * z), 2.0 * (a * y - b * x)
-    return x + w * u + b * t - c * v, y + w * v + c * u - a * t, z + w * t + a * v - b * u
+def _turned_back(orientation, a):
+    """A vector in the axes of a body whose orientation is a quaternion (x, y, z, w)."""
+    axis, w = (-orientation[0], -orientation[1], -orientation[2]), orientation[3]
+    twice = cross(axis, a)
+    twice = (2.0 * twice[0], 2.0 * twice[1], 2.0 * twice[2])
+    return minus_scaled(minus_scaled(a, -w, twice), -1.0, cross(axis, twice))
 
 
 @kernel
@@ -96,42 +93,36 @@ def _quadratic(k0, k1, k2, k3, k4, k5, u, v):
 
 
 @kernel
-def _curvatures(record, position, orientation, point, t, s):
+def _curvatures(shape, position, orientation, point, t, s):
     """tᵀKt, tᵀKs, sᵀKs [1/m] of a body at a point, for two tangents of the contact; NaN where it has no curvature."""
-    kind, size = load_word(record + KIND_AT), load_double(record + SIZE_AT)
-    if kind == PLANE:
+    size = shape.size
+    if shape.kind == PLANE:
         return 0.0, 0.0, 0.0
-    if kind == SPHERE:
+    if shape.kind == SPHERE:
         return 1.0 / size, 0.0, 1.0 / size
-    x, y, z = _turned_back(
-        orientation,
-        load_double(point) - load_double(position),
-        load_double(point + 8) - load_double(position + 8),
-        load_double(point + 16) - load_double(position + 16),
-    )
-    x = (x - load_double(record + LOW_AT)) / size
-    y = (y - load_double(record + LOW_AT + 8)) / size
-    z = (z - load_double(record + LOW_AT + 16)) / size
-    n0, n1, n2 = load_word(record + COUNTS_AT), load_word(record + COUNTS_AT + 8), load_word(record + COUNTS_AT + 16)
+    x, y, z = _turned_back(orientation, minus_scaled(vector(point), 1.0, vector(position)))
+    x, y, z = (x - shape.low[0]) / size, (y - shape.low[1]) / size, (z - shape.low[2]) / size
+    n0, n1, n2 = shape.count[0], shape.count[1], shape.count[2]
     if not (0.0 <= x <= n0 - 1.0 and 0.0 <= y <= n1 - 1.0 and 0.0 <= z <= n2 - 1.0):
         return math.nan, math.nan, math.nan
     i, j, k = min(int(x), n0 - 2), min(int(y), n1 - 2), min(int(z), n2 - 2)
     x, y, z = x - i, y - j, z - k
+    numbers = array(shape.index, (n0, n1, n2), np.int64)
     k0 = k1 = k2 = k3 = k4 = k5 = 0.0
     for corner in range(8):
         a, b, c = corner & 1, corner >> 1 & 1, corner >> 2
         weight = (x if a else 1.0 - x) * (y if b else 1.0 - y) * (z if c else 1.0 - z)
-        number = load_word(load_word(record + INDEX_AT) + 8 * (((i + a) * n1 + j + b) * n2 + k + c))
+        number = numbers[i + a, j + b, k + c]
         if number < 0:
             return math.nan, math.nan, math.nan
-        tensor = load_word(record + TENSORS_AT) + 48 * number
-        k0 += weight * load_double(tensor)
-        k1 += weight * load_double(tensor + 8)
-        k2 += weight * load_double(tensor + 16)
-        k3 += weight * load_double(tensor + 24)
-        k4 += weight * load_double(tensor + 32)
-        k5 += weight * load_double(tensor + 40)
-    u, v = _turned_back(orientation, t[0], t[1], t[2]), _turned_back(orientation, s[0], s[1], s[2])
+        tensor = array(shape.tensors, (number + 1, 6), np.float64)[number]
+        k0 += weight * tensor[0]
+        k1 += weight * tensor[1]
+        k2 += weight * tensor[2]
+        k3 += weight * tensor[3]
+        k4 += weight * tensor[4]
+        k5 += weight * tensor[5]
+    u, v = _turned_back(orientation, t), _turned_back(orientation, s)
     return (
         _quadratic(k0, k1, k2, k3, k4, k5, u, u) / size,
         _quadratic(k0, k1, k2, k3, k4, k5, u, v) / size,
@@ -152,7 +143,8 @@ def gap_radius(first, position1, orientation1, second, position2, orientation2, 
 
     NaN: a body has no curvature there; -1: flat on flat. radius: YADE's R; largest: bound of principal radii, 0: none.
     """
-    n = load_double(normal), load_double(normal + 8), load_double(normal + 16)
+    shape1, shape2, n = view(first, SHAPE), view(second, SHAPE), vector(array(normal, 3, np.float64))
+    where = array(point, 3, np.float64)
     # two tangents: the axis least along the normal, made normal to it
     if abs(n[0]) <= abs(n[1]) and abs(n[0]) <= abs(n[2]):
         t = (0.0, n[2], -n[1])
@@ -162,9 +154,11 @@ def gap_radius(first, position1, orientation1, second, position2, orientation2, 
         t = (n[1], -n[0], 0.0)
     size = math.sqrt(t[0] * t[0] + t[1] * t[1] + t[2] * t[2])
     t = (t[0] / size, t[1] / size, t[2] / size)
-    s = (n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0])
-    a1, b1, c1 = _curvatures(first, position1, orientation1, point, t, s)
-    a2, b2, c2 = _curvatures(second, position2, orientation2, point, t, s)
+    s = cross(n, t)
+    place1, turn1 = array(position1, 3, np.float64), array(orientation1, 4, np.float64)
+    place2, turn2 = array(position2, 3, np.float64), array(orientation2, 4, np.float64)
+    a1, b1, c1 = _curvatures(shape1, place1, turn1, where, t, s)
+    a2, b2, c2 = _curvatures(shape2, place2, turn2, where, t, s)
     a, b, c = a1 + a2, b1 + b2, c1 + c2
     if a - a != 0.0:
         return math.nan
@@ -174,9 +168,9 @@ def gap_radius(first, position1, orientation1, second, position2, orientation2, 
     if largest <= 0.0 and sharp < least:
         return -1.0
     spacing = 0.0
-    for record in (first, second):
-        if load_word(record + KIND_AT) == FIELD:
-            spacing = max(spacing, load_double(record + SIZE_AT))
+    for shape in (shape1, shape2):
+        if shape.kind == FIELD:
+            spacing = max(spacing, shape.size)
     return max(equivalent_radius(max(sharp, least), max(blunt, least)), spacing)
 
 
@@ -195,20 +189,20 @@ class Shapes:
 
     def __init__(self, largest):
         self.largest = largest
-        self.table, self._shapes = np.zeros(0, RECORD), {}
+        self.table, self._shapes = np.zeros(0, SHAPE), {}
 
     def gap_address(self):
         """Address of the compiled `gap_radius`."""
         return _compiled_gap_radius().address
 
     def record_of(self, body):
-        """`RECORD` of a body; a shape is fitted once, and kept so that no other shape can have its address."""
+        """`layout.SHAPE` of a body; a shape is fitted once, and kept so that no other shape can have its address."""
         if yade.O.periodic:
             raise DemlawsError('radius="curvature" is not available with periodic boundaries: use walls, or give a number')
         shape = body.shape
         place = address(shape)
         if place not in self._shapes:
-            record = np.zeros(1, RECORD)
+            record = np.zeros(1, SHAPE)
             record["shape"], references = place, [shape]
             if isinstance(shape, yade.Facet | yade.Wall | yade.Box):
                 record["kind"] = PLANE
@@ -222,8 +216,7 @@ class Shapes:
                     )
                 index, tensors = fit(field / spacing)
                 record["kind"], record["size"] = FIELD, spacing
-                record["n0"], record["n1"], record["n2"] = field.shape
-                record["low0"], record["low1"], record["low2"] = shape.lsGrid.min
+                record["count"], record["low"] = field.shape, tuple(shape.lsGrid.min)
                 record["index"], record["tensors"] = index.ctypes.data, tensors.ctypes.data
                 references += [index, tensors]
             self._shapes[place] = record, references
@@ -232,16 +225,16 @@ class Shapes:
     def refresh(self, context):
         """Write the shapes of all bodies to where compiled code reads them."""
         bodies = yade.O.bodies
-        if not context.words[at.SHAPES_STALE] and len(self.table) == len(bodies):
+        if not context["shapes_stale"] and len(self.table) == len(bodies):
             return
-        table = np.zeros(len(bodies), RECORD)
+        table = np.zeros(len(bodies), SHAPE)
         for number in range(len(bodies)):
             body = bodies[number]
             if body is not None and body.shape is not None:
                 table[number] = self.record_of(body)[0]
         self.table = table
-        context.words[at.SHAPES], context.words[at.SHAPE_COUNT] = table.ctypes.data, len(table)
-        context.words[at.SHAPES_STALE] = 0
+        context["shapes"], context["shape_count"] = table.ctypes.data, len(table)
+        context["shapes_stale"] = 0
 
     def of_contact(self, contact):
         """Equivalent R [m] of a contact from the curvature of its bodies: as compiled code finds it."""
@@ -264,7 +257,7 @@ class Shapes:
 def fault_text(kind, value, shapes):
     """Message about a contact without a curvature; value: R of the bodies [m]; shapes: names of their classes."""
     pair = " on ".join(shapes)
-    if kind == at.FLAT_GAP:
+    if kind == layout.FLAT_GAP:
         return (
             f" ({pair}): flat on flat, whose radius of curvature is above {FAR:g} times the bodies' R of {value:g} m, so "
             "that Hertz's contact has no R: give an upper bound, radius=demlaws.yade.Curvature(largest=…), or the measured "

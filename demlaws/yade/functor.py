@@ -44,6 +44,9 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     shear: "elastic": K_t is a share of the stiffness with which the contact would unload now, and the shear force falls with it
         (passive); "loading": the same of first loading at the present force; "slip": partial slip, native bridge only;
         "native": Mindlin's shear as YADE has it, which can create energy (docs/shear.md).
+    levels: of "elastic" and "loading", 1 to 8: groups of a contact's springs that touched at similar stiffness and have one
+        stretch. With 1 the shear force of a contact whose overlap vibrates is lost.
+    shear_ratio: K_t/K, above 0 and at most 4/3; default: that of the materials' Poisson's ratios, as Mindlin's law has it.
     bridge: "native", "public" or "auto" (public with a `BridgeWarning` where the native one is not available).
     label: name of the law in saved files, unique in a scene and constant.
     radii, moduli: smallest and largest effective radius [m] and modulus [Pa] of the contacts, which laws with a solved curve
@@ -63,6 +66,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
         flats="plane",
         radius=None,
         shear=DEFAULT,
+        levels=None,
+        shear_ratio=None,
         bridge="auto",
         label="demlaws",
         radii=None,
@@ -82,7 +87,8 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
             warn("shear='native' keeps the shear force where contacts become softer, which can create energy (docs/shear.md)")
         elif shear == SLIP and bridge == "public":
             raise DemlawsError("shear='slip' needs the native bridge: the public way cannot set the shear force")
-        pairs = Pairs(law, surfaces, unloading, options, spans, smooth=smooth, flats=flats, shear=shear, radius=radius)
+        choices = {"smooth": smooth, "flats": flats, "shear": shear, "levels": levels, "shear_ratio": shear_ratio}
+        pairs = Pairs(law, surfaces, unloading, options, spans, radius=radius, **choices)
         self.binding = Binding(label, pairs, bridge)
         self.binding.check_functor(self)
         _take_up(self, bridge, stacklevel=3)
@@ -122,7 +128,7 @@ class Law2_ScGeom_MindlinPhys_Demlaws(yade.Law2_ScGeom_MindlinPhys_Mindlin):
     @property
     def way(self):
         """How the law acts: "native" or "public"."""
-        return self.binding.way
+        return self.binding.bridge
 
     def totals(self):
         """`Totals` of the current scene: stored energy and plastic dissipation [J], ended contacts included."""
@@ -175,7 +181,7 @@ def _take_up(functor, bridge, stacklevel):
             binding.attachment, binding.reason = None, str(error)
         else:
             binding.attachment.patch(functor)
-            line = native.layout().untested
+            line = native.find_layout().untested
             if line is not None and line not in _reported:
                 _reported.add(line)
                 warnings.warn(line, BridgeWarning, stacklevel=stacklevel)

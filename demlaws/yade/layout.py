@@ -1,95 +1,150 @@
-"""Layout of the memory that compiled code and Python share: the context of a law, its records of pairs, rows, histories.
+"""Records that compiled code and Python share: the context of a law, its pairs of surfaces, its contacts' rows, bodies' shapes.
 
-The address of the context is behind the functor's table of virtual functions, so that one piece of machine code, kept on disk
-by numba, serves every functor of a law.
+The address of the context is behind the functor's table of virtual functions, so that one piece of machine code, kept on disk,
+serves every functor of a law. What YADE's own objects look like is in `objects`.
 """
 
 import numpy as np
-
-# Words of the context.
-GO = 0  # address of the native function that applies the forces
-OVERLAP, RADIUS1, RADIUS2 = 1, 2, 3  # offsets in ScGeom [bytes]
-KN, KNO, KSO, MARK = 4, 5, 6, 7  # offsets in MindlinPhys [bytes]; MARK: of prevU[1], the contact's row
-GEOMETRY, GEOMETRY_6D, PHYSICS = 9, 10, 11  # addresses of tables of virtual functions with which objects of these classes begin
-BODY1, BODY2, BODY_BY_ID, MATERIAL, LABEL = 12, 13, 14, 15, 16
-SURFACES, LABEL_HASHES, PAIRS, RECORDS, RECORD_BYTES = 17, 18, 19, 20, 21
-OPEN = 23  # contacts that have begun and that the law has not seen end
-BANKED = 24  # dissipation of contacts that have ended [J] (a double)
-ROWS, ROW_WORDS, CAPACITY, GENERATION = 25, 26, 27, 28  # address of the contacts' rows, their size, number, mark
-FREE, FREE_COUNT, FREE_TAKEN = 29, 30, 31  # address of the numbers of rows that may be used again, count, number taken
-FAULTS, FAULT_KIND, FAULT_BODY1, FAULT_BODY2, FAULT_OVERLAP = 32, 33, 34, 35, 36  # a cache line apart from the above
-ROWS_USED = 37
-ALARM = 38  # address of the guard's PyRunner.nDone, or 0: a zero written there makes it run before the next step's contacts
-FLATS, SHAPE, FACET, WALL, BOX = 40, 41, 42, 43, 44  # FLATS 1: R of a sphere on one of these shapes is the sphere's radius
-UNLISTED, UNLISTED_SEEN, UNLISTED_BODY1, UNLISTED_BODY2 = 45, 46, 47, 48  # contacts of materials without a surface
-SHEAR_FORCE = 49  # offset of the elastic shear force in MindlinPhys [bytes]
-DEEP = 50  # 1 once a contact was beyond SMALL_OVERLAP of its R, 2 once this was reported
-DEEP_RADIUS = 51  # R of the last contact that was beyond LARGEST_OVERLAP of it (a double)
-FRICTION, NORMAL_FORCE = 52, 53  # offsets of the coefficient of friction and the normal force in MindlinPhys [bytes]
-BANKED_SHEAR = 54  # energy of shear that contacts which have ended have lost [J] (a double)
-DISPLACEMENT, STRETCH = 55, 56  # offsets of usTotal and usElastic in MindlinPhys [bytes]
-NORMAL = 57  # offset of the normal in ScGeom [bytes]
-INCREMENT = 58  # offset of shearInc in ScGeom [bytes]
-ROTATE = 59  # address of ScGeom::rotate
-SPRINGS, SPRING_COUNT = 60, 61  # offset in a row of the springs of partial slip [bytes], their number
-# R of contacts whose shapes are not spheres, flats or grids (see `curvature` and `radii`)
-RADIUS_MODE, EDGES, SHAPES, SHAPE_COUNT, SHAPES_STALE, LARGEST_RADIUS = 62, 63, 64, 65, 66, 67
-BODY_STATE, POSITION, ORIENTATION, POINT = 68, 69, 70, 71  # offsets in Body, State and ScGeom [bytes]
-ODD_SEEN, ODD_BODY1, ODD_BODY2 = 90, 91, 92  # a contact with R of a body of another shape; 2: reported
-SHARED, SHARED_BODY1, SHARED_BODY2 = 95, 96, 97  # a contact with the physics of another one; 2: reported
-NEW_CONTACTS = 93  # 1: contacts have begun whose R a Python function gives
-GAP_RADIUS = 94  # address of `curvature.gap_radius`
-ROUND_SHAPES = 119  # first words of objects of shapes with a radius of their own, 0 behind the last
-BETAS = 98  # offset in MindlinPhys [bytes]
-# A contact step without the native function (`shear.step_alone`).
-ALONE = 100  # 1: where possible, 0: never
-APPLY = 101  # address of LawFunctor::applyForceAtContactPoint
-FUNCTOR = 102  # bytes from the start of the functor to `this`
-SCENE, OPTIONS = 103, 104  # bytes from `this` to the pointer to the scene, and to four options of one byte
-PERIODIC = 105  # offset of isPeriodic in Scene [bytes]
-KS, SHEAR_SUM, SHEAR_VISCOUS, SLIDING = 106, 107, 108, 109  # offsets in MindlinPhys [bytes]
-BETAN, DAMPING_KIND = 110, 111  # the same; DAMPING_KIND: of alpha or beta where MindlinPhys has one, else BETAN
-PHYSICS_CAPILLARY = 75  # the same of MindlinCapillaryPhys, or of MindlinPhys where YADE has no such class
-GEOMETRIES = 76  # first words of objects of further classes of geometry, 0 behind the last
-CONTEXT_WORDS = 128
 
 WRONG_CLASS, NOT_FINITE, WRONG_CONTACT, TOO_ROUGH, TOO_DEEP, WRONG_MODULUS, NO_ROW, LOST_ROW, UNGUARDED = range(1, 10)
 FLAT_GAP, NO_CURVATURE = 20, 21
 """Kinds of faults."""
 
 BODY_RADIUS, BODY_RADIUS_MEANT, CURVATURE_RADIUS, FUNCTION_RADIUS = 0, 1, 2, 3
-"""Values of RADIUS_MODE."""
+"""Values of `radius_mode`."""
 
-# A row of a law's memory: the addresses of the contact's phys and interaction and of its pair's record; its history; the
-# numbers of its Params that are its own (derived numbers, which cost too much to derive at each step: a law that yields finds
-# its yield point by bisection); with partial slip, its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, is the
-# number of the contact's row, negative for a smooth pair. It carries a number drawn at random: a row of another process is not
-# taken.
-ROW_PHYSICS, ROW_INTERACTION, ROW_RECORD, ROW_HISTORY = 0, 8, 16, 24
+UNSEEN, SEEN, REPORTED = 0, 1, 2
+"""Values of the notes `deep`, `unknown_shape` and `shared`."""
 
-# A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], up to three state
-# values of the unloading rule; K_t of the last step [N/m], the energy of shear that it stores and that it has lost [J].
-_CONTACT = ("overlap", "ratio", "tag", "radius", "modulus", "state0", "state1", "state2", "shear", "held", "lost")
-CONTACT = np.dtype([(name, "f8") for name in _CONTACT])
+MOST_CLASSES = 8
+"""Classes of geometry or shapes of which a context can have the tables of virtual functions."""
+
+_FUNCTIONS = ("go", "body_by_id", "rotate", "apply_force", "gap_radius")  # addresses; go: the native one
+_CLASSES = ("physics", "capillary", "facet", "wall", "box")  # addresses of tables of virtual functions: how objects begin
+_TABLES = (
+    "surfaces",  # number of surfaces: of labels, and the unlisted materials
+    "label_hashes",
+    "pair_numbers",  # address of the numbers of pairs of two surfaces
+    "pairs",
+    "edges",  # address of the surfaces' edge radii [m]
+    "rows",
+    "capacity",
+    "generation",  # drawn at random, part of the code of a row: a row of another process is not taken
+    "free",  # address of numbers of rows that may be used again
+    "free_count",
+    "shapes",  # address of SHAPE of each body
+    "shape_count",
+    "normal_offset",  # of ScGeom [bytes]
+    "functor_offset",  # bytes from the start of the functor to what the native `go` gets as `this`
+    "alarm",  # address of the guard's PyRunner.nDone, or 0: a zero written there has it run before the next step's contacts
+)
+_CHOICES = (
+    "plane_flats",  # 1: R of a sphere on a facet, wall or box is the sphere's radius
+    "radius_mode",
+    "own_step",  # 1: where possible a contact step without the native function (`mindlin`), 0: never
+    "may_be_unlisted",  # 1: materials without a surface are meant so
+)
+_NOTES = (  # of native code for the guard
+    "fault",
+    "fault_kind",
+    "fault_body1",
+    "fault_body2",
+    "unlisted",
+    "unlisted_body1",
+    "unlisted_body2",
+    "unknown_shape",  # a contact with R of a body of another shape than sphere or flat
+    "unknown_shape_body1",
+    "unknown_shape_body2",
+    "shared",  # a contact with the physics of another one
+    "shared_body1",
+    "shared_body2",
+    "deep",  # a contact was beyond SMALL_OVERLAP of its R
+    "new_contacts",  # contacts have begun whose R a Python function gives
+    "shapes_stale",
+)
+
+
+def _context():
+    fields = [(name, "i8") for name in (*_FUNCTIONS, *_CLASSES, *_TABLES, *_CHOICES)]
+    for name in ("geometry", "round_shape"):
+        fields += [(f"{name}_classes", "i8", (MOST_CLASSES,)), (f"{name}_count", "i8")]
+    fields += [
+        ("largest_radius", "f8"),
+        ("shear_ratio", "f8"),
+        ("apart", "i8", (8,)),
+    ]  # what threads write is a cache line apart
+    fields += [*[(name, "i8") for name in _NOTES], ("fault_value", "f8"), ("deep_radius", "f8"), ("apart_too", "i8", (8,))]
+    # sums of all threads, each an array of one so that it has an address
+    fields += [("open", "i8", (1,)), ("rows_used", "i8", (1,)), ("free_taken", "i8", (1,))]
+    fields += [("banked", "f8", (1,)), ("banked_shear", "f8", (1,))]
+    return np.dtype(fields)
+
+
+CONTEXT = _context()
+
+# A contact's history: overlap of the last step [m], K_t/K, pair number + 1 (0: no contact), R [m], E* [Pa], state of the
+# unloading rule; K_t of the last step [N/m], the energy of shear that the contact stores and that it has lost [J].
+_HISTORY: list = [(name, "f8") for name in ("overlap", "ratio", "tag", "radius", "modulus")]
+_HISTORY += [("state", "f8", (3,)), *[(name, "f8") for name in ("shear", "held", "lost")]]
+CONTACT = np.dtype(_HISTORY)
 RESPONSE = np.dtype([(name, "f8") for name in ("kno", "kso", "tangent", "force")])
 ENERGY = np.dtype([(name, "f8") for name in ("stored", "dissipated")])
-STATE_OFFSET = 8 * _CONTACT.index("state0")
-OF_ROW = {name: ROW_HISTORY + 8 * n for n, name in enumerate(_CONTACT)}
-LAST, RATIO_OF_ROW, TAG, RADIUS, MODULUS, STATE = (
-    OF_ROW[name] for name in ("overlap", "ratio", "tag", "radius", "modulus", "state0")
-)
-SHEAR_STIFFNESS, SHEAR_HELD, SHEAR_LOST = (OF_ROW[name] for name in ("shear", "held", "lost"))
-ROW_OWN = ROW_HISTORY + CONTACT.itemsize
-
-# A pair's record: smooth (0 or 1), roughness σ, the only R and E* that the law is for (0: any), then the shape.
-RECORD_ROUGHNESS, RECORD_RADIUS, RECORD_MODULUS, RECORD_SHAPE = 8, 16, 24, 32
 
 PLANE, SPHERE, FIELD = 1, 2, 3
 """Kinds of shapes with a curvature."""
-_SHAPE = ("shape", "kind", "index", "tensors", "n0", "n1", "n2", "low0", "low1", "low2", "size")
-SHAPE_RECORD = np.dtype([(name, "f8" if name[:-1] == "low" or name == "size" else "i8") for name in _SHAPE])
+SHAPE = np.dtype(
+    [(name, "i8") for name in ("shape", "kind", "index", "tensors")]
+    + [("count", "i8", (3,)), ("low", "f8", (3,)), ("size", "f8")]
+)
 """A body's shape. size: spacing of the grid of a level set, radius of a sphere [m]."""
-OF_SHAPE = {name: 8 * n for n, name in enumerate(_SHAPE)}
+
+
+def pair_dtype(shape_fields):
+    """dtype of a pair of surfaces; shape_fields: of `tuples.fields`, of the law's Shape."""
+    # fields that all pairs have come last: numba takes a record for another one that it begins with
+    return np.dtype([*shape_fields, ("smooth", "i8"), *[(name, "f8") for name in ("roughness", "radius", "modulus")]])
+
+
+def row_dtype(levels, own_fields, springs):
+    """dtype of a contact's row in the memory of a law.
+
+    phys, interaction: addresses of the contact's objects; pair: of its pair. The history; the levels of shear: upper bounds of
+    their stiffness K_t [N/m] and stretches [m]; `hertz`, or the numbers of the contact's Params that are its own (derived
+    numbers, which cost too much to derive at each step: a law that yields finds its yield point by bisection); with partial
+    slip its springs. MindlinPhys.prevU[1], which Mindlin's law does not use, has the code of the row, negative for a smooth
+    pair.
+    """
+    fields = [*own_fields, ("phys", "i8"), ("interaction", "i8"), ("pair", "i8"), *_HISTORY]
+    if levels:
+        fields += [("bound", "f8", (levels,)), ("stretch", "f8", (levels, 3))]
+    if springs:
+        fields += [("tangent", "f8", (2, 3)), ("share", "f8"), ("scale", "f8"), ("end", "f8", (springs,))]
+        fields += [("compression", "f8", (springs,)), ("spring", "f8", (2, springs))]
+    return np.dtype([*fields, ("hertz", "f8")])
+
+
+def saved_fields(row):
+    """Names of the fields of a row that are saved with a scene."""
+    return [name for name in row.names if name in CONTACT.names or name in ("bound", "stretch")] + [
+        name for name in ("tangent", "share", "scale", "end", "compression", "spring") if name in row.names
+    ]
+
+
+def part(dtype, names):
+    """dtype of some fields of a packed dtype, packed."""
+    return np.dtype([(name, *_format(dtype.fields[name][0])) for name in names])
+
+
+def _format(dtype):
+    return (dtype.subdtype[0], dtype.subdtype[1]) if dtype.subdtype else (dtype,)
+
+
+def copied(rows, dtype):
+    """The fields of a packed dtype out of an array of larger records."""
+    result = np.zeros(len(rows), dtype)
+    for name in dtype.names:
+        result[name] = rows[name]
+    return result
 
 
 def label_hash(label):
@@ -101,35 +156,46 @@ def label_hash(label):
 
 
 class Context:
-    """The words that `kernel.act` reads and writes, for Python."""
+    """The record that `kernel.act` reads and writes: `context["open"]`."""
 
     def __init__(self):
-        self.words = np.zeros(CONTEXT_WORDS, np.int64)
-        self.doubles = self.words.view(np.float64)
-        self.address = self.words.ctypes.data
+        self.record = np.zeros(1, CONTEXT)
+        self.address = self.record.ctypes.data
+
+    def __getitem__(self, name):
+        value = self.record[name][0]
+        return value if np.ndim(value) == 0 else value[0] if len(value) == 1 else value
+
+    def __setitem__(self, name, value):
+        self.record[name][0] = value
+
+    def bodies(self, note):
+        """Numbers of the two bodies of a note."""
+        return int(self[f"{note}_body1"]), int(self[f"{note}_body2"])
 
     def take_fault(self):
-        """The last fault of native code as (kind, body, body, overlap [m]), or None; it is cleared."""
-        if not self.words[FAULTS]:
+        """The last fault of native code as (kind, body, body, value), or None; it is cleared."""
+        if not self["fault"]:
             return None
-        self.words[FAULTS] = 0
-        return *self.words[FAULT_KIND:FAULT_OVERLAP].tolist(), float(self.doubles[FAULT_OVERLAP])
+        self["fault"] = 0
+        return int(self["fault_kind"]), *self.bodies("fault"), float(self["fault_value"])
 
-    def take_deep(self):
-        """Whether a contact has gone beyond SMALL_OVERLAP of its R since `forget`: true once."""
-        if self.words[DEEP] != 1:
+    def take(self, note):
+        """Whether native code has made this note since `forget`: true once."""
+        if self[note] != SEEN:
             return False
-        self.words[DEEP] = 2
+        self[note] = REPORTED
         return True
 
     def take_unlisted(self):
         """Bodies of a contact of materials without a surface that has not been judged yet, or None; it is cleared."""
-        if not self.words[UNLISTED_SEEN]:
+        if not self["unlisted"]:
             return None
-        self.words[UNLISTED_SEEN] = 0
-        return tuple(self.words[UNLISTED_BODY1 : UNLISTED_BODY2 + 1].tolist())
+        self["unlisted"] = 0
+        return self.bodies("unlisted")
 
     def forget(self):
         """Clear all notes of native code."""
-        self.words[[FAULTS, UNLISTED_SEEN, DEEP, ODD_SEEN, SHARED]] = 0
-        self.words[[SHAPES_STALE, NEW_CONTACTS]] = 1
+        for name in ("fault", "unlisted", "deep", "unknown_shape", "shared"):
+            self[name] = 0
+        self["shapes_stale"] = self["new_contacts"] = 1

@@ -5,6 +5,7 @@ import json
 import math
 import tempfile
 import zlib
+from numbers import Integral
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,6 +13,7 @@ import numba
 import numpy as np
 
 from demlaws.contact import Contact, Surface
+from demlaws.core.levels import DEFAULT_LEVELS
 from demlaws.core.loops import clamped_roughness, loading_part, scale_contact
 from demlaws.core.shear import CHOICES, DEFAULT, SLIP
 from demlaws.core.unloading import GIVEN, RULES
@@ -21,14 +23,15 @@ from demlaws.laws.hertz import HertzShape
 from demlaws.laws.names import HERTZ
 from demlaws.laws.registry import find, home_of, laws
 from demlaws.make import law, rebound, rule_and_curve
-from demlaws.yade import kernel, memory
-from demlaws.yade import layout as at
+from demlaws.units import number
+from demlaws.yade import kernel, layout, tuples
 from demlaws.yade.radii import Radii
-from demlaws.yade.shear import FRAME_WORDS, MODES, SLIP_RULES, SPRING_WORDS, SPRINGS
+from demlaws.yade.shear import MODES, SLIP_RULES, SPRINGS, Levels
 
 EVERY = "*"
 """In place of a label: every material whose label is not listed."""
 FLATS = ("yade", "plane")
+MOST_LEVELS = 8
 NOMINAL = {"radius": (5e-3, 5e-3), "modulus": (30e9, 30e9)}
 """Effective radius [m] and modulus [Pa] with which a law is made and checked where YADE's contacts are not known yet."""
 
@@ -231,11 +234,23 @@ class Pairs:
     roughness (a yielding bulk). labels, hashes, numbers (pair of surfaces → record) and records are what `kernel.act`
     reads; shapes and roughnesses are those of each record, None for Hertz. spans: (label, label) → `Span`, or a function of
     two labels, or None where nothing is known of the contacts. smooth: materials without a surface are meant smooth; flats:
-    "plane" or "yade", shear: one of `shear.MODES`, radius: of shapes that are not spheres (see the functor).
+    "plane" or "yade", shear: one of `shear.MODES`, levels, shear_ratio, radius: see the functor.
     """
 
     def __init__(
-        self, law, surfaces, unloading, options, spans=None, *, smooth=False, flats="plane", shear=DEFAULT, radius=None
+        self,
+        law,
+        surfaces,
+        unloading,
+        options,
+        spans=None,
+        *,
+        smooth=False,
+        flats="plane",
+        shear=DEFAULT,
+        levels=None,
+        shear_ratio=None,
+        radius=None,
     ):
         if not isinstance(shear, str) or shear not in MODES:
             raise DemlawsError(f"shear must be {', '.join(map(repr, MODES))}, got {shear!r:.60}")
@@ -251,6 +266,8 @@ class Pairs:
         self.smooth, self.flats = bool(smooth), flats
         self.shear_name, self.mode, self.shear = shear, MODES[shear], CHOICES[shear if shear in CHOICES else DEFAULT].tag
         self.springs = SPRINGS if shear == SLIP else 0
+        self.levels = self._levels(levels)
+        self.shear_ratio = None if shear_ratio is None else number(shear_ratio, "shear_ratio", high=4.0 / 3.0)
         self.surfaces = {label: _surface(label, value) for label, value in (surfaces or {}).items()}
         self.everywhere = self.surfaces.pop(EVERY, None)
         self.labels = ["", *self.surfaces]
@@ -283,7 +300,19 @@ class Pairs:
             raise DemlawsError(f"shear={SLIP!r} needs unloading {', '.join(SLIP_RULES)}; the law has {rule.name!r}")
         if not self._make_records(entries, False) and not self._make_records(entries, True):
             raise DemlawsError("the pairs of surfaces need laws of one kind, or all tables")
-        self.hashes = np.array([0] + [at.label_hash(label) for label in self.surfaces], np.int64)
+        self.hashes = np.array([0] + [layout.label_hash(label) for label in self.surfaces], np.int64)
+
+    def _levels(self, levels):
+        """Number of levels of the shear model; 0: it has none."""
+        if not isinstance(self.mode, Levels):
+            if levels is not None:
+                raise DemlawsError(f"shear={self.shear_name!r} has no levels: leave out levels={levels!r}")
+            return 0
+        if levels is None:
+            return DEFAULT_LEVELS
+        if isinstance(levels, bool) or not isinstance(levels, Integral) or not 1 <= levels <= MOST_LEVELS:
+            raise DemlawsError(f"levels must be a whole number from 1 to {MOST_LEVELS}, got {levels!r:.60}")
+        return int(levels)
 
     @staticmethod
     def _source(law, options):
@@ -334,15 +363,16 @@ class Pairs:
         radius, modulus = self.specimen(number)
         params = scale_contact(example, radius, modulus, clamped_roughness(self.roughnesses[number], radius))
         self.params_kind = numba.typeof(params)
-        self.springs_at = at.ROW_OWN // 8 + max(memory.own_words(self.params_kind, self.kind), 1)
-        self.row_words = self.springs_at + (FRAME_WORDS + SPRING_WORDS * self.springs if self.springs else 0)
+        own = tuples.own_fields(self.params_kind, self.kind)
+        self.row = layout.row_dtype(self.levels, own, self.springs)
+        self.saved = layout.part(self.row, layout.saved_fields(self.row))
         self._keep = []
-        rows = []
-        for shape, roughness, only_for in zip(self.shapes, self.roughnesses, self.only_for, strict=True):
-            words = [] if shape is None else memory.pack(shape, self._keep)
-            rows.append([int(shape is None), *memory.pack((roughness, *only_for), []), *words])
-        width = max(len(row) for row in rows)
-        self.records = np.array([row + [0] * (width - len(row)) for row in rows], np.int64)
+        self.records = np.zeros(len(self.shapes), layout.pair_dtype(tuples.fields(self.kind, "shape")))
+        for record, shape, roughness, only_for in zip(self.records, self.shapes, self.roughnesses, self.only_for, strict=True):
+            record["smooth"], record["roughness"] = shape is None, roughness
+            record["radius"], record["modulus"] = only_for
+            if shape is not None:
+                tuples.pack(shape, record, "shape", self._keep)
         return True
 
     def of_a_law(self):
@@ -411,13 +441,13 @@ class Pairs:
     def respond(self, contacts):
         """What the law answers to an array of `layout.CONTACT`, whose state is updated in place: an array of
         `layout.RESPONSE`, and the first contact whose force is not finite, or -1."""
-        out = np.zeros(len(contacts), at.RESPONSE)
-        return out, kernel.respond_loop(self.kind, self.shear, self.rule, *self._where(), contacts, out)
+        out = np.zeros(len(contacts), layout.RESPONSE)
+        return out, kernel.respond_loop(self.kind, self.shear, self.rule, self.records, contacts, out)
 
     def energies(self, contacts):
         """Stored and dissipated energy of an array of `layout.CONTACT`: an array of `layout.ENERGY`."""
-        out = np.zeros(len(contacts), at.ENERGY)
-        kernel.energies_loop(self.kind, self.rule, *self._where(), contacts, out)
+        out = np.zeros(len(contacts), layout.ENERGY)
+        kernel.energies_loop(self.kind, self.rule, self.records, contacts, out)
         return out
 
     def limits(self, number, radius, modulus):
@@ -432,11 +462,7 @@ class Pairs:
 
     def serves(self, number, radius, modulus):
         """Whether the law of a record may be used at this R and E*."""
-        first, size = self._where()
-        return kernel.serves(first + number * size, radius, modulus)
-
-    def _where(self):
-        return self.records.ctypes.data, self.records.strides[0]
+        return kernel.serves(self.records[number], radius, modulus)
 
     def all_surfaces(self):
         """Label → surface, with `EVERY` for the materials that are not listed, if they have one."""
@@ -469,6 +495,8 @@ class Pairs:
             "smooth": self.smooth,
             "flats": self.flats,
             "shear": self.shear_name,
+            "levels": self.levels,
+            "shear_ratio": self.shear_ratio,
             "radius": self.radii.portable(),
         }
         if self._user_laws():
@@ -489,7 +517,7 @@ class Pairs:
 
         At one R and E* whatever the bodies are, since more of them may have come when the same law is made again.
         """
-        rows = np.zeros(len(self.shapes), at.CONTACT)
+        rows = np.zeros(len(self.shapes), layout.CONTACT)
         rows["ratio"], rows["tag"] = 1.0, 1.0 + np.arange(len(rows))
         rows["radius"], rows["modulus"] = NOMINAL["radius"][0], NOMINAL["modulus"][0]
         forces = []
@@ -502,11 +530,17 @@ class Pairs:
     def from_text(cls, text):
         """Pairs from the text of a saved scene."""
         content = json.loads(text)
+        if "levels" not in content:
+            raise DemlawsError(
+                "the scene was saved by a former version of demlaws, whose contacts have another history of shear: continue it "
+                "with that version, or take its bodies into a new scene"
+            )
         law = {(a, b): Source.from_dict(one) for a, b, one in content["special"]}
         if content["default"]:
             law = Source.from_dict(content["default"])
         spans = {(a, b): Span(tuple(radius), tuple(modulus), *meets) for a, b, radius, modulus, *meets in content["spans"]}
-        options = {name: content[name] for name in ("smooth", "flats", "shear")}
+        options = {name: content[name] for name in ("smooth", "flats", "shear", "shear_ratio")}
+        options["levels"] = content["levels"] or None
         options["radius"] = Radii.from_portable(content.get("radius"))
         pairs = cls(law, content["surfaces"], content["unloading"], {}, spans, **options)
         answers = content.get("answers")

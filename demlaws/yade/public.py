@@ -5,47 +5,48 @@ contact; the forces are reset; Mindlin's law then acts through a LawDispatcher. 
 InteractionLoop and hides them.
 """
 
-import math
-
 import numpy as np
 import yade
 
 from demlaws.admissible import LARGEST_ROUGHNESS, outside
 from demlaws.errors import DemlawsError, EngineStopped
 from demlaws.units import LARGEST_OVERLAP, SMALL_OVERLAP
-from demlaws.yade import kernel, native
-from demlaws.yade import layout as at
+from demlaws.yade import kernel, layout, native
 from demlaws.yade.contacts import is_ours
-from demlaws.yade.shear import Passive, kept_share
+from demlaws.yade.shear import move_loop, relax_loop
 
 
 class Held:
     """The history of a scene's contacts: reading and writing YADE objects is the cost of the public way."""
 
-    def __init__(self):
-        self.keys, self.objects, self.rows, self.tangents = [], [], np.zeros(0, at.CONTACT), ()
+    def __init__(self, pairs):
+        # the normal of the last step: vectors are turned by its change
+        self.saved_dtype = np.dtype([("normal", "f8", (3,)), *pairs.saved.descr])
+        self.keys, self.objects, self.rows, self.tangents = [], [], np.zeros(0, self.saved_dtype), ()
 
-    def rows_of(self, contacts):
-        """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+    def _rows(self, contacts):
         row_of = dict(zip(self.keys, self.rows, strict=True))
-        rows = np.zeros(len(contacts), at.CONTACT)
+        rows = np.zeros(len(contacts), self.saved_dtype)
         for n, contact in enumerate(contacts):
             rows[n] = row_of.get(_key(contact), rows[n])
         return rows
 
-    def saved(self, contacts):
-        """(id1, id2, then words of history) of contacts that the law has seen: what `restore` takes."""
-        rows = self.rows_of(contacts)
-        bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)
-        active = rows["tag"] > 0
-        return np.hstack([bodies[active], rows[active].view(np.int64).reshape(-1, at.CONTACT.itemsize // 8)])
+    def rows_of(self, contacts):
+        """The contacts as an array of `layout.CONTACT`; tag 0 where the law has not seen the contact."""
+        return layout.copied(self._rows(contacts), layout.CONTACT)
 
-    def restore(self, saved, contacts):
+    def saved(self, contacts):
+        """Bodies and histories of contacts that the law has seen: what `restore` takes."""
+        rows = self._rows(contacts)
+        bodies = np.array([(c.id1, c.id2) for c in contacts], np.int64).reshape(-1, 2)
+        return bodies[rows["tag"] > 0], rows[rows["tag"] > 0]
+
+    def restore(self, bodies, saved, contacts):
         """Hold the history that `saved` has of contacts of a scene that was loaded."""
-        row_of = {(int(row[0]), int(row[1])): np.array(row[2:]).view(at.CONTACT)[0] for row in saved}
-        mine = [contact for contact in contacts if (contact.id1, contact.id2) in row_of]
+        place_of = {pair: place for place, pair in enumerate(map(tuple, bodies.tolist()))}
+        mine = [contact for contact in contacts if (contact.id1, contact.id2) in place_of]
         self.keys, self.objects = [_key(contact) for contact in mine], []
-        self.rows = np.array([row_of[contact.id1, contact.id2] for contact in mine], at.CONTACT)
+        self.rows = saved[[place_of[contact.id1, contact.id2] for contact in mine]].copy()
 
     def take(self, binding):
         """Read the contacts of this step."""
@@ -57,7 +58,7 @@ class Held:
         for contact in contacts:
             if not is_ours(contact):
                 raise DemlawsError(f"contact {contact.id1}+{contact.id2} is not described by MindlinPhys")
-        self.rows = self.rows_of(contacts)
+        self.rows = self._rows(contacts)
         self.keys, self.objects = keys, [(contact.geom, contact.phys, contact) for contact in contacts]
         for contact, row in zip(contacts, self.rows, strict=True):
             row["overlap"] = contact.geom.penetrationDepth
@@ -79,7 +80,7 @@ def step(binding):
     memory, pairs, context = binding.memory, binding.pairs, binding.context
     memory.take(binding)
     rows = memory.rows
-    if pairs.radii.mode == at.CURVATURE_RADIUS:
+    if pairs.radii.mode == layout.CURVATURE_RADIUS:
         for (_, _, contact), row in zip(memory.objects, rows, strict=True):
             if row["modulus"] > 0.0 and row["overlap"] > 0.0:
                 follow(binding, contact, row)
@@ -87,27 +88,24 @@ def step(binding):
     if len(separations):
         at_rest = separations.copy()
         at_rest["overlap"] = 0.0
-        context.doubles[at.BANKED] += pairs.energies(at_rest)["dissipated"].sum()
+        context["banked"] += pairs.energies(at_rest)["dissipated"].sum()
     deep = (rows["overlap"] > SMALL_OVERLAP * rows["radius"]) & (rows["modulus"] > 0.0)
     for n in np.flatnonzero(deep & (rows["overlap"] > LARGEST_OVERLAP * rows["radius"])):
-        _stop(binding, memory.keys[n], at.TOO_DEEP, rows["overlap"][n], rows["radius"][n])
-    if deep.any() and not context.words[at.DEEP]:
-        context.words[at.DEEP] = 2
+        _stop(binding, memory.keys[n], layout.TOO_DEEP, rows["overlap"][n], rows["radius"][n])
+    if deep.any() and not context["deep"]:
+        context["deep"] = layout.REPORTED
         binding.warn_of_deep(rows)
     answer, bad = pairs.respond(rows)
     if bad >= 0:
-        _stop(binding, memory.keys[bad], at.NOT_FINITE, rows["overlap"][bad])
-    reduced = isinstance(pairs.mode, Passive)
-    for (_, phys, _), row, (kno, kso, *_) in zip(memory.objects, rows, answer.tolist(), strict=True):
-        overlap = float(row["overlap"])
-        stiffness = kso * math.sqrt(overlap) if overlap > 0.0 else 0.0
-        if reduced:
-            share = kept_share(stiffness, row["shear"])
-            if share < 1.0:
-                phys.shearElastic = share * phys.shearElastic
-        if overlap > 0.0:
+        _stop(binding, memory.keys[bad], layout.NOT_FINITE, rows["overlap"][bad])
+    stiffness = answer["kso"] * np.sqrt(np.maximum(rows["overlap"], 0.0))
+    forces = relax_loop(rows, stiffness).tolist() if pairs.levels else None
+    for n, ((_, phys, _), (kno, kso, *_)) in enumerate(zip(memory.objects, answer.tolist(), strict=True)):
+        if forces is not None:
+            phys.shearElastic = yade.Vector3(*forces[n])
+        if rows["overlap"][n] > 0.0:
             phys.kno, phys.kso = kno, kso
-        row["shear"] = stiffness
+    rows["shear"] = stiffness
     memory.tangents = answer["tangent"].tolist()
     binding.warn_of_shapes()
 
@@ -121,7 +119,7 @@ def initialise_contact(binding, contact, row):
     """Python counterpart of `kernel.initialise_contact`."""
     pairs, phys, geom, bodies = binding.pairs, contact.phys, contact.geom, (contact.id1, contact.id2)
     if phys.prevU[1] != 0.0:
-        _stop(binding, bodies, at.LOST_ROW, 0.0)
+        _stop(binding, bodies, layout.LOST_ROW, 0.0)
     radius = kernel.effective_radius(geom.refR1, geom.refR2)
     row["modulus"] = 0.75 * phys.kno / np.sqrt(radius)
     flat = any(isinstance(yade.O.bodies[n].shape, yade.Facet | yade.Wall | yade.Box) for n in bodies)
@@ -134,32 +132,32 @@ def initialise_contact(binding, contact, row):
     row["ratio"] = 0.0
     if phys.kno != 0.0:
         if outside("modulus", row["modulus"]):
-            _stop(binding, bodies, at.WRONG_MODULUS, row["modulus"])
+            _stop(binding, bodies, layout.WRONG_MODULUS, row["modulus"])
         if not pairs.serves(number, row["radius"], row["modulus"]):
-            _stop(binding, bodies, at.WRONG_CONTACT, row["radius"])
+            _stop(binding, bodies, layout.WRONG_CONTACT, row["radius"])
         if pairs.roughnesses[number] > LARGEST_ROUGHNESS * row["radius"]:
-            _stop(binding, bodies, at.TOO_ROUGH, row["radius"])
-        row["ratio"] = phys.kso / (1.5 * phys.kno)
-    row["tag"] = number + 1
+            _stop(binding, bodies, layout.TOO_ROUGH, row["radius"])
+        row["ratio"] = pairs.shear_ratio or phys.kso / (1.5 * phys.kno)
+    row["tag"], row["normal"] = number + 1, tuple(geom.normal)
     phys.prevU = yade.Vector3(0, row["tag"], 0)
-    binding.context.words[at.OPEN] += 1
+    binding.context["open"] += 1
 
 
 def starting_radius(binding, contact, radius, labels, flat):
     """Python counterpart of `kernel.chosen_radius`."""
     radii, geom = binding.pairs.radii, contact.geom
-    if radii.mode == at.FUNCTION_RADIUS:
+    if radii.mode == layout.FUNCTION_RADIUS:
         return radii.call(contact)
     bodies = [yade.O.bodies[n] for n in (contact.id1, contact.id2)]
     odd = [type(body.shape).__name__ not in (*native.ROUND_SHAPES, "Facet", "Wall", "Box") for body in bodies]
-    if not any(odd) or radii.mode != at.BODY_RADIUS:
+    if not any(odd) or radii.mode != layout.BODY_RADIUS:
         return radius
     places = [binding.pairs.labels.index(label) if label in binding.pairs.surfaces else 0 for label in labels]
     edges = [radii.edges[place] if strange else 0.0 for place, strange in zip(places, odd, strict=True)]
     if any(strange and edge == 0.0 for strange, edge in zip(odd, edges, strict=True)):
-        words = binding.context.words
-        words[at.ODD_SEEN] = max(words[at.ODD_SEEN], 1)
-        words[[at.ODD_BODY1, at.ODD_BODY2]] = contact.id1, contact.id2
+        context = binding.context
+        context["unknown_shape"] = max(context["unknown_shape"], layout.SEEN)
+        context["unknown_shape_body1"], context["unknown_shape_body2"] = contact.id1, contact.id2
     return kernel.edged_radius(radius, geom.refR1, geom.refR2, *edges, flat)
 
 
@@ -170,13 +168,30 @@ def follow(binding, contact, row):
         return
     radius = binding.pairs.radii.shapes.of_contact(contact)
     if not radius > 0.0:
-        _stop(binding, bodies, at.FLAT_GAP if radius < 0.0 else at.NO_CURVATURE, row["radius"])
+        _stop(binding, bodies, layout.FLAT_GAP if radius < 0.0 else layout.NO_CURVATURE, row["radius"])
     row["radius"] = binding.checked_radius(contact, row, radius)
+
+
+def move_levels(memory):
+    """Turn the stretches of all contacts with the contact, as ScGeom::rotate does, and add the displacement of the step; reduce
+    them where Coulomb's limit has reduced the force."""
+    motion = np.zeros((len(memory.objects), 4, 3))
+    for n, (geom, phys, contact) in enumerate(memory.objects):
+        first, second = (yade.O.bodies[number].state.angVel for number in (contact.id1, contact.id2))
+        former = yade.Vector3(*memory.rows["normal"][n])
+        twist = 0.5 * yade.O.dt * former.dot(first + second) * former
+        if contact.iterMadeReal == yade.O.iter:  # it has no former normal
+            twist = former = yade.Vector3.Zero
+        motion[n] = former.cross(geom.normal), twist, geom.shearInc, phys.shearElastic
+        memory.rows["normal"][n] = geom.normal
+    move_loop(memory.rows, motion, np.array([phys.isSliding for _, phys, _ in memory.objects], bool))
 
 
 def finish(binding, never_erase):
     """Leave the tangent where the time stepper looks for it; erase ended contacts, which LawDispatcher does not."""
     memory, separations = binding.held, []
+    if binding.pairs.levels:
+        move_levels(memory)
     for (_, phys, contact), overlap, tangent in zip(
         memory.objects, memory.rows["overlap"].tolist(), memory.tangents, strict=True
     ):
@@ -187,4 +202,4 @@ def finish(binding, never_erase):
     if separations and not never_erase:
         for contact in separations:
             yade.O.interactions.erase(contact.id1, contact.id2)
-        binding.context.words[at.OPEN] -= len(separations)
+        binding.context["open"] -= len(separations)

@@ -8,7 +8,7 @@ import numpy as np
 import yade
 
 from demlaws.errors import DemlawsError, EngineStopped
-from demlaws.yade import layout as at
+from demlaws.yade import layout
 
 
 class ShapeWarning(UserWarning):
@@ -32,11 +32,11 @@ class Radii:
         self.choice, self.shapes = choice, None
         edges = np.array([edge or 0.0 for edge in edges])
         if choice is None or (isinstance(choice, str) and choice == "body"):
-            self.mode = at.BODY_RADIUS if choice is None else at.BODY_RADIUS_MEANT
+            self.mode = layout.BODY_RADIUS if choice is None else layout.BODY_RADIUS_MEANT
             if choice is not None:
                 edges[:] = 0.0
         elif isinstance(choice, Curvature) or (isinstance(choice, str) and choice == "curvature"):
-            self.mode = at.CURVATURE_RADIUS
+            self.mode = layout.CURVATURE_RADIUS
             largest = choice.largest if isinstance(choice, Curvature) else None
             if largest is not None and not (isinstance(largest, Real) and 0.0 < largest < math.inf):
                 raise DemlawsError(f"Curvature(largest={largest!r}): the largest principal radius must be positive, in m")
@@ -44,10 +44,10 @@ class Radii:
 
             self.shapes = Shapes(float(largest or 0.0))
         elif isinstance(choice, Real) and not isinstance(choice, bool) and 0.0 < choice < math.inf:
-            self.mode = at.BODY_RADIUS
+            self.mode = layout.BODY_RADIUS
             edges[edges == 0.0] = float(choice)
         elif callable(choice):
-            self.mode = at.FUNCTION_RADIUS
+            self.mode = layout.FUNCTION_RADIUS
         else:
             raise DemlawsError(
                 f'radius={choice!r}: give "body", "curvature", Curvature(largest=…), the edge radius in m, or a '

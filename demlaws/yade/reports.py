@@ -6,7 +6,7 @@ import yade
 from demlaws.admissible import RANGES
 from demlaws.errors import did_you_mean
 from demlaws.units import SMALL_OVERLAP, large_overlap, too_large_overlap
-from demlaws.yade import layout as at
+from demlaws.yade import layout
 from demlaws.yade.contacts import real_contacts
 from demlaws.yade.pairs import NOT_SERVED
 
@@ -31,11 +31,11 @@ def unlisted_text(binding, bodies, missing):
 def fault_text(binding, kind, first, second, value, radius=None):
     """Message about a fault of the contact of two bodies; value: overlap or R [m], or E* [Pa]; radius: R [m]."""
     stones = [O.bodies[number].material for number in (first, second)]
-    if kind in (at.FLAT_GAP, at.NO_CURVATURE):
+    if kind in (layout.FLAT_GAP, layout.NO_CURVATURE):
         from demlaws.yade import curvature
 
         return curvature.fault_text(kind, value, [type(O.bodies[number].shape).__name__ for number in (first, second)])
-    if kind == at.WRONG_CLASS:
+    if kind == layout.WRONG_CLASS:
         contact = O.interactions[first, second]
         shapes = " and ".join(type(O.bodies[number].shape).__name__ for number in (first, second))
         return (
@@ -49,30 +49,30 @@ def fault_text(binding, kind, first, second, value, radius=None):
             f" of {type(O.bodies[first].shape).__name__}: YADE's geometry has no radius (refR1 = refR2 = 0), so that the "
             "stiffness of MindlinPhys is not finite, also natively. Use level sets or polyhedra"
         )
-    if kind == at.UNGUARDED:
+    if kind == layout.UNGUARDED:
         return (
             " was computed by a functor that has no guard in the scene, and got no force: give the law to an "
             "InteractionLoop in O.engines (engines within an integrator are not served)"
         )
-    if kind == at.LOST_ROW:
+    if kind == layout.LOST_ROW:
         return (
             " has a history that this process does not have: its scene was saved or loaded without demlaws (or the public "
             "bridge met a joint of a chain). Load it by O.load after `import demlaws.yade`, or let all contacts begin "
             "again: O.interactions.clear()"
         )
-    if kind == at.NO_ROW:
-        return f" is one too many: there is memory for {int(binding.context.words[at.CAPACITY])} contacts"
-    if kind == at.TOO_DEEP:
-        return f": {too_large_overlap(value, float(binding.context.doubles[at.DEEP_RADIUS]) if radius is None else radius)}"
-    if kind == at.WRONG_MODULUS:
+    if kind == layout.NO_ROW:
+        return f" is one too many: there is memory for {int(binding.context['capacity'])} contacts"
+    if kind == layout.TOO_DEEP:
+        return f": {too_large_overlap(value, float(binding.context['deep_radius']) if radius is None else radius)}"
+    if kind == layout.WRONG_MODULUS:
         spheres = [O.bodies[number].shape.radius for number in (first, second) if hasattr(O.bodies[number].shape, "radius")]
         if not all(size > 0.0 for size in spheres):
             return f": a sphere has radius = {min(spheres):g} m: {RANGES['radius'].remedy}"
         of = ", ".join(f"{stone.label!r} young={stone.young:g} Pa, poisson={stone.poisson:g}" for stone in stones)
         return f": its materials make E* = {value:g} Pa; {RANGES['modulus'].remedy} Materials: {of}"
-    if kind == at.WRONG_CONTACT:
+    if kind == layout.WRONG_CONTACT:
         return f" with R = {value:g} m: {NOT_SERVED}"
-    if kind == at.TOO_ROUGH:
+    if kind == layout.TOO_ROUGH:
         labels = [stone.label for stone in stones]
         return f" ({labels[0]!r} on {labels[1]!r}): {binding.roughness_text(*labels, value)}"
     return (
@@ -83,7 +83,7 @@ def fault_text(binding, kind, first, second, value, radius=None):
 
 
 def describe(binding):
-    """One line: law, surfaces, way, counts."""
+    """One line: law, surfaces, bridge, counts."""
     surfaces = ", ".join(
         f"{label}: Sq {s.roughness:g} m" + ("" if s.fractal_dimension is None else f", Df {s.fractal_dimension:g}")
         for label, s in binding.pairs.all_surfaces().items()
@@ -97,7 +97,7 @@ def describe(binding):
         where = f"{int((binding.memory.rows_of(real_contacts())['tag'] > 0).sum())} contacts of {count}"
     reason = f" ({binding.reason})" if binding.reason else ""
     smooth = ", meant smooth" if binding.pairs.smooth else ""
-    return f"{binding.pairs.name}; surfaces: {surfaces or 'none' + smooth}; {binding.way} bridge{reason}; {where}"
+    return f"{binding.pairs.name}; surfaces: {surfaces or 'none' + smooth}; {binding.bridge} bridge{reason}; {where}"
 
 
 def joint_text(first, second):

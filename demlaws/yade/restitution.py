@@ -14,7 +14,6 @@ from yade import utils
 
 from demlaws.errors import DemlawsError, ValidityWarning
 from demlaws.units import SMALL_OVERLAP
-from demlaws.yade import layout as at
 from demlaws.yade.binding import Binding
 from demlaws.yade.omega import O, set_engines
 
@@ -94,7 +93,7 @@ def _bounce(binding, lower, upper, mass, speed, en):
     O.bodies.append([base, ball])
     ball.state.vel, ball.state.mass, ball.state.blockedDOFs = yade.Vector3(0, 0, -speed), mass, "xyXYZ"
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="impact")
-    binding.context.words[at.UNLISTED] = 1
+    binding.context["may_be_unlisted"] = 1
     binding.attachment.patch(functor)
     binding.attachment.watch_itself()
     physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**({} if en is None or en == 1.0 else {"en": en, "es": en}))
@@ -118,7 +117,7 @@ def _bounce(binding, lower, upper, mass, speed, en):
             break
     if binding.context.take_fault() is not None or not math.isfinite(ball.state.vel[2]):
         raise DemlawsError(f"the law has no force for an impact of these bodies at {speed:g} m/s (does a table end?)")
-    if binding.context.take_deep():
+    if binding.context.take("deep"):
         text = f"the impact at {speed:g} m/s goes deeper than {SMALL_OVERLAP:g} R, the range of contact laws"
         warnings.warn(text, ValidityWarning, stacklevel=4)
     return ball.state.vel[2] / speed

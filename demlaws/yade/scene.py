@@ -397,9 +397,9 @@ def _restored(label, former, text):
             former.updateAttrs(content["attributes"])
             return former
     law = Law2_ScGeom_MindlinPhys_Demlaws._from_text(label, text)
-    if law.way != content["way"]:
+    if law.binding.bridge != content["bridge"]:
         raise DemlawsError(
-            f"law {label!r} was saved under the {content['way']} bridge, which is not available here: {law.binding.reason}"
+            f"law {label!r} was saved under the {content['bridge']} bridge, which is not available here: {law.binding.reason}"
         )
     return law
 

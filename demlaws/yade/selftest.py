@@ -6,9 +6,8 @@ import numpy as np
 import yade
 
 from demlaws.errors import DemlawsError
-from demlaws.yade import layout as at
-from demlaws.yade import native
-from demlaws.yade.omega import get_engines, set_engines
+from demlaws.yade import layout, native
+from demlaws.yade.omega import O, scratch_scene, set_engines
 
 POISSON = 0.2
 TOLERANCE = 1e-14  # of the largest force
@@ -43,69 +42,104 @@ def run(binding):
 
     Works in a scene apart: the user's is left as it is. Raises SelfTestFailed.
     """
-    omega = yade.O
-    if omega.running:
+    if O.running:
         raise SelfTestFailed(
             "the law is made while a simulation runs (in a PyRunner?), and its self-test needs a scene of its own: make the "
             "law before O.run and let the PyRunner use it"
         )
-    home = omega.thisScene
-    scratch = omega.addScene()  # a new one each time: O.reset() drops them, and switching to a dropped one does nothing
-    omega.switchToScene(scratch)
-    if omega.thisScene != scratch or scratch == home or len(omega.bodies) or get_engines():
-        omega.switchToScene(home)
-        raise SelfTestFailed("YADE gave no scene of its own to the self-test")
     try:
-        return _compare(binding, omega)
-    finally:
-        omega.resetThisScene()
-        omega.switchToScene(home)
+        with scratch_scene():
+            return _compare(binding)
+    except native.BridgeUnavailable as error:
+        raise SelfTestFailed(str(error)) from None
 
 
-def try_step_alone(context, functor, omega, overlap):
-    """Use the contact step without the native `go` from now on if it leaves what `go` leaves; else note why not."""
-    layout = native.layout()
-    try:
-        words = {**layout.find_step(functor, omega._sceneObj), at.ALONE: 1}
-        natively = _sheared(omega, overlap)
-        context.words[[*words]] = list(words.values())
-        alone = _sheared(omega, overlap)
-        different = [
-            name
-            for name, values in natively.items()
-            if not np.abs(alone[name] - values).max() <= STEP_TOLERANCE * np.abs(values).max()
-        ]
-        if different:
-            raise native.BridgeUnavailable(f"it leaves other values of {', '.join(different)} than the native go")
-    except (native.BridgeUnavailable, AttributeError) as error:
-        context.words[at.ALONE] = 0
-        layout.step_refused = str(error)
-    else:
-        layout.step, layout.step_refused = words, None
+DAMPING = ({}, {"en": 0.7, "es": 0.5}, {"betan": 0.2, "betas": 0.1})
+"""Arguments of Ip2_FrictMat_FrictMat_MindlinPhys of the contacts by which a step without the native `go` is judged."""
 
 
-def _sheared(omega, overlap):
+def try_own_step(context, functor, overlap):
+    """Use the contact step without the native `go` from now on if it leaves what `go` leaves; else note why not.
+
+    Judged without damping and with it, in an open scene and across the boundary of a periodic one.
+    """
+    found = native.find_layout()
+    found.step_refused = None
+    for periodic in (False, True):
+        for damping in DAMPING:
+            context["own_step"] = 0
+            natively = _sheared(functor, overlap, damping, periodic)
+            context["own_step"] = 1
+            alone = _sheared(functor, overlap, damping, periodic)
+            different = [
+                name
+                for name, values in natively.items()
+                if not np.abs(alone[name] - values).max() <= STEP_TOLERANCE * np.abs(values).max()
+            ]
+            if different:
+                context["own_step"] = 0
+                where = "in a periodic scene " if periodic else ""
+                what = f"{where}with the damping {damping} it leaves other values of {', '.join(different)} than the native go"
+                found.step_refused = what
+                return
+
+
+def _sheared(functor, overlap, damping, periodic):
     """What a new contact has that sticks, slides and turns, with the forces and torques, at each step: name → array."""
-    ball, seen = omega.bodies[1], defaultdict(list)
-    ball.state.pos = yade.Vector3(0, 0, 2 * ball.shape.radius + overlap)
-    omega.step()
-    for n, slip in enumerate([0.0, 0.05, 0.1, -0.1, 1.0, 2.0, -0.1, -3.0, 0.2, 0.0]):
-        turn, depth = 1e-3 * (n % 3), overlap * (1.0 - 0.05 * n) if slip else 0.5 * overlap
-        ball.state.pos = yade.Vector3(turn * overlap, 0, 2 * ball.shape.radius - depth)
-        ball.state.vel = yade.Vector3(slip, 0.3 * slip, 0) * (overlap / omega.dt)
-        for body, sense in zip(omega.bodies, (1.0, 0.4), strict=True):
-            body.state.angVel = yade.Vector3(turn, -turn, 1e-3) * (sense / omega.dt)
-        omega.step()
-        for name, value in omega.interactions[0, 1].phys.dict().items():
-            if name != "prevU":  # which has the number of the row
+    base, ball, seen = O.bodies[0], O.bodies[1], defaultdict(list)
+    O.interactions.clear()
+    size, O.periodic = 2 * ball.shape.radius, periodic
+    image = 4 * size if periodic else 0.0
+    base.state.pos, base.state.vel, ball.state.pos = yade.Vector3.Zero, yade.Vector3.Zero, yade.Vector3(0, 0, 2 * size)
+    if periodic:
+        O.cell.velGrad = yade.Matrix3(0, 0, 0, 0.01, 0.02, 0, 0, 0.03, 0.04) * (1e-6 / O.dt)
+        O.step()  # it is used from the next step on
+        O.cell.hSize = yade.Matrix3.Identity * image
+    set_engines(_engines(functor, ball.shape.radius, damping))
+    for n, slip in enumerate([0.0, 0.0, 0.05, 0.1, -0.1, 1.0, 2.0, -0.1, -3.0, 0.2, 0.0]):
+        turn, depth = 1e-3 * (n % 3), overlap * (1.0 - 0.05 * n) if slip or not n else 0.5 * overlap
+        ball.state.pos = yade.Vector3(turn * overlap, 0, size - depth - image)
+        ball.state.vel = yade.Vector3(slip, 0.3 * slip, 0.02 * (n % 4) - 0.03) * (overlap / O.dt)
+        for body, sense in zip((base, ball), (1.0, 0.4), strict=True):
+            body.state.angVel = yade.Vector3(turn, -turn, 1e-3) * (sense / O.dt)
+        O.step()
+        for name, value in O.interactions[0, 1].phys.dict().items():
+            if name != "prevU":  # which has the code of the row
                 seen[name].append(value)
-        for body in omega.bodies:
-            seen["force"].append(omega.forces.f(body.id))
-            seen["torque"].append(omega.forces.t(body.id))
+        for body in O.bodies:
+            seen["force"].append(O.forces.f(body.id))
+            seen["torque"].append(O.forces.t(body.id))
     return {name: np.nan_to_num(np.array(values, float)) for name, values in seen.items()}
 
 
-def _compare(binding, omega):
+def _two_spheres(functor, labels, radius, young):
+    """Two spheres of these materials in the present scene, which is empty."""
+    for height, label in zip((0.0, 2 * radius), labels, strict=True):
+        material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
+        O.materials.append(material)
+        body = yade.Body()
+        body.shape, body.material = yade.Sphere(radius=radius), material
+        body.state.pos = body.state.refPos = yade.Vector3(0, 0, height)
+        body.state.mass, body.state.inertia = 1.0, yade.Vector3(1, 1, 1)
+        body.state.blockedDOFs = "xyzXYZ"
+        body.bound = yade.Aabb()
+        O.bodies.append(body)
+    set_engines(_engines(functor, radius, {}))
+    O.dt = 1e-9
+
+
+def _engines(functor, radius, damping):
+    """Engines of the two spheres; damping: arguments of the functor of physics."""
+    physics = yade.Ip2_FrictMat_FrictMat_MindlinPhys(**damping)
+    return [
+        yade.ForceResetter(),
+        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
+        yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [physics], [functor]),
+        yade.NewtonIntegrator(damping=0),
+    ]
+
+
+def _compare(binding):
     pairs = binding.pairs
     functor = yade.Law2_ScGeom_MindlinPhys_Mindlin(label="")
     binding.attachment.patch(functor)
@@ -113,38 +147,21 @@ def _compare(binding, omega):
     labels, number = pairs.of_a_law()
     effective_radius, modulus = pairs.specimen(number)
     radius, young = 2.0 * effective_radius, 2.0 * modulus * (1.0 - POISSON**2)
-    for height, label in zip((0.0, 2 * radius), labels, strict=True):
-        material = yade.FrictMat(young=young, poisson=POISSON, frictionAngle=0.5, density=2600, label=label)
-        omega.materials.append(material)
-        body = yade.Body()
-        body.shape, body.material = yade.Sphere(radius=radius), material
-        body.state.pos = body.state.refPos = yade.Vector3(0, 0, height)
-        body.state.mass, body.state.inertia = 1.0, yade.Vector3(1, 1, 1)
-        body.state.blockedDOFs = "xyzXYZ"
-        body.bound = yade.Aabb()
-        omega.bodies.append(body)
-    engines = [
-        yade.ForceResetter(),
-        yade.InsertionSortCollider([yade.Bo1_Sphere_Aabb()], verletDist=0.1 * radius),
-        yade.InteractionLoop([yade.Ig2_Sphere_Sphere_ScGeom()], [yade.Ip2_FrictMat_FrictMat_MindlinPhys()], [functor]),
-        yade.NewtonIntegrator(damping=0),
-    ]
-    set_engines(engines)
-    omega.dt = 1e-9
-    row = np.zeros(1, at.CONTACT)
+    _two_spheres(functor, labels, radius, young)
+    row = np.zeros(1, layout.CONTACT)
     row["ratio"], row["tag"], row["radius"], row["modulus"] = 1.0, number + 1.0, effective_radius, modulus
     wrong, largest, forces, steps = 0.0, 0.0, [], 0
     deepest = _deepest(pairs, row, 4e-3 * effective_radius)
     for overlap in _overlaps(deepest):
-        omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
-        omega.step()
-        contact = omega.interactions[0, 1] if omega.interactions.has(0, 1) else None
+        O.bodies[1].state.pos = yade.Vector3(0, 0, 2 * radius - overlap)
+        O.step()
+        contact = O.interactions[0, 1] if O.interactions.has(0, 1) else None
         touching = contact is not None and contact.isReal
         depth = contact.geom.penetrationDepth if touching else min(overlap, 0.0)
         row["overlap"] = depth
         answer, _ = pairs.respond(row)
         expected = answer["kno"][0] * depth * np.sqrt(depth) if depth > 0 else 0.0
-        force = omega.forces.f(1)[2]
+        force = O.forces.f(1)[2]
         forces.append(force)
         largest, wrong, steps = max(largest, expected), max(wrong, abs(force - expected)), steps + 1
         if touching and expected > 0:
@@ -155,8 +172,8 @@ def _compare(binding, omega):
         raise SelfTestFailed(f"YADE applied up to {max(forces):g} N, the law gives {largest:g} N; they differ by {wrong:g} N")
     if binding.context.take_fault() is not None:
         raise SelfTestFailed("the native code received unknown contacts")
-    if native.layout().step_refused == native.NOT_TRIED:
-        try_step_alone(binding.context, functor, omega, deepest)
+    if native.find_layout().step_refused == native.NOT_TRIED:
+        try_own_step(binding.context, functor, deepest)
     binding.account = 0.0, 0, 0.0
     binding.attachment.forget_rows()
     binding.attachment.watched_by(None)

@@ -1,43 +1,32 @@
-"""Shear at a contact: changes of Mindlin's shear force, and the energy of shear. Compiled code, as `kernel`.
+"""Shear at a contact: how the elastic shear force follows K_t, and the energy of shear. Compiled code, as `kernel`.
 
-`Passive` reduces the force before the native law adds K_t ds, `Native` leaves it as it is, `Slip` sets it: a row of springs.
-YADE's geometry of the contact has the relative displacement of the step, and turns vectors with the contact.
+`Levels`: the springs of a contact in levels, ordered by the K_t at which they touched (demlaws.core.levels): level i covers K_t
+from bound[i - 1] to bound[i], of which the springs have one stretch. Where K_t falls, the levels above it open and take their
+force and energy along; what K_t rises by is a level without stretch; of one level too many two neighbours become one. `Native`
+leaves the force as it is where K_t changes; `Slip` sets it: a row of springs. YADE's geometry of the contact has the
+displacement of the step, and turns vectors with the contact.
 """
 
-import math
 from typing import NamedTuple
 
+import numpy as np
 from numba.extending import overload
 
-from demlaws.core.numba_compat import INLINED, kernel
+from demlaws.core.fastmath import sqrt
+from demlaws.core.levels import EMPTY
+from demlaws.core.numba_compat import INLINED, kernel, loop
 from demlaws.core.unloading import GIVEN
-from demlaws.yade import layout as at
-from demlaws.yade.memory import (
-    call_apply_force,
-    call_body_by_id,
-    call_go,
-    call_rotate,
-    load_byte,
-    load_double,
-    load_int,
-    load_word,
-    on_stack,
-    store_byte,
-    store_double,
-)
+from demlaws.yade import objects
+from demlaws.yade.mindlin import advance, follow, slide, trial_force, trial_of_one_spring, turned
+from demlaws.yade.records import assign, cross, dot, minus_scaled, pointee, scaled, vector, view
 
-SLACK = 1e-11
-SPRING_WORDS = 4
-"""Words per spring behind FRAME_WORDS: G at its upper end, mean compression, two components of stretch."""
-FRAME_WORDS = 8
-"""Two tangents, the stiffness of a spring, one unused."""
 SPRINGS = 12
 SLIP_RULES = ("elastic", "hertz", "thornton", GIVEN, "etsion", "jackson")
 """Names of the rules that unload along a curve that does not depend on the history but for its place and its radius."""
 
 
-class Passive(NamedTuple):
-    """Where K_t falls, the part of the contact that opens takes its force along; Coulomb's limit acts last."""
+class Levels(NamedTuple):
+    """Springs in levels, which remember; passive. Coulomb's limit scales all."""
 
 
 class Native(NamedTuple):
@@ -48,225 +37,246 @@ class Slip(NamedTuple):
     """Partial slip by the method of dimensionality reduction (`demlaws.core.slip`); its code is in `slip`."""
 
 
-@kernel
-def word(context, number):
-    """Word `number` of the context."""
-    return load_word(context + 8 * number)
+# --- levels
 
 
 @kernel
-def load_vector(place):
-    """Three doubles."""
-    return load_double(place), load_double(place + 8), load_double(place + 16)
+def width(row, level):
+    """Stiffness K_t [N/m] of the springs of a level."""
+    return row.bound[level] - row.bound[level - 1] if level > 0 else row.bound[0]
 
 
 @kernel
-def store_vector(place, vector):
-    """Three doubles."""
-    store_double(place, vector[0])
-    store_double(place + 8, vector[1])
-    store_double(place + 16, vector[2])
+def force_of_levels(row):
+    """Elastic shear force [N]."""
+    force = (0.0, 0.0, 0.0)
+    for level in range(len(row.bound)):
+        force = minus_scaled(force, -width(row, level), vector(row.stretch[level]))
+    return force
 
 
 @kernel
-def scaled(factor, a):
-    """factor a."""
-    return factor * a[0], factor * a[1], factor * a[2]
+def energy_of_levels(row):
+    """Energy [J] that the springs store."""
+    energy = 0.0
+    for level in range(len(row.bound)):
+        stretch = vector(row.stretch[level])
+        energy += 0.5 * width(row, level) * dot(stretch, stretch)
+    return energy
 
 
 @kernel
-def less(a, factor, b):
-    """a - factor b."""
-    return a[0] - factor * b[0], a[1] - factor * b[1], a[2] - factor * b[2]
+def push_level(row, stiffness):
+    """K_t rises to `stiffness` [N/m]: a level without stretch on top; the two nearest neighbours become one. Their loss [J]."""
+    count, rest = len(row.bound), (0.0, 0.0, 0.0)
+    joined, least, lower, upper, below, empty, gap = 0, 0.0, 0.0, 0.0, 0.0, EMPTY * stiffness, 0.0
+    for level in range(count):
+        bound, above = row.bound[level], row.bound[level + 1] if level + 1 < count else stiffness
+        next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
+        apart = minus_scaled(vector(row.stretch[level]), 1.0, next_stretch)
+        square = dot(apart, apart)
+        distance = (above - below) * square if bound - below > empty and above - bound > empty else 0.0
+        if level == 0 or distance < least:
+            joined, least, lower, upper, gap = level, distance, bound - below, above - bound, square
+        below = bound
+    both = lower + upper
+    part = upper / both if both > 0.0 else 0.0
+    for level in range(count):  # without a branch, which a processor would often guess wrong
+        share = 0.0 if level < joined else part if level == joined else 1.0
+        next_stretch = vector(row.stretch[level + 1]) if level + 1 < count else rest
+        assign(row.stretch[level], minus_scaled(scaled(1.0 - share, vector(row.stretch[level])), -share, next_stretch))
+        above = row.bound[level + 1] if level + 1 < count else stiffness
+        row.bound[level] = row.bound[level] if level < joined else above
+    return 0.5 * lower * part * gap
 
 
 @kernel
-def dot(a, b):
-    """Scalar product."""
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def cut_levels(row, stiffness):
+    """K_t falls to `stiffness` [N/m]: the springs that touched above it open. Their energy [J]."""
+    loss, below, below_now = 0.0, 0.0, 0.0
+    for level in range(len(row.bound)):
+        stretch, bound = vector(row.stretch[level]), row.bound[level]
+        now = min(bound, stiffness)
+        loss += 0.5 * ((bound - below) - (now - below_now)) * dot(stretch, stretch)
+        row.bound[level], below, below_now = now, bound, now
+    return loss
 
 
 @kernel
-def cross(a, b):
-    """Vector product."""
-    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+def relax_levels(row, stiffness):
+    """K_t is now `stiffness` [N/m]; energy [J] that is lost by this."""
+    if stiffness > row.bound[len(row.bound) - 1]:
+        return push_level(row, stiffness)
+    return cut_levels(row, stiffness)
+
+
+@overload(trial_force, jit_options=INLINED)
+def _trial_force(mode, context, geom, phys, row, increment):
+    if mode.instance_class is not Levels:
+        return lambda mode, context, geom, phys, row, increment: trial_of_one_spring(context, geom, phys, increment)
+
+    def displaced(mode, context, geom, phys, row, increment):
+        move_levels(context, geom, row, increment)
+        return force_of_levels(row)
+
+    return displaced
 
 
 @kernel
-def turned(context, geom, vector):
-    """A tangential vector, turned with the contact in this step."""
-    place = on_stack(vector)
-    call_rotate(word(context, at.ROTATE), geom, place)
-    return load_vector(place)
+def move_levels(context, geom, row, increment):
+    """Turn the stretches with the contact and add the displacement of the step."""
+    for level in range(len(row.bound)):
+        assign(row.stretch[level], minus_scaled(turned(context, geom, vector(row.stretch[level])), 1.0, increment))
 
 
 @kernel
-def turned_here(context, geom, place):
-    """The vector at `place`, after it was turned there."""
-    call_rotate(word(context, at.ROTATE), geom, place)
-    return load_vector(place)
+def scale_levels(row, share):
+    """Reduce all stretches to a share."""
+    for level in range(len(row.bound)):
+        assign(row.stretch[level], scaled(share, vector(row.stretch[level])))
 
 
 @kernel
-def is_plain(context, this, geom, phys, interaction, row):
-    """Whether `step_alone` does what the native law would do: the contact is not new and has no viscous damping, the functor
-    has no option, the scene no period."""
-    return (
-        word(context, at.ALONE) != 0
-        and load_double(geom + word(context, at.OVERLAP)) > 0.0
-        and load_double(row + at.LAST) > 0.0
-        and load_word(row + at.ROW_INTERACTION) == interaction
-        and load_double(phys + word(context, at.BETAN)) == 0.0
-        and load_double(phys + word(context, at.BETAS)) == 0.0
-        and load_double(phys + word(context, at.DAMPING_KIND)) == 0.0
-        and load_int(this + word(context, at.OPTIONS)) == 0
-        and load_byte(load_word(this + word(context, at.SCENE)) + word(context, at.PERIODIC)) == 0
-    )
+def reduce_levels(row, force):
+    """Reduce all stretches such that their force is as large as this one [N]."""
+    trial = force_of_levels(row)
+    scale_levels(row, sqrt(dot(force, force) / dot(trial, trial)))
 
 
-@kernel
-def body_of_number(context, number, scene):
-    """Address of a body; scene 0: the current one."""
-    return load_word(call_body_by_id(word(context, at.BODY_BY_ID), number, scene))
+@overload(slide, jit_options=INLINED)
+def _slide(mode, row, share):
+    if mode.instance_class is Levels:
+        return lambda mode, row, share: scale_levels(row, share)
+    return lambda mode, row, share: None
 
 
-@kernel
-def position_of(context, number, scene):
-    """Address of the position of a body."""
-    return load_word(body_of_number(context, number, scene) + word(context, at.BODY_STATE)) + word(context, at.POSITION)
+@overload(follow, jit_options=INLINED)
+def _follow(mode, context, contact, row):
+    if mode.instance_class is not Levels:
+        return lambda mode, context, contact, row: None
+
+    def moved(mode, context, contact, row):
+        geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+        if not geom.penetrationDepth > 0.0:
+            return
+        move_levels(context, geom, row, vector(geom.shearInc))
+        if phys.isSliding != 0:
+            reduce_levels(row, vector(phys.shearElastic))
+
+    return moved
 
 
-@kernel
-def step_alone(context, this, geom, phys, interaction):
-    """The native law for a contact that `is_plain`: shear, Coulomb's limit, forces, torques; every attribute."""
-    overlap = load_double(geom + word(context, at.OVERLAP))
-    root = math.sqrt(overlap)
-    ks = load_double(phys + word(context, at.KSO)) * root
-    size = load_double(phys + word(context, at.KNO)) * overlap * root
-    along, step = load_vector(geom + word(context, at.NORMAL)), load_vector(geom + word(context, at.INCREMENT))
-    normal = scaled(size, along)
-    force = less(turned_here(context, geom, phys + word(context, at.SHEAR_FORCE)), ks, step)
-    stretch = less(turned_here(context, geom, phys + word(context, at.STRETCH)), 1.0, step)
-    total = less(turned_here(context, geom, phys + word(context, at.DISPLACEMENT)), 1.0, step)
-    limit, square = load_double(phys + word(context, at.FRICTION)) * size, dot(force, force)
-    sliding = square > limit * limit
-    if sliding:
-        share = limit / math.sqrt(square)
-        force, stretch = scaled(share, force), scaled(share, stretch)
-    store_byte(phys + word(context, at.SLIDING), sliding)
-    store_double(phys + word(context, at.KS), ks)
-    store_vector(phys + word(context, at.NORMAL_FORCE), normal)
-    store_vector(phys + word(context, at.SHEAR_FORCE), force)
-    store_vector(phys + word(context, at.SHEAR_SUM), force)
-    store_vector(phys + word(context, at.SHEAR_VISCOUS), (0.0, 0.0, 0.0))
-    store_vector(phys + word(context, at.STRETCH), stretch)
-    store_vector(phys + word(context, at.DISPLACEMENT), total)
-    scene = load_word(this + word(context, at.SCENE))
-    first, second = load_int(interaction + word(context, at.BODY1)), load_int(interaction + word(context, at.BODY2))
-    call_apply_force(
-        word(context, at.APPLY),
-        this - word(context, at.FUNCTOR),
-        on_stack(less(scaled(-1.0, normal), 1.0, force)),
-        geom + word(context, at.POINT),
-        first,
-        position_of(context, first, scene),
-        second,
-        position_of(context, second, scene),
-    )
-    return 1
+# --- levels of the public way, an array of rows at a time
 
 
-@kernel
-def advance(context, this, geom_pointer, phys_pointer, interaction, row):
-    """Mindlin's law with the coefficients in the contact's physics. Returns whether the contact lasts."""
-    geom, phys = load_word(geom_pointer), load_word(phys_pointer)
-    if is_plain(context, this, geom, phys, interaction, row):
-        return step_alone(context, this, geom, phys, interaction)
-    return call_go(word(context, at.GO), this, geom_pointer, phys_pointer, interaction)
+@loop
+def relax_loop(rows, stiffness):
+    """`relax_levels` of all rows; their elastic shear forces [N]."""
+    forces = np.empty((rows.size, 3))
+    for n in range(rows.size):
+        relax_levels(rows[n], stiffness[n])
+        assign(forces[n], force_of_levels(rows[n]))
+    return forces
 
 
-@kernel
-def kept_share(now, old):
-    """Share of the shear force that stays: where K_t falls, the part of the contact that opens takes its force along.
-
-    What is stored, F²/(2 K_t), then never grows without work (docs/shear.md). [our derivation]
-    """
-    return now / old if now < old * (1.0 - SLACK) else 1.0  # rounding is no fall
-
-
-@kernel
-def reduce_force(phys, context, now, old):
-    """Reduce the shear force to `kept_share`; the native law then applies Coulomb's limit, with the normal dashpot in it."""
-    share = kept_share(now, old)
-    if share < 1.0:
-        place = phys + word(context, at.SHEAR_FORCE)
-        store_vector(place, scaled(share, load_vector(place)))
+@loop
+def move_loop(rows, motion, sliding):
+    """`move_levels` of all rows, then Coulomb's limit. motion: for each row the axes by which vectors turn with the normal and
+    about it, the displacement [m], and the elastic shear force of Mindlin's law [N]."""
+    for n in range(rows.size):
+        row, axis, twist, increment = rows[n], vector(motion[n, 0]), vector(motion[n, 1]), vector(motion[n, 2])
+        for level in range(len(row.bound)):
+            stretch = vector(row.stretch[level])
+            for turn in (axis, twist):
+                stretch = minus_scaled(stretch, 1.0, cross(stretch, turn))
+            assign(row.stretch[level], minus_scaled(stretch, 1.0, increment))
+        if sliding[n]:
+            reduce_levels(row, vector(motion[n, 3]))
 
 
-def before(mode, context, phys, row, stiffness):
-    """Change the shear force before the native law acts; stiffness: K_t now [N/m]."""
+# --- Mindlin's law with an account of energy
 
 
-@overload(before, jit_options=INLINED)
-def _before(mode, context, phys, row, stiffness):
-    if mode.instance_class is Passive:
-        return lambda mode, context, phys, row, stiffness: reduce_force(
-            phys, context, stiffness, load_double(row + at.SHEAR_STIFFNESS)
-        )
-    return lambda mode, context, phys, row, stiffness: None
+def relax_shear(mode, phys, row, stiffness):
+    """Change the shear force for K_t now, `stiffness` [N/m], before Mindlin's law acts; energy [J] that is lost by this."""
+
+
+@overload(relax_shear, jit_options=INLINED)
+def _relax_shear(mode, phys, row, stiffness):
+    if mode.instance_class is not Levels:
+        return lambda mode, phys, row, stiffness: row.held - stored_energy(mode, phys, row, stiffness)
+
+    def relax(mode, phys, row, stiffness):
+        loss = relax_levels(row, stiffness)
+        assign(phys.shearElastic, force_of_levels(row))
+        return loss
+
+    return relax
+
+
+def stored_energy(mode, phys, row, stiffness):
+    """Energy of shear [J] that the contact stores."""
+
+
+@overload(stored_energy, jit_options=INLINED)
+def _stored_energy(mode, phys, row, stiffness):
+    if mode.instance_class is Levels:
+        return lambda mode, phys, row, stiffness: energy_of_levels(row)
+
+    def of_force(mode, phys, row, stiffness):
+        force = vector(phys.shearElastic)
+        return 0.5 * dot(force, force) / stiffness if stiffness > 0.0 else 0.0
+
+    return of_force
 
 
 @kernel
 def account(row, stiffness, stored, loss):
     """Write K_t [N/m], the energy of shear that the contact stores and the energy that it has lost in this step [J]."""
-    store_double(row + at.SHEAR_STIFFNESS, stiffness)
-    store_double(row + at.SHEAR_HELD, stored)
-    store_double(row + at.SHEAR_LOST, load_double(row + at.SHEAR_LOST) + loss)
+    row.shear = stiffness
+    row.held = stored
+    row.lost += loss
 
 
 @kernel
-def go_as_one_spring(context, this, geom_pointer, phys_pointer, interaction, row, stiffness):
+def apply_with_account(step, mode, context, contact, row, stiffness):
     """Mindlin's law, with an account of the energy of shear."""
-    geom, phys = load_word(geom_pointer), load_word(phys_pointer)
-    place = phys + word(context, at.SHEAR_FORCE)
-    old, stored = load_vector(place), load_double(row + at.SHEAR_HELD)
-    keep = advance(context, this, geom_pointer, phys_pointer, interaction, row)
+    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    held, loss = row.held, relax_shear(mode, phys, row, stiffness)
+    first, old = held - loss, vector(phys.shearElastic)
+    keep = advance(step, mode, context, contact, row)
     if not stiffness > 0.0:
-        account(row, 0.0, 0.0, stored)
+        account(row, 0.0, 0.0, held)
         return keep
-    compliance = 0.5 / stiffness
-    new, normal = load_vector(place), load_vector(phys + word(context, at.NORMAL_FORCE))
-    friction = load_double(phys + word(context, at.FRICTION)) * (1.0 - SLACK)
-    first, last = compliance * dot(old, old), compliance * dot(new, new)
-    loss = stored - first
-    if first + last > 0.0 and dot(new, new) >= friction * friction * dot(normal, normal):  # it slides
-        step = load_vector(geom + word(context, at.INCREMENT))  # its work on the body is positive against the force
-        loss -= 0.5 * (dot(turned(context, geom, old), step) + dot(new, step)) + (last - first)
+    last = stored_energy(mode, phys, row, stiffness)
+    if phys.isSliding != 0 and first + last > 0.0:
+        increment, new = vector(geom.shearInc), vector(phys.shearElastic)  # its work on the body is positive against the force
+        loss -= 0.5 * (dot(turned(context, geom, old), increment) + dot(new, increment)) + (last - first)
     account(row, stiffness, last, loss)
     return keep
 
 
-def compress(mode, rule, p, context, row, overlap, force, stiffness, state):
+def compress(mode, rule, p, row, overlap, force, stiffness, state):
     """Write the mean compressions [m] of the springs; stiffness: with which the contact would unload now [N/m]."""
 
 
 @overload(compress, jit_options=INLINED)
-def _compress(mode, rule, p, context, row, overlap, force, stiffness, state):
+def _compress(mode, rule, p, row, overlap, force, stiffness, state):
     if mode.instance_class is not Slip:
-        return lambda mode, rule, p, context, row, overlap, force, stiffness, state: None
+        return lambda mode, rule, p, row, overlap, force, stiffness, state: None
 
 
-def go(mode, context, this, geom_pointer, phys_pointer, interaction, row, stiffness):
+def apply_mindlin(step, mode, context, contact, row, stiffness):
     """Mindlin's law; stiffness: K_t [N/m]. Returns whether the contact lasts."""
 
 
-@overload(go, jit_options=INLINED)
-def _go(mode, context, this, geom_pointer, phys_pointer, interaction, row, stiffness):
+@overload(apply_mindlin, jit_options=INLINED)
+def _apply_mindlin(step, mode, context, contact, row, stiffness):
     if mode.instance_class is not Slip:
-        return lambda mode, context, this, geom_pointer, phys_pointer, interaction, row, stiffness: go_as_one_spring(
-            context, this, geom_pointer, phys_pointer, interaction, row, stiffness
+        return lambda step, mode, context, contact, row, stiffness: apply_with_account(
+            step, mode, context, contact, row, stiffness
         )
 
 
-MODES = {"elastic": Passive(), "loading": Passive(), "native": Native(), "slip": Slip()}
-"""Choice of `shear=` → change of Mindlin's shear force."""
+MODES = {"elastic": Levels(), "loading": Levels(), "native": Native(), "slip": Slip()}
+"""Choice of `shear=` → how the shear force follows K_t."""

@@ -40,12 +40,14 @@ def claims(folder, out, printed):
         rows = list(csv.reader(file))
     from making.theory import prose, table
 
-    counts = {verdict: sum(row[-1] == verdict for row in rows[1:]) for verdict in dict.fromkeys(row[-1] for row in rows[1:])}
+    at = rows[0].index("verdict")
+    counts = {verdict: sum(row[at] == verdict for row in rows[1:]) for verdict in dict.fromkeys(row[at] for row in rows[1:])}
     said = "; ".join(f"{n} {verdict}" for verdict, n in counts.items())
     body = [tuple(prose(cell) for cell in row) for row in rows[1:]]
     return (
         "The table compares statements of Altuhafi, Baudet & Coop (2023) with results of runs. *Built in*: true because of the "
-        "chosen rule or parameter. *Cannot be decided*: the paper does not publish the measured points.\n\n"
+        "chosen rule or parameter. *Cannot be decided*: the paper does not publish the measured points. The last column states "
+        "when a claim counts as reproduced, or the reason of the verdict; the tolerances are ours.\n\n"
         f"**{said}.**\n\n{table(rows[0], body)}"
     )
 

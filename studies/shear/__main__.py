@@ -1,11 +1,13 @@
 """`python -m studies.shear`: oblique impacts, the closed gas, pictures of shear."""
 
 import sys
+from pathlib import Path
 
 from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
-from studies.shear import figure, gas, memory, springs
+from studies.shear import figure, gas, memory, springs, vibration
+from studies.shear.cyclic import WORDS
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -30,7 +32,15 @@ def parser():
     parser.add_argument(
         "--memory", action="store_true", help="shear force kept, and creep, of a contact whose overlap vibrates"
     )
+    parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
+    parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
+    parser.add_argument("--models", nargs="+", choices=[*WORDS], default=[*WORDS], help="with --vibrate")
+    parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
+    parser.add_argument(
+        "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
+    )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
+    parser.add_argument("--creep", type=output, help="picture of creep under vibration, with the runs of vibration.jsonl")
     parser.set_defaults(func=run)
     return parser
 
@@ -46,8 +56,14 @@ def run(arguments):
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
         return
+    if arguments.creep is not None:
+        print(plots.save(figure.draw_creep(), arguments.creep))
+        return
     if arguments.memory:
         memory.print_table()
+        return
+    if arguments.vibrate:
+        vibration.run_all(arguments.vibrate, arguments.engines, arguments.models, arguments.cycles, arguments.out)
         return
     if arguments.springs:
         print_springs(arguments.springs)

@@ -1,5 +1,6 @@
 """`demlaws timestep` on dumps of LIGGGHTS and LAMMPS; saved scenes are read in tests/engines/yade."""
 
+import json
 import math
 import shutil
 from pathlib import Path
@@ -40,8 +41,97 @@ def test_limit_of_a_lattice(tmp_path, capsys, engine):
     exact = []
     for rule in ("elastic", "hertz"):
         assert main(["timestep", *files, *surface, "--unloading", rule]) == 0
-        exact.append(float(capsys.readouterr().out.splitlines()[1].split()[2]))
+        text = capsys.readouterr().out
+        assert "exact limit" in text and "safe limit" not in text  # a Hertz curve's stiffness follows from the force
+        exact.append(float(text.splitlines()[1].split()[2]))
     assert exact[1] < 0.95 * exact[0]
+
+
+BOX = "-1 1\n-1 1\n-1 1"
+
+
+def two_grains(folder, overlap, force, digits, largest=(), columns=None):
+    """Dumps of two grains in contact."""
+    columns = columns or " ".join(f"c_1[{k}]" for k in range(1, 6 + len(largest)))
+    texts = {
+        "grains.txt": f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS ff ff ff\n{BOX}\n"
+        f"ITEM: ATOMS id x y z radius\n1 0 0 0 {RADIUS:g}\n2 {2 * RADIUS - overlap:.{digits}g} 0 0 {RADIUS:g}\n",
+        "contacts.txt": f"ITEM: TIMESTEP\n0\nITEM: NUMBER OF ENTRIES\n1\nITEM: BOX BOUNDS ff ff ff\n{BOX}\n"
+        f"ITEM: ENTRIES index {columns}\n1 1 2 {force:.12g} 0 0 {' '.join(map(repr, largest))}\n",
+    }
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    return [str(folder / name) for name in texts]
+
+
+HISTORIES = {
+    "luding": ("loading_stiffness=3e6", "stiffness_ratio=5", "plasticity_depth=0.002"),
+    "eepa": ("stiffness_ratio=4",),
+    "thornton-ning": ("yield_pressure=5e8",),
+}
+
+
+@pytest.mark.parametrize("name", HISTORIES)
+def test_contact_that_carried_more(tmp_path, capsys, name):
+    """The limit was 1.1 to 1.8 times the true one after unloading to a tenth of the largest force."""
+    options = dict(zip(*zip(*(text.split("=") for text in HISTORIES[name]), strict=True), strict=True))
+    contact = dl.Contact(RADIUS / 2, 0.5 * dl.Material(60.6e9, 0.25).plane_modulus)
+    law = dl.law(name, contact, **{key: float(value) for key, value in options.items()})
+    state = law.new_state(1)
+    force = 0.1 * float(law.follow([9e-6], state).force[0])
+    overlap = float(law.unloading_overlap(force, state))
+    stiffness = float(law.follow([overlap], state).stiffness[0])
+    mass = 4 / 3 * math.pi * RADIUS**3 * 2680
+    true = 2.0 / math.sqrt(stiffness * 2.0 / mass * 3.5 * 1.5 / 1.75)
+    words = ["--law", name, *GRANITE[2:], *(word for text in HISTORIES[name] for word in ("--option", text))]
+
+    def limit(digits, *more, largest=()):
+        files = two_grains(tmp_path, overlap, force, digits, largest)
+        assert main(["timestep", *files, *words, "--columns", *"23456", *more, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    found = limit(14)
+    assert found["history"] == "stiffest" and 0.95 * true < found["exact"] <= true * (1.0 + 1e-6)
+    assert limit(6)["exact"] <= true * (1.0 + 1e-6)
+    found = limit(6, "--largest-overlap", "7", largest=[9e-6])
+    assert found["history"] == "known" and found["exact"] == pytest.approx(true, rel=1e-6)
+    assert main(["timestep", *two_grains(tmp_path, overlap, force, 14), *words, "--columns", *"23456"]) == 0
+    text = capsys.readouterr().out
+    assert "safe limit" in text and "exact limit" not in text and "histories" in text
+
+
+def test_largest_overlap_of_an_exported_case(tmp_path, capsys):
+    """Columns as exported LAMMPS cases dump them: p13 is the largest overlap."""
+    words, found = ["--law", "eepa", "--option", "stiffness_ratio=4", *GRANITE[2:], "--json"], []
+    names = "c_ids[1] c_ids[2] " + " ".join(f"c_contacts[{k}]" for k in range(1, 8))
+    for largest in (4e-6, 8e-6, 0.0):
+        files = two_grains(tmp_path, 1e-6, 5.0, 14, [largest, 1e-6, 0.0, 0.0], names)
+        assert main(["timestep", *files, *words]) == 0
+        found.append(json.loads(capsys.readouterr().out))
+    assert [result["history"] for result in found] == ["known", "known", "stiffest"]
+    assert found[1]["exact"] < 0.9 * found[0]["exact"]
+
+
+def test_friction_rotation_and_shear_ratio(tmp_path, capsys):
+    """Simple cubic: ω² is 2/3 Z K/m times 1 without friction, 1 + 2r without rotation, max(1 + 2r, 5r) with both."""
+    files = dumps(tmp_path, "lammps")
+
+    def exact(*more):
+        assert main(["timestep", *files, *GRANITE, *more, "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    default, ratio = exact()["exact"], 1.5 / 1.75
+    for more, square in (
+        (["--friction", "0.5"], 5 * ratio),
+        (["--friction", "0"], 1.0),
+        (["--no-rotation"], 1 + 2 * ratio),
+        (["--shear-ratio", "0.3"], 1.6),
+        (["--shear-ratio", "1.3"], 6.5),
+    ):
+        assert exact(*more)["exact"] == pytest.approx(default * math.sqrt(5 * ratio / square), rel=1e-3)
+    assert exact("--friction", "0")["motion"] == "without friction"
+    for more in (["--shear-ratio", "0"], ["--shear-ratio", "1.34"], ["--friction", "-0.1"]):
+        assert main(["timestep", *files, *GRANITE, *more]) == 2
 
 
 @pytest.mark.parametrize(
@@ -55,6 +145,7 @@ def test_limit_of_a_lattice(tmp_path, capsys, engine):
         (lambda t: t.replace("pp pp pp", "ff ff ff"), 0),  # contacts of grains far apart
         (lambda t: t.replace("1 1 17 ", "1 1 999 "), 1),
         (lambda t: t.replace("-20", "0"), 1),
+        (lambda t: t[: t.index("1 1 17")].replace("193", "0"), 1),  # no contacts
         (lambda t: t.replace("1 1 17 -", "1 1 1 -"), 1),
     ],
 )

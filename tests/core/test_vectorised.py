@@ -9,7 +9,7 @@ import pytest
 from examples import GRANITE, make, pairs
 
 import demlaws as dl
-from demlaws.core import loops
+from demlaws.core import loops, numba_compat
 from demlaws.laws.registry import registry
 
 pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning")
@@ -17,8 +17,7 @@ pytestmark = pytest.mark.filterwarnings("ignore::demlaws.errors.ValidityWarning"
 
 def vector_operations(law):
     """Operations on several doubles at once in the compiled loop over a batch."""
-    options = {name: value for name, value in loops.batch_loop.targetoptions.items() if name != "nopython"}
-    compiled = numba.njit(**options)(loops.batch_loop.py_func)
+    compiled = numba.njit(**numba_compat.OPTIONS)(loops.batch_loop.py_func)
     at = np.linspace(1e-5, 1e-3, 64) * law.contact.radius
     state, out = law.new_state(at.size), (np.zeros(at.size), np.zeros(at.size))
     compiled(law.rule, law.params, at, state.arrays, loops.UNBOUNDED, loops.FINITE, *out)

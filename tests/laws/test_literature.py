@@ -27,6 +27,30 @@ def test_restitution_of_thornton_and_ning():
     assert restitution_of(1000.0) == pytest.approx(1.185 * 1000**-0.25, rel=0.02)
 
 
+JOINTS = {0.0: (4.14, -7.0), 0.2: (2.54, -2.6), 0.3: (2.01, -0.5), 0.4: (1.59, -1.5), 0.5: (1.26, -3.4)}
+"""ν → joint of Jackson & Green's branches over ω_c, and largest difference from the printed law [%], as documented."""
+
+
+@pytest.mark.parametrize("poisson", JOINTS)
+def test_joint_of_jackson_and_green(poisson):
+    """Printed: Hertz below 1.9 ω_c, the plastic equation above."""
+    strength, modulus, radius = 2e8, 1e11, 1e-3
+    constraint = 1.295 * math.exp(0.736 * poisson)
+    critical = (math.pi * constraint * strength / (2.0 * modulus)) ** 2 * radius
+    force = 4.0 / 3.0 * (radius / modulus) ** 2 * (math.pi * constraint * strength / 2.0) ** 3
+    w = np.concatenate([np.geomspace(1.0, 110.0, 400), 1.9 * np.array([1.0 - 1e-9, 1.0 + 1e-9])])
+    a = np.sqrt(w * critical / radius * (w / 1.9) ** (0.14 * math.exp(23.0 * strength / modulus)))
+    hardness = 2.84 * (1.0 - np.exp(-0.82 * a**-0.7))
+    plastic = np.exp(-0.25 * w ** (5 / 12)) * w**1.5 + 4.0 * hardness / constraint * (1.0 - np.exp(-(w ** (5 / 9)) / 25.0)) * w
+    law = dl.law("jackson-green", dl.Contact(radius, modulus), yield_strength=strength, poisson=poisson, unloading="elastic")
+    difference = 100.0 * (law.force(w * critical) / (force * np.where(w < 1.9, w**1.5, plastic)) - 1.0)
+    joint, largest = JOINTS[poisson]
+    assert law.kinks()[0] / critical == pytest.approx(joint, abs=0.006)
+    assert difference[np.argmax(np.abs(difference))] == pytest.approx(largest, abs=0.06)
+    outside = (w < min(joint, 1.9) - 0.01) | (w > max(joint, 1.9) + 0.01)
+    assert np.max(np.abs(difference[outside])) < 1e-9
+
+
 @pytest.mark.parametrize("name", ["jackson-green", "kogut-etsion"])
 def test_rule_jackson_is_the_fit_to_finite_elements(name):
     """0.52 of the largest overlap stays at 20 ω_c, where the analytic form gives 0.39 with Jackson & Green's law."""

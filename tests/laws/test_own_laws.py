@@ -193,9 +193,9 @@ def test_entry_points(tmp_path):
 # --- machine code follows the file
 
 
-@pytest.mark.parametrize(("plain", "edits"), shared([("", 1), ("", 3), ("1", 3)], ("", 1).__eq__))
-def test_machine_code_follows_an_edited_file(tmp_path, plain, edits):
-    """The file itself, a module that it takes a function from, a number of it; without numba's internals it is not kept."""
+@pytest.mark.parametrize("edits", shared([1, 3], (1).__eq__))
+def test_machine_code_follows_an_edited_file(tmp_path, edits):
+    """The file itself, a module that it takes a function from, a number of it."""
     write(tmp_path, "def factor():\n    return 3.0\n\nPLAIN = 1.0\n", "helper.py")
     text = """
         import demlaws as dl, helper
@@ -221,11 +221,11 @@ def test_machine_code_follows_an_edited_file(tmp_path, plain, edits):
     settings = {"DEMLAWS_LAWS": file, "NUMBA_CACHE_DIR": tmp_path / "cache", "PYTHONDONTWRITEBYTECODE": 1}
 
     def run():
-        force, compiled = python(code, **settings, DEMLAWS_PLAIN_NUMBA=plain).split()
+        force, compiled = python(code, **settings).split()
         return round(float(force) / (1e9 * 1e-3**1.7), 9), int(compiled) > 0
 
     assert run() == (3.0, True)
-    assert plain or run() == (3.0, False)
+    assert run() == (3.0, False)
     edited = [
         ("def factor():\n    return 5.0\n\nPLAIN = 1.0\n", "helper.py", 5.0),
         ("def factor():\n    return 5.0\n\nPLAIN = 2.0\n", "helper.py", 20.0),

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 import demlaws as dl
 from demlaws import regime
+from demlaws.laws.asperity import _steepest
 from demlaws.solvers import ellipsoid
 from demlaws.solvers.contact import RoughContact
-from demlaws.solvers.summits import summits
+from demlaws.solvers.summits import nine_point_summits, summits
 from demlaws.surface import HeightMap, self_affine
 from studies.jamari import published
 from studies.validation.maps import load_ratios
@@ -291,6 +292,16 @@ def test_the_reloading_law_is_elastic_and_stiffer():
     assert reloading.overlap(0.01) == pytest.approx(worn.load(0.01, 1e-6).overlap - start, rel=0.1)
 
 
+def test_steepest_slope_between_nodes():
+    """A cubic through straight nodes with one steep slope passes 1 between them: the curve is scaled by its largest slope."""
+    u, s = np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 0.9, 1.8, 2.7])
+    steep = np.array([0.9, 0.5, 0.9, 0.9])
+    t = np.linspace(0.0, 1.0, 100_001)
+    slope = 0.9 * (1 - t) * (1 - 3 * t) + 6 * t * (1 - t) * 0.9 + 0.5 * t * (3 * t - 2)
+    assert _steepest(u, s, steep) == pytest.approx(slope.max(), rel=2e-3) and slope.max() > 1.03
+    assert _steepest(u, s, np.full(4, 0.9)) == 1.0
+
+
 def test_nine_point_summits_of_known_bumps():
     """Spherical bumps of one radius on a square grid: η, β and μ are those they were made with."""
     pitch, radius, pixel, count = 20, 30e-6, 1e-6, 8
@@ -302,5 +313,10 @@ def test_nine_point_summits_of_known_bumps():
     assert found.density == pytest.approx(1.0 / (pitch * pixel) ** 2, rel=0.03)  # less the rim, which has no neighbours
     assert (found.radius, found.mean_radius) == pytest.approx((radius, radius), rel=1e-9)
     assert found.roughness == heights.sq and found.spread == 0.0
+    x, y, z, _ = nine_point_summits(heights)
+    centres = pixel * (pitch * np.arange(count) + 10)
+    np.testing.assert_allclose(np.sort(x), np.repeat(centres, count))
+    np.testing.assert_allclose(y, np.repeat(centres, count))
+    assert np.all(z == 0.0)
     expected = 8.0 / 3.0 * found.density * heights.sq * math.sqrt(2.0 * 5e-3 * radius)
     assert found.mu(5e-3) == pytest.approx(expected, rel=1e-12)

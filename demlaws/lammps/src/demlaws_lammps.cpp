@@ -7,8 +7,10 @@
 // LAMMPS reaches them, and the other functions below, through addresses that the linker filled in by name: preloaded,
 // our functions of the same names come first; loaded later, their addresses are written there. Every one of them does
 // what LAMMPS's own does for whatever is not of demlaws.
-#include "granular_models.h"
+#include "hooks.h"
 #include "slots.h"
+#include <fcntl.h>
+#include <sys/stat.h>
 
 // Replacements of LAMMPS's functions; a std::string by value is passed by its address.
 #define DEMLAWS_DECLARE(RESULT, NAME, ARGUMENTS, SYMBOL) extern "C" RESULT demlaws_##NAME ARGUMENTS;
@@ -44,10 +46,10 @@ struct Layout {
   void (*compute)(void *);
   void (*construct)(void *, const std::string &, int, bool);
   int (*add)(void *, char **, int, int, int, bool);
-  void (*before_init)(void *);
+  void (*before_init)(void *, bool);
   void (*after_init)(void *, bool, bool &, bool &, std::vector<int> &);
   template <bool LATE> static const Layout *of() {
-    typedef Granular<LATE> All;
+    typedef Hooks<Abi<LATE>> All;
     static const Layout layout = {Abi<LATE>::pairs_fit, All::check,     All::compute, All::construct, All::add,
                                   All::before_init,     All::after_init};
     return &layout;
@@ -67,12 +69,42 @@ void take_pairs() {
   pairs_proved = patches[0].slots && patches[1].slots;
 }
 
+#define REMEDIES                                                                                                       \
+  "build LAMMPS with BUILD_SHARED_LIBS=on, or with the models in it (`demlaws lammps source`, docs/how-to/cluster.md)"
+const char STATIC[] = "it is a static executable, whose functions no plugin can reach: " REMEDIES;
+
+// Whether the program of this process has LAMMPS's granular models in itself. Preloaded, this plugin is in every other
+// program that is started, too.
+bool is_static_lammps() {
+  static const char mark[] = "Illegal model type {}"; // in GranularModel::construct_sub_model
+  const int file = open("/proc/self/exe", O_RDONLY | O_CLOEXEC);
+  struct stat about;
+  bool found = false;
+  if (file >= 0 && !fstat(file, &about) && about.st_size > 0) {
+    void *const all = mmap(NULL, about.st_size, PROT_READ, MAP_PRIVATE, file, 0);
+    if (all != MAP_FAILED) {
+      found = memmem(all, about.st_size, mark, sizeof mark - 1);
+      munmap(all, about.st_size);
+    }
+  }
+  if (file >= 0) close(file);
+  return found;
+}
+// Rank 0, as far as the process knows before MPI has begun.
+bool is_first() {
+  for (const char *name : {"OMPI_COMM_WORLD_RANK", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"}) {
+    const char *const rank = getenv(name);
+    if (rank) return !strcmp(rank, "0");
+  }
+  return true;
+}
+
 // Finds the layout, or why there is none.
 std::string prove(void *lmp) {
   const Stock &stock = Stock::get();
   if (layout) return "";
   std::string why;
-  if (!stock.add) why = "it has no GranularModel (package GRANULAR of 2023 or later)";
+  if (!stock.add) why = stock.exported() ? "it has no GranularModel (package GRANULAR of 2023 or later)" : STATIC;
   else if (!stock.missing.empty()) why = "it has no function " + stock.missing;
   else if (!force_of(lmp)) why = "the first members of its classes are other ones";
   else if (Abi<false>::fits(lmp, stock)) layout = Layout::of<false>();
@@ -96,7 +128,8 @@ std::string install() {
   for (const Patch &patch : patches)
     if (!patch.slots)
       return std::string("demlaws cannot be added to this LAMMPS: it calls ") + patch.name +
-             " directly; nothing of it was changed";
+             " directly, for it is a static executable or was linked with -Bsymbolic; " + REMEDIES +
+             "; nothing of it was changed";
   Slots::visit(patches, true);
   return "";
 }
@@ -142,43 +175,44 @@ void *pair_now = NULL; // the pair style whose lines are being read
 
 struct PairNow {
   explicit PairNow(void *pair) { pair_now = pair; }
-  ~PairNow() { pair_now = NULL; }
+  ~PairNow() {
+    pair_now = NULL;
+    reading = {false, NULL};
+  }
 };
 
-// A position that is not a number touches nothing: a particle with one would drop out of the model silently.
-void check_positions(void *object) {
-  void *const lmp = instance_of(object), *const error = error_of(object);
+// `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values
+// are ours.
+double energy_of(void *compute, int which, int) { return Ledger::of(instance_of(compute)).share(which); }
+void *add_energy(Ledger &ledger, void *modify, int count, char **arg, int suffix) {
   const Stock &stock = Stock::get();
-  Range &range = Range::of(lmp);
-  const void *const now = range.used ? stock.global(lmp, "ntimestep") : NULL;
-  if (!now || *(const long long *)now == range.checked) return;
-  range.checked = *(const long long *)now;
-  range.has_contacts = true;
-  const double *const *const x = (const double *const *)stock.atom(lmp, "x");
-  const long count = 3 * (long)stock.setting(lmp, "nlocal");
-  if (!x || !count) return;
-  double sum[8] = {0., 0., 0., 0., 0., 0., 0., 0.};
-  long k = 0;
-  for (; k + 8 <= count; k += 8)
-    for (int n = 0; n < 8; n++) sum[n] += 0. * x[0][k + n]; // 0, or no number for ever
-  for (; k < count; k++) sum[0] += 0. * x[0][k];
-  if (__builtin_expect(sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0., 1)) return;
-  for (k = 0; 3 * k < count; k++) {
-    const double *const p = x[0] + 3 * k;
-    if (0. * (p[0] + p[1] + p[2]) == 0.) continue;
-    std::ostringstream what;
-    what << "demlaws/table: particle " << tag_of(lmp, k) << " is at (" << p[0] << ", " << p[1] << ", " << p[2]
-         << ") m, which is not finite; take a smaller time step, look at what was done to this particle";
-    raise(error, false, what.str());
+  ledger.open(modify, count, arg);
+  ledger.ask_pairs();
+  const char *words[] = {arg[0], "all", "reduce", "sum", "fx", "fy"};
+  void *const made = stock.add_compute(modify, 6, const_cast<char **>(words), suffix);
+  static std::vector<void *> table;
+  if (table.empty()) {
+    const size_t words_of_table = stock.reduce_table_size / sizeof(void *);
+    std::vector<void *> copy((void *const *)stock.reduce_table, (void *const *)stock.reduce_table + words_of_table);
+    const size_t ours = std::count(copy.begin(), copy.end(), stock.reduce_one);
+    if (ours != 1 || *(void **)made != (void *)((void *const *)stock.reduce_table + 2))
+      raise(error_of(modify), true,
+            "compute demlaws/energy: this LAMMPS's compute reduce is not one that demlaws knows");
+    *std::find(copy.begin(), copy.end(), stock.reduce_one) = (void *)&energy_of;
+    table.swap(copy);
   }
+  *(void **)made = &table[2]; // after the offset and the type
+  return made;
 }
 
 // `import ctypes; ctypes.CDLL("demlawsplugin.so")` is enough where LAMMPS is loaded already; there is no instance to
 // prove the layout on yet, so that is done when the first name of ours is met.
 __attribute__((constructor)) void start() {
-  if (!Stock::get().add) return;
-  const std::string why = install();
-  if (!why.empty()) fprintf(stderr, "%s\n", why.c_str());
+  std::string why;
+  if (Stock::get().add) why = install();
+  else if (!Stock::get().exported() && is_static_lammps())
+    why = std::string("demlaws cannot be added to this LAMMPS: ") + STATIC;
+  if (!why.empty() && is_first()) fprintf(stderr, "WARNING: %s\n", why.c_str());
 }
 
 } // namespace
@@ -194,7 +228,7 @@ void demlaws_construct(void *model, std::string name, int type) {
   layout->construct(model, name, type, !under_hybrid(model));
 }
 void demlaws_init(void *model) {
-  if (layout) layout->before_init(model);
+  if (layout) layout->before_init(model, !pair_now);
   Stock::get().init(model);
   if (!layout) return;
   bool has_table, keeps;
@@ -221,6 +255,7 @@ void demlaws_pair_coeff(void *pair, int count, char **arg) {
 }
 void demlaws_pair_restart(void *pair, FILE *file) {
   PairNow now(pair);
+  reading = {true, file};
   Stock::get().pair_restart(pair, file);
   if (!Histories::all()[pair].ours) return;
   Range::of(instance_of(pair)).has_contacts = true;
@@ -230,22 +265,19 @@ void demlaws_pair_restart(void *pair, FILE *file) {
 void demlaws_pair_init(void *pair) {
   const Histories &kept = Histories::all()[pair];
   for (const std::vector<int> &sizes : kept.sizes)
-    if (kept.ours && sizes != kept.sizes[0])
-      raise(error_of(pair), true,
-            "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up "
-            "whenever neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and "
-            "the same tangential, rolling and twisting models");
+    if (kept.ours && sizes != kept.sizes[0]) raise(error_of(pair), true, MIXED_SIZES);
   Stock::get().pair_init(pair);
+  Range::of(instance_of(pair)).of_restart = 0;
   if (kept.kept) Range::of(instance_of(pair)).look_across(instance_of(pair), error_of(pair));
 }
 
 void demlaws_pair_forces(void *pair, int eflag, int vflag) {
-  check_positions(pair);
+  Range::of(instance_of(pair)).check_positions(instance_of(pair), error_of(pair));
   Ledger::of(instance_of(pair)).begin(NULL);
   Stock::get().pair_forces(pair, eflag, vflag);
 }
 static void forces_of_wall(void *wall, int vflag, void (*forces)(void *, int)) {
-  check_positions(wall); // there may be no pair style
+  Range::of(instance_of(wall)).check_positions(instance_of(wall), error_of(wall)); // there may be no pair style
   Ledger &ledger = Ledger::of(instance_of(wall));
   ledger.begin(wall);
   forces(wall, vflag);
@@ -259,29 +291,18 @@ void demlaws_post_run(void *modify) {
   Range::of(instance_of(modify)).tell(instance_of(modify), error_of(modify));
 }
 
-// LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would be virgin ones,
-// or go on with the history of others.
-static void keep_numbers(void *command) {
-  if (Range::of(instance_of(command)).has_contacts)
-    raise(error_of(command), true,
-          "demlaws/table: contacts would lose their histories, which LAMMPS finds by the numbers of the particles: "
-          "write 'delete_atoms ... compress no', and 'reset_atoms id' before the first run");
-}
 void demlaws_delete_atoms(void *command, int count, char **arg) {
-  bool keeps = false;
-  for (int n = 1; n < count; n++)
-    if (!strcmp(arg[n - 1], "compress")) keeps = !strcmp(arg[n], "no");
-  if (!keeps) keep_numbers(command);
+  if (!keeps_numbers(count, arg)) Range::of(instance_of(command)).keep_numbers(error_of(command));
   Stock::get().delete_atoms(command, count, arg);
 }
 void demlaws_reset_atoms(void *command, int count, char **arg) {
-  keep_numbers(command);
+  Range::of(instance_of(command)).keep_numbers(error_of(command));
   Stock::get().reset_atoms(command, count, arg);
 }
 
 void *demlaws_add_compute(void *modify, int count, char **arg, int suffix) {
   if (count < 3 || strcmp(arg[2], "demlaws/energy")) return Stock::get().add_compute(modify, count, arg, suffix);
-  return Ledger::of(instance_of(modify)).add_compute(modify, count, arg, suffix);
+  return add_energy(Ledger::of(instance_of(modify)), modify, count, arg, suffix);
 }
 
 // What `plugin load` and LAMMPS_PLUGIN_PATH call. The layout is proved first: a LAMMPS that does not fit is left alone.

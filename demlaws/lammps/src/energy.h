@@ -29,6 +29,7 @@ public:
   // Before the pair style, or a wall, computes its forces.
   void begin(void *wall) {
     wall_ = wall;
+    if (!wall) walls_.clear();
     if (!wanted_) return;
     const Stock &stock = Stock::get();
     taken_ = (double *)stock.atom(lmp_, "d_demlaws_dissipated");
@@ -41,6 +42,13 @@ public:
     if (wall) walls_[wall] = {step, 0., 0.};
   }
   void end() { wall_ = NULL; }
+  // A contact of a wall: where nothing has announced its forces, those of all walls begin with the first one.
+  void meet() {
+    if (wall_) return;
+    const auto known = walls_.find(this);
+    if (known == walls_.end() || known->second.step != now()) begin(this);
+    wall_ = this;
+  }
   // A contact of this wall: what it stores, what its plastic flow took that no step has booked yet.
   void enter(double stored, double pending) {
     if (!wall_) return;
@@ -67,9 +75,8 @@ public:
     return (place - all[0]) / 3;
   }
 
-  // `compute ID all demlaws/energy`: a stock `compute reduce sum` of two values, which sums over the ranks; the values
-  // are ours. Two stock helpers beside it: the particles' ledger, and a compute that asks every pair contact.
-  void *add_compute(void *modify, int count, char **arg, int suffix) {
+  // For `compute ID all demlaws/energy`: from now on energies are booked, with the particles.
+  void open(void *modify, int count, char **arg) {
     const Stock &stock = Stock::get();
     modify_ = modify;
     if (count != 3 || strcmp(arg[1], "all"))
@@ -79,30 +86,21 @@ public:
       const char *words[] = {fix(), "all", "property/atom", "d_demlaws_dissipated", "ghost", "no", "writedata", "no"};
       stock.add_fix(modify, 8, const_cast<char **>(words), 1);
     }
-    if (!stock.find_compute(modify, pairs())) {
-      const char *words[] = {pairs(), "all", "pair/local", "force", "cutoff", "radius"};
-      stock.add_compute(modify, 6, const_cast<char **>(words), 1);
-    }
-    const char *words[] = {arg[0], "all", "reduce", "sum", "fx", "fy"};
-    void *const made = stock.add_compute(modify, 6, const_cast<char **>(words), suffix);
-    static std::vector<void *> table;
-    if (table.empty()) {
-      const size_t words_of_table = stock.reduce_table_size / sizeof(void *);
-      std::vector<void *> copy((void *const *)stock.reduce_table, (void *const *)stock.reduce_table + words_of_table);
-      const size_t ours = std::count(copy.begin(), copy.end(), stock.reduce_one);
-      if (ours != 1 || *(void **)made != (void *)((void *const *)stock.reduce_table + 2))
-        raise(error(), true, "compute demlaws/energy: this LAMMPS's compute reduce is not one that demlaws knows");
-      *std::find(copy.begin(), copy.end(), stock.reduce_one) = (void *)&Ledger::one;
-      table.swap(copy);
-    }
-    *(void **)made = &table[2]; // after the offset and the type
     wanted_ = true;
     // a restart file may have brought what was booked before; else contacts begin with the energy that they store now
     const std::vector<int> any = Ranks(lmp_, error()).gather((int)(booked() != 0.));
     empty_ = !*std::max_element(any.begin(), any.end());
     known_.clear();
-    return made;
   }
+  // A compute that asks every pair contact.
+  void ask_pairs() {
+    const Stock &stock = Stock::get();
+    if (stock.find_compute(modify_, pairs())) return;
+    const char *words[] = {pairs(), "all", "pair/local", "force", "cutoff", "radius"};
+    stock.add_compute(modify_, 6, const_cast<char **>(words), 1);
+  }
+  // This rank's share of [0] what contacts store, [1] what was dissipated [J]; asked in this order.
+  double share(int which) { return which == 0 ? stored() : booked() + pending; }
 
 private:
   struct Wall {
@@ -124,11 +122,6 @@ private:
     return step ? *(const long long *)step : 0;
   }
 
-  // ComputeReduce::compute_one for our compute: this rank's share of [1] stored, [2] dissipated; asked in this order.
-  static double one(void *compute, int which, int) {
-    Ledger &ledger = of(instance_of(compute));
-    return which == 0 ? ledger.stored() : ledger.booked() + ledger.pending;
-  }
   double booked() const {
     const Stock &stock = Stock::get();
     const double *const taken = (const double *)stock.atom(lmp_, "d_demlaws_dissipated");

@@ -12,7 +12,8 @@
 
 namespace {
 
-enum ContactType { PAIR = 0, WALL = 1, WALL_REGION = 2 }; // those that demlaws knows
+// those that demlaws knows; the last one is that of package GRANSURF
+enum ContactType { PAIR = 0, WALL = 1, WALL_REGION = 2, LAST_TYPE = 3 };
 
 // Pointers: the instance, then references to 21 members of it.
 struct Pointers {
@@ -93,6 +94,7 @@ template <class Model> __attribute__((always_inline)) inline void sum(Model *m, 
 
 template <bool LATE> struct Abi {
   struct Model;
+  template <class RULED> struct Final; // of normal models: hooks.h
 
   struct SubMod {
     virtual ~SubMod() {
@@ -139,6 +141,7 @@ template <bool LATE> struct Abi {
 
   struct DampingMod : public SubMod {
     virtual double calculate_forces() = 0;
+    double get_damp_prefactor() const { return damp_prefactor; }
     double damp_prefactor = 0., damp = 0.;
 
   protected:

@@ -19,9 +19,6 @@ inline double number(void *error, const std::string &of, const char *text) {
   return value;
 }
 
-__attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
-__attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
-
 // The material that makes E* and G* of the pair those of the two materials: stock hertz/material takes E* for E here,
 // so that `mindlin NULL` is too soft by about half.
 inline void join(double E1, double nu1, double E2, double nu2, double &E, double &nu) {
@@ -32,18 +29,20 @@ inline void join(double E1, double nu1, double E2, double nu2, double &E, double
   E = 2. * (1. - nu * nu) * modulus;
 }
 
-template <bool LATE> struct Granular {
-  typedef typename Abi<LATE>::Model Model;
-  typedef typename Abi<LATE>::SubMod SubMod;
-  typedef typename Abi<LATE>::NormalMod NormalMod;
-  typedef typename Abi<LATE>::DampingMod DampingMod;
-  typedef typename Abi<LATE>::TangentialMod TangentialMod;
+// ABI: LAMMPS's classes, mirrored in granular_abi.h, or its own (source/).
+template <class ABI> struct Granular {
+  typedef typename ABI::Model Model;
+  typedef typename ABI::SubMod SubMod;
+  typedef typename ABI::NormalMod NormalMod;
+  typedef typename ABI::DampingMod DampingMod;
+  typedef typename ABI::TangentialMod TangentialMod;
 
   class Table : public NormalMod {
   public:
     using NormalMod::coeffs;
     using NormalMod::damp;
     using NormalMod::Emod;
+    using NormalMod::Fncrit;
     using NormalMod::gm;
     using NormalMod::history_index;
     using NormalMod::index_svector;
@@ -51,14 +50,46 @@ template <bool LATE> struct Granular {
     using NormalMod::nsvector;
     using NormalMod::of;
     using NormalMod::poiss;
-    enum { YOUNG, ETA, POISSON, ROUGHNESS, TOLERANCE, EXTRAPOLATE, SHEAR, SPRINGS, FINGERPRINT, COEFFICIENTS };
+    enum {
+      YOUNG,
+      ETA,
+      POISSON,
+      ROUGHNESS,
+      TOLERANCE,
+      EXTRAPOLATE,
+      SHEAR,
+      SPRINGS,
+      FINGERPRINT,
+      LEVELS,
+      RATIO,
+      COEFFICIENTS
+    };
+    enum { COEFFICIENTS_0_2 = LEVELS }; // of restart files of 0.2.0, whose contacts have one level
     enum { MAXIMUM, PLASTIC, STORED, DISSIPATED, STIFFNESS, OUTPUTS }; // p13 to p17 of compute pair/local
     enum { MOST_STATE = 3 };
+    // LAMMPS writes a sub-model's numbers into restart files, and nothing else of it: after the coefficients comes the
+    // name of the file, BYTES of it in each number, which are exact in a double.
+    enum { BYTES = 6, NUMBERS = COEFFICIENTS + 64 };
+    static std::string file_of(const double *numbers) {
+      std::string file;
+      for (int n = 0; n < BYTES * (NUMBERS - COEFFICIENTS); n++) {
+        const char letter = (char)((unsigned long long)numbers[COEFFICIENTS + n / BYTES] >> 8 * (n % BYTES) & 255);
+        if (!letter) break;
+        file += letter;
+      }
+      return file;
+    }
 
-    // `named`: "demlaws/table FILE". The file goes into restarts, and must agree for mixing, because it is in the name.
-    Table(Model *m, const std::string &named, const demlaws::Table &table)
-        : NormalMod(m, COEFFICIENTS, OUTPUTS), table_(table), ledger_(Ledger::of(m->of.lmp)) {
-      name = named;
+    Table(Model *m, const demlaws::Table &table)
+        : NormalMod(m, NUMBERS, OUTPUTS), table_(table), ledger_(Ledger::of(of.lmp)) {
+      name = "demlaws/table";
+      const std::string &file = table.path();
+      if (file.size() > BYTES * (NUMBERS - COEFFICIENTS))
+        raise(*of.error, true, title() + ": restart files have no room for so long a name of a file");
+      for (size_t n = file.size(); n-- > 0;) {
+        double &into = coeffs[COEFFICIENTS + n / BYTES];
+        into = 256. * into + (unsigned char)file[n];
+      }
       this->material_properties = 1;
       // Always the largest state: PairGranular::transfer_history moves the values of a pair of types whose sub-models
       // have other sizes than those of another pair to the wrong place.
@@ -71,6 +102,7 @@ template <bool LATE> struct Granular {
       coeffs[SHEAR] = demlaws::ELASTIC_SHEAR;
       coeffs[SPRINGS] = 12.;
       coeffs[FINGERPRINT] = table.fingerprint();
+      coeffs[LEVELS] = demlaws::LEVELS;
     }
 
     void coeffs_to_local() {
@@ -83,6 +115,9 @@ template <bool LATE> struct Granular {
             "Young's modulus must be positive, eta, roughness and radius_tolerance not negative, Poisson's ratio from "
             "-1 to 0.5");
       if (!demlaws::SpringRow::may_have(coeffs[SPRINGS])) refuse("springs must be an even number from 2 to 30");
+      if (!demlaws::may_have_levels(coeffs[LEVELS])) refuse("levels must be a whole number from 1 to 8");
+      if (!(coeffs[RATIO] >= 0. && coeffs[RATIO] <= 4. / 3.)) refuse("shear_ratio must be above 0, at most 4/3");
+      this->num_coeffs = NUMBERS;
       if (coeffs[FINGERPRINT] != (double)table_.fingerprint())
         refuse(
             "this is not the table that the restart file was written with: bring that file back, or write pair_coeff "
@@ -95,7 +130,7 @@ template <bool LATE> struct Granular {
       } catch (const std::exception &problem) {
         refuse(problem.what());
       }
-      if (!doubt.empty()) Range::of(of.lmp).announce(of.lmp, *of.error, doubt, name + ": " + doubt);
+      if (!doubt.empty()) Range::of(of.lmp).announce(of.lmp, *of.error, doubt, title() + ": " + doubt);
       per_stiffness_ = 0.5 / modulus;
     }
 
@@ -107,11 +142,11 @@ template <bool LATE> struct Granular {
       coeffs[ROUGHNESS] = sqrt(0.5 * (a[ROUGHNESS] * a[ROUGHNESS] + b[ROUGHNESS] * b[ROUGHNESS]));
       coeffs[TOLERANCE] = std::min(a[TOLERANCE], b[TOLERANCE]);
       coeffs[EXTRAPOLATE] = std::min(a[EXTRAPOLATE], b[EXTRAPOLATE]);
-      if (a[SHEAR] != b[SHEAR] || a[SPRINGS] != b[SPRINGS])
-        refuse("both types must have the same 'shear' and 'springs' to be mixed");
-      coeffs[SHEAR] = a[SHEAR];
-      coeffs[SPRINGS] = a[SPRINGS];
-      coeffs[FINGERPRINT] = a[FINGERPRINT];
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO})
+        if (a[word] != b[word])
+          refuse("both types must have the same 'shear', 'shear_ratio', 'levels' and 'springs' to be mixed; write "
+                 "pair_coeff for this pair of types, too");
+      for (int word : {SHEAR, SPRINGS, LEVELS, RATIO, FINGERPRINT}) coeffs[word] = a[word];
       coeffs_to_local();
     }
 
@@ -123,11 +158,35 @@ template <bool LATE> struct Granular {
         refuse("eta and nu are exchanged: the order is FILE E eta nu, and with nu = eta E* is that of the table");
     }
 
+    // After GranularModel::init() has dealt the history.
+    void init() {
+      // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
+      // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
+      // otherwise.
+      int at = 0;
+      for (int k = 0; k <= HEAT; k++) {
+        const bool same = (k == ROLLING || k == TWISTING) && !gm->sub_models[k]->nondefault_history_transfer;
+        for (int n = 0; n < gm->sub_models[k]->size_history; n++, at++)
+          if (same) gm->transfer_history_factor[at] = 1.;
+      }
+      const std::string &tangential = gm->tangential_model->name;
+      if (tangential == "demlaws") return;
+      if (slips()) refuse("'shear slip' needs  tangential demlaws XT MU");
+      if (coeffs[RATIO] > 0.) refuse("'shear_ratio' needs  tangential demlaws XT MU");
+      if (tangential.compare(0, 7, "mindlin") || tangential == "mindlin_rescale/force") return;
+      Range::of(of.lmp).announce(
+          of.lmp, *of.error, "tangential",
+          "tangential " + tangential +
+              " creates energy where the stiffness changes while a contact is sheared: with mindlin a closed "
+              "box of rough spheres had 2.4 times its energy after 30 ms; use 'tangential demlaws XT MU' or "
+              "mindlin_rescale/force (docs/shear.md)");
+    }
+
     double calculate_contact_radius() { return 0.; } // asked for before calculate_forces(), which sets it
     double stiffness() const { return stiffness_; }
     // For the tangential model: that of K_t, and K_t over it; whether there are springs, and how much they are pressed.
     double shear_stiffness() const { return shear_stiffness_; }
-    double shear_ratio() const { return 2. * (1. - poiss) / (2. - poiss); }
+    double shear_ratio() const { return coeffs[RATIO] > 0. ? coeffs[RATIO] : 2. * (1. - poiss) / (2. - poiss); }
     bool slips() const { return shear_ == demlaws::SLIP_SHEAR; }
     demlaws::Compression compression() const {
       return law_.compression(gm->Reff, gm->delta, gm->history + history_index);
@@ -135,9 +194,16 @@ template <bool LATE> struct Granular {
     double effective_modulus() const { return law_.pair.modulus; }
     bool unloads_otherwise() const { return table_.unloading() != demlaws::ELASTIC; }
 
+    // Of a restart file, with so many numbers.
+    void expect(int numbers) {
+      if (numbers != COEFFICIENTS_0_2) return;
+      this->num_coeffs = numbers;
+      coeffs[LEVELS] = 1.;
+    }
+
     // GranularModel::calculate_forces for a pair of particles, where nothing but this law, a damping and a tangential
     // model are at work; else LAMMPS's own.
-    virtual void whole() = 0;
+    virtual void whole() {}
     bool is_whole() const { return whole_; }
     static Table *latest; // of those that are whole, the one met last
     ~Table() { latest = latest == this ? NULL : latest; }
@@ -157,7 +223,7 @@ template <bool LATE> struct Granular {
   protected:
     template <demlaws::Unloading RULE> inline double finish(const demlaws::Force now) {
       Model *const m = gm;
-      if (__builtin_expect(m->contact_type > WALL_REGION, 0)) refuse_contact();
+      if (__builtin_expect(m->contact_type > LAST_TYPE, 0)) refuse_contact();
       if (__builtin_expect(now.outside | law_.watch.sees(m->delta, m->Reff), 0)) examine(now);
       if (__builtin_expect(!law_.pair.serves(m->Reff, coeffs[TOLERANCE]), 0)) refuse_radius();
       stiffness_ = now.stiffness;
@@ -194,6 +260,7 @@ template <bool LATE> struct Granular {
       }
       if (!ledger_.busy) return;
       const bool wall = m->contact_type != PAIR;
+      if (wall) ledger_.meet();
       if (m->history_update && !std::equal(before, before + MOST_STATE, state)) {
         double earlier = 0.;
         demlaws::stored_and_dissipated(pair, m->Reff, m->delta, before, none, earlier);
@@ -212,8 +279,9 @@ template <bool LATE> struct Granular {
     enum { OTHERWISE, BY_TANGENT, BY_RADIUS } damped_ = OTHERWISE;
 
   private:
+    std::string title() const { return "demlaws/table " + table_.path(); }
     __attribute__((noinline, cold)) void refuse(const std::string &what) const {
-      raise(*of.error, true, name + ": " + what);
+      raise(*of.error, true, title() + ": " + what);
     }
     // The number of body 0 or 1, as far as it is known: a wall's model knows its particle's velocity alone; -1: a wall.
     __attribute__((noinline, cold)) long body(int which) const {
@@ -224,7 +292,7 @@ template <bool LATE> struct Granular {
     }
     __attribute__((noinline, cold)) std::string who() const {
       const std::string first = std::to_string(body(0)), second = std::to_string(body(1));
-      return name + ": particle" +
+      return title() + ": particle" +
              (gm->contact_type == PAIR ? "s " + first + " and " + second : " " + first + " and the wall") + ": ";
     }
     // Reports what is wrong with one contact.
@@ -247,8 +315,8 @@ template <bool LATE> struct Granular {
     }
     __attribute__((noinline, cold)) void refuse_contact() const {
       std::ostringstream what;
-      what << name << ": contacts of type " << gm->contact_type
-           << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran or wall/gran/region";
+      what << title() << ": contacts of type " << gm->contact_type
+           << " (of a newer LAMMPS) are not known here; use pairs of spheres, wall/gran, wall/gran/region or surfaces";
       raise(*of.error, false, what.str());
     }
   };
@@ -256,26 +324,12 @@ template <bool LATE> struct Granular {
   // The rule of unloading is known when compiled.
   template <demlaws::Unloading RULE> class Ruled : public Table {
   public:
-    Ruled(Model *m, const std::string &named, const demlaws::Table &table) : Table(m, named, table) {}
+    Ruled(Model *m, const demlaws::Table &table) : Table(m, table) {}
     __attribute__((flatten)) double calculate_forces() {
       return __builtin_expect(this->ledger_.busy | this->gm->calculate_svector, 0) ? watched() : force();
     }
 
-    __attribute__((flatten)) void whole() {
-      Model *const m = this->gm;
-      if (__builtin_expect(this->ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
-      geometry(m, this->speed_);
-      m->Fnormal = force();
-      DampingMod *const damped = m->damping_model;
-      if (this->damped_ != Table::OTHERWISE) {
-        const bool by_tangent = this->damped_ == Table::BY_TANGENT;
-        damped->damp_prefactor =
-            damped->damp * (by_tangent ? sqrt(m->meff * this->stiffness_) : m->meff * m->contact_radius);
-        sum(m, m->Fnormal - damped->damp_prefactor * m->vnnr);
-      } else sum(m, m->Fnormal + call<double>(damped, FORCES));
-    }
-
-  private:
+  protected:
     inline double force() {
       Model *const m = this->gm;
       double *const state = m->history + this->history_index;
@@ -322,7 +376,7 @@ template <bool LATE> struct Granular {
     using TangentialMod::gm;
     using TangentialMod::history_index;
     Passive(Model *m, const std::string &named)
-        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(m->of.lmp)), normal_(NULL), springs_(0) {
+        : TangentialMod(m, COEFFICIENTS), ledger_(Ledger::of(this->of.lmp)), normal_(NULL), springs_(0), levels_(0) {
       this->name = named;
       this->nondefault_history_transfer = 1;
     }
@@ -335,18 +389,38 @@ template <bool LATE> struct Granular {
       for (int k = 0; k < COEFFICIENTS; k++) coeffs[k] = sqrt(a[k] * b[k]);
       coeffs_to_local();
     }
+    // The words XT MU from arg[at] on.
+    static void read(void *error, char **arg, int at, int count, double *into) {
+      if (at + COEFFICIENTS > count)
+        raise(error, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
+      into[DAMPING_RATIO] = number(error, "the damping of tangential demlaws", arg[at]);
+      into[FRICTION] = number(error, "the friction of tangential demlaws", arg[at + 1]);
+    }
     // Before GranularModel::init() deals the history: the normal model is known.
     void settle() {
       normal_ = dynamic_cast<Table *>(gm->normal_model);
       if (!normal_) raise(*this->of.error, true, "tangential demlaws goes with the normal model demlaws/table only");
       springs_ = normal_->slips() ? (int)normal_->coeffs[Table::SPRINGS] : 0;
-      this->size_history = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::STRETCH_SIZE;
+      levels_ = (int)normal_->coeffs[Table::LEVELS];
+      this->size_history = springs_ ? demlaws::SpringRow::size(springs_) : demlaws::levels_size(levels_);
       delete[] this->transfer_history_factor;
       this->transfer_history_factor = new double[this->size_history];
       // scalars are the same seen from either particle, stretches are opposite
       std::fill(this->transfer_history_factor, this->transfer_history_factor + this->size_history, -1.);
-      std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : 1), 1.);
-      this->k = 2. * normal_->shear_ratio() * normal_->effective_modulus(); // K_t over the contact radius: twisting
+      std::fill(this->transfer_history_factor, this->transfer_history_factor + (springs_ ? 2 : levels_), 1.);
+      ratio_ = normal_->shear_ratio();
+      this->k = 2. * ratio_ * normal_->effective_modulus(); // K_t over the contact radius: twisting
+    }
+    // Then: of a restart file, or of a wall, whose line is written again.
+    void compare(bool restart, bool wall) const {
+      int &of_restart = Range::of(this->of.lmp).of_restart;
+      if (restart) of_restart = this->size_history;
+      else if (wall && of_restart && of_restart != this->size_history)
+        raise(
+            *this->of.error, true,
+            "demlaws/table: the contacts of the restart file keep " + std::to_string(of_restart) +
+                " values for shear, this wall " + std::to_string(this->size_history) +
+                ": write the words 'levels', 'shear' and 'springs' that the wall had; files of 0.2.0 have 'levels 1'");
     }
     void calculate_forces() {
       Model *const m = gm;
@@ -356,14 +430,14 @@ template <bool LATE> struct Granular {
         std::copy(numbers, numbers + this->size_history, copy);
         numbers = copy;
       }
-      const double stiffness = normal_->shear_stiffness(), ratio = normal_->shear_ratio(), dt = keep ? m->dt : 0.,
+      const double stiffness = normal_->shear_stiffness(), ratio = ratio_, dt = keep ? m->dt : 0.,
                    limit = this->mu * normal_->Fncrit;
       const double displacement[3] = {m->vtr[0] * dt, m->vtr[1] * dt, m->vtr[2] * dt};
       const demlaws::ShearStep step =
           springs_ ? demlaws::SpringRow(numbers, springs_)
                          .step(stiffness, ratio, limit, normal_->compression(), m->nx, displacement)
-                   : demlaws::shear_step(ratio * stiffness, limit, m->nx, displacement, *(demlaws::Stretch *)numbers);
-      this->damp = coeffs[DAMPING_RATIO] * m->damping_model->damp_prefactor;
+                   : demlaws::shear_step(levels_, ratio * stiffness, limit, m->nx, displacement, numbers);
+      this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       const double damping = step.slides ? 0. : this->damp;
       for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * m->vtr[k];
       if (__builtin_expect(ledger_.busy, 0)) account(step);
@@ -387,96 +461,75 @@ template <bool LATE> struct Granular {
     }
     Ledger &ledger_;
     const Table *normal_;
-    int springs_; // 0: the contact sticks until it slides
+    int springs_, levels_; // springs_ 0: the contact sticks until it slides
+    double ratio_ = 0.;    // K_t / K
   };
 
-  // In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
-  static inline bool in_pairs(const Model *m) {
-    if (m->contact_type | (int)m->synchronized()) return false;
-    const NormalMod *const normal = m->normal_model;
-    if (__builtin_expect(normal == Table::latest, 1)) return true;
-    if (!this_object.holds(*(const void *const *)normal)) return false; // where the table of virtual functions stands
-    if (!((const Table *)normal)->is_whole()) return false;
-    Table::latest = (Table *)normal;
-    return true;
+  template <int RULE> static Table *make_table(Model *m, const demlaws::Table &table) {
+    if (RULE != table.unloading()) return make_table < RULE == demlaws::OWN ? RULE : RULE + 1 > (m, table);
+    return new typename ABI::template Final<Ruled<(demlaws::Unloading)RULE>>(m, table);
   }
-  static bool check(void *model) {
-    Model *const m = (Model *)model;
-    return in_pairs(m) ? touching(m) : check_elsewhere(m);
-  }
-  static void compute(void *model) {
-    Model *const m = (Model *)model;
-    if (in_pairs(m)) return ((Table *)m->normal_model)->whole();
-    if (m->contact_type != PAIR && !this_object.holds(*(const void *const *)m->normal_model)) look_at_wall(m);
-    compute_elsewhere(m);
-  }
-  // A contact with a wall whose line still has a stock model.
-  __attribute__((noinline)) static void look_at_wall(Model *m) {
-    Range &range = Range::of(m->of.lmp);
-    const std::string &name = m->normal_model->name;
-    if (range.used && range.counts.reported.insert("wall " + name).second)
-      Range::warn(m->of.lmp, *m->of.error,
-                  "a fix wall/gran has the stock model " + name +
-                      ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
-                      "'granular demlaws/table FILE E eta nu ...' at the wall, too (`demlaws lammps convert`)");
-  }
-
-  template <int RULE> static Table *make_table(Model *m, const std::string &named, const demlaws::Table &table) {
-    if (RULE != table.unloading()) return make_table < RULE == demlaws::OWN ? RULE : RULE + 1 > (m, named, table);
-    return new Ruled<(demlaws::Unloading)RULE>(m, named, table);
-  }
-
-  // GranularModel::construct_sub_model for the names above; outputs: room for those of compute pair/local.
-  static void construct(void *model, const std::string &name, int type, bool outputs) {
-    Model *const m = (Model *)model;
-    SubMod *made;
-    if (type == NORMAL) {
-      const size_t space = name.find(' ');
-      if (space == std::string::npos)
-        raise(*m->of.error, true, "demlaws/table: no file; write  demlaws/table FILE E eta nu");
-      try {
-        made = m->normal_model =
-            make_table<0>(m, name, demlaws::load_table(Ranks(m->of.lmp, *m->of.error), name.substr(space + 1)));
-      } catch (const std::runtime_error &problem) {
-        raise(*m->of.error, true, std::string("demlaws/table: ") + problem.what());
-      }
-      if (!outputs) made->nsvector = 0;
-      Range::of(m->of.lmp).used = true;
-    } else if (type == DAMPING) made = m->damping_model = new Tangent(m, name);
-    else made = m->tangential_model = new Passive(m, name);
-    delete m->sub_models[type];
-    m->sub_models[type] = made;
-  }
-
-  // GranularModel::add_sub_model for the names above.
-  static int add(void *model, char **arg, int at, int count, int type, bool outputs) {
-    Model *const m = (Model *)model;
-    std::string name = arg[at++];
-    void *const error = *m->of.error;
-    if (type == NORMAL) {
-      if (at + 4 > count)
-        raise(error, true,
-              "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
-              "[extrapolation on] [shear elastic|loading|slip] [springs N]");
-      name += std::string(" ") + arg[at++];
+  // The normal model with this file; outputs: room for those of compute pair/local. What was there before is not
+  // deleted.
+  static Table *set_table(Model *m, void *lmp, void *error, const std::string &file, bool outputs) {
+    Table *made;
+    try {
+      made = make_table<0>(m, demlaws::load_table(Ranks(lmp, error), file));
+    } catch (const std::runtime_error &problem) {
+      raise(error, true, std::string("demlaws/table: ") + problem.what());
     }
-    double c[Table::FINGERPRINT] = {0.};
+    if (!outputs) made->nsvector = 0;
+    Range::of(lmp).used = true;
+    m->normal_model = made;
+    m->sub_models[NORMAL] = made;
+    return made;
+  }
+
+  // A normal model whose file only its numbers will name, those of a restart file or of two types: the table then comes
+  // in its place.
+  class Expected : public NormalMod {
+  public:
+    Expected(Model *m, bool outputs) : NormalMod(m, Table::NUMBERS, 0), outputs_(outputs) {
+      this->name = "demlaws/table";
+    }
+    void coeffs_to_local() {
+      Table *const made = set_table(this->gm, this->of.lmp, *this->of.error, Table::file_of(this->coeffs), outputs_);
+      std::copy(this->coeffs, this->coeffs + Table::NUMBERS, made->coeffs);
+      made->coeffs_to_local();
+      delete this;
+    }
+    void mix_coeffs(double *a, double *b) {
+      set_mixed(this->gm, this->of.lmp, *this->of.error, a, b, outputs_);
+      delete this;
+    }
+    double calculate_forces() { return 0.; }
+
+  private:
+    const bool outputs_;
+  };
+  static void set_mixed(Model *m, void *lmp, void *error, double *a, double *b, bool outputs) {
+    const std::string file = Table::file_of(a), other = Table::file_of(b);
+    if (file != other)
+      raise(error, true,
+            "demlaws/table: particle types with the tables " + file + " and " + other +
+                " cannot be mixed: write the pair_coeff line of the two types");
+    set_table(m, lmp, error, file, outputs)->mix_coeffs(a, b);
+  }
+
+  // The words FILE E eta nu from arg[at] on; goes behind them.
+  static std::string read_material(void *error, char **arg, int &at, int count, double *into) {
+    if (at + 4 > count)
+      raise(error, true,
+            "demlaws/table needs FILE E eta nu, then [roughness SIGMA] [against E2 nu2] [radius_tolerance X] "
+            "[extrapolation on] [shear elastic|loading|slip] [shear_ratio X] [levels N] [springs N]");
+    const std::string file = arg[at++];
     static const char *const names[3] = {"E", "eta", "nu"};
-    for (int k = 0; type == NORMAL && k < 3; k++, at++)
-      c[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
-    construct(m, name, type, outputs);
-    double *const into = m->sub_models[type]->coeffs;
-    if (type == TANGENTIAL) {
-      if (at + 2 > count)
-        raise(error, true, "tangential demlaws needs XT MU: damping as that of stock models, friction");
-      into[Passive::DAMPING_RATIO] = number(error, "the damping of tangential demlaws", arg[at]);
-      into[Passive::FRICTION] = number(error, "the friction of tangential demlaws", arg[at + 1]);
-      m->sub_models[type]->coeffs_to_local();
-      return at + 2;
-    }
-    if (type != NORMAL) return at;
-    std::copy(c, c + 3, into);
-    ((Table *)m->normal_model)->check_order();
+    for (int k = 0; k < 3; k++, at++) into[k] = number(error, std::string("(in FILE E eta nu) ") + names[k], arg[at]);
+    return file;
+  }
+  // The keywords from arg[at] on, which may change E and nu; returns the place behind them.
+  static int read_options(void *error, char **arg, int at, int count, double *into) {
+    bool levels = false;
     for (int values; at < count; at += values + 1) {
       const std::string word = arg[at], value = at + 1 < count ? arg[at + 1] : "nothing";
       values = word == "against" ? 2 : 1;
@@ -497,8 +550,14 @@ template <bool LATE> struct Granular {
       } else if (word == "roughness") {
         into[Table::ROUGHNESS] = given(1);
         if (!(given(1) > 0.)) raise(error, true, "demlaws/table: roughness must be positive [m]");
+      } else if (word == "shear_ratio") {
+        into[Table::RATIO] = given(1);
+        if (!(given(1) > 0.)) raise(error, true, "demlaws/table: shear_ratio must be above 0, at most 4/3");
       } else if (word == "springs") into[Table::SPRINGS] = given(1);
-      else if (word == "radius_tolerance") into[Table::TOLERANCE] = given(1);
+      else if (word == "levels") {
+        into[Table::LEVELS] = given(1);
+        levels = true;
+      } else if (word == "radius_tolerance") into[Table::TOLERANCE] = given(1);
       else if (word == "against") {
         const double E = given(1), nu = given(2);
         if (!(E > 0.) || !(nu > -1. && nu <= 0.5) || !(into[0] > 0.) || !(into[2] > -1. && into[2] <= 0.5))
@@ -507,51 +566,13 @@ template <bool LATE> struct Granular {
         join(into[0], into[2], E, nu, into[0], into[2]);
       } else break;
     }
-    m->sub_models[type]->coeffs_to_local();
+    if (levels && into[Table::SHEAR] == demlaws::SLIP_SHEAR)
+      raise(error, true, "demlaws/table: partial slip has springs, not levels: leave 'levels' out");
     return at;
-  }
-
-  // Before GranularModel::init.
-  static void before_init(void *model) {
-    Model *const m = (Model *)model;
-    Passive *const passive = dynamic_cast<Passive *>(m->tangential_model);
-    if (passive) return passive->settle();
-    const Table *const table = dynamic_cast<Table *>(m->normal_model);
-    if (!table || !m->tangential_model) return;
-    if (table->slips()) raise(*m->of.error, true, table->name + ": 'shear slip' needs  tangential demlaws XT MU");
-    const std::string &name = m->tangential_model->name;
-    if (name.compare(0, 7, "mindlin") || name == "mindlin_rescale/force") return;
-    Range::of(m->of.lmp).announce(
-        m->of.lmp, *m->of.error, "tangential",
-        "tangential " + name +
-            " creates energy where the stiffness changes while a contact is sheared: with mindlin a closed "
-            "box of rough spheres had 2.4 times its energy after 30 ms; use 'tangential demlaws XT MU' or "
-            "mindlin_rescale/force (docs/shear.md)");
-  }
-
-  // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the
-  // history of its sub-models. proved: pairs of particles may be computed here.
-  static void after_init(void *model, bool proved, bool &has_table, bool &keeps, std::vector<int> &sizes) {
-    Model *const m = (Model *)model;
-    Table *const table = dynamic_cast<Table *>(m->normal_model);
-    has_table = table != NULL;
-    keeps = table && table->unloads_otherwise();
-    if (table) table->plan(proved);
-    int at = 0;
-    for (int k = 0; k < 6; k++) {
-      const SubMod *const sub = m->sub_models[k];
-      sizes.push_back(sub->size_history);
-      // A rolling displacement and an angle of twist are the same seen from either particle (the relative spin and the
-      // normal both turn), but LAMMPS turns their signs whenever a pair changes its order, unless the sub-model says
-      // otherwise.
-      const bool same = table && (k == ROLLING || k == TWISTING) && !sub->nondefault_history_transfer;
-      for (int n = 0; n < sub->size_history; n++, at++)
-        if (same && m->transfer_history_factor) m->transfer_history_factor[at] = 1.;
-    }
   }
 };
 
-template <bool LATE> typename Granular<LATE>::Table *Granular<LATE>::Table::latest = NULL;
+template <class ABI> typename Granular<ABI>::Table *Granular<ABI>::Table::latest = NULL;
 
 } // namespace
 #endif

@@ -3,9 +3,23 @@
 #define DEMLAWS_REPORTS_H
 
 #include "ranks.h"
+#include <cstring>
 #include <map>
 
 namespace {
+
+const char *const MIXED_SIZES =
+    "demlaws/table: the pair_coeff lines keep different numbers of history values, which LAMMPS mixes up whenever "
+    "neighbour lists are rebuilt; give every pair of types demlaws/table (Hertz is a table, too) and the same "
+    "tangential, rolling and twisting models";
+
+// Whether delete_atoms, with these words, leaves the particles their numbers.
+inline bool keeps_numbers(int count, char **arg) {
+  bool keeps = false;
+  for (int n = 1; n < count; n++)
+    if (!strcmp(arg[n - 1], "compress")) keeps = !strcmp(arg[n], "no");
+  return keeps;
+}
 
 // Of one instance of LAMMPS.
 struct Range {
@@ -13,6 +27,7 @@ struct Range {
   bool used = false;         // there is a table
   bool has_contacts = false; // forces were computed, or a restart file was read
   long long checked = -1;    // the step in which positions were checked
+  int of_restart = 0;        // until the first run: what the tangential models of a restart file keep per contact
 
   static Range &of(void *lmp) {
     static std::map<void *, Range> all;
@@ -34,6 +49,50 @@ struct Range {
     const Ranks ranks(lmp, error);
     for (const std::string &line : counts.summaries(ranks))
       if (ranks.me == 0) warn(lmp, error, line);
+  }
+
+  // A wall whose line has this normal model.
+  void look_at_wall(void *lmp, void *error, const std::string &model) {
+    if (used && model != "demlaws/table" && counts.reported.insert("wall " + model).second)
+      warn(lmp, error,
+           "a fix wall/gran has the stock model " + model +
+               ", other contacts demlaws/table: contacts with this wall do not follow the law; write "
+               "'granular demlaws/table FILE E eta nu ...' at the wall, too (`demlaws lammps convert`)");
+  }
+
+  // A position that is not a number touches nothing: a particle with one would drop out of the model silently.
+  void check_positions(void *lmp, void *error) {
+    const Stock &stock = Stock::get();
+    const void *const now = used ? stock.global(lmp, "ntimestep") : NULL;
+    if (!now || *(const long long *)now == checked) return;
+    checked = *(const long long *)now;
+    has_contacts = true;
+    const double *const *const x = (const double *const *)stock.atom(lmp, "x");
+    const long count = 3 * (long)stock.setting(lmp, "nlocal");
+    if (!x || !count) return;
+    double sum[8] = {0., 0., 0., 0., 0., 0., 0., 0.};
+    long k = 0;
+    for (; k + 8 <= count; k += 8)
+      for (int n = 0; n < 8; n++) sum[n] += 0. * x[0][k + n]; // 0, or no number for ever
+    for (; k < count; k++) sum[0] += 0. * x[0][k];
+    if (__builtin_expect(sum[0] + sum[1] + sum[2] + sum[3] + sum[4] + sum[5] + sum[6] + sum[7] == 0., 1)) return;
+    for (k = 0; 3 * k < count; k++) {
+      const double *const p = x[0] + 3 * k;
+      if (0. * (p[0] + p[1] + p[2]) == 0.) continue;
+      std::ostringstream what;
+      what << "demlaws/table: particle " << tag_of(lmp, k) << " is at (" << p[0] << ", " << p[1] << ", " << p[2]
+           << ") m, which is not finite; take a smaller time step, look at what was done to this particle";
+      raise(error, false, what.str());
+    }
+  }
+
+  // LAMMPS finds the history of a contact by the number of the partner: with new numbers contacts would be virgin ones,
+  // or go on with the history of others.
+  void keep_numbers(void *error) const {
+    if (has_contacts)
+      raise(error, true,
+            "demlaws/table: contacts would lose their histories, which LAMMPS finds by the numbers of the particles: "
+            "write 'delete_atoms ... compress no', and 'reset_atoms id' before the first run");
   }
 
   void look_across(void *lmp, void *error) {

@@ -104,6 +104,7 @@ struct Stock {
   void (*warn)(void *, const std::string &, int, const std::string &);
   int (*communicator)(void *);
   std::string missing; // the first function that this LAMMPS does not have
+  bool exported() const { return dlsym(RTLD_DEFAULT, "lammps_version"); } // whether functions of LAMMPS can be found
 
   static Stock &get() {
     static Stock stock;

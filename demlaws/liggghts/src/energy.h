@@ -65,6 +65,8 @@ private:
   const std::shared_ptr<Instance> instance_;
 };
 
+static const char *const SHEAR_0_2 = "levels 1 (0.2.0)"; // or springs: files of 0.2.0 do not say
+
 // Takes the ledger's sum and the fingerprints of the tables through restart files, reports the counts of a run, and
 // looks for what would make contacts wrong silently. The plugin makes it; there is one.
 class FixKept : public Fix {
@@ -81,6 +83,7 @@ public:
     if (instance_->source) look_at_walls();
   }
   void setup_pre_force(int vflag) {
+    instance_->stored_shears.clear(); // from now on contacts are of this run
     look_across();
     pre_force(vflag);
   }
@@ -102,6 +105,7 @@ public:
     for (const auto &owner : instance_->used)
       for (const auto &print : owner.second)
         text << print.first.first << ' ' << print.first.second << ' ' << print.second << ' ' << owner.first << '\n';
+    for (const auto &shear : instance_->shears) text << shear.second << ' ' << shear.first << '\n';
     const std::string written = text.str();
     const int size = (int)written.size() + 1;
     fwrite(&size, sizeof size, 1, file);
@@ -117,6 +121,11 @@ public:
     std::string owner;
     while (text >> types.first >> types.second >> fingerprint && std::getline(text >> std::ws, owner))
       instance_->stored[owner][types] = fingerprint;
+    for (const auto &one : instance_->stored) instance_->stored_shears[one.first] = SHEAR_0_2;
+    text.clear();
+    std::string word, number;
+    while (text >> word >> number && std::getline(text >> std::ws, owner))
+      instance_->stored_shears[owner] = word + ' ' + number;
   }
   static Fix *create(LAMMPS *lmp, int narg, char **arg) { return new FixKept(lmp, narg, arg); }
   static const char *name() { return "demlaws/kept"; }
@@ -188,11 +197,26 @@ inline void register_styles(Modify *modify) {
   (*(modify->*get(FixMap())))[FixKept::name()] = &FixKept::create;
 }
 
-// Adds the fix where it is missing; in the first init, when what a restart file holds for it is still there.
+// Adds the fix where it is missing; in the first init at the latest, when what a restart file holds for it is still
+// there.
 inline void ensure_fix(Modify *modify) {
   if (modify->find_fix_style_strict(FixKept::name(), 0)) return;
   const char *words[] = {"demlaws_kept", "all", FixKept::name()};
   modify->add_fix(3, const_cast<char **>(words));
+}
+
+// LIGGGHTS reads the history of contacts by its size alone: the contacts of a restart file go on with the shear that
+// they had.
+inline void check_shear(LAMMPS *lmp, const std::string &owner) {
+  const Instance &instance = *Instance::of(lmp);
+  const auto now = instance.shears.find(owner), before = instance.stored_shears.find(owner);
+  if (now == instance.shears.end() || before == instance.stored_shears.end() || now->second == before->second) return;
+  const bool old = before->second == SHEAR_0_2;
+  if (old && (now->second == "levels 1" || now->second.compare(0, 7, "springs") == 0)) return;
+  const std::string what = "tangential model demlaws: the contacts of the restart file have '" + before->second +
+                           "', " + owner + " has '" + now->second + "': write '" + (old ? "levels 1" : before->second) +
+                           "' in its line";
+  lmp->error->all(FLERR, what.c_str());
 }
 
 } // namespace demlaws

@@ -28,8 +28,8 @@ struct PairSettings {
   Files files;
   std::map<std::string, const Table *> tables; // as read: since then the folder, or the file, may be another
   bool use_roughness = false, extrapolate = false;
-  double radius_tolerance = 0.01, springs = 12.;
-  Shear shear = ELASTIC_SHEAR; // the normal stiffness used to compute K_t
+  double radius_tolerance = 0.01, shear_ratio = 0.; // 0: that of Mindlin
+  Shear shear = ELASTIC_SHEAR;                      // the normal stiffness used to compute K_t
 };
 
 // Energy of this rank that no pair contact holds: `taken` is what plastic flow took in pair contacts that have ended
@@ -62,11 +62,13 @@ struct Instance {
   Line line;         // of the line being read
   std::string owner; // whose properties are being connected: "pair" or "wall ID"
   PairSettings pair;
+  double springs = 12., levels = LEVELS; // of the pair style
   Ledger ledger;
   Counts counts; // of the run that goes on
   EnergySource *source = NULL;
-  std::map<std::string, Fingerprints> used, stored; // by owner: of this run, of the restart file
-  std::set<std::string> walls;                      // IDs of the walls whose model is demlaws/table
+  std::map<std::string, Fingerprints> used, stored;         // by owner: of this run, of the restart file
+  std::map<std::string, std::string> shears, stored_shears; // 'levels N' or 'springs N', likewise
+  std::set<std::string> walls;                              // IDs of the walls whose model is demlaws/table
 
   static std::shared_ptr<Instance> of(LAMMPS *lmp) {
     std::weak_ptr<Instance> &slot = all()[lmp];

@@ -56,6 +56,7 @@ public:
     settings.registerOnOff("limitForce", limit_force_, false);
     settings.registerOnOff("surfaceRoughness", own_.use_roughness, false);
     settings.registerDoubleSetting("radius_tolerance", own_.radius_tolerance, 0.01);
+    settings.registerDoubleSetting("shear_ratio", own_.shear_ratio, 0.);
     settings.registerOnOff("extrapolation", own_.extrapolate, false);
     settings.registerOnOff("restart_check", check_restart_, true);
   }
@@ -66,6 +67,8 @@ public:
     given_ = instance_->line.given;
     own_.files = instance_->line.files;
     own_.shear = instance_->line.shear;
+    if (given_.count("shear_ratio") && !(own_.shear_ratio > 0. && own_.shear_ratio <= 4. / 3.))
+      error->all(FLERR, "model demlaws/table: shear_ratio must be above 0, at most 4/3");
     if (!wall_) {
       if (own_.files.empty())
         error->all(FLERR, "model demlaws/table: no table; add 'table FILE' to the line (`demlaws table` writes one)");
@@ -275,6 +278,7 @@ private:
       }
       if (!given_.count("surfaceRoughness")) now_.use_roughness = from.use_roughness;
       if (!given_.count("radius_tolerance")) now_.radius_tolerance = from.radius_tolerance;
+      if (!given_.count("shear_ratio")) now_.shear_ratio = from.shear_ratio;
       if (!given_.count("extrapolation")) now_.extrapolate = from.extrapolate;
       if (!given_.count("shear")) now_.shear = from.shear;
     }
@@ -321,7 +325,7 @@ private:
     if (!doubt.empty() && instance_->counts.reported.insert(doubt).second && comm->me == 0)
       error->warning(FLERR, (who.str() + doubt).c_str());
     type.damping = -2. * 0.91287092917527685576 * beta_[i][j];
-    type.tangential = 4. * effective_shear_[i][j] / effective_modulus_[i][j];
+    type.tangential = now_.shear_ratio > 0. ? now_.shear_ratio : 4. * effective_shear_[i][j] / effective_modulus_[i][j];
     type.tangential_damping = damp_tangentially_ ? sqrt(type.tangential) : 0.;
     return table.fingerprint();
   }

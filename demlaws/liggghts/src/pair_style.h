@@ -27,15 +27,19 @@ public:
     Instance &instance = model_.normal.instance();
     if (instance.source == this) instance.source = NULL;
     instance.used.erase("pair");
+    instance.shears.erase("pair");
   }
   int64_t hashcode() { return model_.hashcode(); }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp, count, arguments);
+    model_.normal.instance().owner = "pair";
     Settings settings(lmp);
     model_.registerSettings(settings);
     const bool good = settings.parseArguments(count, arguments);
     if (!good) error->all(FLERR, settings.error_message.c_str());
     model_.postSettings(setup);
+    if (domain->box_exist) ensure_fix(modify); // before LIGGGHTS reads the contacts of a restart file
+    check_shear(lmp, "pair");
   }
   void init_granular() {
     ensure_fix(modify);

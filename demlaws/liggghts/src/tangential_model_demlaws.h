@@ -20,17 +20,28 @@ public:
       : TangentialModelBase(lmp, setup, base), instance_(demlaws::Instance::of(lmp)), wall_(base->is_wall()) {}
   void connect(const NormalModel<DEMLAWS_TABLE> &normal) { normal_ = &normal; }
 
-  void registerSettings(Settings &settings) { settings.registerDoubleSetting("springs", springs_, 12.); }
+  void registerSettings(Settings &settings) {
+    settings.registerDoubleSetting("springs", springs_, 12.);
+    settings.registerDoubleSetting("levels", levels_, demlaws::LEVELS);
+  }
   // A wall takes what its line does not give from the pair style, as the normal model does.
   void postSettings(IContactHistorySetup *setup, ContactModelBase *) {
     const demlaws::Line &line = instance_->line;
     const bool own = !wall_ || line.given.count("shear");
     slips_ = (own ? line.shear : instance_->pair.shear) == demlaws::SLIP_SHEAR;
-    if (wall_ && !line.given.count("springs")) springs_ = instance_->pair.springs;
-    if (!wall_) instance_->pair.springs = springs_;
+    if (wall_ && !line.given.count("springs")) springs_ = instance_->springs;
+    own_levels_ = line.given.count("levels");
+    if (wall_ && !own_levels_) levels_ = instance_->levels;
+    if (!wall_) instance_->springs = springs_;
+    if (!wall_) instance_->levels = levels_;
     if (!demlaws::SpringRow::may_have(springs_))
       error->all(FLERR, "tangential model demlaws: 'springs' must be an even number from 2 to 30");
-    const int scalars = slips_ ? 2 : 1, vectors = slips_ ? (int)springs_ : 1;
+    if (!demlaws::may_have_levels(levels_))
+      error->all(FLERR, "tangential model demlaws: 'levels' must be a whole number from 1 to 8");
+    if (slips_ && line.given.count("levels"))
+      error->all(FLERR, "tangential model demlaws: partial slip has springs, not levels: leave 'levels' out");
+    instance_->shears[instance_->owner] = words();
+    const int scalars = slips_ ? 2 : (int)levels_, vectors = (int)(slips_ ? springs_ : levels_);
     for (int i = 0; i < scalars + 3 * vectors; i++) {
       std::ostringstream name;
       name << "demlaws_shear" << i;
@@ -51,13 +62,16 @@ public:
     if (slips_ != (normal_->shear() == demlaws::SLIP_SHEAR))
       error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'shear' was known: "
                         "define it below the pair_style line");
+    if (wall_ && !slips_ && !own_levels_ && levels_ != instance_->levels)
+      error->all(FLERR, "tangential model demlaws: this wall was defined before the pair style's 'levels' was known: "
+                        "define it below the pair_style line");
     PairGran *const pair = static_cast<PairGran *>(force->pair_match("gran", 0));
     if (pair && !wall_ &&
         pair->dnum() > neighbor->pgsize / neighbor->oneatom) { // a page must hold one particle's history
       std::ostringstream what;
       what << "tangential model demlaws: a contact keeps " << pair->dnum() << " values, LIGGGHTS has room for "
            << neighbor->pgsize / neighbor->oneatom << ": say 'neigh_modify page " << pair->dnum() * neighbor->oneatom
-           << "', or give fewer 'springs'";
+           << "', or give fewer 'springs' or 'levels'";
       error->all(FLERR, what.str().c_str());
     }
   }
@@ -75,7 +89,7 @@ public:
       const double ratio = normal_->shear_ratio(data);
       step = demlaws::SpringRow(numbers, (int)springs_)
                  .step(data.kt / ratio, ratio, limit, normal_->compression(data), data.en, displacement);
-    } else step = demlaws::shear_step(data.kt, limit, data.en, displacement, *(demlaws::Stretch *)numbers);
+    } else step = demlaws::shear_step((int)levels_, data.kt, limit, data.en, displacement, numbers);
     if (keep) take(step.lost(), data);
     if (wall_ && data.computeflag && instance_->ledger.readers)
       instance_->ledger.enter(update->ntimestep, step.energy, 0.);
@@ -96,9 +110,11 @@ public:
 
   inline void surfacesClose(SurfacesCloseData &data, ForceData &, ForceData &) {
     if (data.contact_flags) *data.contact_flags &= ~CONTACT_TANGENTIAL_MODEL;
-    if (!data.contact_history || data.contact_history[offset_] == 0.) return;
+    if (!data.contact_history) return;
+    double *const kept = data.contact_history + offset_;
+    if (kept[slips_ ? 0 : (int)levels_ - 1] == 0.) return; // its stiffness
     take(stored(data), data);
-    std::fill(data.contact_history + offset_, data.contact_history + offset_ + size(), 0.);
+    std::fill(kept, kept + size(), 0.);
   }
   void beginPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
   void endPass(SurfacesIntersectData &, ForceData &, ForceData &) {}
@@ -107,7 +123,7 @@ public:
   double stored(const SurfacesCloseData &data) const {
     if (!data.contact_history) return 0.;
     double *const kept = data.contact_history + offset_;
-    if (!slips_) return demlaws::stretch_energy(*(const demlaws::Stretch *)kept);
+    if (!slips_) return demlaws::Levels<0>(kept, (int)levels_).energy();
     return demlaws::SpringRow(kept, (int)springs_).energy(normal_->shear_ratio(data));
   }
 
@@ -116,14 +132,20 @@ private:
     if (data.is_wall) instance_->ledger.taken += lost;
     else instance_->ledger.take(lost, data.j, atom->nlocal);
   }
-  int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::STRETCH_SIZE; }
+  int size() const { return slips_ ? demlaws::SpringRow::size((int)springs_) : demlaws::levels_size((int)levels_); }
+
+  std::string words() const {
+    std::ostringstream words;
+    words << (slips_ ? "springs " : "levels ") << (int)(slips_ ? springs_ : levels_);
+    return words.str();
+  }
 
   const std::shared_ptr<demlaws::Instance> instance_;
   const bool wall_;
   const NormalModel<DEMLAWS_TABLE> *normal_ = NULL;
-  double **friction_ = NULL, springs_ = 12.;
+  double **friction_ = NULL, springs_ = 12., levels_ = demlaws::LEVELS;
   int offset_ = -1;
-  bool slips_ = false;
+  bool slips_ = false, own_levels_ = false; // own_levels_: the line has the word
 };
 
 } // namespace ContactModels

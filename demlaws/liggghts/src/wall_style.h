@@ -21,15 +21,19 @@ public:
   }
   ~WallStyle() {
     instance_->used.erase(owner());
+    instance_->shears.erase(owner());
     instance_->walls.erase(parent_->id);
   }
   void settings(int count, char **arguments, IContactHistorySetup *setup) {
     Arguments own(lmp_, count, arguments);
+    instance_->owner = owner();
     Walls::Granular<MODEL>::settings(count, arguments, setup);
+    check_shear(lmp_, owner());
   }
   void init_granular() {
     ensure_fix(lmp_->modify);
     instance_->owner = owner();
+    check_shear(lmp_, owner()); // again: of a wall that stands above the pair style
     Walls::Granular<MODEL>::init_granular();
     forget_opened();
   }

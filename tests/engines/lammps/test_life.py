@@ -121,8 +121,8 @@ def test_a_lammps_that_does_not_fit_is_left_alone(folder, doctored, file, old, n
 
 @pytest.mark.slow  # compiles a plugin
 def test_a_contact_type_that_the_plugin_does_not_know_is_refused(granite_pair, doctored):
-    """LAMMPS's development has a fourth type; here the third, region walls, is made unknown."""
-    doctored("granular_abi.h", "WALL_REGION = 2 }", "WALL_REGION = 1 }")
+    """LAMMPS may get a fifth type; here the third, region walls, is made unknown."""
+    doctored("granular_abi.h", "LAST_TYPE = 3 }", "LAST_TYPE = 1 }")
     law = dl.law("hertz", granite_pair)
     assert follow(law, WALL, wall="plane", every=100)[0]["force"].max() > 0
     with pytest.raises(EngineStopped, match="contacts of type 2"):

@@ -132,7 +132,7 @@ def test_material_outside_the_scene_list(omega):
 
 def test_bodies_come_and_go(omega, monkeypatch):
     """Contacts end because bodies are erased, others begin with new bodies, whose history is where that of others was."""
-    from demlaws.yade import layout, native
+    from demlaws.yade import native
 
     monkeypatch.setattr(native, "FEW_ROWS", 4)
     monkeypatch.setattr("demlaws.yade.scene.PERIOD", 5)
@@ -153,7 +153,7 @@ def test_bodies_come_and_go(omega, monkeypatch):
             omega.bodies.erase(body)
     recorder.exact("rough-plastic", "hertz", yield_pressure=1.66e9)
     assert len(recorder.lives) == 72
-    assert attachment.context.words[layout.ROWS_USED] <= 40
+    assert attachment.context["rows_used"] <= 40
 
 
 @pytest.mark.parametrize("way", ["native", "public"])

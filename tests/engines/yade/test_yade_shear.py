@@ -23,25 +23,40 @@ PAIR = GRANITE.combined(GRANITE)
 CONTACT = dl.Contact(RADIUS / 2, MODULUS, PAIR.roughness, PAIR.fractal_dimension, PAIR.hardness)
 
 
-def taken_along(law, overlaps, displacements, friction=14.0):
-    """Two spheres led along a path: K_t, elastic shear force and normal force of their contact at each point."""
+def pair_of_spheres(law, friction=14.0):
+    """Two spheres that a test leads along a path."""
     omega = yade.O
     omega.reset()
     stone = material(friction=math.atan(friction))
     for height in (0.0, 2 * RADIUS):
         omega.bodies.append(sphere((0, 0, height), RADIUS, fixed=True, material=stone))
     set_engines(law, 1.0)
-    rows, x = [], 0.0
-    for overlap, displacement in zip(overlaps, displacements, strict=True):
+
+
+def lead(overlaps, displacements, start=(0.0, 0.0)):
+    """Lead the spheres along a path; displacements [m] in one or two directions. For each point: overlap, K_t, both elastic
+    shear forces, normal force."""
+    omega, rows, former = yade.O, [], np.array(start)
+    plane = np.array([np.broadcast_to(place, 2) * ((1.0, 0.0) if np.ndim(place) == 0 else 1.0) for place in displacements])
+    for overlap, place in zip(overlaps, plane, strict=True):
         omega.bodies[1].state.pos = yade.Vector3(0, 0, 2 * RADIUS - overlap)
         # YADE takes the shear of bodies that are as far apart as the sum of their radii, against ratcheting
-        omega.bodies[1].state.vel = yade.Vector3((displacement - x) * (1 - overlap / (2 * RADIUS)), 0, 0)
-        x = displacement
+        step = (place - former) * (1 - overlap / (2 * RADIUS))
+        omega.bodies[1].state.vel, former = yade.Vector3(*step, 0), place
         omega.step()
         contact = omega.interactions[0, 1]
         phys = contact.phys
-        rows.append((contact.geom.penetrationDepth, phys.ks, phys.shearElastic[0], phys.normalForce.norm()))
+        rows.append(
+            (contact.geom.penetrationDepth, phys.ks, phys.shearElastic[0], phys.shearElastic[1], phys.normalForce.norm())
+        )
     return np.array(rows).T
+
+
+def taken_along(law, overlaps, displacements, friction=14.0):
+    """Two spheres led along a path: K_t, elastic shear force and normal force of their contact at each point."""
+    pair_of_spheres(law, friction)
+    reached, stiffness, shear, _, normal = lead(overlaps, displacements)
+    return reached, stiffness, shear, normal
 
 
 def test_tangential_stiffness_through_a_reversal(omega):
@@ -73,12 +88,145 @@ def test_shear_force_is_that_of_the_passive_contact(omega, name, rule, way):
             assert np.diff(mine.dissipated).min() >= -1e-12 * mine.work.max()
 
 
+# --- levels
+
+
+def oblique(law, steps=400, seed=5):
+    """A random path in the tangent plane whose overlap vibrates by 1 % between larger changes: overlaps, displacements [m]."""
+    generator = np.random.default_rng(seed)
+    depth = float(law.overlap(40.0))
+    large = np.repeat(generator.uniform(0.4, 1.0, steps // 20), 20)
+    overlaps = depth * large * (1.0 + 0.01 * generator.standard_normal(steps))
+    corners = np.cumsum(generator.standard_normal((steps // 10, 2)), axis=0)
+    where = np.arange(steps) / 10.0
+    places = np.stack([np.interp(where, np.arange(steps // 10), corner) for corner in corners.T], -1)
+    return overlaps, 0.2 * depth * (places - places[0])
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+@pytest.mark.parametrize("levels", [1, 2, 3, None])
+def test_levels_are_those_of_python(omega, levels, way):
+    """Along oblique paths under vibration, with sliding; energies, too."""
+    for name, rule in [("hertz", "elastic"), ("pohrt-popov", "hertz")]:
+        one = example(name, CONTACT, rule)
+        overlaps, places = oblique(one)
+        surfaces = {} if name == "hertz" else {"granite": GRANITE}
+        law = functor(name, rule, surfaces, bridge=way, levels=levels)
+        pair_of_spheres(law, friction=0.5)
+        reached, _, *shear, normal = lead(overlaps, places)
+        mine = sheared(one, reached, places, GRANITE_RATIO, friction=0.5, levels=3 if levels is None else levels)
+        expected = mine.shear_force.T
+        assert -np.array(shear) == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
+        share = np.hypot(*shear) / (0.5 * np.maximum(normal, 1e-300))
+        assert np.any(share > 0.999) and np.any(share < 0.5)
+        totals = law.totals()
+        if way == "native":
+            assert totals.shear_stored == pytest.approx(mine.stored[-1], rel=1e-9)
+            assert totals.shear_dissipated == pytest.approx(mine.dissipated[-1], rel=0.02)
+
+
+def test_shear_force_is_kept_under_vibration(omega):
+    """After 1,000 vibrations by 1 % a contact at half of Coulomb's limit has the force of all springs; with one level none."""
+    one = example("pohrt-popov", CONTACT, "hertz")
+    depth = float(one.overlap(40.0))
+    overlaps = depth * np.concatenate([np.linspace(0.1, 1.0, 10), np.ones(10), np.tile([0.99, 1.01], 1000), [1.0]])
+    places = np.zeros(len(overlaps))
+    places[10:] = 0.3 * depth * np.minimum(np.arange(len(overlaps) - 10) / 10, 1.0)
+    every = sheared(one, overlaps, places, GRANITE_RATIO, friction=0.5, levels=300).shear_force
+    assert every[-1] > 0.9 * every[19]
+    left = {}
+    for levels in (1, 2, 3):
+        pair_of_spheres(functor(bridge="native", levels=levels), friction=0.5)
+        left[levels] = -lead(overlaps, places)[2][-1] / every[-1]
+    assert left[1] < 0.01 and min(left[2], left[3]) >= 0.98
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_levels_continue_from_a_saved_scene(omega, tmp_path, way):
+    one = example("pohrt-popov", CONTACT, "hertz")
+    overlaps, places = oblique(one, 100)
+    whole = functor(bridge=way)
+    pair_of_spheres(whole, friction=0.5)
+    _, _, *expected, _ = lead(overlaps, places)
+    pair_of_spheres(functor(bridge=way, levels=3), friction=0.5)
+    lead(overlaps[:50], places[:50])
+    omega.save(str(tmp_path / "half.xml"))
+    omega.reset()
+    omega.load(str(tmp_path / "half.xml"))
+    _, _, *shear, _ = lead(overlaps[50:], places[50:], places[49])
+    assert np.array(shear) == pytest.approx(np.array(expected)[:, 50:], rel=1e-12)
+
+
+def test_levels_with_the_native_go(omega):
+    """With calcEnergy YADE's own function acts; all levels follow its Coulomb limit."""
+    one = example("pohrt-popov", CONTACT, "hertz")
+    overlaps, places = oblique(one)
+    found = []
+    for native in (False, True):
+        pair_of_spheres(functor(bridge="native", calcEnergy=native), friction=0.5)
+        found.append(lead(overlaps, places))
+    for own, native in zip(*found, strict=True):
+        assert native == pytest.approx(own, abs=1e-12 * np.abs(own).max())
+
+
+def test_levels_turn_with_the_contact(omega):
+    """Two spheres in contact that turn about each other as one body keep the size of their shear force, in its plane."""
+    one = example("pohrt-popov", CONTACT, "hertz")
+    depth = float(one.overlap(40.0))
+    overlaps = depth * np.array([0.5, 1.0, 1.0, 0.9, 0.95, 1.0])
+    pair_of_spheres(functor(bridge="native"), friction=0.5)
+    _, _, *shear, _ = lead(overlaps, 0.05 * depth * np.array([0, 0, 1, 1, 2, 2]))
+    first, second = omega.bodies
+    turn = 1e-3
+    second.state.vel = yade.Vector3.Zero
+    for body in (first, second):
+        body.state.angVel = yade.Vector3(0, turn, 0)
+    for n in range(1, 1000):
+        place = (2 * RADIUS - depth) * yade.Vector3(math.sin(n * turn), 0, math.cos(n * turn))
+        second.state.vel = yade.Vector3(0, turn, 0).cross(place)
+        second.state.pos = place
+        omega.step()
+    geom, phys = omega.interactions[0, 1].geom, omega.interactions[0, 1].phys
+    assert geom.normal[0] > 0.8
+    assert phys.shearElastic.norm() == pytest.approx(np.hypot(shear[0][-1], shear[1][-1]), rel=2e-3)
+    assert abs(phys.shearElastic.dot(geom.normal)) < 2e-3 * phys.shearElastic.norm()
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"levels": 0}, {"levels": 9}, {"levels": 2.5}, {"levels": True}, {"levels": "3"}, {"levels": 3, "shear": "slip"}]
+    + [{"shear_ratio": value} for value in (0.0, -0.1, 1.34, math.nan, "soft")],
+    ids=str,
+)
+def test_wrong_levels_and_ratios_are_refused(omega, wrong):
+    with pytest.raises(dl.DemlawsError):
+        functor(**wrong)
+
+
+@pytest.mark.parametrize("way", ["native", "public"])
+def test_ratio_of_stiffnesses(omega, tmp_path, way):
+    """K_t is the given share of the stiffness of unloading, also in a saved scene, for the time stepper and in the estimate."""
+    from demlaws.yade.snapshot import snapshot
+
+    one = example("pohrt-popov", CONTACT, "hertz")
+    depth = float(one.overlap(40.0)) * np.array([0.5, 1.0, 0.9])
+    pair_of_spheres(functor(bridge=way, shear_ratio=0.1))
+    reached, stiffness, *_ = lead(depth, np.zeros(3))
+    assert stiffness == pytest.approx(one.shear_stiffness(reached, 0.1), rel=1e-11)
+    omega.save(str(tmp_path / "scene.xml"))
+    omega.load(str(tmp_path / "scene.xml"))
+    _, again, *_ = lead(depth[-1:], np.zeros(1))
+    assert again == pytest.approx(stiffness[-1:], rel=1e-12)
+    (springs,) = snapshot()["springs"]
+    assert springs == pytest.approx((stiffness[-1] / 0.1, stiffness[-1]), rel=1e-9)
+
+
 def test_choice_is_saved_and_checked(omega, tmp_path):
     from demlaws.yade.pairs import Pairs
 
-    law = functor(shear="loading")
+    law = functor(shear="loading", levels=2)
     again = Pairs.from_text(law.binding.pairs.as_text())
-    assert again.shear_name == "loading" and type(again.shear) is type(law.binding.pairs.shear)
+    assert (again.shear_name, again.levels) == ("loading", 2) and type(again.shear) is type(law.binding.pairs.shear)
     for wrong in ("secant", "tangent", ["elastic"]):
         with pytest.raises(dl.DemlawsError):
             functor(shear=wrong)

@@ -1,6 +1,7 @@
 """Packings at the advised time step keep their energy in YADE, and explode beyond the exact limit."""
 
 import itertools
+import json
 import math
 
 import numpy as np
@@ -83,3 +84,25 @@ def test_command_reads_a_saved_scene(omega, tmp_path, capfd):
     assert limit == pytest.approx(exact, rel=1e-3) and lines[-1].endswith("2 of the exact limit: unstable")
     (tmp_path / "bad.yade.gz").write_bytes(b"no scene")
     assert main(["timestep", str(tmp_path / "bad.yade.gz")]) == 2
+
+
+def test_scenes_without_friction_or_rotation(omega, tmp_path, capfd):
+    """ω² of the simple cubic lattice is 2/3 Z K/m times max(1 + 2r, 5r), 1 without friction, 1 + 2r without rotation."""
+    exact = limits_of(lattice("sc"))
+    ratio = 1.5 / 1.75
+
+    def found():
+        omega.save(str(tmp_path / "sc.yade.gz"))
+        assert main(["timestep", str(tmp_path / "sc.yade.gz"), "--json"]) == 0
+        return json.loads(capfd.readouterr().out)["exact"]
+
+    for body in omega.bodies:
+        body.state.blockedDOFs = "XYZ"
+    assert found() == pytest.approx(exact * math.sqrt(5 * ratio / (1 + 2 * ratio)), rel=1e-3)
+    for contact in omega.interactions:
+        contact.phys.tangensOfFrictionAngle = 0.0
+    assert found() == pytest.approx(exact * math.sqrt(5 * ratio), rel=1e-3)
+    next(iter(omega.interactions)).phys.kr = 1.0
+    omega.save(str(tmp_path / "rolling.yade.gz"))
+    assert main(["timestep", str(tmp_path / "rolling.yade.gz")]) == 2
+    assert main(["timestep", str(tmp_path / "sc.yade.gz"), "--friction", "0"]) == 2

@@ -490,7 +490,7 @@ def test_another_build_or_version_passes(bridge, monkeypatch, name, value):
     monkeypatch.setattr(yade.config, name, value)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        assert functor(bridge="native").way == "native" and bridge.layout().slot
+        assert functor(bridge="native").way == "native" and bridge.find_layout().slot
     assert (dy.BridgeWarning in [one.category for one in caught]) == (name == "version")
 
 
@@ -500,12 +500,14 @@ def test_another_build_or_version_passes(bridge, monkeypatch, name, value):
 def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
     import yade.config
 
-    real, find = bridge.read_memory, bridge._find
+    from demlaws.yade import search
+
+    real, find = search.read_memory, bridge.find_number
 
     def read(start, size, kind):
         words = real(start, size, kind).copy()
         if kind is bridge.ctypes.c_double:
-            written = words[np.isin(words, [1.2345e33, 2.4691e33, 3.7037e33])]  # what `_find` looks for
+            written = words[np.isin(words, [1.2345e33, 2.4691e33, 3.7037e33])]  # what `find_number` looks for
             words[-1] = written[0] if written.size else words[-1]
         return words
 
@@ -513,11 +515,11 @@ def test_a_doctored_layout_fails_closed(bridge, monkeypatch, doctored):
         return find(cls, name, *more, **options) + 8 * (cls.__name__ == "ScGeom6D" and name == "refR2")
 
     changes = {
-        "two places": (bridge, "read_memory", read),
-        "another class": (bridge, "_symbol_at", lambda location: "_ZTVN4yade5OtherE"),
-        "a moved member": (bridge, "_find", moved),
+        "two places": (search, "read_memory", read),
+        "another class": (search, "symbol_at", lambda location: "_ZTVN4yade5OtherE"),
+        "a moved member": (bridge, "find_number", moved),
         "precision": (yade.config, "highPrecisionBits", 80),
     }
     monkeypatch.setattr(*changes.get(doctored) or (bridge, doctored, getattr(bridge, doctored) + "x"))
     with pytest.raises(bridge.BridgeUnavailable):
-        bridge.layout()
+        bridge.find_layout()

@@ -1,0 +1,60 @@
+// LAMMPS's own classes, in the place of those that src/granular_abi.h mirrors.
+#ifndef DEMLAWS_GRANULAR_ABI_H
+#define DEMLAWS_GRANULAR_ABI_H
+
+#include "gran_sub_mod_demlaws.h"
+#include "granular_model.h"
+#include "stock.h"
+
+namespace {
+
+using namespace LAMMPS_NS::Granular_NS;
+const int LAST_TYPE = 3; // SURFACE, of package GRANSURF, which releases before 4 Jul 2026 have not
+
+// What a sub-model knows of its instance of LAMMPS.
+struct Instance {
+  void *lmp, **error;
+  explicit Instance(LAMMPS_NS::LAMMPS *instance) : lmp(instance), error((void **)&instance->error) {}
+};
+
+struct Abi {
+  typedef GranularModel Model;
+  typedef GranSubMod SubMod;
+  template <class RULED> using Final = RULED; // LAMMPS computes pairs of particles itself
+
+  // A sub-model in the place of the one that LAMMPS made by the name.
+  struct NormalMod : public GranSubModNormal {
+    const Instance of;
+
+  protected:
+    NormalMod(Model *m, int numbers, int outputs)
+        : GranSubModNormal(m, ((GranSubModNormalDemlaws *)m->sub_models[NORMAL])->instance()), of(lmp) {
+      num_coeffs = numbers;
+      nsvector = outputs;
+      allocate_coeffs();
+      std::fill(coeffs, coeffs + numbers, 0.);
+    }
+  };
+  struct DampingMod : public GranSubModDamping {
+    const Instance of;
+
+  protected:
+    explicit DampingMod(Model *m)
+        : GranSubModDamping(m, ((GranSubModDampingDemlaws *)m->sub_models[DAMPING])->instance()), of(lmp) {
+      allocate_coeffs();
+    }
+  };
+  struct TangentialMod : public GranSubModTangential {
+    const Instance of;
+
+  protected:
+    TangentialMod(Model *m, int numbers)
+        : GranSubModTangential(m, ((GranSubModTangentialDemlaws *)m->sub_models[TANGENTIAL])->instance()), of(lmp) {
+      num_coeffs = numbers;
+      allocate_coeffs();
+    }
+  };
+};
+
+} // namespace
+#endif

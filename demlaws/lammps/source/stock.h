@@ -1,0 +1,63 @@
+// LAMMPS, by its own headers: what src/stock.h finds by name in a running one. An object that a void pointer stands for
+// is the instance, LAMMPS *, except where `error` is an Error *.
+#ifndef DEMLAWS_STOCK_H
+#define DEMLAWS_STOCK_H
+
+#include "comm.h"
+#include "compute.h"
+#include "error.h"
+#include "fix.h"
+#include "lammps.h"
+#include "library.h"
+#include "modify.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <vector>
+
+namespace {
+
+inline LAMMPS_NS::LAMMPS *instance(void *lmp) { return (LAMMPS_NS::LAMMPS *)lmp; }
+inline void *error_of(void *lmp) { return instance(lmp)->error; }
+
+struct Stock {
+  static const Stock &get() {
+    static const Stock stock = {&warning};
+    return stock;
+  }
+  void (*warn)(void *, const std::string &, int, const std::string &);
+
+  void *global(void *lmp, const char *name) const { return lammps_extract_global(lmp, name); }
+  void *atom(void *lmp, const char *name) const { return lammps_extract_atom(lmp, name); }
+  int setting(void *lmp, const char *name) const { return lammps_extract_setting(lmp, name); }
+  void *find_fix(void *lmp, const char *id) const { return instance(lmp)->modify->get_fix_by_id(id); }
+  void *find_compute(void *lmp, const char *id) const { return instance(lmp)->modify->get_compute_by_id(id); }
+  void add_fix(void *lmp, int count, char **arg, int) const { instance(lmp)->modify->add_fix(count, arg); }
+  void add_compute(void *lmp, int count, char **arg, int) const { instance(lmp)->modify->add_compute(count, arg); }
+  void pair_local(void *compute) const { ((LAMMPS_NS::Compute *)compute)->compute_local(); }
+
+private:
+  static void warning(void *error, const std::string &, int, const std::string &text) {
+    ((LAMMPS_NS::Error *)error)->warning(FLERR, text);
+  }
+};
+
+// The number of this rank's particle at place i.
+inline long long tag_of(void *lmp, long i) {
+  const void *const tags = Stock::get().atom(lmp, "id");
+  if (!tags) return i;
+  return Stock::get().setting(lmp, "tagint") == 8 ? ((const long long *)tags)[i] : ((const int *)tags)[i];
+}
+
+// Error::all (every rank comes here) or Error::one; they throw or end the process.
+[[noreturn]] void raise(void *error, bool every_rank, const std::string &what) {
+  LAMMPS_NS::Error *const of = (LAMMPS_NS::Error *)error;
+  fflush(stdout); // in a pipe the message would be lost where mpirun ends this rank because another one has stopped
+  setvbuf(stdout, NULL, _IONBF, 0);
+  if (every_rank) of->all(FLERR, what);
+  of->one(FLERR, what);
+}
+
+} // namespace
+#endif

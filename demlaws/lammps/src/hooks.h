@@ -1,0 +1,136 @@
+// What the plugin does in the place of functions of LAMMPS's GranularModel, for each layout of its classes: sub-models
+// from the words of an input line, and pairs of particles computed here.
+#ifndef DEMLAWS_PLUGIN_HOOKS_H
+#define DEMLAWS_PLUGIN_HOOKS_H
+
+#include "granular_models.h"
+
+namespace {
+
+__attribute__((noinline)) bool check_elsewhere(void *m) { return Stock::get().check(m); }
+__attribute__((noinline)) void compute_elsewhere(void *m) { Stock::get().compute(m); }
+
+// A restart file, while its pair_coeff lines are read.
+struct Reading {
+  bool active;
+  FILE *file; // on rank 0
+  // The number that comes next.
+  int next(const Ranks &ranks) const {
+    int number = 0;
+    if (file) {
+      const long here = ftell(file);
+      if (fread(&number, sizeof number, 1, file) != 1) number = 0;
+      fseek(file, here, SEEK_SET);
+    }
+    return ranks.gather(number)[0];
+  }
+} reading = {false, NULL};
+
+// GranularModel::calculate_forces for a pair of particles, where Table::plan() found that it can be done here.
+template <bool LATE> template <class RULED> struct Abi<LATE>::Final : public RULED {
+  template <class... ARGUMENTS> explicit Final(ARGUMENTS &&...given) : RULED(given...) {}
+  __attribute__((flatten)) void whole() {
+    Model *const m = this->gm;
+    if (__builtin_expect(this->ledger_.busy | m->calculate_svector, 0)) return compute_elsewhere(m);
+    geometry(m, this->speed_);
+    m->Fnormal = this->force();
+    DampingMod *const damped = m->damping_model;
+    if (this->damped_ != RULED::OTHERWISE) {
+      const bool by_tangent = this->damped_ == RULED::BY_TANGENT;
+      damped->damp_prefactor =
+          damped->damp * (by_tangent ? sqrt(m->meff * this->stiffness_) : m->meff * m->contact_radius);
+      sum(m, m->Fnormal - damped->damp_prefactor * m->vnnr);
+    } else sum(m, m->Fnormal + call<double>(damped, FORCES));
+  }
+};
+
+template <class ABI> struct Hooks {
+  typedef Granular<ABI> Models;
+  typedef typename Models::Model Model;
+  typedef typename Models::Table Table;
+  typedef typename Models::Passive Passive;
+
+  // In the place of GranularModel::check_contact and calculate_forces, for each pair of neighbours at each step.
+  static inline bool in_pairs(const Model *m) {
+    if (m->contact_type | (int)m->synchronized()) return false;
+    const typename Models::NormalMod *const normal = m->normal_model;
+    if (__builtin_expect(normal == Table::latest, 1)) return true;
+    if (!this_object.holds(*(const void *const *)normal)) return false; // where the table of virtual functions stands
+    if (!((const Table *)normal)->is_whole()) return false;
+    Table::latest = (Table *)normal;
+    return true;
+  }
+  static bool check(void *model) {
+    Model *const m = (Model *)model;
+    return in_pairs(m) ? touching(m) : check_elsewhere(m);
+  }
+  static void compute(void *model) {
+    Model *const m = (Model *)model;
+    if (in_pairs(m)) return ((Table *)m->normal_model)->whole();
+    if (m->contact_type != PAIR && !this_object.holds(*(const void *const *)m->normal_model)) look_at_wall(m);
+    compute_elsewhere(m);
+  }
+  __attribute__((noinline)) static void look_at_wall(Model *m) {
+    Range::of(m->of.lmp).look_at_wall(m->of.lmp, *m->of.error, m->normal_model->name);
+  }
+
+  // GranularModel::construct_sub_model for names of demlaws.
+  static void construct(void *model, const std::string &name, int type, bool outputs) {
+    Model *const m = (Model *)model;
+    delete m->sub_models[type];
+    m->sub_models[type] = NULL;
+    if (name.find(' ') != std::string::npos) { // of a restart file of 0.2.0: demlaws/table FILE
+      void *const lmp = m->of.lmp, *const error = *m->of.error;
+      Models::set_table(m, lmp, error, name.substr(name.find(' ') + 1), outputs)
+          ->expect(reading.next(Ranks(lmp, error)));
+    } else if (type == NORMAL) m->sub_models[type] = m->normal_model = new typename Models::Expected(m, outputs);
+    else if (type == DAMPING) m->sub_models[type] = m->damping_model = new typename Models::Tangent(m, name);
+    else m->sub_models[type] = m->tangential_model = new Passive(m, name);
+  }
+
+  // GranularModel::add_sub_model for names of demlaws.
+  static int add(void *model, char **arg, int at, int count, int type, bool outputs) {
+    Model *const m = (Model *)model;
+    const std::string name = arg[at++];
+    void *const error = *m->of.error;
+    if (type == NORMAL) {
+      double c[3];
+      const std::string file = Models::read_material(error, arg, at, count, c);
+      delete m->sub_models[type];
+      m->sub_models[type] = NULL;
+      Table *const made = Models::set_table(m, m->of.lmp, error, file, outputs);
+      std::copy(c, c + 3, made->coeffs);
+      made->check_order();
+      at = Models::read_options(error, arg, at, count, made->coeffs);
+      made->coeffs_to_local();
+      return at;
+    }
+    construct(m, name, type, outputs);
+    if (type != TANGENTIAL) return at;
+    Passive::read(error, arg, at, count, m->sub_models[type]->coeffs);
+    m->sub_models[type]->coeffs_to_local();
+    return at + Passive::COEFFICIENTS;
+  }
+
+  // Before GranularModel::init.
+  static void before_init(void *model, bool wall) {
+    Passive *const passive = dynamic_cast<Passive *>(((Model *)model)->tangential_model);
+    if (!passive) return;
+    passive->settle();
+    passive->compare(reading.active, wall);
+  }
+
+  // After GranularModel::init: whether a model has a table, and one whose unloading is not elastic; the sizes of the
+  // history of its sub-models. proved: pairs of particles may be computed here.
+  static void after_init(void *model, bool proved, bool &has_table, bool &keeps, std::vector<int> &sizes) {
+    Model *const m = (Model *)model;
+    Table *const table = dynamic_cast<Table *>(m->normal_model);
+    has_table = table != NULL;
+    keeps = table && table->unloads_otherwise();
+    if (table) table->plan(proved);
+    for (const typename Models::SubMod *const sub : m->sub_models) sizes.push_back(sub->size_history);
+  }
+};
+
+} // namespace
+#endif

@@ -1,0 +1,131 @@
+"""Plausibility of height maps: spikes, fillers, units, lists of points, resolution, fractal dimensions. [our limits]
+
+`doubts` and the other functions return texts that name the value and the remedy; nothing is changed but by `despiked`.
+"""
+
+import math
+
+import numpy as np
+
+from demlaws.errors import DemlawsError, MapWarning, warn
+
+HIGHEST = 8.0
+"""Largest height over robust Sq; of 10⁸ Gaussian pixels it is 6."""
+KURTOSIS = 10.0
+"""Largest kurtosis; 3 for Gaussian heights."""
+STEEP = 1.0
+"""Largest robust rms slope: beyond 45 degrees an instrument sees nothing."""
+PIXELS = 10.0
+"""Fewest pixels across the Hertz radius."""
+DISAGREEMENT = 0.2
+"""Largest difference of Df by two methods; they differ by 0.1 on maps of known dimension."""
+FAR = 20.0
+"""Gap between a filler and the other heights over their interquartile range."""
+
+
+def robust_sq(z: np.ndarray) -> float:
+    """1.4826 times the median of |z - median(z)|: Sq of Gaussian heights, whatever a few pixels are."""
+    z = z[np.isfinite(z)]
+    return float(1.4826 * np.median(np.abs(z - np.median(z))))
+
+
+def filler(z: np.ndarray) -> float | None:
+    """The lowest or highest height if several pixels have exactly it, far from all others: missing pixels; or None."""
+    z = z[np.isfinite(z)]
+    for end in (float(z.min()), float(z.max())):
+        others = z[z != end]
+        if 1 < z.size - others.size < 0.9 * z.size and np.ptp(others) > 0.0:
+            spread = float(np.subtract(*np.percentile(others, [75, 25])))
+            if np.min(np.abs(others - end)) > FAR * max(spread, 1e-12 * abs(end)):
+                return end
+    return None
+
+
+def doubts(heights, scale: float = 1.0) -> list[str]:
+    """Reasons to doubt a `HeightMap`; scale: metres per unit of its file. Heights are judged without form of order 2."""
+    found, z = [], heights.heights
+    missing = filler(z)
+    if missing is not None:
+        count = int(np.sum(z == missing))
+        found.append(
+            f"{count} pixels have exactly the height {missing / scale:g}, far from all others: if these are missing pixels, "
+            f"give missing={missing / scale:g} (--missing)"
+        )
+        heights = heights.with_heights(np.where(z == missing, np.nan, z))
+    level = heights if heights.form_order is not None else heights.without_form(2)
+    z = level.heights - np.nanmedian(level.heights)
+    robust, sq = robust_sq(z), level.sq
+    if robust > 0.0:
+        highest, kurtosis = float(np.nanmax(np.abs(z))) / robust, float(np.nanmean((z / sq) ** 4))
+        if highest > HIGHEST or kurtosis > KURTOSIS:
+            found.append(
+                f"spikes or pits: the largest height is {highest:.3g} times the robust Sq {robust:.4g} m, kurtosis "
+                f"{kurtosis:.3g} (Gaussian: 3); Sq = {sq:.4g} m contains them; use despiked() (--despike), or robust_sq"
+            )
+    # robust, too: spikes are no wrong unit
+    slope = math.hypot(*(robust_sq(np.diff(z, axis=k)) / p for k, p in enumerate((heights.pixel_y, heights.pixel_x))))
+    if slope > STEEP:
+        units = [unit for unit, factor in (("mm", 1e-3), ("um", 1e-6), ("nm", 1e-9)) if 1e-3 < slope * factor < STEEP]
+        remedy = f"unit='{units[0]}' (--unit {units[0]})" if units and slope > 10.0 else "unit (--unit) and pixel (--pixel)"
+        found.append(
+            f"slope {slope:.4g} (robust rms), above 45 degrees: are heights or pixels in another unit than read? check {remedy}"
+        )
+    return found
+
+
+def advise(heights, scale: float = 1.0) -> None:
+    """Issue a `MapWarning` for each doubt."""
+    for text in doubts(heights, scale):
+        warn(f"height map: {text}", MapWarning)
+
+
+def dimension_doubts(by_boxes: float | None, by_spectrum: float | None) -> list[str]:
+    """Fractal dimensions out of range, or two methods that contradict each other."""
+    found, remedy = [], "give the wavelengths between which the spectrum is straight (--wavelengths)"
+    for name, value in (("box counting", by_boxes), ("the spectrum", by_spectrum)):
+        if value is not None and not 2.0 <= value <= 3.0:
+            found.append(f"Df = {value:.3f} by {name} is not between 2 and 3: the map is not self-affine there; {remedy}")
+    if by_boxes is not None and by_spectrum is not None and abs(by_boxes - by_spectrum) > DISAGREEMENT:
+        found.append(f"Df = {by_boxes:.3f} by box counting and {by_spectrum:.3f} by the spectrum disagree; {remedy}")
+    return found
+
+
+def resolution_doubts(heights, pair, load: float) -> list[str]:
+    """A Hertz radius a = (3 P R/(4 E*))^(1/3) of a `Contact` under a load [N] that is few pixels wide."""
+    radius, pixel = math.cbrt(0.75 * load * pair.radius / pair.modulus), max(heights.pixel_x, heights.pixel_y)
+    if radius >= PIXELS * pixel:
+        return []
+    return [
+        f"the Hertz radius {radius:.4g} m is {radius / pixel:.2g} pixels wide: forces depend on the pixel size below "
+        f"{PIXELS:g}; measure with smaller pixels, or give a larger load or radius"
+    ]
+
+
+def despiked(heights, threshold: float = HIGHEST):
+    """The `HeightMap` without pixels that differ from the median of their 5 × 5 surroundings by more than `threshold` times
+    the robust spread of such differences; they become missing, as does a filler."""
+    from scipy.ndimage import median_filter
+
+    missing = filler(heights.heights)
+    if missing is not None:
+        heights = heights.with_heights(np.where(heights.heights == missing, np.nan, heights.heights))
+    z = heights.filled().heights
+    difference = np.abs(z - median_filter(z, size=5, mode="nearest"))
+    spread = 1.4826 * float(np.median(difference))
+    if spread == 0.0:
+        return heights
+    return heights.with_heights(np.where(difference > threshold * spread, np.nan, heights.heights))
+
+
+def refuse_list_of_points(array: np.ndarray, path) -> None:
+    """DemlawsError for a list of x, y, z (and more) in place of a grid: few columns, in which two have repeated steps."""
+    for columns in (array, array.T):
+        rows, count = columns.shape
+        if count > 6 or rows < 10 * count or count < 3:
+            continue
+        steps = [np.unique(np.round(np.diff(column) / (np.ptp(column) or 1.0), 6)).size for column in columns.T]
+        if sum(number < 0.1 * rows for number in steps) >= 2:
+            raise DemlawsError(
+                f"{path}: {rows} entries of {count} values are a list of points x, y, z, not a grid of heights: write the z as "
+                "a grid, one row per line (numpy: z.reshape(rows, columns); scattered points: scipy.interpolate.griddata)"
+            )

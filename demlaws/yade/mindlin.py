@@ -1,0 +1,261 @@
+"""Mindlin's law with the coefficients kno and kso of a contact, as Law2_ScGeom_MindlinPhys_Mindlin has it: normal and shear
+force, viscous damping, Coulomb's limit, forces and torques on the bodies. Every attribute is left as YADE leaves it.
+
+`advance` does this for a contact where it can, and calls the native `go` for includeMoment, includeAdhesion, calcEnergy and
+neverErase, for the first step of a contact, and for contacts that share their physics.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from demlaws.core.fastmath import sqrt
+from demlaws.core.numba_compat import INLINED, kernel
+from demlaws.yade import objects
+from demlaws.yade.records import (
+    array,
+    assign,
+    cross,
+    dot,
+    foreign,
+    minus_scaled,
+    on_stack,
+    pointee,
+    scaled,
+    vector,
+    view,
+)
+
+_ADDRESS, _NUMBER = types.int64, types.int32
+call_go = foreign(types.uint8, *[_ADDRESS] * 4)
+"""bool Law2::go(shared_ptr<IGeom>&, shared_ptr<IPhys>&, Interaction*)."""
+call_body_by_id = foreign(_ADDRESS, _NUMBER, _ADDRESS)
+"""const shared_ptr<Body>& Body::byId(int, Scene*); scene 0: the current one."""
+call_rotate = foreign(_ADDRESS, _ADDRESS, _ADDRESS)
+"""Vector3& ScGeom::rotate(Vector3&) const: turns the vector with the contact."""
+call_apply_force = foreign(types.void, _ADDRESS, _ADDRESS, _ADDRESS, _NUMBER, _ADDRESS, _NUMBER, _ADDRESS)
+"""void LawFunctor::applyForceAtContactPoint(force, point, id, position, id, position)."""
+NO_DEGREES_OF_FREEDOM = 63
+"""State.blockedDOFs of a body that is not dynamic."""
+
+
+class OwnStep(NamedTuple):
+    """The members of YADE's objects that `own_step` needs are known."""
+
+
+class NativeStep(NamedTuple):
+    """They are not: the native `go` acts."""
+
+
+class Contact(NamedTuple):
+    """Addresses of what the native `go` is called with, and of the contact's geometry."""
+
+    functor: int
+    geom_pointer: int
+    phys_pointer: int
+    interaction: int
+    geom: int
+
+
+@kernel
+def body_of(context, number, scene):
+    """A body; scene 0: the current one."""
+    return view(pointee(call_body_by_id(context.body_by_id, (number, scene))), objects.Body)
+
+
+def turned(context, geom, a):
+    """A tangential vector, turned with the contact in this step as ScGeom::rotate does."""
+
+
+@overload(turned, jit_options=INLINED)
+def _turned(context, geom, a):
+    if not set(objects.AXES) <= set(geom.fields):
+        return lambda context, geom, a: rotated(context, geom, a)
+    return lambda context, geom, a: turned_by(turned_by(a, geom.orthonormal_axis), geom.twist_axis)
+
+
+@kernel
+def turned_by(a, axis):
+    """a - a × axis."""
+    return minus_scaled(a, 1.0, cross(a, vector(axis)))
+
+
+@kernel
+def rotated(context, geom, a):
+    """`turned` by ScGeom::rotate itself."""
+    place = on_stack(a)
+    call_rotate(context.rotate, (geom.normal.ctypes.data - context.normal_offset, place))
+    return vector(array(place, 3, np.float64))
+
+
+@kernel
+def native_go(context, contact):
+    """The native law's own step."""
+    return call_go(context.go, (contact.functor, contact.geom_pointer, contact.phys_pointer, contact.interaction))
+
+
+@kernel
+def reduced_mass(first, second):
+    """Mass [kg] of two bodies' relative motion, as the damping of the native law has it."""
+    if first.blockedDOFs == NO_DEGREES_OF_FREEDOM and second.blockedDOFs != NO_DEGREES_OF_FREEDOM:
+        return second.mass
+    if second.blockedDOFs == NO_DEGREES_OF_FREEDOM and first.blockedDOFs != NO_DEGREES_OF_FREEDOM:
+        return first.mass
+    return first.mass * second.mass / (first.mass + second.mass)
+
+
+@kernel
+def velocity_at(state, point):
+    """Velocity [m/s] of a body at a point."""
+    spin = cross(vector(state.angVel), minus_scaled(point, 1.0, vector(state.pos)))
+    return minus_scaled(vector(state.vel), -1.0, spin)
+
+
+@kernel
+def times_cells(matrix, cells):
+    """A matrix of YADE's, column by column, times a number of cells in each direction."""
+    x, y, z = float(cells[0]), float(cells[1]), float(cells[2])
+    column = scaled(x, vector(matrix[0]))
+    column = minus_scaled(column, -y, vector(matrix[1]))
+    return minus_scaled(column, -z, vector(matrix[2]))
+
+
+@kernel
+def approach_velocity(scene, geom, interaction, first, second):
+    """Relative velocity along the normal [m/s], positive where the bodies part."""
+    normal, point = vector(geom.normal), vector(geom.contactPoint)
+    if scene.isPeriodic == 0:
+        return dot(normal, minus_scaled(velocity_at(second, point), 1.0, velocity_at(first, point)))
+    cell, cells = view(scene.cell, objects.Cell), interaction.cellDist
+    image = minus_scaled(point, 1.0, times_cells(cell.hSize, cells))
+    apart = minus_scaled(velocity_at(second, image), 1.0, velocity_at(first, point))
+    return dot(normal, minus_scaled(apart, -1.0, times_cells(cell.shiftVelocity, cells)))
+
+
+@kernel
+def damped_force(context, contact, law, geom, phys, first, second, size):
+    """Normal force [N] less its viscous part, of which the force is at most; writes both. size: without damping [N]."""
+    scene = view(law.scene, objects.Scene)
+    interaction = view(contact.interaction, objects.Interaction)
+    coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.kn) * phys.betan
+    viscous = min(coefficient * approach_velocity(scene, geom, interaction, first, second), size)
+    normal = vector(geom.normal)
+    assign(phys.normalViscous, scaled(viscous, normal))
+    assign(phys.normalForce, scaled(size - viscous, normal))
+    return size - viscous
+
+
+@kernel
+def apply_forces(context, contact, law, geom, interaction, first, second, force):
+    """Add the force on the first body and its reaction, with their torques, to the bodies."""
+    scene = view(law.scene, objects.Scene)
+    point, place1, place2 = geom.contactPoint.ctypes.data, first.pos.ctypes.data, second.pos.ctypes.data
+    if scene.isPeriodic != 0:  # positions are not wrapped: by distances along the normal from the contact, as YADE does
+        normal, half = vector(geom.normal), 0.5 * geom.penetrationDepth
+        point = on_stack((0.0, 0.0, 0.0))
+        place1 = on_stack(scaled(half - geom.refR1, normal))
+        place2 = on_stack(scaled(geom.refR2 - half, normal))
+    functor = contact.functor - context.functor_offset
+    call_apply_force(context.apply_force, (functor, on_stack(force), point, interaction.id1, place1, interaction.id2, place2))
+
+
+@kernel
+def own_step(mode, context, contact, row):
+    """The native law for a contact that `handles`."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    geom, phys = view(contact.geom, objects.ScGeom), view(pointee(contact.phys_pointer), objects.MindlinPhys)
+    interaction = view(contact.interaction, objects.Interaction)
+    first = view(body_of(context, interaction.id1, law.scene).state, objects.State)
+    second = view(body_of(context, interaction.id2, law.scene).state, objects.State)
+    root = sqrt(geom.penetrationDepth)
+    phys.kn = 1.5 * phys.kno * root
+    phys.ks = phys.kso * root
+    normal_force = phys.kno * geom.penetrationDepth * root
+    assign(phys.normalForce, scaled(normal_force, vector(geom.normal)))
+    damped = phys.betan != 0.0 or phys.betas != 0.0
+    if damped:
+        normal_force = damped_force(context, contact, law, geom, phys, first, second, normal_force)
+    increment = vector(geom.shearInc)
+    shear_force = trial_force(mode, context, geom, phys, row, increment)
+    stretch = minus_scaled(turned(context, geom, vector(phys.usElastic)), 1.0, increment)
+    assign(phys.usTotal, minus_scaled(turned(context, geom, vector(phys.usTotal)), 1.0, increment))
+    limit, square = phys.tangensOfFrictionAngle * abs(normal_force), dot(shear_force, shear_force)
+    sliding = square > limit * limit
+    viscous = (0.0, 0.0, 0.0)
+    if sliding:
+        share = limit / sqrt(square)
+        shear_force, stretch = scaled(share, shear_force), scaled(share, stretch)
+        slide(mode, row, share)
+    elif damped:
+        scene = view(law.scene, objects.Scene)
+        coefficient = 2.0 * sqrt(reduced_mass(first, second) * phys.ks) * phys.betas
+        viscous = scaled(coefficient / scene.dt, increment)
+    phys.isSliding = sliding
+    assign(phys.shearElastic, shear_force)
+    assign(phys.usElastic, stretch)
+    assign(phys.shearViscous, viscous)
+    shear_force = minus_scaled(shear_force, 1.0, viscous)
+    assign(phys.shearForce, shear_force)
+    force = minus_scaled(scaled(-1.0, vector(phys.normalForce)), 1.0, shear_force)
+    apply_forces(context, contact, law, geom, interaction, first, second, force)
+    return 1
+
+
+@kernel
+def handles(context, contact, row):
+    """Whether `own_step` does what the native law would do: the functor has no option, the contact is not new, and no other
+    contact has its physics."""
+    law = view(contact.functor - context.functor_offset, objects.Functor)
+    overlap = view(contact.geom, objects.ScGeom).penetrationDepth
+    return (
+        context.own_step != 0
+        and overlap > 0.0
+        and row.overlap > 0.0
+        and row.interaction == contact.interaction
+        and law.options == 0
+    )
+
+
+def trial_force(mode, context, geom, phys, row, increment):
+    """Elastic shear force after the step's displacement `increment` [m], before Coulomb's limit: turned with the contact."""
+
+
+def slide(mode, row, share):
+    """What else is reduced to a share where Coulomb's limit reduces the shear force."""
+
+
+def follow(mode, context, contact, row):
+    """What else the native law's own step changes."""
+
+
+@kernel
+def trial_of_one_spring(context, geom, phys, increment):
+    """`trial_force` of a force without further memory."""
+    return minus_scaled(turned(context, geom, vector(phys.shearElastic)), phys.ks, increment)
+
+
+def advance(step, mode, context, contact, row):
+    """Mindlin's law; returns whether the contact lasts."""
+
+
+@overload(advance, jit_options=INLINED)
+def _advance(step, mode, context, contact, row):
+    if step.instance_class is NativeStep:
+        return lambda step, mode, context, contact, row: native_step(mode, context, contact, row)
+
+    def either(step, mode, context, contact, row):
+        if handles(context, contact, row):
+            return own_step(mode, context, contact, row)
+        return native_step(mode, context, contact, row)
+
+    return either
+
+
+@kernel
+def native_step(mode, context, contact, row):
+    """The native `go`."""
+    keep = native_go(context, contact)
+    follow(mode, context, contact, row)
+    return keep

@@ -1,0 +1,156 @@
+"""Memory of this process as numba records: a structured dtype is a view of an object at an address, `view(address, dtype)`, and
+its fields are read and written by name. The compiled code of an access is one load or store with the offset built in.
+
+Also what such code needs beside fields: sums that threads add to, and calls of functions at addresses.
+"""
+
+import numba
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from demlaws.core.numba_compat import kernel
+
+POINTER = np.dtype([("target", "i8")])
+"""A C++ pointer, or the first word of a shared pointer."""
+_WORD, _DOUBLE = ir.IntType(64), ir.DoubleType()
+_IR = {
+    types.int64: _WORD,
+    types.int32: ir.IntType(32),
+    types.uint8: ir.IntType(8),
+    types.float64: _DOUBLE,
+    types.void: ir.VoidType(),
+}
+
+
+def record(fields):
+    """dtype of an object; fields: name → (format, offset [bytes]), or (format, shape, offset)."""
+    formats = [kind if not shape else (kind, *shape) for kind, *shape, _ in fields.values()]
+    offsets = [offset for *_, offset in fields.values()]
+    end = max(offset + np.dtype(kind).itemsize for kind, offset in zip(formats, offsets, strict=True))
+    return np.dtype({"names": [*fields], "formats": formats, "offsets": offsets, "itemsize": -(-end // 8) * 8})
+
+
+@intrinsic
+def pointer(typing_context, address):
+    """An address (a 64-bit integer) as a pointer that `numba.carray` takes."""
+
+    def generate(context, builder, signature, arguments):
+        return builder.inttoptr(arguments[0], context.get_value_type(types.voidptr))
+
+    return types.voidptr(types.int64), generate
+
+
+@kernel
+def view(address, dtype):
+    """The object at an address."""
+    return numba.carray(pointer(address), 1, dtype)[0]
+
+
+@kernel
+def array(address, shape, dtype):
+    """An array at an address, not copied."""
+    return numba.carray(pointer(address), shape, dtype)
+
+
+@kernel
+def pointee(address):
+    """What the pointer at an address points to."""
+    return view(address, POINTER).target
+
+
+def _adder(numba_type, operation):
+    @intrinsic
+    def add(typing_context, address, value):
+        def generate(context, builder, signature, arguments):
+            place = builder.inttoptr(arguments[0], arguments[1].type.as_pointer())
+            return builder.atomic_rmw(operation, place, arguments[1], "monotonic")
+
+        return numba_type(types.int64, numba_type), generate
+
+    return add
+
+
+add_integer, add_float = _adder(types.int64, "add"), _adder(types.float64, "fadd")
+"""Atomically add to the number at an address; return its old value."""
+
+
+def foreign(result, *arguments):
+    """Compiled function that calls a C++ function of this signature: `call(address, arguments)`, arguments a tuple."""
+
+    @intrinsic
+    def call(typing_context, function, values):
+        def generate(context, builder, signature, pair):
+            kind = ir.FunctionType(_IR[result], [_IR[argument] for argument in arguments])
+            items = [
+                context.cast(builder, builder.extract_value(pair[1], n), given, wanted)
+                for n, (given, wanted) in enumerate(zip(values, arguments, strict=True))
+            ]
+            value = builder.call(builder.inttoptr(pair[0], kind.as_pointer()), items)
+            return context.get_dummy_value() if result is types.void else value
+
+        return result(types.int64, values), generate
+
+    return call
+
+
+@intrinsic
+def on_stack(typing_context, vector):
+    """Address of a copy of three doubles on the stack. The first two are written at once, as YADE reads them: a processor
+    waits where it reads at once what was written in two parts."""
+
+    def generate(context, builder, signature, arguments):
+        pair = ir.VectorType(_DOUBLE, 2)
+        with builder.goto_entry_block():
+            block = builder.alloca(ir.ArrayType(_DOUBLE, 3))
+        place = builder.ptrtoint(block, _WORD)
+        items = [builder.extract_value(arguments[0], n) for n in range(3)]
+        first = builder.insert_element(pair(ir.Undefined), items[0], ir.IntType(32)(0))
+        first = builder.insert_element(first, items[1], ir.IntType(32)(1))
+        builder.store(first, builder.inttoptr(place, pair.as_pointer()), align=8)
+        builder.store(items[2], builder.inttoptr(builder.add(place, _WORD(16)), _DOUBLE.as_pointer()))
+        return place
+
+    return types.int64(types.UniTuple(types.float64, 3)), generate
+
+
+# --- vectors: three components, as a tuple
+
+
+@kernel
+def vector(field):
+    """Components of a field of three doubles."""
+    return field[0], field[1], field[2]
+
+
+@kernel
+def assign(field, vector):
+    """Write a field of three doubles."""
+    field[0] = vector[0]
+    field[1] = vector[1]
+    field[2] = vector[2]
+
+
+@kernel
+def scaled(factor, a):
+    """factor a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+@kernel
+def minus_scaled(a, factor, b):
+    """a - factor b."""
+    return a[0] - factor * b[0], a[1] - factor * b[1], a[2] - factor * b[2]
+
+
+@kernel
+def dot(a, b):
+    """Scalar product."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@kernel
+def cross(a, b):
+    """Vector product."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -1,0 +1,130 @@
+"""Shear with levels in LIGGGHTS and LAMMPS: to rounding Python's, and kept while the overlap vibrates."""
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from inputs import refused, simulate
+from spheres import DIAMETER, RATIO, STEP, both, continued, save_law, spheres
+
+import demlaws as dl
+
+RESTARTS = Path(__file__).parents[1] / "data" / "restarts"
+FRICTION = 0.5
+WOBBLE = [(-0.2, 0.01, 6), (0.2, 0.02, 9), (-0.2, -0.015, 11), (0.2, 0.03, 8)]
+OBLIQUE = [(-0.2, 0, 500), *6 * WOBBLE, (0.2, 0, 60), (0, -0.3, 200), *4 * WOBBLE, (-0.1, 0.05, 250), *2 * WOBBLE]
+"""Press; vibrate and move aside; lift off partly, slide back past the limit; vibrate; press while sliding; vibrate."""
+
+
+def kinematics(moves):
+    """Overlap, displacement along the turning tangent, and the normal, of the second sphere after each step."""
+    place, moved, rows = np.array([DIAMETER + 1e-7, 0.0]), 0.0, [(-1e-7, 0.0, 1.0, 0.0)]
+    for along, across, steps in moves:
+        for _ in range(steps):
+            place = place + STEP * np.array([along, across])
+            normal = place / np.hypot(*place)
+            moved += STEP * (across * normal[0] - along * normal[1])
+            rows.append((DIAMETER - np.hypot(*place), moved, *normal))
+    return np.array(rows).T
+
+
+@pytest.mark.parametrize("words", ["levels 1", "levels 2", "", "levels 8", "shear loading", "levels 2 shear_ratio 0.3"])
+@both
+def test_an_oblique_path_is_pythons_to_rounding(engine, tmp_path, words):
+    save_law(tmp_path, "rough")
+    log = simulate(engine, tmp_path, spheres(engine, words, OBLIQUE, every=1))
+    kept = np.append(np.diff(log["Step"]) > 0, True)  # each run begins with the last line of the one before
+    overlap, moved, along, across = kinematics(OBLIQUE)
+    given = words.split()
+    options = {"levels": int(given[1])} if "levels" in given else {}
+    options |= {"shear": "loading"} if "loading" in given else {}
+    ratio = float(given[3]) if "shear_ratio" in given else RATIO
+    table = dl.Table.load(tmp_path / "law.tbl")
+    path = dl.driver.sheared(table, overlap, moved, ratio, friction=FRICTION, **options)
+    slides = np.abs(path.shear_force) > 0.999 * FRICTION * path.force
+    assert 60 < slides[path.force > 0].sum() < 0.7 * slides.size
+    scale = path.force.max()
+    for column, expected in (
+        ("force", path.force * along + path.shear_force * across),
+        ("side", path.force * across - path.shear_force * along),
+    ):
+        np.testing.assert_allclose(log[column][kept], expected, rtol=0.0, atol=1e-9 * scale, err_msg=column)
+
+
+@pytest.mark.parametrize("name", ["rough elastic", "rough"])
+@both
+def test_vibration_leaves_the_shear_force(engine, tmp_path, name):
+    """A thousand vibrations by 1 % of the overlap; one level loses all of it."""
+    save_law(tmp_path, name)
+    vibration = [(-0.2, 0, 5), *1000 * [(0.2, 0, 10), (-0.2, 0, 10)], (0.2, 0, 5)]
+    left = {}
+    for words in ("", "levels 1"):
+        log = simulate(engine, tmp_path, spheres(engine, words, [(-0.2, 0, 520), (0, 0.04, 200), *vibration], every=5))
+        step = log["Step"]
+        turned = log["force"] * (200 * 0.04 * STEP) / DIAMETER  # the normal force has a part across
+        sheared = (log["side"] - turned)[[np.flatnonzero(step == 720)[0], -1]]
+        assert 0.2 < abs(sheared[0]) / (FRICTION * log["force"][-1]) < 0.8
+        left[words] = sheared[1] / sheared[0]
+    assert left[""] >= 0.98
+    assert abs(left["levels 1"]) < 0.02
+
+
+PRESSED, LATER = [(-0.2, 0, 600), (0, 0.05, 300)], [(0.2, 0.03, 200), (-0.2, -0.02, 300)]
+
+
+@pytest.fixture
+def of_0_2(tmp_path, engine):
+    """A restart file that version 0.2.0 wrote after PRESSED, `shear elastic`, with its table."""
+    shutil.copy(RESTARTS / "law.tbl", tmp_path)
+    shutil.copy(RESTARTS / f"{engine}.restart", tmp_path / "now.restart")
+    return tmp_path
+
+
+@both
+def test_a_restart_file_of_0_2_goes_on_with_one_level(engine, of_0_2):
+    log = simulate(engine, of_0_2, continued(engine, spheres(engine, "levels 1", PRESSED), LATER))
+    np.testing.assert_allclose([log["force"][-1], log["side"][-1]], [17.512497752116072, 0.8309616529579674], rtol=1e-12)
+
+
+WALLS = {
+    "liggghts": "fix floor all wall/gran model demlaws/table tangential demlaws primitive type 1 zplane -0.02 {}\n",
+    "lammps": "fix floor all wall/gran granular demlaws/table law.tbl 60.6e9 1.0 0.25 {} "
+    "tangential demlaws 1 0.5 damping demlaws/tangent zplane -0.02 NULL\n",
+}
+
+
+@both
+def test_a_restart_file_of_0_2_is_not_read_with_other_levels(engine, of_0_2):
+    """LAMMPS has the words of pairs in the file, LIGGGHTS in the input."""
+    if engine == "liggghts":
+        text = continued(engine, spheres(engine, "", PRESSED), LATER)
+    else:
+        text = continued(engine, "", LATER, more=WALLS[engine].format(""))
+        log = simulate(engine, of_0_2, continued(engine, "", LATER, more=WALLS[engine].format("levels 1")))
+        assert log["force"][-1] == pytest.approx(17.512497752116072, rel=1e-12)
+    assert "levels 1" in refused(engine, of_0_2, text)
+
+
+@both
+def test_a_restart_file_is_not_read_with_other_levels(engine, tmp_path):
+    save_law(tmp_path, "rough")
+    text = spheres(engine, "levels 2", PRESSED, more=WALLS[engine].format("levels 2"))
+    simulate(engine, tmp_path, text + "write_restart now.restart\n")
+    for words in ("levels 3", "radius_tolerance 0.01 shear slip"):  # LIGGGHTS: not directly behind `primitive`
+        other = text.replace("-0.02 levels 2", f"-0.02 {words}")
+        watch = {} if engine == "liggghts" else {"more": WALLS[engine].format(words)}
+        message = refused(engine, tmp_path, continued(engine, other, LATER, **watch))
+        assert "restart file" in message and "levels" in message
+    watch = {} if engine == "liggghts" else {"more": WALLS[engine].format("levels 2")}
+    simulate(engine, tmp_path, continued(engine, text, LATER, **watch))
+
+
+@pytest.mark.parametrize("engine", ["liggghts"])
+def test_a_wall_before_the_pair_style_has_its_levels(engine, tmp_path):
+    save_law(tmp_path, "rough")
+    text = spheres(engine, "levels 2", PRESSED)
+    wall = WALLS[engine].format("table law.tbl")
+    before = text.replace("pair_style", wall + "pair_style", 1)
+    assert "define it below the pair_style line" in refused(engine, tmp_path, before)
+    simulate(engine, tmp_path, before.replace("-0.02 table law.tbl", "-0.02 table law.tbl levels 2"))
