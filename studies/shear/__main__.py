@@ -7,6 +7,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from studies.shear import figure, gas, memory, springs, vibration
+from studies.shear.cyclic import WORDS
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -33,7 +34,7 @@ def parser():
     )
     parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
     parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
-    parser.add_argument("--models", nargs="+", choices=vibration.MODELS, default=vibration.MODELS, help="with --vibrate")
+    parser.add_argument("--models", nargs="+", choices=[*WORDS], default=[*WORDS], help="with --vibrate")
     parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
     parser.add_argument(
         "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
