@@ -15,6 +15,7 @@ from demlaws.core.loops import bind_params, equal_params, loading_part, one_of
 from demlaws.core.unloading import GIVEN
 from demlaws.curves.closed import ClosedForm
 from demlaws.errors import DemlawsError
+from demlaws.files import as_path, names_a_file, write_atomically, write_together
 from demlaws.laws.definition import Definition
 from demlaws.laws.registry import is_user_defined
 from demlaws.response import Response, as_given
@@ -57,7 +58,6 @@ class Law(Response):
             refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
         self._limits = None
         self._end = None
-        self._warned = set()
 
     def __repr__(self):
         options = "".join(f", {k}={v!r}" for k, v in self.options.items())
@@ -244,7 +244,7 @@ def resolve(unloading: "str | os.PathLike | Law", definition: Definition) -> Unl
 
 def read_if_path(unloading: Any) -> Any:
     """The elastic law to follow, read where it is the path of a table; a rule's name as it is."""
-    if isinstance(unloading, os.PathLike) or (isinstance(unloading, str) and ("/" in unloading or "." in unloading)):
+    if names_a_file(unloading):
         unloading = Table.load(unloading)
     if isinstance(unloading, Law) and unloading.unloading != "elastic":
         raise DemlawsError(
@@ -360,7 +360,6 @@ class Table(Law):
             The file.
         """
         from demlaws.curves.saved import name_what_is_lost
-        from demlaws.files import as_path, write_atomically, write_together
 
         name_what_is_lost(as_path(path), self)
         data = self._compose()[0]

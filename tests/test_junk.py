@@ -168,7 +168,7 @@ def functions():
             yield name, thing
     for module in (dl.driver, regime, shear, surface):
         for name, thing in vars(module).items():
-            own = inspect.isfunction(thing) and thing.__module__ == module.__name__
+            own = inspect.isfunction(thing) and thing.__module__ == module.__name__ and not hasattr(thing, "py_func")
             exported = module is regime and name in regime.__all__ and inspect.isfunction(thing)
             if (own or exported) and not name.startswith("_") and name not in LEFT_OUT:
                 yield f"{module.__name__.rpartition('.')[2]}.{name}", thing

@@ -7,6 +7,7 @@ from demlaws.cli.arguments import force, length, plain
 from demlaws.cli.contact import add_law_arguments, contact_from, describe, law_from
 from demlaws.cli.output import output, record
 from demlaws.errors import DemlawsError
+from demlaws.files import names_a_file
 
 
 def register(add):
@@ -78,7 +79,7 @@ def measured_table(arguments):
     if arguments.unloading_law is not None:
         raise DemlawsError("--unloading-law goes with --law: with --points give --unloading FILE, a table or points")
     text = str(unloading)
-    if ("/" in text or "." in text) and not _is_table(text):
+    if names_a_file(text) and not _is_table(text):
         back = read_points(Path(text))
         peak = int(np.argmax(back.force))
         end = peak + int(np.argmin(back.force[peak:])) + 1
