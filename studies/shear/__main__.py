@@ -7,6 +7,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from studies.shear import figure, gas, memory, springs, vibration
+from studies.shear.cyclic import WORDS
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -33,12 +34,13 @@ def parser():
     )
     parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
     parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
-    parser.add_argument("--models", nargs="+", choices=vibration.MODELS, default=vibration.MODELS, help="with --vibrate")
+    parser.add_argument("--models", nargs="+", choices=[*WORDS], default=[*WORDS], help="with --vibrate")
     parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
     parser.add_argument(
         "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
     )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
+    parser.add_argument("--creep", type=output, help="picture of creep under vibration, with the runs of vibration.jsonl")
     parser.set_defaults(func=run)
     return parser
 
@@ -53,6 +55,9 @@ def run(arguments):
         print("|---|---|---|---|---|---|---|")
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
+        return
+    if arguments.creep is not None:
+        print(plots.save(figure.draw_creep(), arguments.creep))
         return
     if arguments.memory:
         memory.print_table()
@@ -72,14 +77,18 @@ def run(arguments):
 
 
 def print_springs(counts):
-    """A row per number of springs."""
+    """For each number of springs the loss of Mindlin & Deresiewicz, then a row per law."""
     shares = ", ".join(f"{share:g}" for share in springs.SHARES)
-    laws = " | ".join(f"{name}, {rule}" for name, rule in springs.LAWS)
-    print(f"| springs | Mindlin: force over μP | loss at {shares} μP (%) | {laws} |\n|{'---|' * (3 + len(springs.LAWS))}")
     for count in counts:
         force, losses = springs.mindlin(count)
-        errors = " | ".join(f"{springs.oblique(*law, count):.1e}" for law in springs.LAWS)
-        print(f"| {count} | {force:.1e} | {', '.join(f'{100 * loss:+.1f}' for loss in losses)} | {errors} |", flush=True)
+        lost = ", ".join(f"{100 * loss:+.1f}" for loss in losses)
+        print(f"{count} springs, Hertz: force {force:.1e} of μP; loss of a loop at {shares} μP {lost} %", flush=True)
+    kinds = list(springs.paths())
+    print(f"| law, rule | springs | {' | '.join(kinds)} |\n|{'---|' * (2 + len(kinds))}")
+    for name, rule in springs.LAWS:
+        found = springs.errors(name, rule, counts)
+        for place, count in enumerate(counts):
+            print(f"| {name}, {rule} | {count} | {' | '.join(f'{found[kind][place]:.1e}' for kind in kinds)} |", flush=True)
 
 
 def main(arguments=None):
