@@ -64,7 +64,6 @@ class Response:
     options: dict
     name: str
     unloading: str
-    _warned: set
     _limits: Any
     _end: Any
 
@@ -96,15 +95,7 @@ class Response:
     # --- first loading
 
     def _shaped(self, value, name, unit):
-        if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
-            value = real(value, name, unit, array=True)
-        try:
-            array = np.asarray(unmasked(value))
-            if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
-                raise TypeError
-            array = array.astype(float, copy=False)
-        except (TypeError, ValueError):
-            raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
+        array = _numbers(value, name, unit).astype(float, copy=False)
         if not np.all(np.isfinite(array)):
             raise DemlawsError(f"{name} contains {array[~np.isfinite(array)].flat[0]} {unit}: give finite values")
         size = self.contact.size
@@ -237,7 +228,7 @@ class Response:
         Parameters
         ----------
         overlap : array_like, shape (n,)
-            Overlaps [m] of one contact each, float64 or float32; arithmetic is double throughout.
+            Overlaps [m] of one contact each; arithmetic is double throughout, results are float32 for float32 overlaps.
         state : State, optional
             History from `new_state`; elastic laws need none.
         out : pair of ndarray, optional
@@ -258,10 +249,9 @@ class Response:
         """
         from demlaws.batch import PIECE, in_threads, writable
 
-        if type(overlap) is not np.ndarray:
-            overlap = np.asarray(unmasked(overlap))
-        if overlap.ndim != 1 or overlap.dtype not in (np.float64, np.float32):
-            raise DemlawsError(f"overlap must be a 1-D float64 or float32 array, got {overlap.dtype} of shape {overlap.shape}")
+        overlap = _numbers(overlap, "overlap", "m")
+        if overlap.ndim != 1:
+            raise DemlawsError(f"overlap must be a 1-D array in m, one entry per contact, got shape {overlap.shape}")
         n = overlap.size
         if self.contact.size not in (None, n):
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
@@ -350,11 +340,14 @@ class Response:
         return self._out_of_range(overlap)
 
     def _check_range(self, overlap):
-        """Refuse overlaps beyond R, and warn once of those beyond a tenth of it."""
-        text = check_overlaps(overlap, self.contact.radius)
-        if text is not None and "large overlap" not in self._warned:
-            self._warned.add("large overlap")
-            warn(f"{self.name}: {text}", LargeOverlap)
+        """Refuse overlaps beyond R, and warn of those beyond a tenth of it: with one text per law, as Python's filters need."""
+        if check_overlaps(overlap, self.contact.radius) is not None:
+            radius = float(np.min(self.contact.radius))
+            warn(
+                f"{self.name}: overlap above {SMALL_OVERLAP * radius:.6g} m, {SMALL_OVERLAP:g} of the effective radius "
+                f"R = {radius:g} m: contact laws hold up to there; check units, loads and the step",
+                LargeOverlap,
+            )
 
     def single_params(self) -> tuple:
         """Params of the one contact; DemlawsError if the law has an array of contacts."""
@@ -451,9 +444,22 @@ class Response:
     def _advise(self, force):
         touching = force[force > 0.0] if np.ndim(force) else force
         for breach in self.breaches(float(np.min(touching, initial=math.inf)), float(np.max(touching, initial=0.0))):
-            if breach.reason not in self._warned:
-                self._warned.add(breach.reason)
-                warn(f"{self.name} {breach.range}: {breach.reason}")
+            warn(f"{self.name} {breach.range}: {breach.reason}")
+
+
+def _numbers(value: Any, name: str, unit: str) -> np.ndarray:
+    """What a user gave as an array of float64 or float32."""
+    if type(value) is np.ndarray and value.dtype in (np.float64, np.float32):
+        return value
+    if isinstance(value, str) or (isinstance(value, list | tuple) and any(isinstance(v, str) for v in value)):
+        value = real(value, name, unit, array=True)
+    try:
+        array = np.asarray(unmasked(value))
+        if array.dtype.kind not in "fiu":  # text, None, complex numbers, dates
+            raise TypeError
+    except (TypeError, ValueError):
+        raise DemlawsError(f"{name} must be a number or an array in {unit}, got {value!r}") from None
+    return array if array.dtype in (np.float64, np.float32) else array.astype(float)
 
 
 def as_given(array):

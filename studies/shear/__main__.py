@@ -7,6 +7,7 @@ from demlaws import plots
 from demlaws.cli import Parser, example, execute
 from demlaws.cli.output import output
 from studies.shear import figure, gas, memory, springs, vibration
+from studies.shear.cyclic import WORDS
 from studies.shear.oblique import ANGLE, MEASURED, misfit, table
 
 
@@ -33,12 +34,13 @@ def parser():
     )
     parser.add_argument("--vibrate", choices=[*vibration.SCENES, "oedometer"], help="run a scene under a vibrating load")
     parser.add_argument("--engines", nargs="+", choices=sorted(vibration.OWN), default=["liggghts"], help="with --vibrate")
-    parser.add_argument("--models", nargs="+", choices=vibration.MODELS, default=vibration.MODELS, help="with --vibrate")
+    parser.add_argument("--models", nargs="+", choices=[*WORDS], default=[*WORDS], help="with --vibrate")
     parser.add_argument("--cycles", type=int, default=300, help="with --vibrate (default 300)")
     parser.add_argument(
         "--out", type=Path, default=Path("vibration.jsonl"), help="rows of --vibrate; it goes on where it stopped"
     )
     parser.add_argument("--figure", type=output, help="picture of loops and of oblique impacts")
+    parser.add_argument("--creep", type=output, help="picture of creep under vibration, with the runs of vibration.jsonl")
     parser.set_defaults(func=run)
     return parser
 
@@ -53,6 +55,9 @@ def run(arguments):
         print("|---|---|---|---|---|---|---|")
         for *counts, largest, balance in gas.summary(arguments.summary):
             print(f"| {' | '.join(map(str, counts))} | {largest:.5f} | {balance:.1e} |")
+        return
+    if arguments.creep is not None:
+        print(plots.save(figure.draw_creep(), arguments.creep))
         return
     if arguments.memory:
         memory.print_table()

@@ -14,6 +14,9 @@ from demlaws.liggghts.run import HEAD, run
 from studies.trade.liggghts_oedometer import CASE, data_of, grains, numbers, pairwise, plate
 from studies.trade.packings import QUICK, packing
 
+WORDS = {"1 level": "levels 1", "2 levels": "levels 2", "3 levels": "levels 3", "slip": "shear slip", "own": ""}
+WORDS |= {f"ratio {ratio:g}": f"shear_ratio {ratio:g}" for ratio in (0.3, 0.086)}
+"""Model of shear → words of the table's line; "own": the engine's, "ratio": three levels with another K_t/K than that of ν."""
 LOW = 0.1
 """Of the full stress, to which each cycle unloads."""
 CYCLES = """\
@@ -45,12 +48,12 @@ jump            SELF cycling
 def settlement(model, cycles, scale=0.25):
     """(height of the plate [m] at the full stress in each cycle, thickness of the packing [m]).
 
-    model: "1 level", …, "slip", or "own" (LIGGGHTS's history with the same normal law); scale: of the plate's speed.
+    model: one of WORDS; "own" has the same normal law; scale: of the plate's speed.
     """
     radii, centres = packing(QUICK)
     given = QUICK.given(radii, centres)
     case = Case("pohrt-popov", tuple(grains(given)), "hertz")
-    words = {"own": "", "slip": "shear slip"}.get(model, f"levels {model[0]}")
+    words = WORDS[model]
     tangential = "history" if model == "own" else "demlaws"
     friction = given["friction"]
     with tempfile.TemporaryDirectory() as name:

@@ -1,12 +1,15 @@
-"""Pictures of shear: loops of partial slip, and oblique impacts compared with measurements."""
+"""Pictures of shear: loops of partial slip, oblique impacts compared with measurements, and creep under vibration."""
 
 import itertools
+import json
+from pathlib import Path
 
 import numpy as np
 
 import demlaws as dl
 from demlaws.plots import figure
 from demlaws.shear import sheared
+from studies.shear import memory
 from studies.shear.gas import CONTACT
 from studies.shear.oblique import ANGLE, MEASURED, MODELS, impact
 
@@ -49,4 +52,36 @@ def draw():
     right.annotate("measured", (42, 0.74), fontsize=9)
     right.set(xlabel="angle from the normal (degrees)", ylabel="tangential restitution", ylim=(0.55, 1.03))
     right.set(title="5 mm alumina spheres on glass (Kharaz et al. 2001)")
+    return fig
+
+
+RUNS = Path(__file__).with_name("vibration.jsonl")
+"""Rows of `--vibrate` that docs/shear.md shows."""
+SHADES = {"1 level": "#9ecae1", "2 levels": "#4292c6", "3 levels": "#08519c", "slip": "#d62728", "own": "#999999"}
+
+
+def runs(scene, engine):
+    """Model → rows of the longest run of `studies.shear.vibration`."""
+    lines = map(json.loads, RUNS.read_text().splitlines())
+    chosen = [line for line in lines if line["scene"] == scene and line["engine"] == engine]
+    return {line["model"]: np.array(line["rows"]) for line in sorted(chosen, key=lambda line: line["cycles"])}
+
+
+def draw_creep():
+    """Creep of one contact, and settlement of an oedometer, over cycles."""
+    fig, (left, right) = figure(columns=2, width=5.0, height=3.8)
+    vibration = memory.Vibration(1e-2, True, 3000)
+    for count, label in ((1, "1 level"), (3, "3 levels (default)"), (memory.EVERY, "all springs")):
+        moved = memory.creep(("pohrt-popov", "hertz"), vibration, count)
+        style = {"color": "k", "ls": ":"} if count == memory.EVERY else {"color": SHADES[f"{count} level{'s' * (count > 1)}"]}
+        left.plot(np.arange(moved.size), moved, label=label, **style)
+    left.set(xlabel="cycles of 1 % of the overlap (noise)", ylabel="displacement over that at rest", yscale="log")
+    left.set(title="one contact at half of Coulomb's limit")
+    left.legend()
+    for model, rows in runs("oedometer", "liggghts").items():
+        label = {"own": "LIGGGHTS history", "3 levels": "3 levels (default)"}.get(model, model)
+        right.plot(rows[:, 0], 1e6 * (rows[0, 2] - rows[:, 2]), color=SHADES[model], label=label)
+    right.set(xlabel="cycles from 50 to 500 kPa", ylabel="settlement since the first cycle (µm)", xscale="log")
+    right.set(title="oedometer, 150 rough granite spheres")
+    right.legend()
     return fig

@@ -18,14 +18,11 @@ from demlaws import lammps, liggghts
 from demlaws.lammps.run import HEAD as LAMMPS_HEAD
 from demlaws.liggghts.run import HEAD as LIGGGHTS_HEAD
 from studies.engines import under_yade
-from studies.shear.cyclic import settlement
+from studies.shear.cyclic import WORDS, settlement
 from studies.trade.liggghts_oedometer import data_text
 
 YOUNG, POISSON, DENSITY, FRICTION, RESTITUTION = 1e8, 0.25, 2600.0, 0.5, 0.5
 OWN = {"liggghts": "history", "lammps": "mindlin", "yade": "native"}
-MODELS = ("1 level", "2 levels", "3 levels", "slip", "own")
-"""Models of shear: levels, partial slip, and the engine's own with its own Hertz."""
-
 LIGGGHTS = """\
 fix m1 all property/global youngsModulus peratomtype {young} {young}
 fix m2 all property/global poissonsRatio peratomtype {poisson} {poisson}
@@ -114,7 +111,7 @@ SCENES = {"block": block, "heap": heap}
 
 def _contacts(engine, model, scene):
     """Lines of pairs and walls, with one model of shear."""
-    words = {"own": "", "slip": "shear slip"}.get(model, f"levels {model[0]}")
+    words = WORDS[model]
     table = "" if model == "own" else "table.tbl"
     sides = [(f"w{a}{n}", a, place) for a, places in scene.walls.items() for n, place in enumerate(places)]
     if engine == "liggghts":
