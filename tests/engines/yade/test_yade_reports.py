@@ -238,8 +238,7 @@ def test_a_density_in_other_units(omega):
     assert len([one for one in seen if "g/cm³" in str(one.message)]) == 1
 
 
-@pytest.mark.parametrize("way", ["native", "public"])
-def test_a_position_that_is_not_finite_is_named(omega, way):
-    acting(functor(bridge=way))
+def test_a_position_that_is_not_finite_is_named(omega):
+    acting(functor(bridge="native"))
     yade.O.bodies[1].state.pos = (0, 0, float("nan"))
     stops("position is not finite", 20)
