@@ -37,7 +37,7 @@ FROZEN = 100e3
 ROUGH = (0.05, 0.2, 0.5, 2.0)
 PACKINGS, PATHS = ("dense", "loose"), ("isotropic", "oedometric")
 FIELDS = (
-    *("bead", "law", "sigma_um", "dimension", "packing", "path", "count", "seed", "kPa"),
+    *("bead", "law", "sigma_um", "dimension", "slope", "packing", "path", "count", "seed", "kPa"),
     *("side_kPa", "solid", "coordination", "sliding", "force_N", "overlap_nm", "prestress", "steps", "seconds"),
     *("M", "G", "B", "M_tenth", "G_tenth", "M_hertz", "G_hertz", "M_first", "G_first", "M_frozen", "G_frozen"),
 )
@@ -50,6 +50,7 @@ class Series(NamedTuple):
     law: str = HERTZ
     sigma: float = 0.0  # combined roughness [µm]
     dimension: float = 2.2
+    slope: float = 0.0  # of the cone tips of goddard [rad]
     packing: str = "dense"
     path: str = "isotropic"
     count: int = 3000
@@ -62,19 +63,20 @@ class Series(NamedTuple):
         contact = dl.Contact(
             radius=bead.diameter / 4, modulus=modulus, roughness=1e-6 * self.sigma, fractal_dimension=self.dimension
         )
-        law = dl.law(self.law, contact)
+        law = dl.law(self.law, contact, **({"slope": self.slope} if self.slope else {}))
         return law.tabulate(rtol=1e-5) if self.law == "greenwood-tripp" else law
 
 
-CORE = (("glass", HERTZ, 0.0, 2.2), *(("glass", POHRT_POPOV, sigma, 2.2) for sigma in ROUGH))
+CORE = (("glass", HERTZ), *(("glass", POHRT_POPOV, sigma) for sigma in ROUGH))
 MORE = (
-    *(("glass", "rms", sigma, 2.2) for sigma in ROUGH),
-    *(("glass", "greenwood-tripp", sigma, 2.2) for sigma in (0.2, 2.0)),
+    *(("glass", "rms", sigma) for sigma in ROUGH),
+    *(("glass", "greenwood-tripp", sigma) for sigma in (0.2, 0.7, 2.0)),
+    *(("glass", "goddard", 0.0, 2.2, slope) for slope in (0.02, 0.1)),
     *(("glass", POHRT_POPOV, 0.5, dimension) for dimension in (2.0, 2.5)),
-    ("granite", HERTZ, 0.0, 2.22),
-    *(("granite", POHRT_POPOV, sigma, 2.22) for sigma in ROUGH),
+    ("granite", HERTZ),
+    *(("granite", POHRT_POPOV, sigma) for sigma in ROUGH),
 )
-"""Bead, law, combined roughness [µm], fractal dimension."""
+"""Bead, law, combined roughness [µm], fractal dimension, slope [rad]."""
 
 
 def start(packing, count, seed, store=STORE):
@@ -150,7 +152,7 @@ def rows(series, pressures=PRESSURES, store=STORE, **settings):
     for pressure, packing in states(series, pressures, store, **settings):
         began, bead = time.process_time(), BEADS[series.bead]
         contacts = packing.carrying()
-        row = dict(zip(FIELDS[:8], series, strict=True)) | {
+        row = dict(zip(FIELDS[:9], series, strict=True)) | {
             "kPa": 1e-3 * pressure,
             "side_kPa": 1e-3 * packing.stress[:2].mean(),
             "solid": packing.solid,
@@ -184,7 +186,7 @@ def wanted(count, seeds):
         (MORE, few, "loose", PATHS),
     ):
         for seed, case, path in itertools.product(range(1, last + 1), chosen, paths):
-            yield Series(*case, packing, path, count, seed)
+            yield Series(*case, packing=packing, path=path, count=count, seed=seed)
 
 
 def read(path=RESULTS):
@@ -214,7 +216,7 @@ def append(path, fields, found):
 
 def run(series, path=RESULTS, store=STORE, progress=print):
     """Run the series that `path` lacks; a series is written when it is complete."""
-    done = {tuple(row[name] for name in FIELDS[:8]) for row in read(path)}
+    done = {tuple(row[name] for name in FIELDS[:9]) for row in read(path)}
     for one in dict.fromkeys(series):
         if tuple(one) in done:
             continue
