@@ -32,14 +32,12 @@ class Case(NamedTuple):
 
 
 def cases(rows):
-    """`Case` → (path, seed) → rows in order of the pressure."""
-    found = {}
-    for row in rows:
+    """`Case` → (path, seed) → rows in order of the pressure; cases by bead, law and roughness."""
+    found, order = {}, list(dict.fromkeys(row["law"] for row in rows))
+    for row in sorted(rows, key=lambda row: row["kPa"]):
         case = Case(*(row[name] for name in Case._fields))
         found.setdefault(case, {}).setdefault((row["path"], int(row["seed"])), []).append(row)
-    return {
-        case: {key: sorted(some, key=lambda row: row["kPa"]) for key, some in series.items()} for case, series in found.items()
-    }
+    return dict(sorted(found.items(), key=lambda item: (item[0].bead, item[0].packing, order.index(item[0].law), item[0][2:])))
 
 
 def exponent(rows, column, span=ALL, speed=False):

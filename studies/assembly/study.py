@@ -79,14 +79,19 @@ MORE = (
 """Bead, law, combined roughness [µm], fractal dimension, slope [rad]."""
 
 
+def smooth(series):
+    """Hertz's law of the same bead."""
+    return Series(bead=series.bead).bound()
+
+
 def start(packing, count, seed, store=STORE):
     """Places, size and shear forces of a packing of smooth glass spheres at START, made once and kept in `store`."""
     file = Path(store) / f"{packing}-{count}-{seed}.npz"
     if not file.is_file():
-        smooth, friction = Series(), 0.0 if packing == "dense" else GLASS.friction
-        found = Packing.loose(GLASS, count, seed, smooth.bound(1e3), friction)
+        friction = 0.0 if packing == "dense" else GLASS.friction
+        found = Packing.loose(GLASS, count, seed, Series().bound(1e3), friction)
         for softness in (1e3, 1e2, 10.0, 1.0):  # hard spheres take too many steps to meet; each step is ten times harder
-            found.law = smooth.bound(softness)
+            found.law = Series().bound(softness)
             slow = {"drag": 0.03, "viscous": 1e-2} if softness == 1e3 else {"drag": 0.05, "viscous": 5e-3}
             found.compress([START] * 3, tolerance=2e-2, balance=1e-2, **slow)
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -98,7 +103,7 @@ def begin(series, store=STORE):
     """The `Packing` of a series before its first pressure: spheres of its size, closer by the change of the mean overlap."""
     kept, bead = start(series.packing, series.count, series.seed, store), BEADS[series.bead]
     scale, law, force = bead.diameter / GLASS.diameter, series.bound(), START * bead.diameter**2
-    closer = float(law.overlap(force) - dl.law(HERTZ, law.contact).overlap(force)) / bead.diameter
+    closer = float(law.overlap(force) - smooth(series).overlap(force)) / bead.diameter
     scale *= 1.0 - closer
     packing = Packing(bead, scale * kept["places"], scale * kept["size"], law, bead.friction)
     packing.inherit(kept["pairs"], kept["shear"])
@@ -112,7 +117,7 @@ def states(series, pressures=PRESSURES, store=STORE, **settings):
         yield pressure, packing.compress([pressure] * 3 if series.path == "isotropic" else [0.0, 0.0, pressure], **settings)
 
 
-def stiffnesses(series, law, contacts, size, first):
+def stiffnesses(series, contacts, size, first):
     """Columns of the moduli of one state [Pa]."""
     bead, along = BEADS[series.bead], series.path == "oedometric"
     ratio = bead.shear_ratio
@@ -121,16 +126,17 @@ def stiffnesses(series, law, contacts, size, first):
         found = moduli(contacts, size, *args)
         return (found.along, found.across, found.bulk) if along else (found.longitudinal, found.shear, found.bulk)
 
-    smooth = dl.law(HERTZ, law.contact)
+    hertz = smooth(series)
+    after = hertz.stiffness(hertz.overlap(contacts.force))
     row = dict(zip(("M", "G", "B"), both(ratio), strict=True))
     row |= dict(zip(("M_tenth", "G_tenth"), both(0.1 * ratio)[:2], strict=True))
-    row |= dict(zip(("M_hertz", "G_hertz"), both(ratio, smooth.stiffness(smooth.overlap(contacts.force)))[:2], strict=True))
+    row |= dict(zip(("M_hertz", "G_hertz"), both(ratio, after)[:2], strict=True))
     if first and series.law != HERTZ and not along:
-        after = contacts._replace(unloading=smooth.stiffness(smooth.overlap(contacts.force)))
+        contacts = contacts._replace(unloading=after)
         pushed, sheared = np.zeros((3, 3)), np.zeros((3, 3))
         pushed[2, 2], sheared[0, 2], sheared[2, 0] = -1.0, 0.5, 0.5
-        row["M_first"] = first_loading(after, size, ratio, pushed)
-        row["G_first"] = first_loading(after, size, ratio, sheared)
+        row["M_first"] = first_loading(contacts, size, ratio, pushed)
+        row["G_first"] = first_loading(contacts, size, ratio, sheared)
     return row
 
 
@@ -163,7 +169,7 @@ def rows(series, pressures=PRESSURES, store=STORE, **settings):
             "prestress": prestress(contacts, bead.shear_ratio),
             "steps": packing.steps,
         }
-        row |= stiffnesses(series, law, contacts, packing.size, series.seed == 1 and series.packing == "dense")
+        row |= stiffnesses(series, contacts, packing.size, series.seed == 1 and series.packing == "dense")
         if pressure == FROZEN:
             kept = contacts, packing.size.copy()
         found.append(row | {"seconds": time.process_time() - began})
