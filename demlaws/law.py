@@ -467,12 +467,11 @@ class Table(Law):
     @classmethod
     def from_points(
         cls,
-        overlap: ArrayLike,
-        force: ArrayLike,
+        points: Any,
         contact: Contact,
         unloading: Any = "elastic",
         uncertainty: ArrayLike | None = None,
-        residual: float | None = None,
+        plastic_overlap: float | None = None,
         scales_with: str | None = None,
         rtol: float = 1e-3,
         name: str = "points",
@@ -485,17 +484,17 @@ class Table(Law):
 
         Parameters
         ----------
-        overlap, force : array_like
-            Overlaps [m] and forces [N] of first loading, in any order.
+        points : array_like, shape (n, 2), or Points
+            Overlap [m] and force [N] of first loading, in any order; also a DataFrame, as for `demlaws.fit`.
         contact : Contact
             The contact that was measured.
-        unloading : str, Law or pair of array_like
-            A rule, a law or a `Table` as for `demlaws.law`, or overlaps and forces measured after the largest force: the
-            contact unloads along their curve past the plastic overlap, from any largest force.
+        unloading : str, Law or points
+            A rule, a law or a `Table` as for `demlaws.law`, or points measured after the largest force: the contact unloads
+            along their curve past the plastic overlap, from any largest force.
         uncertainty : float or array_like, optional
             Standard uncertainty of the forces [N]; default: from the scatter.
-        residual : float, optional
-            Plastic overlap [m] of the measured unloading; default: extrapolated (`residual_overlap`).
+        plastic_overlap : float, optional
+            Plastic overlap [m] of the measured unloading; default: extrapolated.
         scales_with : {"radius", "roughness"}, optional
             As in `from_function`.
         rtol : float
@@ -512,10 +511,11 @@ class Table(Law):
         DemlawsError
             If points do not follow a rising curve, or unloading does not begin where loading ends; with overlap and force.
         """
-        from demlaws.curves.given import from_points
+        from demlaws.curves.given import along_points, from_points
 
-        parts = from_points(overlap, force, contact, unloading, uncertainty, residual, scales_with, rtol, name, description)
-        return cls._from_parts(*parts)
+        parts = from_points(points, contact, unloading, uncertainty, plastic_overlap, scales_with, rtol, name, description)
+        with along_points(parts[2]):
+            return cls._from_parts(*parts)
 
     @classmethod
     def _from_parts(cls, contact, curve, unloading):

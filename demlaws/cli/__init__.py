@@ -8,6 +8,7 @@ import re
 import sys
 import warnings
 
+from demlaws.cli.arguments import in_options
 from demlaws.cli.output import Output, arranged
 from demlaws.core import notice
 from demlaws.errors import DemlawsError, ValidityWarning, most_similar
@@ -175,6 +176,7 @@ def execute(parser, arguments):
     for stream in (sys.stdout, sys.stderr):  # a terminal without µ prints ?
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
+    parsed = argparse.Namespace()
     try:
         try:
             parsed = parser().parse_args(arguments)
@@ -187,7 +189,7 @@ def execute(parser, arguments):
             sys.stdout.flush()
         return status
     except DemlawsError as error:
-        return _failed(error)
+        return _failed(in_options(str(error), parsed))
     except OverflowError:
         return _failed("a value exceeds the range of numbers: check the units")
     except MemoryError:

@@ -28,6 +28,7 @@ def parser():
     parser.add_argument("--store", type=Path, default=study.STORE, help="folder of initial packings")
     parser.add_argument("--quick", action="store_true", help="four series of 200 spheres, two minutes")
     parser.add_argument("--probe", action="store_true", help="compare moduli with small strains in LAMMPS")
+    parser.add_argument("--sensitivity", action="store_true", help="three series with other settings of the compression")
     parser.add_argument("--report", action="store_true", help="tables only, from the runs in the file")
     parser.add_argument("--figure", type=output, help="picture of the exponents")
     parser.set_defaults(func=run)
@@ -43,6 +44,10 @@ def run(arguments):
     if arguments.probe:
         probe.run_probes(arguments.grains, store=arguments.store, progress=progress)
         print(probe.table())
+        return
+    if arguments.sensitivity:
+        study.run_sensitivity(arguments.grains, store=arguments.store, progress=progress)
+        print(report.sensitivity(study.read(study.SENSITIVITY)))
         return
     if not arguments.report:
         series = QUICK if arguments.quick else study.wanted(arguments.grains, arguments.seeds)

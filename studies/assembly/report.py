@@ -114,6 +114,17 @@ def tables(rows):
     return "\n".join(lines)
 
 
+def sensitivity(rows):
+    """Text: exponents of one packing with other settings of the compression."""
+    lines = ["| settings | packing, path | exponent of M | of G | G at 100 kPa (MPa) | steps |", "|---|---|---|---|---|---|"]
+    for key in dict.fromkeys((row["settings"], row["packing"], row["path"]) for row in rows):
+        chosen = [row for row in rows if (row["settings"], row["packing"], row["path"]) == key]
+        shear = next(1e-6 * row["G"] for row in chosen if row["kPa"] == LOW[1])
+        found = f"{exponent(chosen, 'M'):.4f} | {exponent(chosen, 'G'):.4f} | {shear:.2f} | {chosen[-1]['steps']:.0f}"
+        lines.append(f"| {key[0]} | {key[1]}, {key[2]} | {found} |")
+    return "\n".join(lines)
+
+
 def local(series, column, path):
     """σ/δ and exponent between neighbouring pressures, means of the seeds; δ is the overlap at the mean force."""
     chosen = [rows for (p, _), rows in series.items() if p == path]
@@ -129,31 +140,44 @@ def local(series, column, path):
 
 
 MARKS = {("glass", "dense"): "o", ("glass", "loose"): "s", ("granite", "dense"): "^", ("granite", "loose"): "v"}
+PANELS = (("G", "isotropic", "G0, isotropic"), ("G", "oedometric", "G, oedometric"), ("M", "oedometric", "M, oedometric"))
+
+
+def one_contact(law, sigma=1.0):
+    """σ/δ and the exponent d ln K/d ln P of one contact of glass."""
+    from demlaws.errors import quiet
+    from studies.assembly.study import Series
+
+    with quiet():
+        bound = Series(law=law, sigma=sigma).bound()
+        force = np.geomspace(1e-3, 1e2, 200)
+        overlap = bound.overlap(force)
+        return 1e-6 * sigma / overlap, np.gradient(np.log(bound.stiffness(overlap)), np.log(force))
 
 
 def draw(rows):
     """Local exponents of G0 (isotropic), and of M and G along the load (oedometric), over σ/δ."""
     from demlaws.plots import colour, figure
 
-    fig, axes = figure(columns=3, width=4.4, height=3.8)
-    panels = (("G", "isotropic", "G0, isotropic"), ("G", "oedometric", "G, oedometric"), ("M", "oedometric", "M, oedometric"))
+    fig, axes = figure(columns=3, width=4.4, height=4.0)
     found = cases(rows)
-    for ax, (column, path, title) in zip(axes, panels, strict=True):
-        labelled = set()
+    laws = dict.fromkeys(case.law for case in found if case.law != HERTZ)
+    for ax, (column, path, title) in zip(axes, PANELS, strict=True):
+        for law in laws:
+            ax.plot(*one_contact(law), color=colour(law), lw=1, label=f"{law}, one contact")
         for case, series in found.items():
             x, y = local(series, column, path)
             if case.law == HERTZ:
-                if len(y) and case == Case("glass", HERTZ, 0.0, 2.2, case.packing):
-                    style = "-" if case.packing == "dense" else "--"
-                    ax.axhline(y.mean(), color="0.5", lw=1, ls=style, label=f"hertz, {case.packing}")
-                continue
-            if case.dimension not in (2.2, 2.22):
-                continue
-            label = None if case.law in labelled else case.law
-            labelled.add(case.law)
-            mark = MARKS[case.bead, case.packing]
-            ax.plot(x, y, mark, ms=4, mfc="none", color=colour(case.law), label=label)
-        ax.set(xscale="log", xlabel="σ/δ", title=title, ylim=(0.3, 1.0))
+                style = "-" if case.packing == "dense" else "--"
+                if case.bead == "glass" and len(y):
+                    ax.axhline(y.mean(), color="0.5", lw=1, ls=style, label=f"hertz, {case.packing} packing")
+            elif case.dimension in (2.2, 2.22):
+                mark = MARKS[case.bead, case.packing]
+                ax.plot(x, y, mark, ms=4.5, mfc="none", color=colour(case.law))
+        ax.set(xscale="log", xlabel="σ/δ, δ: overlap at the mean force", title=title, xlim=(0.03, 10.0), ylim=(0.28, 1.0))
+    for (bead, packing), mark in MARKS.items():
+        if any((case.bead, case.packing) == (bead, packing) for case in found):
+            axes[1].plot([], [], mark, ms=4.5, mfc="none", color="k", label=f"{bead}, {packing} packing")
     axes[0].axhspan(*ALLOWED["G0"], color="k", alpha=0.08, lw=0)
     axes[0].annotate("measured: usually around 0.5", (0.03, 0.5), xycoords=("axes fraction", "data"), va="center", fontsize=8)
     for ax, speed in ((axes[1], "c_T"), (axes[2], "c_L")):
@@ -161,5 +185,8 @@ def draw(rows):
         text = f"measured: 2 × {MEASURED[speed]}"
         ax.annotate(text, (0.03, 2.0 * MEASURED[speed]), xycoords=("axes fraction", "data"), va="bottom", fontsize=8)
     axes[0].set(ylabel="exponent between neighbouring pressures")
-    axes[0].legend(fontsize=7, loc="upper left")
+    for ax in axes[:2]:
+        handles, labels = ax.get_legend_handles_labels()
+        kept = [n for n, label in enumerate(labels) if (" packing" in label and "hertz" not in label) == (ax is axes[1])]
+        ax.legend([handles[n] for n in kept], [labels[n] for n in kept], fontsize=7, loc="upper left")
     return fig

@@ -103,11 +103,11 @@ def begin(series, store=STORE):
     return packing
 
 
-def states(series, pressures=PRESSURES, store=STORE):
-    """The packing at each pressure, in balance."""
+def states(series, pressures=PRESSURES, store=STORE, **settings):
+    """The packing at each pressure, in balance; settings: of `Packing.compress`."""
     packing = begin(series, store)
     for pressure in pressures:
-        yield pressure, packing.compress([pressure] * 3 if series.path == "isotropic" else [0.0, 0.0, pressure])
+        yield pressure, packing.compress([pressure] * 3 if series.path == "isotropic" else [0.0, 0.0, pressure], **settings)
 
 
 def stiffnesses(series, law, contacts, size, first):
@@ -144,10 +144,10 @@ def frozen(series, law, contacts, size, pressure):
     )
 
 
-def rows(series, pressures=PRESSURES, store=STORE):
-    """A row (dict of FIELDS) per pressure."""
+def rows(series, pressures=PRESSURES, store=STORE, **settings):
+    """A row (dict of FIELDS) per pressure; settings: of `Packing.compress`."""
     found, kept, law = [], None, series.bound()
-    for pressure, packing in states(series, pressures, store):
+    for pressure, packing in states(series, pressures, store, **settings):
         began, bead = time.process_time(), BEADS[series.bead]
         contacts = packing.carrying()
         row = dict(zip(FIELDS[:8], series, strict=True)) | {
@@ -173,12 +173,13 @@ def rows(series, pressures=PRESSURES, store=STORE):
 
 def wanted(count, seeds):
     """All series, those first that the page needs most."""
-    few = min(seeds, 3)
+    few, two = min(seeds, 3), min(seeds, 2)
     for chosen, last, packing, paths in (
         (CORE, seeds, "dense", PATHS),
-        (CORE, few, "loose", PATHS[1:]),
-        (MORE, min(seeds, 2), "dense", PATHS),
-        (CORE, few, "loose", PATHS[:1]),
+        (MORE, 1, "dense", PATHS),
+        (CORE, two, "loose", PATHS[::-1]),
+        (MORE, two, "dense", PATHS),
+        (MORE, 1, "loose", PATHS[::-1]),
         (CORE, seeds, "loose", PATHS),
         (MORE, few, "loose", PATHS),
     ):
@@ -221,3 +222,25 @@ def run(series, path=RESULTS, store=STORE, progress=print):
             found = rows(one, store=store)
         append(path, FIELDS, found)
         progress(" ".join(map(str, one)))
+
+
+SENSITIVITY = HERE / "sensitivity.csv"
+SETTINGS = {
+    "as in the study": {},
+    "half the step": {"share": 0.15},
+    "half the speed": {"viscous": 2.5e-3},
+    "tenfold balance": {"balance": 1e-4, "tolerance": 5e-4},
+}
+
+
+def run_sensitivity(count, path=SENSITIVITY, store=STORE, progress=print):
+    """Rows of three series with each of SETTINGS; those that `path` has are not run again."""
+    done = {(row["settings"], row["packing"], row["path"]) for row in read(path)}
+    for name, settings in SETTINGS.items():
+        for packing, way in (("dense", "isotropic"), ("dense", "oedometric"), ("loose", "oedometric")):
+            if (name, packing, way) not in done:
+                series = Series(law=POHRT_POPOV, sigma=0.5, packing=packing, path=way, count=count, seed=2)
+                append(
+                    path, ("settings", *FIELDS), [{"settings": name, **row} for row in rows(series, store=store, **settings)]
+                )
+                progress(f"{name}: {packing} {way}")

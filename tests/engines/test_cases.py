@@ -8,7 +8,7 @@ from examples import shared
 
 ROOT = Path(__file__).parents[2]
 CASES = [(path.parts[-3].split("_")[0], path.parent.name) for path in sorted(ROOT.glob("l*_inputs/*/run.py"))]
-LONG = ("ballast", "compression", "energy", "impact", "migration", "packing")
+LONG = ("ballast", "compression", "energy", "impact", "migration", "packing", "waves")
 
 
 @pytest.fixture
@@ -30,7 +30,7 @@ def simulate_and_check(common, engine, case, folder, ranks=1, check=None, **opti
 
 
 def test_the_readme_names_every_case():
-    assert len(CASES) == 18
+    assert len(CASES) == 19
     assert not [case for engine, case in CASES if case not in (ROOT / f"{engine}_inputs" / "README.md").read_text()]
 
 

@@ -1,5 +1,6 @@
 """Shear in YADE: K_t, the shear force along paths, regular arrays."""
 
+import json
 import math
 
 import numpy as np
@@ -227,6 +228,11 @@ def test_choice_is_saved_and_checked(omega, tmp_path):
     law = functor(shear="loading", levels=2)
     again = Pairs.from_text(law.binding.pairs.as_text())
     assert (again.shear_name, again.levels) == ("loading", 2) and type(again.shear) is type(law.binding.pairs.shear)
+    assert "shear loading in 2 levels" in repr(law)
+    former = json.loads(law.binding.pairs.as_text())
+    del former["levels"]
+    with pytest.raises(dl.DemlawsError, match="former version"):
+        Pairs.from_text(json.dumps(former))
     for wrong in ("secant", "tangent", ["elastic"]):
         with pytest.raises(dl.DemlawsError):
             functor(shear=wrong)
