@@ -436,6 +436,14 @@ template <class ABI> struct Granular {
                 ": write the words 'levels', 'shear' and 'springs' that the wall had; files of 0.2.0 have 'levels 1'");
     }
     void calculate_forces() {
+      if (__builtin_expect(ledger_.busy, 0)) watched();
+      else move();
+    }
+
+  private:
+    __attribute__((noinline, cold)) void watched() { account(move()); }
+    // A step; its energies are computed only where somebody uses them.
+    __attribute__((always_inline)) inline demlaws::ShearStep move() {
       Model *const m = gm;
       double copy[demlaws::SpringRow::MOST_SIZE], *numbers = m->history + history_index;
       const bool keep = m->history_update != 0;
@@ -453,13 +461,10 @@ template <class ABI> struct Granular {
       this->damp = coeffs[DAMPING_RATIO] * m->damping_model->get_damp_prefactor();
       const double damping = step.slides ? 0. : this->damp;
       for (int k = 0; k < 3; k++) m->fs[k] = -step.force[k] - damping * m->vtr[k];
-      if (__builtin_expect(ledger_.busy, 0)) account(step);
+      return step;
     }
-
-  private:
-    // Records the work of shear; the part that the contact stores is not lost. The step is passed as a copy: otherwise
-    // its energies would be computed in every step, also where no compute needs them.
-    __attribute__((noinline, cold)) void account(demlaws::ShearStep step) {
+    // Records the work of shear; the part that the contact stores is not lost.
+    void account(const demlaws::ShearStep &step) {
       if (ledger_.collecting) {
         ledger_.collected += step.before;
         ledger_.pending -= step.before;
