@@ -52,7 +52,7 @@ class Law(Response):
         self.state_size = len(self.state_names)
         self.shape = joined_shape(curve.shape, contact, unloading)
         self.params = bind_params(self.shape, contact)
-        if unloading.rule.curve == "law" and unloading.beside is None and is_user_defined(self.definition):
+        if unloading.rule.curve == "law" and unloading.rule_parameters is None and is_user_defined(self.definition):
             from demlaws.soundness import refuse_unsound_rule
 
             refuse_unsound_rule(self.name, unloading.rule, one_of(self.params, 0), float(np.ravel(contact.radius)[0]))
@@ -374,7 +374,7 @@ class Table(Law):
             return None
         from demlaws.rule_object import rule_object
 
-        return rule_object(self.unloads.rule, self.unloads.beside)
+        return rule_object(self.unloads.rule, self.unloads.rule_parameters)
 
     @property
     def fingerprint(self) -> int:

@@ -109,13 +109,13 @@ class Response:
         # a copy where it may not be written to: loops would be compiled once more for that
         return np.require(array, requirements="CW"), array.shape
 
-    def _both(self, overlap):
+    def _force_and_stiffness(self, overlap):
         values, shape = self._shaped(overlap, "overlap", "m")
         self._check_range(values)
         force, stiffness = first_loading(self.params, values.ravel())
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
-        self._advise(force)
+        self._warn_of_limits(force)
         return force.reshape(shape), stiffness.reshape(shape)
 
     def _out_of_range(self, overlap):
@@ -137,7 +137,7 @@ class Response:
         float or ndarray
             Force [N], 0 at δ ≤ 0.
         """
-        return as_given(self._both(overlap)[0])
+        return as_given(self._force_and_stiffness(overlap)[0])
 
     def stiffness(self, overlap: ArrayLike) -> Any:
         """Tangent stiffness K = dP/dδ of first loading.
@@ -152,7 +152,7 @@ class Response:
         float or ndarray
             Stiffness [N/m], 0 at δ ≤ 0.
         """
-        return as_given(self._both(overlap)[1])
+        return as_given(self._force_and_stiffness(overlap)[1])
 
     def overlap(self, force: ArrayLike) -> Any:
         """Overlap δ at which first loading carries a force.
@@ -172,7 +172,7 @@ class Response:
         if not np.all(np.isfinite(result)):
             raise DemlawsError(self._force_out_of_range(float(values.max())))
         self._check_range(result.reshape(shape))
-        self._advise(values)
+        self._warn_of_limits(values)
         return as_given(result.reshape(shape))
 
     def _force_out_of_range(self, force):
@@ -257,7 +257,7 @@ class Response:
             raise DemlawsError(f"{n} overlaps for a law that holds {self.contact.size} contacts: one entry each")
         arrays = self._arrays_of(state, n)
         force, stiffness = (np.empty_like(overlap), np.empty_like(overlap)) if out is None else writable(out, overlap, arrays)
-        ends, (lowest, most) = self._ends()
+        ends, (lowest, most) = self._largest_overlaps()
 
         def part(piece):
             states, params = tuple(array[piece] for array in arrays), self._params_of(piece)
@@ -288,7 +288,7 @@ class Response:
         """Params of some of the contacts."""
         return map_leaves(lambda v: v[piece] if isinstance(v, np.ndarray) and v.ndim == 1 else v, self.params)
 
-    def _ends(self):
+    def _largest_overlaps(self):
         """Largest overlap [m] that is answered, one number or one a contact; then the lowest of all contacts' for `batch_loop`,
         its `end` and `most`: with one for each contact a batch of tables took a tenth longer."""
         if self._end is None:
@@ -385,7 +385,7 @@ class Response:
         force, stiffness, stored, dissipated = columns
         if not np.all(np.isfinite(force)):
             raise DemlawsError(self._out_of_range(float(values.max())))
-        self._advise(force)
+        self._warn_of_limits(force)
         quantities = dict(zip(self.state_names, history, strict=True))
         maximum = quantities.get("maximum_overlap", np.maximum.accumulate(np.maximum(values, 0.0)))
         plastic = quantities.get("plastic_overlap", np.full(values.size, math.nan if self.state_names else 0.0))
@@ -441,7 +441,7 @@ class Response:
                 pairs.append((limit.minimum_force / max(smallest, 1e-300), Breach(smallest, limit.minimum_force, limit.reason)))
         return [breach for _, breach in sorted(pairs, key=lambda one: -one[0])]
 
-    def _advise(self, force):
+    def _warn_of_limits(self, force):
         touching = force[force > 0.0] if np.ndim(force) else force
         for breach in self.breaches(float(np.min(touching, initial=math.inf)), float(np.max(touching, initial=0.0))):
             warn(f"{self.name} {breach.range}: {breach.reason}")

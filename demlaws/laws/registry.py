@@ -184,7 +184,7 @@ def _check(definition: Any) -> None:
         raise DemlawsError(f"law {name!r}: free names {', '.join(wrong)}, which fitted does not describe")
 
 
-def mark(definition: Definition) -> str:
+def source_checksum(definition: Definition) -> str:
     """Checksum of the functions or of the file of a definition, to distinguish edited versions."""
     if not is_user_defined(definition):
         return ""
@@ -195,7 +195,7 @@ def _reduced(definition: Definition) -> tuple:
     """Pickled by name and file: it holds functions that have no name, and a law that comes back is to be the same law."""
     if definition.name in _BUILT_IN or definition.name in _registered():
         home = home_of(definition.name)
-        return _of_name, (definition.name, mark(definition), home if home in _loaded else "")
+        return _of_name, (definition.name, source_checksum(definition), home if home in _loaded else "")
     return Definition, tuple(definition)  # of a table whose law is not here
 
 
@@ -203,7 +203,7 @@ def _of_name(name: str, checksum: str = "", file: str = "") -> Definition:
     if file and name not in laws() and os.path.isfile(file):  # a worker process
         load_laws(file)
     definition = find(name)
-    if mark(definition) != checksum:
+    if source_checksum(definition) != checksum:
         raise DemlawsError(f"law {name!r} differs from the law that was pickled: make it again")
     return definition
 

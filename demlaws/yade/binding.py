@@ -242,8 +242,9 @@ class Binding:
         Coefficients are not compared: engines of YADE may scale them (TriaxialStressController with internalCompaction).
         """
         contacts = real_contacts()
-        touching = {number for contact in contacts for number in (contact.id1, contact.id2)}
-        for material in {body.material.id: body.material for body in map(O.bodies.__getitem__, touching)}.values():
+        touching = [O.bodies[number] for number in {n for contact in contacts for n in (contact.id1, contact.id2)}]
+        self._judge_densities(touching)
+        for material in {body.material.id: body.material for body in touching}.values():
             if material.young != 0.0:  # 0: a marker, whose contacts have no force
                 for finding in judge(young=material.young, poisson=material.poisson):
                     linear = " (k_s/k_n in YADE's linear laws, not here)" if material.poisson > 0.5 else ""
@@ -256,6 +257,15 @@ class Binding:
                 "since YADE keeps the functor of a contact from its first step. O.interactions.clear() lets all contacts begin "
                 "again, but erases their history (shear forces, plastic overlaps)"
             )
+
+    def _judge_densities(self, bodies):
+        """Warn once per material of a sphere whose mass is not that of a grain; contacts do not use it, the motion does."""
+        for body in bodies:
+            if type(body.shape) is not yade.Sphere or not body.dynamic or body.isClumpMember or not body.shape.radius > 0.0:
+                continue
+            density = body.state.mass / (4.0 / 3.0 * math.pi * body.shape.radius**3)
+            for finding in judge(density=density):
+                self._warn_once(("density", body.material.label), f"body {body.id}, {body.material.label!r}: {finding.text}")
 
     def judge_unlisted(self, bodies):
         """Raise unless two bodies, of whose materials at least one has no surface, are meant to be smooth."""

@@ -75,9 +75,12 @@ def fault_text(binding, kind, first, second, value, radius=None):
     if kind == layout.TOO_ROUGH:
         labels = [stone.label for stone in stones]
         return f" ({labels[0]!r} on {labels[1]!r}): {binding.roughness_text(*labels, value)}"
+    if value != value:
+        places = " and ".join(f"{number} at {tuple(O.bodies[number].state.pos)} m" for number in (first, second))
+        return f": a position is not finite, bodies {places}: take a smaller time step, or check what the script did to them"
     return (
         f" at overlap {value:g} m: the law gives no finite force there (a table ends, its radius or modulus is outside "
-        "those that the law was made for, or the overlap is not finite): make the table for larger forces, give radii=… "
+        "those that the law was made for, or the overlap is infinite): make the table for larger forces, give radii=… "
         "and moduli=…, or take a smaller time step"
     )
 

@@ -52,7 +52,8 @@ def run(arguments):
     if not arguments.report:
         series = QUICK if arguments.quick else study.wanted(arguments.grains, arguments.seeds)
         study.run(series, arguments.results, arguments.store, progress)
-    rows = study.read(arguments.results)
+    count = QUICK[0].count if arguments.quick else arguments.grains
+    rows = [row for row in study.read(arguments.results) if row["count"] == count]
     print(report.tables(rows))
     if arguments.figure is not None:
         print(plots.save(report.draw(rows), arguments.figure))

@@ -27,18 +27,17 @@ class Case(NamedTuple):
     law: str
     sigma_um: float
     dimension: float
+    slope: float
     packing: str
 
 
 def cases(rows):
-    """`Case` → (path, seed) → rows in order of the pressure."""
-    found = {}
-    for row in rows:
+    """`Case` → (path, seed) → rows in order of the pressure; cases by bead, law and roughness."""
+    found, order = {}, list(dict.fromkeys(row["law"] for row in rows))
+    for row in sorted(rows, key=lambda row: row["kPa"]):
         case = Case(*(row[name] for name in Case._fields))
         found.setdefault(case, {}).setdefault((row["path"], int(row["seed"])), []).append(row)
-    return {
-        case: {key: sorted(some, key=lambda row: row["kPa"]) for key, some in series.items()} for case, series in found.items()
-    }
+    return dict(sorted(found.items(), key=lambda item: (item[0].bead, item[0].packing, order.index(item[0].law), item[0][2:])))
 
 
 def exponent(rows, column, span=ALL, speed=False):
@@ -85,9 +84,10 @@ def cell(value):
 
 def name(case):
     """Law and roughness of a case."""
-    rough = "" if case.law == HERTZ else f", σ = {case.sigma_um:g} µm"
-    dimension = f", Df = {case.dimension:g}" if case.law == POHRT_POPOV and case.dimension not in (2.2, 2.22) else ""
-    return f"{case.law}{rough}{dimension}"
+    rough = f", σ = {case.sigma_um:g} µm" if case.sigma_um else ""
+    dimension = f", Df = {case.dimension:g}" if case.law == POHRT_POPOV and case.dimension != 2.2 else ""
+    slope = f", slope {case.slope:g}" if case.slope else ""
+    return f"{case.law}{rough}{dimension}{slope}"
 
 
 def tables(rows):
@@ -101,15 +101,16 @@ def tables(rows):
             lines.append(
                 f"| {case.bead}, {name(case)} | {case.packing} | {seeds} | " + " | ".join(cell(values[k]) for k in KINDS) + " |"
             )
-    lines += [
-        "",
-        "| bead, law | packing | seeds | c_L | c_T | c_L/c_T | c_L, K_t/10 | c_T, K_t/10 | c_L/c_T, K_t/10 |",
-        "|---" * 9 + "|",
-    ]
+    names = "c_L | c_T | c_L/c_T | c_L, K_t/10 | c_T, K_t/10 | c_L/c_T, K_t/10 | c_L, after reversal | c_T, after reversal"
+    lines += ["", f"| bead, law | packing | seeds | {names} |", "|---" * 11 + "|"]
     for case, series in found.items():
         seeds = sum(path == "oedometric" for path, _ in series)
         if seeds:
-            values = [*speeds(series).values(), *speeds(series, "_tenth").values()]
+            values = [
+                *speeds(series).values(),
+                *speeds(series, "_tenth").values(),
+                *list(speeds(series, "_hertz").values())[:2],
+            ]
             lines.append(f"| {case.bead}, {name(case)} | {case.packing} | {seeds} | " + " | ".join(map(cell, values)) + " |")
     return "\n".join(lines)
 
@@ -150,7 +151,7 @@ def one_contact(law, sigma=1.0):
 
     with quiet():
         bound = Series(law=law, sigma=sigma).bound()
-        force = np.geomspace(1e-3, 1e2, 200)
+        force = np.geomspace(1e-3, 50.0, 200)
         overlap = bound.overlap(force)
         return 1e-6 * sigma / overlap, np.gradient(np.log(bound.stiffness(overlap)), np.log(force))
 
@@ -161,17 +162,19 @@ def draw(rows):
 
     fig, axes = figure(columns=3, width=4.4, height=4.0)
     found = cases(rows)
-    laws = dict.fromkeys(case.law for case in found if case.law != HERTZ)
+    laws = dict.fromkeys(case.law for case in found if case.sigma_um)
     for ax, (column, path, title) in zip(axes, PANELS, strict=True):
         for law in laws:
-            ax.plot(*one_contact(law), color=colour(law), lw=1, label=f"{law}, one contact")
+            x, y = one_contact(law)
+            there = [local(series, column, path)[0].max(initial=0.0) for case, series in found.items() if case.law == law]
+            ax.plot(x[x < max(there)], y[x < max(there)], color=colour(law), lw=1, label=f"{law}, one contact")
         for case, series in found.items():
             x, y = local(series, column, path)
             if case.law == HERTZ:
                 style = "-" if case.packing == "dense" else "--"
                 if case.bead == "glass" and len(y):
                     ax.axhline(y.mean(), color="0.5", lw=1, ls=style, label=f"hertz, {case.packing} packing")
-            elif case.dimension in (2.2, 2.22):
+            elif case.dimension == 2.2 and case.sigma_um:
                 mark = MARKS[case.bead, case.packing]
                 ax.plot(x, y, mark, ms=4.5, mfc="none", color=colour(case.law))
         ax.set(xscale="log", xlabel="σ/δ, δ: overlap at the mean force", title=title, xlim=(0.03, 10.0), ylim=(0.28, 1.0))
@@ -179,11 +182,12 @@ def draw(rows):
         if any((case.bead, case.packing) == (bead, packing) for case in found):
             axes[1].plot([], [], mark, ms=4.5, mfc="none", color="k", label=f"{bead}, {packing} packing")
     axes[0].axhspan(*ALLOWED["G0"], color="k", alpha=0.08, lw=0)
-    axes[0].annotate("measured: usually around 0.5", (0.03, 0.5), xycoords=("axes fraction", "data"), va="center", fontsize=8)
+    place = {"xycoords": ("axes fraction", "data"), "fontsize": 8}
+    axes[0].annotate("measured: around 0.5", (0.99, 0.5), va="center", ha="right", **place)
     for ax, speed in ((axes[1], "c_T"), (axes[2], "c_L")):
         ax.axhline(2.0 * MEASURED[speed], color="k", lw=0.8, ls=":")
         text = f"measured: 2 × {MEASURED[speed]}"
-        ax.annotate(text, (0.03, 2.0 * MEASURED[speed]), xycoords=("axes fraction", "data"), va="bottom", fontsize=8)
+        ax.annotate(text, (0.01, 2.0 * MEASURED[speed]), va="bottom", **place)
     axes[0].set(ylabel="exponent between neighbouring pressures")
     for ax in axes[:2]:
         handles, labels = ax.get_legend_handles_labels()

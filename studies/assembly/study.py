@@ -37,7 +37,7 @@ FROZEN = 100e3
 ROUGH = (0.05, 0.2, 0.5, 2.0)
 PACKINGS, PATHS = ("dense", "loose"), ("isotropic", "oedometric")
 FIELDS = (
-    *("bead", "law", "sigma_um", "dimension", "packing", "path", "count", "seed", "kPa"),
+    *("bead", "law", "sigma_um", "dimension", "slope", "packing", "path", "count", "seed", "kPa"),
     *("side_kPa", "solid", "coordination", "sliding", "force_N", "overlap_nm", "prestress", "steps", "seconds"),
     *("M", "G", "B", "M_tenth", "G_tenth", "M_hertz", "G_hertz", "M_first", "G_first", "M_frozen", "G_frozen"),
 )
@@ -50,6 +50,7 @@ class Series(NamedTuple):
     law: str = HERTZ
     sigma: float = 0.0  # combined roughness [µm]
     dimension: float = 2.2
+    slope: float = 0.0  # of the cone tips of goddard [rad]
     packing: str = "dense"
     path: str = "isotropic"
     count: int = 3000
@@ -62,29 +63,35 @@ class Series(NamedTuple):
         contact = dl.Contact(
             radius=bead.diameter / 4, modulus=modulus, roughness=1e-6 * self.sigma, fractal_dimension=self.dimension
         )
-        law = dl.law(self.law, contact)
+        law = dl.law(self.law, contact, **({"slope": self.slope} if self.slope else {}))
         return law.tabulate(rtol=1e-5) if self.law == "greenwood-tripp" else law
 
 
-CORE = (("glass", HERTZ, 0.0, 2.2), *(("glass", POHRT_POPOV, sigma, 2.2) for sigma in ROUGH))
+CORE = (("glass", HERTZ), *(("glass", POHRT_POPOV, sigma) for sigma in ROUGH))
 MORE = (
-    *(("glass", "rms", sigma, 2.2) for sigma in ROUGH),
-    *(("glass", "greenwood-tripp", sigma, 2.2) for sigma in (0.2, 2.0)),
+    *(("glass", "rms", sigma) for sigma in ROUGH),
+    *(("glass", "greenwood-tripp", sigma) for sigma in (0.2, 0.7, 2.0)),
+    *(("glass", "goddard", 0.0, 2.2, slope) for slope in (0.02, 0.1)),
     *(("glass", POHRT_POPOV, 0.5, dimension) for dimension in (2.0, 2.5)),
-    ("granite", HERTZ, 0.0, 2.22),
-    *(("granite", POHRT_POPOV, sigma, 2.22) for sigma in ROUGH),
+    ("granite", HERTZ),
+    *(("granite", POHRT_POPOV, sigma) for sigma in ROUGH),
 )
-"""Bead, law, combined roughness [µm], fractal dimension."""
+"""Bead, law, combined roughness [µm], fractal dimension, slope [rad]."""
+
+
+def smooth(series):
+    """Hertz's law of the same bead."""
+    return Series(bead=series.bead).bound()
 
 
 def start(packing, count, seed, store=STORE):
     """Places, size and shear forces of a packing of smooth glass spheres at START, made once and kept in `store`."""
     file = Path(store) / f"{packing}-{count}-{seed}.npz"
     if not file.is_file():
-        smooth, friction = Series(), 0.0 if packing == "dense" else GLASS.friction
-        found = Packing.loose(GLASS, count, seed, smooth.bound(1e3), friction)
+        friction = 0.0 if packing == "dense" else GLASS.friction
+        found = Packing.loose(GLASS, count, seed, Series().bound(1e3), friction)
         for softness in (1e3, 1e2, 10.0, 1.0):  # hard spheres take too many steps to meet; each step is ten times harder
-            found.law = smooth.bound(softness)
+            found.law = Series().bound(softness)
             slow = {"drag": 0.03, "viscous": 1e-2} if softness == 1e3 else {"drag": 0.05, "viscous": 5e-3}
             found.compress([START] * 3, tolerance=2e-2, balance=1e-2, **slow)
         file.parent.mkdir(parents=True, exist_ok=True)
@@ -96,7 +103,7 @@ def begin(series, store=STORE):
     """The `Packing` of a series before its first pressure: spheres of its size, closer by the change of the mean overlap."""
     kept, bead = start(series.packing, series.count, series.seed, store), BEADS[series.bead]
     scale, law, force = bead.diameter / GLASS.diameter, series.bound(), START * bead.diameter**2
-    closer = float(law.overlap(force) - dl.law(HERTZ, law.contact).overlap(force)) / bead.diameter
+    closer = float(law.overlap(force) - smooth(series).overlap(force)) / bead.diameter
     scale *= 1.0 - closer
     packing = Packing(bead, scale * kept["places"], scale * kept["size"], law, bead.friction)
     packing.inherit(kept["pairs"], kept["shear"])
@@ -110,7 +117,7 @@ def states(series, pressures=PRESSURES, store=STORE, **settings):
         yield pressure, packing.compress([pressure] * 3 if series.path == "isotropic" else [0.0, 0.0, pressure], **settings)
 
 
-def stiffnesses(series, law, contacts, size, first):
+def stiffnesses(series, contacts, size, first):
     """Columns of the moduli of one state [Pa]."""
     bead, along = BEADS[series.bead], series.path == "oedometric"
     ratio = bead.shear_ratio
@@ -119,16 +126,17 @@ def stiffnesses(series, law, contacts, size, first):
         found = moduli(contacts, size, *args)
         return (found.along, found.across, found.bulk) if along else (found.longitudinal, found.shear, found.bulk)
 
-    smooth = dl.law(HERTZ, law.contact)
+    hertz = smooth(series)
+    after = hertz.stiffness(hertz.overlap(contacts.force))
     row = dict(zip(("M", "G", "B"), both(ratio), strict=True))
     row |= dict(zip(("M_tenth", "G_tenth"), both(0.1 * ratio)[:2], strict=True))
-    row |= dict(zip(("M_hertz", "G_hertz"), both(ratio, smooth.stiffness(smooth.overlap(contacts.force)))[:2], strict=True))
+    row |= dict(zip(("M_hertz", "G_hertz"), both(ratio, after)[:2], strict=True))
     if first and series.law != HERTZ and not along:
-        after = contacts._replace(unloading=smooth.stiffness(smooth.overlap(contacts.force)))
+        contacts = contacts._replace(unloading=after)
         pushed, sheared = np.zeros((3, 3)), np.zeros((3, 3))
         pushed[2, 2], sheared[0, 2], sheared[2, 0] = -1.0, 0.5, 0.5
-        row["M_first"] = first_loading(after, size, ratio, pushed)
-        row["G_first"] = first_loading(after, size, ratio, sheared)
+        row["M_first"] = first_loading(contacts, size, ratio, pushed)
+        row["G_first"] = first_loading(contacts, size, ratio, sheared)
     return row
 
 
@@ -150,7 +158,7 @@ def rows(series, pressures=PRESSURES, store=STORE, **settings):
     for pressure, packing in states(series, pressures, store, **settings):
         began, bead = time.process_time(), BEADS[series.bead]
         contacts = packing.carrying()
-        row = dict(zip(FIELDS[:8], series, strict=True)) | {
+        row = dict(zip(FIELDS[:9], series, strict=True)) | {
             "kPa": 1e-3 * pressure,
             "side_kPa": 1e-3 * packing.stress[:2].mean(),
             "solid": packing.solid,
@@ -161,7 +169,7 @@ def rows(series, pressures=PRESSURES, store=STORE, **settings):
             "prestress": prestress(contacts, bead.shear_ratio),
             "steps": packing.steps,
         }
-        row |= stiffnesses(series, law, contacts, packing.size, series.seed == 1 and series.packing == "dense")
+        row |= stiffnesses(series, contacts, packing.size, series.seed == 1 and series.packing == "dense")
         if pressure == FROZEN:
             kept = contacts, packing.size.copy()
         found.append(row | {"seconds": time.process_time() - began})
@@ -184,7 +192,7 @@ def wanted(count, seeds):
         (MORE, few, "loose", PATHS),
     ):
         for seed, case, path in itertools.product(range(1, last + 1), chosen, paths):
-            yield Series(*case, packing, path, count, seed)
+            yield Series(*case, packing=packing, path=path, count=count, seed=seed)
 
 
 def read(path=RESULTS):
@@ -214,7 +222,7 @@ def append(path, fields, found):
 
 def run(series, path=RESULTS, store=STORE, progress=print):
     """Run the series that `path` lacks; a series is written when it is complete."""
-    done = {tuple(row[name] for name in FIELDS[:8]) for row in read(path)}
+    done = {tuple(row[name] for name in FIELDS[:9]) for row in read(path)}
     for one in dict.fromkeys(series):
         if tuple(one) in done:
             continue

@@ -100,3 +100,42 @@ def test_moduli_agree_with_small_strains_in_lammps(tmp_path):
         assert row["exact"] == pytest.approx(row["engine"], rel=2e-4) and row["linear"] == pytest.approx(
             row["engine"], rel=2e-3
         )
+
+
+def test_what_the_page_claims():
+    """Smooth contacts and flattened asperities have exponents below the measured ones, elastic asperities reach them."""
+    found = report.cases([row for row in study.read() if row["count"] == 1000])
+    g0 = {case: report.exponents(s) for case, s in found.items() if any(path == "isotropic" for path, _ in s)}
+    waves = {case: report.speeds(s) for case, s in found.items() if any(path == "oedometric" for path, _ in s)}
+    low, high = report.ALLOWED["G0"]
+    for case, values in g0.items():
+        assert values["G_hertz"][0] < 0.41 < low, case
+        assert values["G"][0] - values["G_frozen"][0] < (0.02 if case.packing == "dense" else 0.08), case
+    rough = [values["G"][0] for case, values in g0.items() if case.law != "hertz"]
+    assert min(rough) < low and max(rough) > high
+    smooth = [values for case, values in waves.items() if case.law == "hertz"]
+    for speed in ("c_L", "c_T"):
+        assert max(values[speed][0] for values in smooth) < 0.2 < report.MEASURED[speed]
+    measured = report.MEASURED["c_L"] - report.MEASURED["c_T"]
+    assert max(values["c_L"][0] - values["c_T"][0] for values in waves.values()) < 0.07 < measured
+    assert min(report.speeds(found[case], "_tenth")["ratio"][0] for case in waves) > 2.1
+
+
+def test_kept_probes_and_settings_agree():
+    for row in study.read(probe.RESULTS):
+        assert row["exact"] == pytest.approx(row["engine"], rel=1.5e-4 if row["strain"] < 5e-6 else 1e-3)
+        assert row["linear"] == pytest.approx(row["engine"], rel=1.6e-3)
+    rows = study.read(study.SENSITIVITY)
+    for packing, path in (("dense", "isotropic"), ("dense", "oedometric"), ("loose", "oedometric")):
+        one = [
+            [row for row in rows if (row["settings"], row["packing"], row["path"]) == (s, packing, path)]
+            for s in study.SETTINGS
+        ]
+        for column in ("M", "G"):
+            assert np.ptp([report.exponent(some, column) for some in one]) < 2.5e-3
+
+
+def test_the_picture_shows_all_laws():
+    fig = report.draw([row for row in study.read() if row["count"] == 1000])
+    labels = {text.get_text() for ax in fig.axes for text in (ax.get_legend().get_texts() if ax.get_legend() else ())}
+    assert {"pohrt-popov, one contact", "rms, one contact", "hertz, dense packing", "glass, loose packing"} <= labels

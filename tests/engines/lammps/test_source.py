@@ -3,6 +3,7 @@
 import itertools
 import os
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -307,11 +308,15 @@ def test_the_table_of_hertz_over_a_ridge_is_stock_hertz(tmp_path, use, way):
 # --- LAMMPS's own tests of granular models (unittest/granular), with the table of Hertz in the place of hertz/material
 
 
-def cases():
-    """Files of unittest/granular in the source that the program was built from."""
+def tree():
+    """The source that the program was built from."""
     cache = Path(BUILT).with_name("CMakeCache.txt").read_text()
-    folder = Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1)).parent / "unittest/granular/tests"
-    return [file for file in sorted(folder.glob("dem*.yaml")) if "hertz/material" in file.read_text()]
+    return Path(re.search(r"CMAKE_HOME_DIRECTORY:INTERNAL=(.*)", cache).group(1)).parent
+
+
+def cases():
+    files = sorted((tree() / "unittest/granular/tests").glob("dem*.yaml"))
+    return [file for file in files if "hertz/material" in file.read_text()]
 
 
 def blocks_of(text):
@@ -349,3 +354,15 @@ def test_a_case_of_lammps_with_the_table_of_hertz(tmp_path, use, file, newton):
             ends = np.loadtxt(tmp_path / f"end.{segment:.0f}", skiprows=9, ndmin=2)
             vector = ends[int(number) - 1, 1 + 3 * column : 4 + 3 * column]
             np.testing.assert_allclose(vector, expected, rtol=float(case["epsilon"][0]), atol=1e-12, err_msg=f"{name} {row}")
+
+
+def test_the_patch_for_lammps_applies():
+    """upstream/lammps; a source without manual and examples has only some of its files."""
+    patch = Path(dl.__file__).parents[1] / "upstream/lammps/granular_table.patch"
+    text = patch.read_text()
+    kept = "".join(
+        part for part in re.split(r"(?=^diff --git )", text, flags=re.M) if re.match(r"diff --git a/(src|unittest)", part)
+    )
+    line = ["patch", "-p1", "--dry-run", "--force", "-d", str(tree())]
+    done = subprocess.run(line, input=kept, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stdout.count("checking file") == kept.count("diff --git") == 9, done.stdout

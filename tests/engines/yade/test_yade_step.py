@@ -170,6 +170,15 @@ def test_viscous_dissipation_is_that_of_yade(omega, periodic):
         assert law.totals().viscous == pytest.approx(expected, rel=1e-9) and expected > 0.0
 
 
+def test_sums_of_calcenergy_are_those_of_the_law(omega):
+    """YADE's own bookkeeping holds for Mindlin's shear of a Hertz contact."""
+    law = functor("pohrt-popov", "hertz", bridge="native", calcEnergy=True)
+    seen(box_of_stones(law))
+    totals = law.totals()
+    assert (law.shearEnergy, law.frictionDissipation) == (totals.shear_stored, totals.shear_dissipated)
+    assert min(totals.shear_stored, totals.shear_dissipated) > 0.0
+
+
 def test_on_two_threads(tmp_path):
     under_yade(
         """
