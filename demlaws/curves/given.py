@@ -47,12 +47,14 @@ def from_points(
 ) -> tuple[Contact, TableCurve, Any]:
     """(contact, curve, unloading) of `Table.from_points`; the unloading is a `TableCurve` where it is points."""
     definition = _definition(contact, name, description, scales_with)
-    curve = MeasuredCurve(*columns_of(points), uncertainty)
+    overlap, force = columns_of(points)
+    curve = MeasuredCurve(overlap, force, uncertainty)
     check_overlaps(curve.largest, contact.radius)
     table = replace(tabulate_given(curve, definition, contact, rtol), knots=curve.knots)
     _warn_of_other_units(table, contact, curve.largest)
     if _are_points(unloading):
-        past, back, foot = past_plastic_overlap(*columns_of(unloading), plastic_overlap)
+        overlap, force = columns_of(unloading)
+        past, back, foot = past_plastic_overlap(overlap, force, plastic_overlap)
         other = MeasuredCurve(past, back, None, "unloading")
         top, peak = float(past.max() + foot), float(back.max())
         expected = float(curve.evaluate(np.array([min(top, curve.largest)]))[0][0])
