@@ -289,7 +289,8 @@ def stiffest_now(
     largest = law.stiffness(loaded)
     if not law.state_size:
         return largest
-    end = np.maximum(np.minimum(SMALL_OVERLAP * np.asarray(law.contact.radius), (1.0 - 1e-9) * law._largest_overlaps()[0]), loaded)
+    tenth, answered = SMALL_OVERLAP * np.asarray(law.contact.radius), law._largest_overlaps()[0]
+    end = np.maximum(np.minimum(tenth, (1.0 - 1e-9) * answered), loaded)
     histories = [np.clip(largest_overlap, loaded, end)] if largest_overlap is not None else loaded * (end / loaded) ** _SHARES
     possible = np.ones(force.size, bool)
     for highest in histories:
