@@ -8,7 +8,6 @@ import re
 import sys
 import warnings
 
-from demlaws.cli.arguments import in_options
 from demlaws.cli.output import Output, arranged
 from demlaws.core import notice
 from demlaws.errors import DemlawsError, ValidityWarning, most_similar
@@ -32,6 +31,20 @@ COMMANDS = {
 
 
 LAW_FILE = "--law-file"
+
+
+def in_options(text, arguments):
+    """A message of the package with the command's options in place of Python's arguments: --force-noise for force_noise.
+
+    Names in a list, as those of quantities, stay as they are.
+    """
+    for name in vars(arguments):
+        option = f"--{name.replace('_', '-')}"
+        text = re.sub(rf"Contact\(\.\.\., {name}=\.\.\.\)", option, text)
+        text = re.sub(rf"\b{name}='([\w.-]+)'", rf"{option} \1", text)
+        if "_" in name:
+            text = re.sub(rf"(?<!, )(?<![-\w]){name}\b(?!,)", option, text)
+    return text
 
 
 class _LawFile(argparse.Action):

@@ -1,7 +1,6 @@
 """Kinds of argument that several commands share: quantities with units, whole numbers, names of laws."""
 
 import argparse
-import re
 import sys
 
 from demlaws.errors import DemlawsError
@@ -41,20 +40,6 @@ def whole(low=1, high=10_000_000):
             raise argparse.ArgumentTypeError(str(error).removeprefix("this = ")) from None
 
     return convert
-
-
-def in_options(text, arguments):
-    """A message of the package with the command's options in place of Python's arguments: --force-noise for force_noise.
-
-    Names in a list, as those of quantities, stay as they are.
-    """
-    for name in vars(arguments):
-        option = f"--{name.replace('_', '-')}"
-        text = re.sub(rf"Contact\(\.\.\., {name}=\.\.\.\)", option, text)
-        text = re.sub(rf"\b{name}='([\w.-]+)'", rf"{option} \1", text)
-        if "_" in name:
-            text = re.sub(rf"(?<!, )(?<![-\w]){name}\b(?!,)", option, text)
-    return text
 
 
 def law_name(text):

@@ -4,8 +4,8 @@ import os
 import textwrap
 from pathlib import Path
 
-from demlaws.cli import example
-from demlaws.cli.arguments import compliance, force, in_options, law_name, length
+from demlaws.cli import example, in_options
+from demlaws.cli.arguments import compliance, force, law_name, length
 from demlaws.cli.contact import add_contact_arguments, contact_from, describe
 from demlaws.cli.output import Output, output, record, write_csv
 
