@@ -52,7 +52,7 @@ def test_a_script_with_one_law_loads_no_code_of_other_features(tmp_path):
     loaded = {Path(file).relative_to(PACKAGE).with_suffix("").as_posix() for file in files}
     assert {"yade/kernel", "yade/shear", "laws/pohrt_popov"} <= loaded
     others = {"yade/curvature", "yade/slip", "yade/public", "core/slip", "solvers/ellipsoid", "criterion", "curves/tabulate"}
-    assert not loaded & (others | {"batch", "files", "path", "results", "shear"})
+    assert not loaded & (others | {"batch", "path", "results", "shear"})
 
 
 # --- the command
